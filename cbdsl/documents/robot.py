@@ -1,0 +1,238 @@
+"""The robot document: what can be sensed and moved, and the constants of this body."""
+
+from __future__ import annotations
+
+from typing import Annotated, Literal
+
+from pydantic import Field
+
+from cbdsl.documents.document import (
+    Angle,
+    AngularSpeed,
+    AnyAcceleration,
+    AnySpeed,
+    Document,
+    Force,
+    Length,
+    Name,
+    Number,
+    Pixels,
+    Point,
+    Rate,
+    Section,
+    Share,
+    Time,
+    Torque,
+    Vector,
+)
+
+
+class Tip(Section):
+    """The frame of an effector that is moved in Cartesian space."""
+
+    link: str
+    """Link of the URDF that carries the frame."""
+    offset: Point = (0.0, 0.0, 0.0)
+    """Control point in the link's frame."""
+
+
+class Effector(Section):
+    """A synergy: joints that are controlled together (Eq 3.8)."""
+
+    joints: Annotated[tuple[str, ...], Field(min_length=1)]
+    """Actuated joints of the URDF, in order."""
+    tip: Tip | None = None
+    """The frame that gives this effector a position and an orientation."""
+    postures: dict[Name, tuple[Angle, ...]] = {}
+    """Named joint postures, each with one angle per joint."""
+    start: Name | None = None
+    """Posture at the start of an episode; without it, zero within the limits."""
+
+
+class Coupling(Section):
+    """A passive joint that follows an actuated one."""
+
+    follows: str
+    """The actuated joint."""
+    ratio: Number
+    """Angle of the passive joint per angle of the actuated one."""
+
+
+class LoadCell(Section):
+    """A six-axis load cell on a fingertip."""
+
+    link: str
+    """Link of the URDF that carries the cell."""
+    joint: str
+    """Actuated joint that flexes this finger."""
+    normal: Vector
+    """Direction in the link's frame in which the finger presses."""
+    share: Annotated[Share, Field(gt=0)] = 1.0
+    """Share of a force reference that this finger takes, so that opposing fingers balance."""
+
+
+class Camera(Section):
+    """A pinhole camera; its frame looks along +x, with +y to its left and +z up."""
+
+    link: str
+    """Link of the URDF at the optical centre."""
+    width: Annotated[int, Field(gt=0)]
+    """Image width, px."""
+    height: Annotated[int, Field(gt=0)]
+    """Image height, px."""
+    focal_length: Pixels
+    """Focal length at this width, px."""
+
+
+class Channels(Section):
+    """How the images are divided into channels (Eq 3.10)."""
+
+    hue: Annotated[int, Field(ge=0)] = 10
+    """Number of equal hue bins, numbered from 1."""
+    saturation: Annotated[int, Field(ge=0)] = 10
+    """Number of equal saturation bins, numbered from 1."""
+    intensity: Annotated[int, Field(ge=0)] = 10
+    """Number of equal intensity bins, numbered from 1."""
+    motion: bool = True
+    """Whether there is a channel for pixels that changed since the image before."""
+    least_intensity: Share = 0.16
+    """Darker pixels have neither hue nor saturation."""
+    least_saturation: Share = 0.3
+    """Paler pixels have no hue."""
+    aliases: dict[Name, str] = {}
+    """Further names of channels, such as ``green: hue_4``."""
+
+
+class Regions(Section):
+    """When a channel's pixels count as a region, and how its position is remembered."""
+
+    least_area: Annotated[int, Field(gt=0)] = 12
+    """Smaller regions are noise, px."""
+    ray_gap: Length = 0.02
+    """Largest distance between the two lines of sight at their crossing."""
+    farthest: Length = 2.5
+    """Farthest position that is believed."""
+    least_visible: Share = 0.98
+    """Share of the largest apparent size below which a region counts as hidden in part."""
+    hold: Time = 0.5
+    """How long a position outlives its region when no hand explains the loss."""
+    hand_radius: Length = 0.18
+    """A hand this near to the line of sight explains that a region is hidden."""
+    prediction: Time = 3.0
+    """How long a moving region is predicted while hidden."""
+    gains: tuple[Share, Share] = (0.5, 0.12)
+    """Gains of the alpha-beta filter on positions."""
+    least_speed: AnySpeed = 0.008
+    """Slower regions are taken to stand still."""
+
+
+class Vision(Section):
+    """How images are made and read."""
+
+    rate: Rate = 15.0
+    """Images per second."""
+    renderer: Literal["auto", "opengl", "tiny"] = "auto"
+    """``opengl`` needs EGL; ``tiny`` runs everywhere; ``auto`` takes the first that works."""
+    channels: Channels = Channels()
+    regions: Regions = Regions()
+
+
+class Quiescence(Section):
+    """When a controller is at rest: the range of phi over a window, per window (Eq 4.1)."""
+
+    rate: Annotated[Number, Field(gt=0)]
+    """Largest rate of phi at rest, in its unit per second."""
+    window: Time
+    """How long phi is watched."""
+    within: Annotated[Number, Field(gt=0)] | None = None
+    """Largest residual that earns a reward, as a share of the reference's norm."""
+
+
+class TaskSettings(Section):
+    """How a controller whose feedback is of one type behaves unless it says otherwise."""
+
+    gain: Annotated[float, Field(gt=0)]
+    """kappa: Newton steps per second, 1/s. A spring's Newton step is half its residual."""
+    speed: AnySpeed | None = None
+    """Largest rate of the task coordinates."""
+    acceleration: AnyAcceleration | None = None
+    """Largest acceleration of the task coordinates."""
+    quiescence: Quiescence
+
+
+class Control(Section):
+    """The control cycle and its guards."""
+
+    rate: Rate
+    """Control ticks per second."""
+    joint_speed: AngularSpeed = 1.5
+    """Largest joint speed that the law asks for."""
+    lead: Angle = 0.12
+    """Largest distance of a joint's reference from its measured position."""
+    limit_margin: Angle = 0.01
+    """Joints are kept this far from their limits."""
+    damping: Number = 0.01
+    """Largest damping of a step near a singularity."""
+    singular_value: Number = 0.04
+    """Singular value below which damping sets in."""
+    tasks: dict[str, TaskSettings]
+    """Settings by the type of the feedback."""
+    stiffness: Annotated[Number, Field(gt=0)] = 5.0
+    """Fingertip force per joint angle assumed by force -> displacement, N/rad."""
+
+
+class Contact(Section):
+    """What counts as contact on a load cell."""
+
+    threshold: Force = 0.1
+    """Smaller forces are noise."""
+    noise: Force = 0.03
+    """Standard deviation of each measured component."""
+    filter: Time = 0.02
+    """Time constant of the load cells' low-pass filter."""
+
+
+class TipSurface(Section):
+    """The material of the links that touch things."""
+
+    links: tuple[str, ...] = ()
+    friction: Share = 1.0
+    stiffness: Number | None = None
+    """Contact stiffness, N/m; rigid without it."""
+    damping: Number | None = None
+    """Contact damping, N s/m."""
+
+
+class Simulation(Section):
+    """Constants that only a simulated body needs."""
+
+    physics_rate: Rate = 240.0
+    """Physics steps per second."""
+    solver_iterations: Annotated[int, Field(gt=0)] = 20
+    position_gain: Share = 0.3
+    velocity_gain: Share = 1.0
+    efforts: dict[str, Torque] = {}
+    """Joint torques that replace the URDF's."""
+    surfaces: tuple[TipSurface, ...] = ()
+    no_contact: tuple[tuple[str, ...], ...] = ()
+    """Groups of links whose mutual contacts are ignored; a trailing * matches any ending."""
+
+
+class RobotDocument(Document):
+    """Everything that the framework knows about one robot."""
+
+    kind: Literal["robot"]
+    model: str
+    """URDF file, relative to this document."""
+    base: str
+    """Link whose frame is the world frame."""
+    effectors: dict[Name, Effector]
+    couplings: dict[str, Coupling] = {}
+    """Passive joints, by name."""
+    load_cells: dict[Name, dict[Name, LoadCell]] = {}
+    """Load cells by hand (an effector) and finger."""
+    cameras: dict[Name, Camera] = {}
+    vision: Vision = Vision()
+    contact: Contact = Contact()
+    control: Control
+    simulation: Simulation = Simulation()

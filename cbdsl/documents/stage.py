@@ -1,0 +1,131 @@
+"""The stage document: a training context, set up by the experimenter and unseen by the robot."""
+
+from __future__ import annotations
+
+from typing import Annotated, Literal
+
+from pydantic import Field
+
+from cbdsl.documents.document import (
+    Angle,
+    AngleSpan,
+    Color,
+    Document,
+    Length,
+    LengthSpan,
+    MassSpan,
+    Name,
+    Point,
+    Section,
+    Share,
+    SpeedSpan,
+    Time,
+    TimeSpan,
+)
+
+
+class Ball(Section):
+    shape: Literal["ball"]
+    radius: LengthSpan
+
+
+class Box(Section):
+    shape: Literal["box"]
+    size: tuple[LengthSpan, LengthSpan, LengthSpan]
+    """Edge lengths."""
+
+
+class Cylinder(Section):
+    shape: Literal["cylinder"]
+    radius: LengthSpan
+    height: LengthSpan
+
+
+class Surface(Section):
+    """What a thing is made of."""
+
+    color: Color = (1.0, 0.0, 0.0)
+    friction: Share = 0.8
+    rolling_friction: Share = 0.002
+
+
+class Fixture(Surface):
+    """A thing that does not move."""
+
+    form: Annotated[Ball | Box | Cylinder, Field(discriminator="shape")]
+    position: Point
+    """Centre, in the world frame."""
+
+
+class Thing(Surface):
+    """A thing that can be touched and moved."""
+
+    form: Annotated[Ball | Box | Cylinder, Field(discriminator="shape")]
+    mass: MassSpan
+
+
+class Place(Section):
+    """Where a thing is put: on a fixture, at a height, or in reach of a hand."""
+
+    x: LengthSpan = (0.0, 0.0)
+    y: LengthSpan = (0.0, 0.0)
+    z: LengthSpan | None = None
+    """Height of the centre; without it the thing stands on ``on``."""
+    on: Name | None = None
+    """Fixture that it stands on."""
+    hand: Name | None = None
+    """Effector in whose reach it is held; x, y and z are then in the tip's frame."""
+    yaw: AngleSpan = (0.0, 0.0)
+    held: bool = False
+    """Held still by the experimenter until all fingers of ``hand`` touch it."""
+
+
+class Motion(Section):
+    """How the experimenter moves a thing until it is touched."""
+
+    speed: SpeedSpan
+    """Horizontal speed."""
+    direction: AngleSpan
+    """Direction in the world frame, 0 along x."""
+    upward: SpeedSpan = (0.0, 0.0)
+    thrown: bool = False
+    """Given its speed once, instead of kept at it."""
+    after: TimeSpan = (0.0, 0.0)
+    """When the motion starts."""
+
+
+class Context(Section):
+    """One way in which an episode can begin."""
+
+    share: Annotated[Share, Field(gt=0)] = 1.0
+    """Relative frequency."""
+    things: tuple[Name, ...] = ()
+    """One of these is presented, drawn evenly; none: nothing is."""
+    place: Place | None = None
+    motion: Motion | None = None
+    joints: dict[str, AngleSpan] = {}
+    """Where these joints start, instead of their effector's start posture."""
+    removed_after: Time | None = None
+    """When the thing is taken away."""
+
+
+class Disturbance(Section):
+    """Imperfections of the sensors in this context."""
+
+    image_noise: Share = 0.0
+    """Standard deviation of pixel values, of 255."""
+    camera_position: Length = 0.0
+    """Distance of each camera from where the robot believes it to be."""
+    camera_rotation: Angle = 0.0
+    """Angle of each camera from how the robot believes it to be turned."""
+
+
+class StageDocument(Document):
+    """Which things are shown to a robot, where, and how."""
+
+    kind: Literal["stage"]
+    robot: Name
+    fixtures: dict[Name, Fixture] = {}
+    things: dict[Name, Thing] = {}
+    contexts: Annotated[dict[Name, Context], Field(min_length=1)]
+    disturbance: Disturbance = Disturbance()

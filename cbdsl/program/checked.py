@@ -1,0 +1,54 @@
+"""The checked program: immutable, fully resolved, ready to run."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+from cbdsl.program.controller import Composition, Primitive
+
+
+@dataclass(frozen=True)
+class Action:
+    """One thing that a policy can choose.
+
+    Attributes:
+        name: the action as its program writes it, in canonical spelling.
+        composition: the controllers that it runs, or ``None`` where it is a program.
+        program: the program that it runs, or ``None`` where it is a composition.
+    """
+
+    name: str
+    composition: Composition | None = None
+    program: CheckedProgram | None = None
+
+
+@dataclass(frozen=True)
+class CheckedProgram:
+    """A program that the checker found no fault in.
+
+    Attributes:
+        name: the program's name.
+        robot: the robot it was checked against.
+        stage: the training context it is used in unless another is named.
+        parameters: the values its parameters were given.
+        members: what a state has a predicate for, in order: primitives and programs by name.
+        primitives: the members that are primitives, by name.
+        actions: what a policy can choose from.
+        policy: action name by state pattern (one of ``X - 0 1 *`` per member).
+        background: what runs below every action.
+        transitions: most state transitions in an episode.
+        transition_time: longest time one action may run without a change of state, s.
+    """
+
+    name: str
+    robot: str
+    stage: str | None
+    parameters: Mapping[str, str]
+    members: tuple[str, ...]
+    primitives: Mapping[str, Primitive]
+    actions: tuple[Action, ...]
+    policy: Mapping[str, str]
+    background: Composition | None
+    transitions: int
+    transition_time: float

@@ -1,0 +1,32 @@
+"""What a robot senses in one tick: the only thing that controllers ever see of the world."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+Floats = NDArray[np.float64]
+Image = NDArray[np.uint8]
+
+
+@dataclass(frozen=True)
+class Observation:
+    """One reading of all sensors. It has no field for what only the simulator knows.
+
+    Attributes:
+        time: since the start of the episode, s.
+        positions: actuated joints in the order of the robot file's effectors, rad, shape (n,).
+        velocities: of the same joints, rad/s, shape (n,).
+        loads: force and torque exerted by each load cell on the world, in the world frame, N and
+            N m, by (hand, finger), shape (6,) each.
+        images: RGB, shape (height, width, 3), top row first, by camera; empty between images.
+    """
+
+    time: float
+    positions: Floats
+    velocities: Floats
+    loads: Mapping[tuple[str, str], Floats]
+    images: Mapping[str, Image]

@@ -1,0 +1,120 @@
+"""Resources: the named, typed signals of one robot, and where each comes from."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from enum import Enum
+
+from cbdsl.types.resource_type import ResourceType
+
+
+class Origin(Enum):
+    """Where a signal arises (Eq 3.16); only ``ENVIRONMENT`` can be rewarded (Eq 4.3)."""
+
+    ENVIRONMENT = "environment"
+    PROPRIOCEPTION = "proprioception"
+    KINEMATICS = "kinematics"
+    TRIANGULATION = "triangulation"
+    MODEL = "internal model"
+    CONSTANT = "constant"
+
+
+@dataclass(frozen=True)
+class EffectorConfiguration:
+    """The joint positions of an effector."""
+
+    effector: str
+
+
+@dataclass(frozen=True)
+class Tip:
+    """The ``position``, ``orientation`` or ``pose`` of an effector's tip, in the world frame."""
+
+    effector: str
+    part: str
+
+
+@dataclass(frozen=True)
+class FingerLoad:
+    """The ``force``, ``torque`` or ``wrench`` a finger exerts, in the world frame."""
+
+    hand: str
+    finger: str
+    part: str
+
+
+@dataclass(frozen=True)
+class NetLoad:
+    """The sum over a hand's fingers of their ``force``, ``torque`` or ``wrench``."""
+
+    hand: str
+    part: str
+
+
+@dataclass(frozen=True)
+class FingerForces:
+    """The forces of all fingers of a hand, in the order of the robot file."""
+
+    hand: str
+
+
+@dataclass(frozen=True)
+class Heading:
+    """Where a camera sees a channel's region; ``cyclopean`` is the mean over the cameras."""
+
+    camera: str
+    channel: str
+
+
+@dataclass(frozen=True)
+class StereoPosition:
+    """The triangulated position of a channel's region, in the world frame."""
+
+    channel: str
+
+
+@dataclass(frozen=True)
+class Posture:
+    """A named joint posture of the robot file."""
+
+    effector: str
+    posture: str
+
+
+@dataclass(frozen=True)
+class UniformSample:
+    """A draw from the uniform distribution between an effector's joint limits."""
+
+    effector: str
+
+
+Source = (
+    EffectorConfiguration
+    | Tip
+    | FingerLoad
+    | NetLoad
+    | FingerForces
+    | Heading
+    | StereoPosition
+    | Posture
+    | UniformSample
+)
+
+
+@dataclass(frozen=True)
+class Resource:
+    """A named, typed signal.
+
+    Attributes:
+        name: its name in programs, such as ``right_arm.position``.
+        type: what it carries.
+        origin: where it arises.
+        source: what the signal layer has to read or compute.
+        movable: whether it can be an effector, directly or through its Jacobian (Eq 3.17).
+    """
+
+    name: str
+    type: ResourceType
+    origin: Origin
+    source: Source
+    movable: bool = False

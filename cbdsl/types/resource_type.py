@@ -1,0 +1,69 @@
+"""The nominal types of sensory and motor signals (Table 3.1)."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+
+@dataclass(frozen=True)
+class ResourceType:
+    """What kind of quantity a resource carries.
+
+    Types are nominal: a force is not a position although both live in R^3.
+
+    Attributes:
+        name: the type's name as diagnostics print it, without its size.
+        space: the mathematical space, as Table 3.1 writes it.
+        dimension: components of one value (of the tangent space for SO(3) and SE(3)).
+        unit: SI unit of every component, or of translation and rotation in turn.
+        factors: how many copies of the type a product holds; 1 for a plain type.
+    """
+
+    name: str
+    space: str
+    dimension: int
+    unit: str
+    factors: int = 1
+
+    def times(self, factors: int) -> ResourceType:
+        """The product of ``factors`` copies of this type."""
+        return replace(self, factors=self.factors * factors)
+
+    @property
+    def size(self) -> int:
+        """Components of one value, over all factors."""
+        return self.dimension * self.factors
+
+    def __str__(self) -> str:
+        own = f"{self.name}[{self.dimension}]" if self.name == "configuration" else self.name
+        return own if self.factors == 1 else f"{own} x {self.factors}"
+
+
+def configuration(joints: int) -> ResourceType:
+    """The type of ``joints`` joint variables, C_n, in rad."""
+    return ResourceType("configuration", f"C_{joints}", joints, "rad")
+
+
+WRENCH = ResourceType("wrench", "SE*(3)", 6, "N, N m")
+FORCE = ResourceType("force", "R^3", 3, "N")
+TORQUE = ResourceType("torque", "SO*(3)", 3, "N m")
+# Table 3.1 says SO(2), yet a heading has two angles (the image centre is [0 0]).
+HEADING = ResourceType("heading", "SO(2)^2", 2, "rad")
+POSE = ResourceType("pose", "SE(3)", 6, "m, rad")
+POSITION = ResourceType("position", "R^3", 3, "m")
+ORIENTATION = ResourceType("orientation", "SO(3)", 3, "rad")
+
+#: The eight types, by name; ``configuration`` stands for every C_n.
+TYPES: dict[str, ResourceType] = {
+    kind.name: kind
+    for kind in (
+        ResourceType("configuration", "C_n", 0, "rad"),
+        WRENCH,
+        FORCE,
+        TORQUE,
+        HEADING,
+        POSE,
+        POSITION,
+        ORIENTATION,
+    )
+}

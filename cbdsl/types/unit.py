@@ -1,0 +1,91 @@
+"""Quantities as text: ``30 deg``, ``5 N``, ``2 cm``, read into SI."""
+
+from __future__ import annotations
+
+import math
+import re
+from dataclasses import dataclass
+
+_NUMBER = r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?"
+_QUANTITY = re.compile(rf"^\s*({_NUMBER})\s*(\S.*?)?\s*$")
+
+
+@dataclass(frozen=True)
+class Unit:
+    """A unit of one dimension: ``factor`` times the SI unit of ``dimension``."""
+
+    symbol: str
+    dimension: str
+    factor: float
+
+
+def _units() -> dict[str, Unit]:
+    table = {
+        "length": {"m": 1.0, "cm": 1e-2, "mm": 1e-3, "km": 1e3},
+        "angle": {"rad": 1.0, "deg": math.pi / 180, "mrad": 1e-3},
+        "time": {"s": 1.0, "ms": 1e-3, "min": 60.0},
+        "rate": {"Hz": 1.0, "/s": 1.0, "1/s": 1.0, "kHz": 1e3},
+        "mass": {"kg": 1.0, "g": 1e-3},
+        "force": {"N": 1.0, "mN": 1e-3, "kN": 1e3},
+        "torque": {"N m": 1.0, "Nm": 1.0},
+        "speed": {"m/s": 1.0, "cm/s": 1e-2, "mm/s": 1e-3},
+        "angular speed": {"rad/s": 1.0, "deg/s": math.pi / 180},
+        "acceleration": {"m/s^2": 1.0, "cm/s^2": 1e-2},
+        "angular acceleration": {"rad/s^2": 1.0, "deg/s^2": math.pi / 180},
+        "stiffness": {"N/m": 1.0},
+        "contact damping": {"N s/m": 1.0},
+        "angular stiffness": {"N/rad": 1.0},
+        "pixels": {"px": 1.0},
+    }
+    return {
+        symbol: Unit(symbol, dimension, factor)
+        for dimension, units in table.items()
+        for symbol, factor in units.items()
+    }
+
+
+UNITS: dict[str, Unit] = _units()
+
+
+class QuantityError(ValueError):
+    """A text is no quantity, or one of another dimension; the message says which."""
+
+
+def parse_quantity(text: str) -> tuple[float, Unit | None]:
+    """Read a number and its unit.
+
+    Returns:
+        The value in SI and the unit, or ``None`` where no unit was written.
+
+    Raises:
+        QuantityError: the text is no number, or its unit is unknown.
+    """
+    match = _QUANTITY.match(text)
+    if not match:
+        raise QuantityError(f"'{text}' is not a number with a unit")
+    number, symbol = float(match[1]), match[2]
+    if symbol is None:
+        return number, None
+    unit = UNITS.get(symbol)
+    if unit is None:
+        raise QuantityError(f"'{symbol}' is not a unit; known units: {', '.join(UNITS)}")
+    return number * unit.factor, unit
+
+
+def read_quantity(value: object, dimensions: tuple[str, ...]) -> float:
+    """Read a value given as an SI number or as text with a unit of one of ``dimensions``.
+
+    Raises:
+        QuantityError: it is neither, is not finite, or has a unit of another dimension.
+    """
+    if isinstance(value, bool) or not isinstance(value, (int, float, str)):
+        raise QuantityError(f"expected a number or a quantity of {' or '.join(dimensions)}")
+    number, unit = parse_quantity(value) if isinstance(value, str) else (float(value), None)
+    if unit is not None and unit.dimension not in dimensions:
+        allowed = ", ".join(u.symbol for u in UNITS.values() if u.dimension in dimensions)
+        raise QuantityError(
+            f"'{value}' is of {unit.dimension}, expected {' or '.join(dimensions)} ({allowed})"
+        )
+    if not math.isfinite(number):
+        raise QuantityError(f"{value!r} is not finite")
+    return number
