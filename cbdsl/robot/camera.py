@@ -1,0 +1,68 @@
+"""The pinhole camera: pixels, lines of sight and headings."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cbdsl.documents.robot import Camera
+
+Floats = NDArray[np.float64]
+
+
+def sight(camera: Camera, column: float, row: float) -> Floats:
+    """Direction of a pixel in the camera frame (x forward, y left, z up), with x = 1, shape (3,).
+
+    Args:
+        column: px from the left edge; the centre of the first pixel is at 0.5.
+        row: px from the top edge.
+    """
+    return np.array(
+        [
+            1.0,
+            (camera.width / 2 - column) / camera.focal_length,
+            (camera.height / 2 - row) / camera.focal_length,
+        ]
+    )
+
+
+def heading(direction: Floats) -> Floats:
+    """Azimuth (left positive) and elevation (up positive) of a direction, rad, shape (2,)."""
+    x, y, z = direction
+    return np.array([math.atan2(y, x), math.atan2(z, math.hypot(x, y))])
+
+
+def direction(angles: Floats) -> Floats:
+    """Unit vector with the given heading, shape (3,)."""
+    azimuth, elevation = angles
+    return np.array(
+        [
+            math.cos(elevation) * math.cos(azimuth),
+            math.cos(elevation) * math.sin(azimuth),
+            math.sin(elevation),
+        ]
+    )
+
+
+def heading_jacobian(angles: Floats) -> Floats:
+    """Change of a heading per rotation of the camera about its own axes, shape (2, 3).
+
+    The point looked at is taken to be far away compared with the camera's own displacement.
+    """
+    azimuth, elevation = angles
+    # The point turns by -omega in the camera frame: its direction d moves by -(omega x d).
+    tan = math.tan(elevation)
+    return np.array(
+        [
+            [tan * math.cos(azimuth), tan * math.sin(azimuth), -1.0],
+            [-math.sin(azimuth), math.cos(azimuth), 0.0],
+        ]
+    )
+
+
+def focal_scale(camera: Camera, direction_in_camera: Floats) -> float:
+    """Cosine cubed of the angle off the optical axis: how much a pinhole enlarges areas there."""
+    x, y, z = direction_in_camera
+    return float((1 + (y * y + z * z) / (x * x)) ** -1.5)

@@ -1,0 +1,87 @@
+"""A remembered position: what stereo saw last, while a hand is in the way."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cbdsl.documents.robot import Regions
+
+Floats = NDArray[np.float64]
+
+
+class PositionMemory:
+    """Filters the triangulated position of one channel and holds it while its region is hidden.
+
+    The centroid of a half-hidden region is not the centre of the thing. A sighting therefore
+    counts only while the region's apparent size, corrected for distance, is as large as the
+    largest seen so far in every camera. A hidden thing is remembered for as long as the robot's
+    own hands explain why it cannot be seen, and forgotten soon after otherwise.
+
+    Attributes:
+        position: m in the world frame, shape (3,), or ``None`` while undefined.
+        radius: of a ball that would look as large, m; ``0`` while undefined.
+    """
+
+    def __init__(self, settings: Regions) -> None:
+        self._settings = settings
+        self.reset()
+
+    def reset(self) -> None:
+        """Forget everything."""
+        self.position: Floats | None = None
+        self.radius = 0.0
+        self._velocity: Floats = np.zeros(3)
+        self._seen = 0.0
+        self._largest: Floats | None = None
+
+    def forget_size(self) -> None:
+        """Let the next sighting set the size anew, where nothing is remembered."""
+        if self.position is None:
+            self._largest = None
+
+    def see(self, time: float, position: Floats, sizes: Floats) -> bool:
+        """Take in a sighting; returns whether it was believed.
+
+        Args:
+            time: s.
+            position: triangulated, m, shape (3,).
+            sizes: apparent area times squared distance in each camera, m^2, shape (2,).
+        """
+        if self._largest is None:
+            self._largest = sizes
+        if np.any(sizes < self._settings.least_visible * self._largest):
+            return False
+        self._largest = np.maximum(self._largest, sizes)
+        self.radius = float(np.sqrt(np.mean(self._largest) / np.pi))
+        if self.position is None:
+            self.position, self._velocity = position, np.zeros(3)
+        else:
+            self._correct(time, position)
+        self._seen = time
+        return True
+
+    def predict(self, period: float, time: float) -> None:
+        """Carry a moving position on by ``period`` seconds."""
+        if self.position is None or time - self._seen > self._settings.prediction:
+            return
+        if float(np.linalg.norm(self._velocity)) > self._settings.least_speed:
+            self.position = self.position + self._velocity * period
+
+    def miss(self, time: float, *, explained: bool) -> None:
+        """Take in that there was no believable sighting, and whether a hand explains it."""
+        if not explained and time - self._seen > self._settings.hold:
+            self.position = None
+
+    def rest(self) -> None:
+        """Take the thing to stand still, as when a hand has touched it."""
+        self._velocity = np.zeros(3)
+
+    def _correct(self, time: float, position: Floats) -> None:
+        assert self.position is not None
+        alpha, beta = self._settings.gains
+        error = position - self.position
+        self.position = self.position + alpha * error
+        self._velocity = self._velocity + beta * error / max(time - self._seen, 1e-3)
+        # Things roll and slide on something level; a vertical velocity is measurement error.
+        self._velocity[2] = 0.0

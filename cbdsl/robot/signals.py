@@ -1,0 +1,252 @@
+"""Signals: the value and Jacobian of every resource, from what was observed."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from functools import singledispatchmethod
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cbdsl.documents.robot import LoadCell, RobotDocument
+from cbdsl.robot.camera import heading_jacobian
+from cbdsl.robot.kinematics import Kinematics
+from cbdsl.robot.observation import Observation
+from cbdsl.robot.vision import Vision
+from cbdsl.types.resource import (
+    EffectorConfiguration,
+    FingerForces,
+    FingerLoad,
+    Heading,
+    NetLoad,
+    Posture,
+    Resource,
+    Source,
+    StereoPosition,
+    Tip,
+    UniformSample,
+)
+
+Floats = NDArray[np.float64]
+
+_PARTS = {"force": slice(0, 3), "torque": slice(3, 6), "wrench": slice(0, 6)}
+
+
+class SensorError(Exception):
+    """A sensor gave NaN or infinity; the message names it."""
+
+
+@dataclass(frozen=True)
+class Reading:
+    """A resource's value in one tick.
+
+    Attributes:
+        value: SI, shape (m,); an orientation is a rotation matrix, shape (3, 3).
+        jacobian: change of the value per joint, shape (m, n) over all actuated joints; an
+            orientation's is its angular velocity in world axes, shape (3, n).
+        stamp: counts the measurements, so that a value which was only repeated is recognised.
+        radius: apparent radius of a seen thing, m.
+    """
+
+    value: Floats
+    jacobian: Floats
+    stamp: int
+    radius: float = 0.0
+
+
+class Signals:
+    """Reads resources, tick by tick.
+
+    Undefined signals read as ``None``: a channel without a region, a hand without contact.
+    """
+
+    def __init__(
+        self, robot: RobotDocument, kinematics: Kinematics, resources: Iterable[Resource]
+    ) -> None:
+        self._robot = robot
+        self.kinematics = kinematics
+        self.joints = kinematics.joints
+        channels = [
+            resource.source.channel
+            for resource in resources
+            if isinstance(resource.source, (Heading, StereoPosition))
+        ]
+        self.vision = Vision(robot, kinematics, channels)
+        self.reset()
+
+    def reset(self) -> None:
+        """Forget the episode before."""
+        self.vision.reset()
+        self._ticks = 0
+        self._tare: dict[tuple[str, str], Floats] = {}
+        self._loads: Mapping[tuple[str, str], Floats] = {}
+        self._known: dict[Resource, Reading | None] = {}
+
+    def update(self, observation: Observation) -> None:
+        """Take in one tick's observation.
+
+        Raises:
+            SensorError: a joint, load cell or image is not finite.
+        """
+        _require_finite(observation)
+        self._ticks += 1
+        self._known.clear()
+        self.time = observation.time
+        self.positions = observation.positions
+        self.kinematics.update(observation.positions)
+        # Load cells carry the weight of what is mounted on them: what they read at first is zero.
+        if not self._tare:
+            self._tare = dict(observation.loads)
+        self._loads = {key: load - self._tare[key] for key, load in observation.loads.items()}
+        self.vision.update(observation.time, observation.images)
+        if any(self.in_contact(hand) for hand in self._robot.load_cells):
+            self.vision.touched()
+
+    def in_contact(self, hand: str) -> bool:
+        """Whether any fingertip of a hand feels more than the contact threshold."""
+        return any(self._force(hand, finger) is not None for finger in self._fingers(hand))
+
+    def read(self, resource: Resource) -> Reading | None:
+        """The resource's value now, or ``None`` while it is undefined."""
+        if resource not in self._known:
+            self._known[resource] = self._read(resource.source)
+        return self._known[resource]
+
+    def sample(self, resource: Resource, rng: np.random.Generator) -> Floats:
+        """A new draw from an internal model."""
+        assert isinstance(resource.source, UniformSample)
+        own = self.joints.of(resource.source.effector)
+        return rng.uniform(self.kinematics.lower[own], self.kinematics.upper[own])
+
+    def normal_forces(self, hand: str) -> Reading:
+        """Each finger's force along its normal, N, shape (fingers,), by the joint that flexes it.
+
+        Defined without contact too, as a measured zero, so that a hand can close on something.
+        The Jacobian is the cast force -> displacement (Eq 3.37-3.39) with the robot's stiffness.
+        """
+        value = [
+            float(self._normal(cell) @ self._loads[hand, finger][:3])
+            for finger, cell in self._fingers(hand).items()
+        ]
+        return Reading(np.array(value), self._flexion(hand), self._ticks)
+
+    def shares(self, hand: str) -> Floats:
+        """Each finger's share of a force reference, shape (fingers,)."""
+        return np.array([cell.share for cell in self._fingers(hand).values()])
+
+    def _flexion(self, hand: str) -> Floats:
+        fingers = self._fingers(hand)
+        jacobian = np.zeros((len(fingers), len(self.joints)))
+        columns = self.joints.pick([cell.joint for cell in fingers.values()])
+        jacobian[np.arange(len(fingers)), columns] = self._robot.control.stiffness
+        return jacobian
+
+    def _fingers(self, hand: str) -> Mapping[str, LoadCell]:
+        return self._robot.load_cells[hand]
+
+    def _force(self, hand: str, finger: str) -> Floats | None:
+        force = self._loads[hand, finger][:3]
+        return force if math.hypot(*force) > self._robot.contact.threshold else None
+
+    def _normal(self, cell: LoadCell) -> Floats:
+        normal = np.array(cell.normal)
+        turned: Floats = self.kinematics.frame(cell.link).rotation @ normal
+        return turned / np.linalg.norm(normal)
+
+    @singledispatchmethod
+    def _read(self, source: Source) -> Reading | None:
+        raise TypeError(f"no signal for {source}")
+
+    @_read.register
+    def _(self, source: EffectorConfiguration) -> Reading:
+        own = self.joints.of(source.effector)
+        jacobian = np.zeros((len(own), len(self.joints)))
+        jacobian[np.arange(len(own)), own] = 1.0
+        return Reading(self.positions[own], jacobian, self._ticks)
+
+    @_read.register
+    def _(self, source: Posture) -> Reading:
+        angles = self._robot.effectors[source.effector].postures[source.posture]
+        return Reading(np.array(angles), np.zeros((len(angles), len(self.joints))), 0)
+
+    @_read.register
+    def _(self, source: Tip) -> Reading:
+        return self.tip(source, 0.0)
+
+    def tip(self, source: Tip, standoff: float) -> Reading:
+        """A tip's reading, with its control point ``standoff`` metres along the tip's +z axis."""
+        tip = self._robot.effectors[source.effector].tip
+        assert tip is not None
+        frame, jacobian = self.kinematics.frame(tip.link), self.kinematics.jacobian(tip.link)
+        if source.part == "orientation":
+            return Reading(frame.rotation, jacobian[3:], self._ticks)
+        lever = frame.rotation @ (np.array(tip.offset) + np.array([0.0, 0.0, standoff]))
+        # The control point moves by v + omega x lever.
+        linear = jacobian[:3] - _cross_matrix(lever) @ jacobian[3:]
+        return Reading(frame.position + lever, linear, self._ticks)
+
+    @_read.register
+    def _(self, source: FingerLoad) -> Reading | None:
+        if self._force(source.hand, source.finger) is None:
+            return None
+        value = self._loads[source.hand, source.finger][_PARTS[source.part]]
+        return Reading(value, np.zeros((len(value), len(self.joints))), self._ticks)
+
+    @_read.register
+    def _(self, source: NetLoad) -> Reading | None:
+        if not self.in_contact(source.hand):
+            return None
+        loads = [self._loads[source.hand, finger] for finger in self._fingers(source.hand)]
+        value = np.sum(loads, axis=0)[_PARTS[source.part]]
+        return Reading(value, np.zeros((len(value), len(self.joints))), self._ticks)
+
+    @_read.register
+    def _(self, source: FingerForces) -> Reading | None:
+        forces = [self._force(source.hand, finger) for finger in self._fingers(source.hand)]
+        if any(force is None for force in forces):
+            return None
+        normals = [self._normal(cell) for cell in self._fingers(source.hand).values()]
+        jacobian = np.vstack(
+            [np.outer(n, row) for n, row in zip(normals, self._flexion(source.hand), strict=True)]
+        )
+        return Reading(np.concatenate([f for f in forces if f is not None]), jacobian, self._ticks)
+
+    @_read.register
+    def _(self, source: Heading) -> Reading | None:
+        names = list(self._robot.cameras) if source.camera == "cyclopean" else [source.camera]
+        seen = [name for name in names if (name, source.channel) in self.vision.headings]
+        if not seen:
+            return None
+        angles = [self.vision.headings[name, source.channel] for name in seen]
+        jacobians = [self._heading_jacobian(name, a) for name, a in zip(seen, angles, strict=True)]
+        return Reading(np.mean(angles, axis=0), np.mean(jacobians, axis=0), self.vision.images)
+
+    def _heading_jacobian(self, camera: str, angles: Floats) -> Floats:
+        link = self._robot.cameras[camera].link
+        turning = self.kinematics.frame(link).rotation.T @ self.kinematics.jacobian(link)[3:]
+        jacobian: Floats = heading_jacobian(angles) @ turning
+        return jacobian
+
+    @_read.register
+    def _(self, source: StereoPosition) -> Reading | None:
+        memory = self.vision.memories[source.channel]
+        if memory.position is None:
+            return None
+        still = np.zeros((3, len(self.joints)))
+        return Reading(memory.position, still, self.vision.images, memory.radius)
+
+
+def _cross_matrix(v: Floats) -> Floats:
+    """The matrix that takes the cross product with ``v`` from the left."""
+    return np.array([[0.0, -v[2], v[1]], [v[2], 0.0, -v[0]], [-v[1], v[0], 0.0]])
+
+
+def _require_finite(observation: Observation) -> None:
+    # A sum is NaN or infinite as soon as one of its terms is.
+    if not math.isfinite(float(observation.positions.sum() + observation.velocities.sum())):
+        raise SensorError("a joint position or velocity is not finite")
+    for (hand, finger), load in observation.loads.items():
+        if not math.isfinite(float(load.sum())):
+            raise SensorError(f"the load cell {hand}.{finger} is not finite")

@@ -1,0 +1,164 @@
+"""Vision: images in, headings and remembered positions out, channel by channel."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cbdsl.documents.robot import Camera, RobotDocument
+from cbdsl.robot.camera import focal_scale, heading, sight
+from cbdsl.robot.channels import ChannelFilter, Region
+from cbdsl.robot.kinematics import Frame, Kinematics
+from cbdsl.robot.memory import PositionMemory
+from cbdsl.robot.observation import Image
+from cbdsl.robot.stereo import Ray, triangulate
+
+Floats = NDArray[np.float64]
+
+# A hidden thing lies at most this much behind the hand that hides it, m.
+_BEHIND_HAND = 0.1
+
+
+class Vision:
+    """Sees the wanted channels with every camera.
+
+    Attributes:
+        headings: rad, shape (2,), by (camera, channel); absent where there is no region.
+        regions: the regions behind the headings.
+        memories: by channel, with two cameras.
+        images: how many sets of images have been seen since the start of the episode.
+    """
+
+    def __init__(
+        self, robot: RobotDocument, kinematics: Kinematics, channels: Iterable[str]
+    ) -> None:
+        self._cameras: Mapping[str, Camera] = robot.cameras
+        self._kinematics = kinematics
+        self._settings = robot.vision.regions
+        self._channels = tuple(dict.fromkeys(channels))
+        self._filters = {
+            name: ChannelFilter(robot.vision.channels, self._channels, self._settings.least_area)
+            for name in robot.cameras
+        }
+        self._limbs = tuple(
+            joint
+            for effector in robot.effectors.values()
+            if effector.tip is not None
+            for joint in effector.joints
+        )
+        self._tips = tuple(e.tip.link for e in robot.effectors.values() if e.tip is not None)
+        self._fingertips = tuple(
+            cell.link for fingers in robot.load_cells.values() for cell in fingers.values()
+        )
+        stereo = len(robot.cameras) == 2
+        self.memories = {name: PositionMemory(self._settings) for name in self._channels if stereo}
+        self.reset()
+
+    def reset(self) -> None:
+        """Forget everything seen."""
+        self.headings: dict[tuple[str, str], Floats] = {}
+        self.regions: dict[tuple[str, str], Region] = {}
+        self.images = 0
+        self._frames: dict[str, Frame] = {}
+        self._time = 0.0
+        for memory in self.memories.values():
+            memory.reset()
+        for channel_filter in self._filters.values():
+            channel_filter.reset()
+
+    def update(self, time: float, images: Mapping[str, Image]) -> None:
+        """Take in the images of a tick, if there are any; the kinematics must be up to date."""
+        for memory in self.memories.values():
+            memory.predict(time - self._time, time)
+        self._time = time
+        if not images:
+            return
+        self.images += 1
+        self._look(images)
+        for channel, memory in self.memories.items():
+            self._remember(time, channel, memory)
+
+    def touched(self) -> None:
+        """Take everything remembered to stand still, since a hand is in contact."""
+        for memory in self.memories.values():
+            memory.rest()
+
+    def _look(self, images: Mapping[str, Image]) -> None:
+        self.headings.clear()
+        self.regions.clear()
+        for name, image in images.items():
+            camera = self._cameras[name]
+            frame = self._kinematics.frame(camera.link)
+            moved = name not in self._frames or not np.allclose(
+                frame.rotation, self._frames[name].rotation, atol=1e-3
+            )
+            self._frames[name] = frame
+            for channel, region in self._filters[name].regions(image).items():
+                # A turning camera sees everything move, which says nothing about the world.
+                if channel == "motion" and moved:
+                    continue
+                self.regions[name, channel] = region
+                self.headings[name, channel] = heading(sight(camera, region.column, region.row))
+
+    def _remember(self, time: float, channel: str, memory: PositionMemory) -> None:
+        sighting = self._sighting(channel)
+        if sighting is not None:
+            position, sizes = sighting
+            if not self._hidden_by_limb(position):
+                memory.forget_size()
+            if memory.see(time, position, sizes):
+                return
+        explained = memory.position is not None and self._hidden_by_limb(memory.position)
+        memory.miss(time, explained=explained)
+
+    def _sighting(self, channel: str) -> tuple[Floats, Floats] | None:
+        """A believable position and the apparent sizes, m^2, or ``None``."""
+        seen = [self.regions.get((name, channel)) for name in self._cameras]
+        if any(region is None or region.clipped for region in seen):
+            return None
+        regions = [region for region in seen if region is not None]
+        lines = [
+            sight(camera, region.column, region.row)
+            for camera, region in zip(self._cameras.values(), regions, strict=True)
+        ]
+        frames = [self._frames[name] for name in self._cameras]
+        rays = [
+            Ray(frame.position, frame.rotation @ line / np.linalg.norm(line))
+            for frame, line in zip(frames, lines, strict=True)
+        ]
+        crossing = triangulate(rays[0], rays[1])
+        if crossing is None or crossing.gap > self._settings.ray_gap:
+            return None
+        distances = [float(np.linalg.norm(crossing.position - ray.origin)) for ray in rays]
+        if max(distances) > self._settings.farthest:
+            return None
+        sizes = [
+            region.area * focal_scale(camera, line) * (distance / camera.focal_length) ** 2
+            for camera, region, line, distance in zip(
+                self._cameras.values(), regions, lines, distances, strict=True
+            )
+        ]
+        return crossing.position, np.array(sizes)
+
+    def _hidden_by_limb(self, position: Floats) -> bool:
+        """Whether a part of an arm or hand lies near some camera's line of sight to a position."""
+        kinematics = self._kinematics
+        points = np.vstack(
+            [
+                kinematics.joint_positions(self._limbs),
+                *(kinematics.frame(link).position for link in self._tips + self._fingertips),
+            ]
+        )
+        for frame in self._frames.values():
+            line = position - frame.position
+            distance = float(np.linalg.norm(line))
+            line = line / distance
+            offsets = points - frame.position
+            along = offsets @ line
+            across = np.linalg.norm(offsets - np.outer(along, line), axis=1)
+            near = (across < self._settings.hand_radius) & (along > 0)
+            if bool(np.any(near & (along < distance + _BEHIND_HAND))):
+                return True
+        return False
