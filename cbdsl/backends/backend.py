@@ -1,0 +1,100 @@
+"""What every backend offers, and how one is found by its name."""
+
+from __future__ import annotations
+
+from importlib.metadata import entry_points
+from pathlib import Path
+from typing import Any, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cbdsl.documents.robot import RobotDocument
+from cbdsl.documents.stage import StageDocument
+from cbdsl.robot.observation import Observation
+
+Floats = NDArray[np.float64]
+
+#: Entry point group under which packages offer backends.
+GROUP = "cbdsl.backends"
+
+
+class BackendError(Exception):
+    """A backend cannot be found, or cannot embody a robot or a stage; the message says why."""
+
+
+class Backend(Protocol):
+    """A body in a world: it takes joint references and gives observations.
+
+    Attributes:
+        renderer: what makes the images, for people.
+        control_period: simulated time of one step, s.
+    """
+
+    renderer: str
+    control_period: float
+
+    def reset(self, stage: StageDocument, context: str | None, rng: np.random.Generator) -> str:
+        """Begin an episode; everything that chance decides in it is drawn from ``rng``.
+
+        Args:
+            stage: what is shown, and where.
+            context: one of the stage's contexts; drawn by their shares when ``None``.
+            rng: the only source of chance. Equal generators give equal episodes, whatever ran
+                before.
+
+        Returns:
+            The name of the context.
+
+        Raises:
+            BackendError: the stage names something that it or the robot does not have.
+        """
+        ...
+
+    def observe(self) -> Observation:
+        """The sensors now. Asked again before the next step, it gives the same answer."""
+        ...
+
+    def apply(self, reference: Floats) -> None:
+        """Set the references of the actuated joints, rad, shape (n,).
+
+        The order is that of ``Joints.names``. They are reached at the end of the next step.
+        """
+        ...
+
+    def step(self) -> None:
+        """Let one control period pass."""
+        ...
+
+    def close(self) -> None:
+        """Free what the backend holds; it cannot be used afterwards."""
+        ...
+
+
+class BackendFactory(Protocol):
+    """What an entry point of the group ``cbdsl.backends`` refers to: a backend's class."""
+
+    def __call__(self, robot: RobotDocument, urdf: Path, gui: bool = False) -> Backend:
+        """Embody ``robot``, whose model is the file ``urdf``; ``gui`` opens a window if it can."""
+        ...
+
+
+def find_backend(name: str) -> BackendFactory:
+    """The backend of this name among the installed ones.
+
+    Raises:
+        BackendError: there is none of this name, or what it needs is not installed.
+    """
+    installed = {point.name: point for point in entry_points(group=GROUP)}
+    if name not in installed:
+        known = ", ".join(sorted(installed)) or "none"
+        raise BackendError(f"no backend is called '{name}'; installed: {known}")
+    try:
+        factory: Any = installed[name].load()
+    except ImportError as error:
+        raise BackendError(
+            f"backend '{name}' needs a package that is not installed ({error}); "
+            "try: pip install 'cbdsl[sim]'"
+        ) from error
+    backend: BackendFactory = factory
+    return backend
