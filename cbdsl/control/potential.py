@@ -1,0 +1,53 @@
+"""What every artificial potential gives to the control law."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Protocol
+
+from cbdsl.control.signal import Floats, Signal
+
+
+@dataclass(frozen=True)
+class Evaluation:
+    """A potential at one posture, in k task coordinates and n joints.
+
+    The gradient of phi by the joints is ``-jacobian.T @ residual`` wherever phi is half the
+    residual's square, which keeps the rows, and with them the priority, at the goal where the
+    gradient itself vanishes.
+
+    Attributes:
+        phi: the potential.
+        residual: error in task coordinates; moving the task by it brings phi to 0, shape (k,).
+        jacobian: task coordinates per joint, shape (k, n).
+        step: displacement of the task coordinates for a gain of 1, shape (k,): the Newton step
+            towards phi = 0 (Eq 3.18) where the minimum is known to be 0, else along the gradient.
+    """
+
+    phi: float
+    residual: Floats
+    jacobian: Floats
+    step: Floats
+
+
+class Potential(Protocol):
+    """One controller's artificial potential (Omega_phi, Eq 3.7)."""
+
+    def evaluate(self, signal: Signal, reference: Floats | None) -> Evaluation:
+        """Compute phi and how to lower it.
+
+        Args:
+            signal: the feedback.
+            reference: what the feedback shall become, shaped like its value; ``None`` for
+                potentials that compare with nothing.
+
+        Raises:
+            SignalError: the signal or the reference cannot be used; the message names it.
+        """
+        ...
+
+
+def half_square(residual: Floats, jacobian: Floats) -> Evaluation:
+    """The evaluation of phi = residual . residual / 2, whose Newton step is half the residual."""
+    half = 0.5 * residual
+    return Evaluation(float(residual @ half), residual, jacobian, half)

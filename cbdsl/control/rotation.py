@@ -1,0 +1,72 @@
+"""Differences between orientations, as rotation vectors."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from cbdsl.control.signal import Floats
+
+
+def _quaternion(rotation: Floats) -> tuple[float, Floats]:
+    """Scalar and vector part of a rotation matrix's unit quaternion, of either sign.
+
+    The largest of the four components is found first and the others are divided by it, so that
+    no angle, near pi least of all, costs accuracy (Shepperd 1978).
+    """
+    (xx, xy, xz), (yx, yy, yz), (zx, zy, zz) = rotation.tolist()
+    squares = (xx + yy + zz, xx - yy - zz, yy - xx - zz, zz - xx - yy)
+    largest = squares.index(max(squares))
+    products = (
+        (1 + squares[0], zy - yz, xz - zx, yx - xy),
+        (zy - yz, 1 + squares[1], xy + yx, xz + zx),
+        (xz - zx, xy + yx, 1 + squares[2], yz + zy),
+        (yx - xy, xz + zx, yz + zy, 1 + squares[3]),
+    )[largest]
+    w, x, y, z = products
+    norm = math.sqrt(w * w + x * x + y * y + z * z)
+    return w / norm, np.array((x, y, z)) / norm
+
+
+def log(rotation: Floats) -> Floats:
+    """The rotation vector of a rotation matrix, SO(3) logarithm.
+
+    Args:
+        rotation: shape (3, 3).
+
+    Returns:
+        Axis times angle, rad, shape (3,), with an angle of at most pi.
+    """
+    scalar, vector = _quaternion(rotation)
+    if scalar < 0:
+        scalar, vector = -scalar, -vector
+    sine = math.hypot(*vector.tolist())
+    half_angle_per_sine = math.atan2(sine, scalar) / sine if sine else 1.0
+    return vector * (2.0 * half_angle_per_sine)
+
+
+def align(axis: Floats, wanted: Floats, fallback: Floats) -> Floats:
+    """The shortest rotation that turns one unit vector onto another.
+
+    Args:
+        axis: the direction to turn, shape (3,).
+        wanted: where it shall point, shape (3,).
+        fallback: a unit vector at right angles to ``axis`` to turn about where every such axis
+            is as short, that is, where ``wanted`` is opposite.
+
+    Returns:
+        A rotation vector at right angles to ``axis``, rad, shape (3,).
+    """
+    cosine = float(axis @ wanted)
+    # The nearer of the two sums is exact, so the product keeps its digits near 0 and pi.
+    cross = _cross(axis, wanted + axis if cosine < 0 else wanted - axis)
+    sine = math.hypot(*cross)
+    if sine == 0.0:
+        return fallback * (math.pi if cosine < 0 else 0.0)
+    return np.array(cross) * (math.atan2(sine, cosine) / sine)
+
+
+def _cross(left: Floats, right: Floats) -> tuple[float, float, float]:
+    (ax, ay, az), (bx, by, bz) = left.tolist(), right.tolist()
+    return ay * bz - az * by, az * bx - ax * bz, ax * by - ay * bx

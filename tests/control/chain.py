@@ -1,0 +1,77 @@
+"""Serial chains of revolute joints in numpy: robots whose signals the control tests need."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from cbdsl.control.signal import Floats, Signal
+
+
+def cross_matrix(vector: Floats) -> Floats:
+    x, y, z = vector
+    return np.array([[0, -z, y], [z, 0, -x], [-y, x, 0]])
+
+
+def exp(vector: Floats) -> Floats:
+    """Rotation matrix of a rotation vector (Rodrigues), exact near 0 and pi."""
+    angle = math.hypot(*vector)
+    if angle == 0:
+        return np.eye(3)
+    cross = cross_matrix(vector / angle)
+    return np.eye(3) + math.sin(angle) * cross + 2 * math.sin(angle / 2) ** 2 * cross @ cross
+
+
+@dataclass(frozen=True)
+class Chain:
+    """Joint i turns about ``axes[i]`` in its parent's frame; ``links[i]`` leads to the next."""
+
+    axes: Floats  # (n, 3), unit vectors
+    links: Floats  # (n, 3), m
+
+    @classmethod
+    def planar(cls, joints: int, length: float = 1.0) -> Chain:
+        """Joints about z and links along x, ``length`` in all."""
+        return cls(
+            np.tile([0.0, 0.0, 1.0], (joints, 1)), np.tile([length / joints, 0.0, 0.0], (joints, 1))
+        )
+
+    @classmethod
+    def random(cls, joints: int, rng: np.random.Generator) -> Chain:
+        axes = rng.normal(size=(joints, 3))
+        return cls(
+            axes / np.linalg.norm(axes, axis=1, keepdims=True),
+            rng.uniform(-0.3, 0.3, (joints, 3)),
+        )
+
+    @property
+    def joints(self) -> int:
+        return len(self.axes)
+
+    def pose(self, q: Floats) -> tuple[Floats, Floats, Floats]:
+        """Tip position (3,), tip rotation (3, 3) and Jacobian (6, n), linear above angular."""
+        rotation, point = np.eye(3), np.zeros(3)
+        origins, directions = [], []
+        for axis, link, angle in zip(self.axes, self.links, q, strict=True):
+            origins.append(point)
+            directions.append(rotation @ axis)
+            rotation = rotation @ exp(angle * axis)
+            point = point + rotation @ link
+        angular = np.array(directions)
+        linear = np.cross(angular, point - np.array(origins))
+        return point, rotation, np.vstack((linear.T, angular.T))
+
+    def signal(self, kind: str, q: Floats) -> Signal:
+        """The chain's tip, or its joints, as a signal of a type."""
+        position, rotation, jacobian = self.pose(q)
+        if kind == "position":
+            return Signal("tip.position", position, jacobian[:3])
+        if kind == "orientation":
+            return Signal("tip.orientation", rotation, jacobian[3:])
+        if kind == "pose":
+            transform = np.eye(4)
+            transform[:3, :3], transform[:3, 3] = rotation, position
+            return Signal("tip.pose", transform, jacobian)
+        return Signal("chain", q, np.eye(self.joints))

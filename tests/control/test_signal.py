@@ -1,0 +1,24 @@
+"""Numbers that are not finite stop at the signal."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from cbdsl.control.signal import Signal, SignalError
+
+
+@pytest.mark.parametrize("bad", [np.nan, np.inf, -np.inf])
+def test_non_finite_numbers_are_refused_by_name(bad: float) -> None:
+    good, rows = np.zeros(3), np.zeros((3, 7))
+    with pytest.raises(SignalError, match=r"value of stereo\.red"):
+        Signal("stereo.red", np.array([0.0, bad, 0.0]), rows)
+    spoiled = rows.copy()
+    spoiled[1, 4] = bad
+    with pytest.raises(SignalError, match=r"Jacobian of stereo\.red"):
+        Signal("stereo.red", good, spoiled)
+
+
+def test_jacobian_is_a_matrix() -> None:
+    with pytest.raises(SignalError, match=r"stereo\.red has shape \(3,\)"):
+        Signal("stereo.red", np.zeros(3), np.zeros(3))
