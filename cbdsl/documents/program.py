@@ -7,13 +7,14 @@ from typing import Annotated, Literal
 from pydantic import Field
 
 from cbdsl.documents.document import (
-    AngularSpeed,
+    Angle,
     AnyAcceleration,
     AnySpeed,
     Document,
     Length,
     Name,
     Number,
+    Rate,
     Section,
     Time,
 )
@@ -47,16 +48,14 @@ class Funnel(Section):
 
 
 class Seek(Section):
-    """What a controller does while its feedback is undefined: flex towards contact."""
+    """When a controller acts although its feedback is undefined, as to find contact."""
 
-    speed: AngularSpeed
-    """Joint speed while nothing is touched."""
     once: Name | None = None
-    """Seek only after this controller has come within ``within`` of its reference."""
+    """Only after this controller has come within ``within`` of its reference."""
     within: Length = 0.02
     """How near ``once`` has to be."""
-    until: AngularSpeed | None = None
-    """Joint angle past which nothing will be found, rad."""
+    until: Angle | None = None
+    """Angle of the flexing joints past which nothing will be found."""
 
 
 class Controller(Section):
@@ -72,7 +71,7 @@ class Controller(Section):
     """What the feedback is compared with: a resource, or a literal such as ``[0 deg, 0 deg]``."""
     effector: Text
     """The resource tau that is moved."""
-    gain: Annotated[float, Field(gt=0)] | None = None
+    gain: Rate | None = None
     """kappa, 1/s; without it the robot's setting for the feedback's type."""
     speed: AnySpeed | None = None
     acceleration: AnyAcceleration | None = None

@@ -151,7 +151,7 @@ class Quiescence(Section):
 class TaskSettings(Section):
     """How a controller whose feedback is of one type behaves unless it says otherwise."""
 
-    gain: Annotated[float, Field(gt=0)]
+    gain: Rate
     """kappa: Newton steps per second, 1/s. A spring's Newton step is half its residual."""
     speed: AnySpeed | None = None
     """Largest rate of the task coordinates."""

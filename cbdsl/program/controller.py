@@ -67,9 +67,8 @@ class Funnel:
 
 @dataclass(frozen=True)
 class Seek:
-    """Flexing towards contact while the feedback is undefined; speed in rad/s, until in rad."""
+    """Acting while the feedback is undefined; within in m, until in rad."""
 
-    speed: float
     once: str | None
     within: float
     until: float | None

@@ -132,6 +132,11 @@ class Signals:
         ]
         return Reading(np.array(value), self._flexion(hand), self._ticks)
 
+    def flexion_angles(self, hand: str) -> Floats:
+        """Angles of the joints that flex the fingers, rad, shape (fingers,)."""
+        joints = [cell.joint for cell in self._fingers(hand).values()]
+        return self.positions[self.joints.pick(joints)]
+
     def shares(self, hand: str) -> Floats:
         """Each finger's share of a force reference, shape (fingers,)."""
         return np.array([cell.share for cell in self._fingers(hand).values()])

@@ -1,0 +1,30 @@
+"""Transitions: the experience that running a program produces."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True)
+class Transition:
+    """One change of state, or one action that ended without any (Algorithm 1).
+
+    Attributes:
+        program: the program whose state it is.
+        depth: 0 for the program that was asked for, 1 for one that it uses, and so on.
+        time: simulated time at its end, s.
+        state: predicates before, one character per member.
+        action: name of the action.
+        next_state: predicates after; equal to ``state`` where the action ran out of time.
+        ticks: control ticks that the action ran.
+        reward: Eq 4.4.
+    """
+
+    program: str
+    depth: int
+    time: float
+    state: str
+    action: str
+    next_state: str
+    ticks: int
+    reward: int

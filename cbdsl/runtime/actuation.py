@@ -1,0 +1,72 @@
+"""From levels to joint references: the control law applied to what acts in a tick."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cbdsl.control.law import Law, LawSettings, Level, Step
+from cbdsl.documents.robot import RobotDocument
+from cbdsl.robot.signals import Signals
+from cbdsl.runtime.program_run import Active
+
+Floats = NDArray[np.float64]
+Columns = NDArray[np.intp]
+
+
+class Actuation:
+    """Integrates the law's displacements into joint references.
+
+    Attributes:
+        reference: position references of all actuated joints, rad, shape (n,).
+        levels: the levels of the last tick, highest priority first.
+        step: what the law made of them, or ``None`` where nothing acted.
+    """
+
+    def __init__(self, robot: RobotDocument, signals: Signals, period: float) -> None:
+        self._control = robot.control
+        self._signals = signals
+        self._settings = LawSettings(
+            damping=robot.control.damping,
+            singular_value=robot.control.singular_value,
+            joint_step=robot.control.joint_speed * period,
+            limit_margin=robot.control.limit_margin,
+        )
+        self._laws: dict[tuple[str, ...], tuple[Columns, Law]] = {}
+
+    def reset(self, positions: Floats) -> None:
+        """Start from measured positions, rad, shape (n,)."""
+        self.reference = positions.copy()
+        self.levels: Sequence[Level] = ()
+        self.step: Step | None = None
+
+    def move(self, active: Sequence[Active]) -> None:
+        """Evaluate the active controllers and move the references by the law's step."""
+        columns, law = self._law(active)
+        found = [item.run.evaluate(columns, item.peers) for item in active]
+        self.levels = [level for level in found if level is not None]
+        self.step = None
+        if not self.levels:
+            return
+        here = self._signals.positions[columns]
+        self.step = law.solve(self.levels, here)
+        lead = self._control.lead
+        wanted = self.reference[columns] + self.step.displacement
+        # Without a bound on its lead, a blocked joint's reference would run away from it.
+        wanted = np.clip(wanted, here - lead, here + lead)
+        limits = self._signals.kinematics
+        self.reference[columns] = np.clip(wanted, limits.lower[columns], limits.upper[columns])
+
+    def _law(self, active: Sequence[Active]) -> tuple[Columns, Law]:
+        """The law over the union of the active controllers' joints."""
+        joints = tuple(
+            dict.fromkeys(joint for item in active for joint in item.run.controller.joints)
+        )
+        if joints not in self._laws:
+            columns = self._signals.joints.pick(joints)
+            limits = self._signals.kinematics
+            law = Law(limits.lower[columns], limits.upper[columns], self._settings)
+            self._laws[joints] = columns, law
+        return self._laws[joints]

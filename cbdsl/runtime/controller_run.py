@@ -1,0 +1,176 @@
+"""One controller while it runs: from signals to a level of the law and a predicate."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cbdsl.control.law import Level
+from cbdsl.control.potential import Evaluation
+from cbdsl.control.predicate import QuiescenceMonitor
+from cbdsl.control.registry import build
+from cbdsl.control.rotation import exp
+from cbdsl.control.signal import Signal
+from cbdsl.control.task import Task
+from cbdsl.program.controller import AlongNormals, Controller, Funnel, Literal
+from cbdsl.robot.signals import Reading, Signals
+from cbdsl.types.resource import FingerForces, Origin, Tip
+
+Floats = NDArray[np.float64]
+Columns = NDArray[np.intp]
+
+
+class ControllerRun:
+    """A controller's state between its activation and its deactivation.
+
+    Attributes:
+        controller: what runs.
+        predicate: X - 0 1 (Eq 4.1).
+        phi: the potential, NaN while undefined.
+        error: norm of the residual in the unit of the feedback, NaN while undefined.
+        seeking: whether it acts to make its feedback defined.
+        exhausted: whether it has sought in vain.
+    """
+
+    def __init__(
+        self, controller: Controller, signals: Signals, period: float, rng: np.random.Generator
+    ) -> None:
+        self.controller = controller
+        self._signals = signals
+        self._period = period
+        self._rng = rng
+        own = signals.joints.pick(controller.joints)
+        limits = signals.kinematics
+        self._potential = build(controller, limits.lower[own], limits.upper[own])
+        self._task = Task(controller, period)
+        quiescence = controller.quiescence
+        self._monitor = QuiescenceMonitor(quiescence.rate, quiescence.window)
+        self._constant = _constant_reference(controller, signals)
+        self.deactivate()
+
+    def deactivate(self) -> None:
+        """Forget the activation."""
+        self.predicate = "X"
+        self.phi = self.error = math.nan
+        self.seeking = self.exhausted = False
+        self.settled = False
+        self._sample: Floats | None = None
+        self._stamp = -1
+        self._task.reset()
+        self._monitor.reset()
+
+    def activate(self) -> None:
+        """Start anew where it was idle or at rest on a sample; otherwise go on."""
+        sampled = self._sample is not None and self.predicate == "1"
+        if self.predicate == "X" or sampled:
+            self.deactivate()
+            self.predicate = "0"
+
+    def evaluate(self, columns: Columns, peers: Mapping[str, ControllerRun]) -> Level | None:
+        """Update the predicate and return this tick's level, in the joints ``columns``.
+
+        Args:
+            columns: indices of the composition's joints among all actuated ones.
+            peers: the controllers it runs together with, by name.
+        """
+        reference = self._reference()
+        if reference is None:
+            self._undefined()
+            return None
+        feedback = self._feedback(reference)
+        defined = feedback is not None and self._signals.read(self.controller.feedback) is not None
+        if not defined:
+            self._undefined()
+            if not self._may_seek(peers):
+                return None
+        if feedback is None:
+            return None
+        signal = Signal(
+            self.controller.feedback.name, feedback.value, feedback.jacobian[:, columns]
+        )
+        evaluation = self._potential.evaluate(signal, reference.value)
+        if defined:
+            self._defined(evaluation, reference, feedback.stamp)
+        if self.controller.funnel is not None:
+            raised = _raised(reference.value, feedback.value, self.controller.funnel)
+            evaluation = self._potential.evaluate(signal, raised)
+        return self._task.level(evaluation)
+
+    def _undefined(self) -> None:
+        self.predicate = self._monitor.undefined()
+        self.phi = self.error = math.nan
+        self.settled = False
+
+    def _defined(self, evaluation: Evaluation, reference: Reading, stamp: int) -> None:
+        self.seeking = False
+        self.phi = evaluation.phi
+        self.error = float(np.linalg.norm(evaluation.residual))
+        stamp = max(stamp, reference.stamp)
+        self.predicate = self._monitor.update(self.phi, self._period, fresh=stamp != self._stamp)
+        self._stamp = stamp
+        within = self.controller.quiescence.within
+        bound = math.inf if within is None else within * float(np.linalg.norm(reference.value))
+        self.settled = self.error <= bound
+
+    def _may_seek(self, peers: Mapping[str, ControllerRun]) -> bool:
+        """Whether to act although the feedback is undefined."""
+        seek = self.controller.seek
+        if seek is None:
+            return False
+        if not self.seeking and not self.exhausted:
+            leader = peers.get(seek.once) if seek.once is not None else None
+            self.seeking = seek.once is None or (leader is not None and leader.error < seek.within)
+        if self.seeking and seek.until is not None and self._flexed(seek.until):
+            self.seeking, self.exhausted = False, True
+        return self.seeking
+
+    def _flexed(self, until: float) -> bool:
+        source = self.controller.feedback.source
+        assert isinstance(source, FingerForces)
+        return bool(np.all(self._signals.flexion_angles(source.hand) > until))
+
+    def _reference(self) -> Reading | None:
+        """The reference now, or ``None`` while it is undefined."""
+        if self._constant is not None:
+            return self._constant
+        resource = self.controller.reference
+        if resource is None:
+            return Reading(np.zeros(0), np.zeros((0, 0)), 0)
+        assert not isinstance(resource, (Literal, AlongNormals))
+        if resource.origin is not Origin.MODEL:
+            return self._signals.read(resource)
+        if self._sample is None:
+            self._sample = self._signals.sample(resource, self._rng)
+        return Reading(self._sample, np.zeros((0, 0)), 0)
+
+    def _feedback(self, reference: Reading) -> Reading | None:
+        controller, source = self.controller, self.controller.feedback.source
+        if isinstance(controller.reference, AlongNormals) and isinstance(source, FingerForces):
+            return self._signals.normal_forces(source.hand)
+        standoff = controller.standoff
+        if standoff is not None and isinstance(source, Tip):
+            distance = reference.radius + standoff.clearance
+            return self._signals.tip(source, min(max(distance, standoff.least), standoff.most))
+        return self._signals.read(controller.feedback)
+
+
+def _constant_reference(controller: Controller, signals: Signals) -> Reading | None:
+    reference, source = controller.reference, controller.feedback.source
+    if isinstance(reference, AlongNormals) and isinstance(source, FingerForces):
+        return Reading(reference.force * signals.shares(source.hand), np.zeros((0, 0)), 0)
+    if isinstance(reference, Literal):
+        values = np.array(reference.values)
+        if controller.feedback.type.name == "orientation":
+            values = exp(values)
+        return Reading(values, np.zeros((0, 0)), 0)
+    return None
+
+
+def _raised(reference: Floats, position: Floats, funnel: Funnel) -> Floats:
+    """The reference of an approach from above: higher, the larger the lateral error."""
+    lateral = math.hypot(*(reference - position)[:2])
+    height = min(max(funnel.slope * (lateral - funnel.within), 0.0), funnel.height)
+    return reference + np.array([0.0, 0.0, height])

@@ -1,0 +1,45 @@
+"""Policies: which action follows which state."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Protocol
+
+WILDCARD = "*"
+
+
+class Policy(Protocol):
+    """Chooses actions; a learner is one, and so is a written table."""
+
+    def choose(self, state: str, *, changed: bool) -> str | None:
+        """The next action's name, or ``None`` to end the episode.
+
+        Args:
+            state: predicates, one character per member.
+            changed: whether the last action changed the state.
+        """
+        ...
+
+
+class WrittenPolicy:
+    """A table of state patterns, of which the one with the fewest wildcards applies.
+
+    Where an action ran out of time without a change of state, the same table would choose it
+    again, so the episode ends.
+    """
+
+    def __init__(self, table: Mapping[str, str]) -> None:
+        self._table = sorted(table.items(), key=lambda item: item[0].count(WILDCARD))
+
+    def choose(self, state: str, *, changed: bool) -> str | None:
+        """See ``Policy.choose``."""
+        if not changed:
+            return None
+        return next((action for pattern, action in self._table if matches(pattern, state)), None)
+
+
+def matches(pattern: str, state: str) -> bool:
+    """Whether a state fits a pattern of the same length."""
+    return all(
+        letter in (WILDCARD, predicate) for letter, predicate in zip(pattern, state, strict=True)
+    )

@@ -1,0 +1,246 @@
+"""One program while it runs: predicates, state transitions and rewards (Algorithm 1)."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from cbdsl.program.checked import Action, CheckedProgram
+from cbdsl.program.controller import Composition, Controller
+from cbdsl.program.transition import Transition
+from cbdsl.robot.signals import Signals
+from cbdsl.runtime.controller_run import ControllerRun
+from cbdsl.runtime.policy import Policy, WrittenPolicy
+
+Listener = Callable[[Transition], None]
+
+
+@dataclass(frozen=True)
+class Active:
+    """A controller that acts now, and the controllers it acts together with."""
+
+    run: ControllerRun
+    peers: Mapping[str, ControllerRun]
+
+
+class ProgramRun:
+    """Chooses actions by the predicates of its members, and is itself one of four predicates.
+
+    Attributes:
+        program: what runs.
+        state: predicates, one character per member.
+        predicate: of the program as an action: 0 running, 1 achieved, - ended without, X idle.
+        rewarded: whether its last transition was rewarded.
+        ending: why it ended, as a clause; empty while it runs.
+    """
+
+    def __init__(
+        self,
+        program: CheckedProgram,
+        signals: Signals,
+        period: float,
+        rng: np.random.Generator,
+        listener: Listener,
+        policy: Policy | None = None,
+        depth: int = 0,
+    ) -> None:
+        self.program = program
+        self._signals = signals
+        self._period = period
+        self._listener = listener
+        self._policy = policy or WrittenPolicy(program.policy)
+        self._depth = depth
+        self._actions = {action.name: action for action in program.actions}
+        make = _ControllerRuns(signals, period, rng)
+        self._stacks = {
+            action.name: make.stack(action.composition)
+            for action in program.actions
+            if action.composition is not None
+        }
+        self._background = make.stack(program.background) if program.background else ()
+        self._leads = {
+            action.name: [
+                (program.members.index(primitive.name), make.run(primitive.lead))
+                for primitive in action.composition.primitives
+            ]
+            for action in program.actions
+            if action.composition is not None
+        }
+        self.runs: tuple[ControllerRun, ...] = make.all
+        self.children: dict[str, ProgramRun] = {
+            action.name: ProgramRun(action.program, signals, period, rng, listener, depth=depth + 1)
+            for action in program.actions
+            if action.program is not None
+        }
+        self.deactivate()
+
+    def deactivate(self) -> None:
+        """Stop and forget."""
+        for run in self.runs:
+            run.deactivate()
+        for child in self.children.values():
+            child.deactivate()
+        self.predicate = "X"
+        self.state = "X" * len(self.program.members)
+        self.ending = ""
+        self.rewarded = False
+        self.transitions = 0
+        self._action: Action | None = None
+        self._ticks = 0
+
+    def activate(self) -> None:
+        """Start anew unless it is running."""
+        if self.predicate == "0":
+            return
+        self.deactivate()
+        self.predicate = "0"
+        for run in self._background:
+            run.activate()
+        self._choose(changed=True)
+
+    @property
+    def action(self) -> Action | None:
+        """The action that runs now."""
+        return self._action
+
+    def active(self) -> list[Active]:
+        """What acts now, highest priority first, down to the background."""
+        if self._action is None:
+            return []
+        if self._action.program is not None:
+            acting = self.children[self._action.name].active()
+        else:
+            runs = self._stacks[self._action.name]
+            peers = {run.controller.name: run for run in runs}
+            acting = [Active(run, peers) for run in runs]
+        return acting + [Active(run, {}) for run in self._background]
+
+    def advance(self) -> None:
+        """Take in the predicates of this tick; change the action where the state changed."""
+        if self.predicate != "0" or self._action is None:
+            return
+        if self._action.program is not None:
+            self.children[self._action.name].advance()
+        self._ticks += 1
+        state = self._read_state(self._action)
+        overdue = self._ticks * self._period > self.program.transition_time
+        if state != self.state or overdue:
+            self._transit(state)
+
+    def _read_state(self, action: Action) -> str:
+        """The members' predicates while ``action`` runs."""
+        state = ["X"] * len(self.program.members)
+        if action.program is not None:
+            state[self.program.members.index(action.name)] = self.children[action.name].predicate
+            return "".join(state)
+        # Nothing is at rest while another part of the composition still seeks contact.
+        seeking = any(run.seeking for run in self._stacks[action.name])
+        for place, lead in self._leads[action.name]:
+            state[place] = "0" if seeking and lead.predicate == "1" else lead.predicate
+        return "".join(state)
+
+    def _transit(self, state: str) -> None:
+        assert self._action is not None
+        changed = state != self.state
+        reward = self._reward(self._action, state) if changed else 0
+        self.transitions += 1
+        self._listener(
+            Transition(
+                self.program.name,
+                self._depth,
+                self._signals.time,
+                self.state,
+                self._action.name,
+                state,
+                self._ticks,
+                reward,
+            )
+        )
+        self.state = state
+        if reward:
+            self.rewarded = True
+            self._end("1", "")
+        elif self.transitions >= self.program.transitions:
+            self._end("-", f"{self.program.name} used up its {self.transitions} transitions")
+        else:
+            self._choose(changed=changed)
+
+    def _reward(self, action: Action, state: str) -> int:
+        """Controllers that newly quiesce on a signal from the environment (Eq 4.2-4.4)."""
+        return sum(
+            1
+            for place, lead in self._leads.get(action.name, ())
+            if lead.controller.rewarded
+            and state[place] == "1" != self.state[place]
+            and lead.settled
+        )
+
+    def _choose(self, *, changed: bool) -> None:
+        name = self._policy.choose(self.state, changed=changed)
+        if name is None:
+            self._end(self._outcome(changed), self._no_action(changed))
+            return
+        before, self._action = self._action, self._actions[name]
+        self._ticks = 0
+        if before is not None:
+            self._leave(before, self._action)
+        if self._action.program is not None:
+            self.children[name].activate()
+        else:
+            for run in self._stacks[name]:
+                run.activate()
+
+    def _leave(self, before: Action, after: Action) -> None:
+        if before.program is not None and before is not after:
+            self.children[before.name].deactivate()
+        kept = self._stacks.get(after.name, ())
+        for run in self._stacks.get(before.name, ()):
+            if run not in kept:
+                run.deactivate()
+
+    def _no_action(self, changed: bool) -> str:
+        if changed:
+            return f"{self.program.name} has no action for state {self.state}"
+        seconds = self._ticks * self._period
+        assert self._action is not None
+        return f"{self._action.name} changed nothing in {seconds:.0f} s (state {self.state})"
+
+    def _outcome(self, changed: bool) -> str:
+        """Its own predicate at the end of its policy.
+
+        A program that nothing in the environment can reward has done what it can when its last
+        action came to rest.
+        """
+        rewardable = any(run.controller.rewarded for run in self.runs)
+        return "1" if changed and not rewardable and "1" in self.state else "-"
+
+    def _end(self, predicate: str, ending: str) -> None:
+        self.predicate = predicate
+        self.ending = ending
+
+
+class _ControllerRuns:
+    """Makes one run per controller, however many actions share it."""
+
+    def __init__(self, signals: Signals, period: float, rng: np.random.Generator) -> None:
+        self._context = signals, period, rng
+        self._runs: dict[Controller, ControllerRun] = {}
+
+    def run(self, controller: Controller) -> ControllerRun:
+        if controller not in self._runs:
+            self._runs[controller] = ControllerRun(controller, *self._context)
+        return self._runs[controller]
+
+    def stack(self, composition: Composition) -> tuple[ControllerRun, ...]:
+        """The runs of a composition's controllers, highest priority first."""
+        return tuple(
+            self.run(controller)
+            for primitive in reversed(composition.primitives)
+            for controller in reversed(primitive.controllers)
+        )
+
+    @property
+    def all(self) -> tuple[ControllerRun, ...]:
+        return tuple(self._runs.values())
