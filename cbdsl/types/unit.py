@@ -32,7 +32,6 @@ def _units() -> dict[str, Unit]:
         "angular speed": {"rad/s": 1.0, "deg/s": math.pi / 180},
         "acceleration": {"m/s^2": 1.0, "cm/s^2": 1e-2},
         "angular acceleration": {"rad/s^2": 1.0, "deg/s^2": math.pi / 180},
-        "force rate": {"N/s": 1.0},
         "stiffness": {"N/m": 1.0},
         "contact damping": {"N s/m": 1.0},
         "angular stiffness": {"N/rad": 1.0},
