@@ -1,4 +1,4 @@
-"""Differences between orientations, as rotation vectors."""
+"""Rotation vectors: what orientations differ by."""
 
 from __future__ import annotations
 
@@ -7,6 +7,18 @@ import math
 import numpy as np
 
 from cbdsl.control.signal import Floats
+
+
+def exp(vector: Floats) -> Floats:
+    """The rotation matrix (3, 3) of a rotation vector (3,), axis times angle in rad (Rodrigues)."""
+    angle = math.hypot(*vector.tolist())
+    if angle == 0.0:
+        return np.eye(3)
+    x, y, z = (vector / angle).tolist()
+    turn = np.array(((0.0, -z, y), (z, 0.0, -x), (-y, x, 0.0)))
+    versine = 2.0 * math.sin(0.5 * angle) ** 2  # 1 - cos, exact for small angles
+    rotation: Floats = np.eye(3) + math.sin(angle) * turn + versine * (turn @ turn)
+    return rotation
 
 
 def _quaternion(rotation: Floats) -> tuple[float, Floats]:

@@ -29,7 +29,7 @@ class Spring:
     def __init__(self, kind: ResourceType, free_axis: str | None = None) -> None:
         self._kind = kind
         self._free_axis = None if free_axis is None else "xyz".index(free_axis)
-        self._shape = {ORIENTATION.name: (3, 3), POSE.name: (4, 4)}.get(kind.name, (kind.size,))
+        self._matrix = {ORIENTATION.name: (3, 3), POSE.name: (4, 4)}.get(kind.name)
 
     @classmethod
     def build(cls, controller: Controller, lower: Floats, upper: Floats) -> Spring:
@@ -40,10 +40,11 @@ class Spring:
         """See ``Potential.evaluate``."""
         if reference is None:
             raise SignalError(f"a spring needs a reference to compare {signal.name} with")
+        shape = self._matrix or (len(signal.jacobian),)
         for what, value in ((signal.name, signal.value), ("its reference", reference)):
-            if value.shape != self._shape:
+            if value.shape != shape:
                 raise SignalError(
-                    f"{signal.name} is a {self._kind} of shape {self._shape}, "
+                    f"the {self._kind} {signal.name} needs values of shape {shape}, "
                     f"but {what} has shape {value.shape}"
                 )
         require_finite(reference, f"the reference of {signal.name}")

@@ -2,26 +2,12 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 
 import numpy as np
 
+from cbdsl.control.rotation import exp
 from cbdsl.control.signal import Floats, Signal
-
-
-def cross_matrix(vector: Floats) -> Floats:
-    x, y, z = vector
-    return np.array([[0, -z, y], [z, 0, -x], [-y, x, 0]])
-
-
-def exp(vector: Floats) -> Floats:
-    """Rotation matrix of a rotation vector (Rodrigues), exact near 0 and pi."""
-    angle = math.hypot(*vector)
-    if angle == 0:
-        return np.eye(3)
-    cross = cross_matrix(vector / angle)
-    return np.eye(3) + math.sin(angle) * cross + 2 * math.sin(angle / 2) ** 2 * cross @ cross
 
 
 @dataclass(frozen=True)

@@ -111,6 +111,6 @@ def test_known_minimum_is_where_the_residual_leads(
 def test_wrong_shapes_are_refused_by_name(potential: str, kind: str, axis: str | None) -> None:
     typed = configuration(4) if kind == "configuration" else TYPES[kind]
     law = build(controller(potential, typed, axis), -np.ones(4), np.ones(4))
-    signal = Signal("left.thing", np.zeros(17), np.zeros((17, 4)))
+    signal = Signal("left.thing", np.zeros(17), np.zeros((16, 4)))
     with pytest.raises(SignalError, match=r"left\.thing"):
         law.evaluate(signal, np.zeros(17))

@@ -7,9 +7,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from cbdsl.control.rotation import align, log
+from cbdsl.control.rotation import align, exp, log
 from cbdsl.control.signal import Floats
-from tests.control.chain import exp
 
 ANGLES = (0.0, 1e-12, 1e-8, 1e-5, 1e-3, 0.1, 1.0, 2.0, 3.0, 3.14, np.pi - 1e-5, np.pi - 1e-9)
 
@@ -57,3 +56,12 @@ def test_align_of_opposite_axes_turns_about_the_fallback() -> None:
     x, _, z = np.eye(3)
     np.testing.assert_allclose(align(z, -z, fallback=x), np.pi * x)
     np.testing.assert_allclose(align(z, z, fallback=x), np.zeros(3))
+
+
+def test_exp_gives_rotations_about_the_vector(rng: np.random.Generator) -> None:
+    for vector in rng.uniform(-4, 4, (50, 3)):
+        rotation = exp(vector)
+        np.testing.assert_allclose(rotation @ rotation.T, np.eye(3), atol=1e-14)
+        np.testing.assert_allclose(rotation @ vector, vector, atol=1e-14)
+        assert np.trace(rotation) == pytest.approx(1 + 2 * np.cos(np.linalg.norm(vector)))
+    np.testing.assert_array_equal(exp(np.zeros(3)), np.eye(3))

@@ -5,10 +5,10 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from cbdsl.control.rotation import exp
 from cbdsl.control.signal import Signal, SignalError
 from cbdsl.control.spring import Spring
 from cbdsl.types.resource_type import ORIENTATION, POSITION, configuration
-from tests.control.chain import exp
 
 EYE = np.eye(3)
 

@@ -1,0 +1,100 @@
+"""One controller's wish in one tick: from an evaluation to a level of the law."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from cbdsl.control.law import Level
+from cbdsl.control.potential import Evaluation
+from cbdsl.control.signal import Floats, require_finite
+from cbdsl.program.controller import Controller
+
+_FORCES = frozenset({"force", "torque", "wrench"})
+
+
+class Task:
+    """The rate kappa * step of a controller's task coordinates, within its speed and acceleration.
+
+    The speed bounds the largest component of a configuration, in rad/s, and the norm of anything
+    else. Forces move only as fast as the joints that exert them: their speed is one of the joints,
+    rad/s, and bounds every force of a product by itself.
+
+    Where there is an acceleration, the task brakes in time to stop at its goal.
+
+    Args:
+        controller: gives gain, speed, acceleration and the type of the feedback.
+        period: of the control ticks, s.
+    """
+
+    def __init__(self, controller: Controller, period: float) -> None:
+        self._name = controller.name
+        self._gain = controller.gain
+        self._speed = controller.speed
+        self._acceleration = controller.acceleration
+        self._kind = controller.feedback.type
+        self._period = period
+        self.reset()
+
+    def reset(self) -> None:
+        """Start from rest: the controller was activated."""
+        self._rate: Floats | None = None
+
+    def level(self, evaluation: Evaluation) -> Level:
+        """The displacement of the task coordinates that is wanted in this tick.
+
+        Raises:
+            SignalError: the evaluation is not finite; the message names the controller.
+        """
+        require_finite(evaluation.step, f"the step of {self._name}")
+        rate = self._gain * evaluation.step
+        if self._acceleration is not None:
+            rate = _braked(rate, evaluation.residual, self._acceleration)
+        if self._speed is not None:
+            rate = self._within_speed(rate, evaluation.jacobian, self._speed)
+        if self._acceleration is not None:
+            rate = self._within_acceleration(rate, self._acceleration)
+        return Level(self._name, evaluation.jacobian, rate * self._period)
+
+    def _within_speed(self, rate: Floats, jacobian: Floats, speed: float) -> Floats:
+        if self._kind.name in _FORCES:
+            rates = rate.reshape(self._kind.factors, -1)  # (factors, components)
+            stiffness = np.linalg.norm(jacobian.reshape(self._kind.factors, -1), axis=1)
+            norms = np.linalg.norm(rates, axis=1)
+            shares = np.minimum(1.0, speed * stiffness / np.maximum(norms, 1e-300))
+            bounded: Floats = (rates * shares[:, None]).ravel()
+            return bounded
+        if self._kind.name == "configuration":
+            return _shortened(rate, float(np.abs(rate).max()), speed)
+        return _shortened(rate, _norm(rate), speed)
+
+    def _within_acceleration(self, rate: Floats, acceleration: float) -> Floats:
+        before = np.zeros_like(rate) if self._rate is None else self._rate
+        change = rate - before
+        self._rate = before + _shortened(change, _norm(change), acceleration * self._period)
+        return self._rate
+
+
+def _norm(vector: Floats) -> float:
+    return math.sqrt(float(vector @ vector))
+
+
+def _shortened(vector: Floats, length: float, most: float) -> Floats:
+    """``vector``, whose length is ``length``, made no longer than ``most``."""
+    return vector if length <= most else vector * (most / length)
+
+
+def _braked(rate: Floats, residual: Floats, acceleration: float) -> Floats:
+    """``rate`` made no faster than what ``acceleration`` can still stop within the residual.
+
+    A rate proportional to the distance d, k d, decelerates by k^2 d. Where that is too much, the
+    square root of 2 a (d - a / (2 k^2)) joins it smoothly and decelerates by a.
+    """
+    distance, speed = _norm(residual), _norm(rate)
+    if distance == 0.0 or speed * speed <= acceleration * distance:
+        return rate
+    gain = speed / distance
+    return _shortened(
+        rate, speed, math.sqrt(2 * acceleration * (distance - acceleration / (2 * gain**2)))
+    )
