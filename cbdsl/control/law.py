@@ -35,16 +35,16 @@ class LawSettings:
     """Guards of the law.
 
     Attributes:
-        step: largest displacement of a joint in one tick, rad.
+        joint_step: largest displacement of a joint in one tick, rad.
         damping: largest damping of a step, in the square of the Jacobians' unit.
         singular_value: singular value below which damping sets in, in the Jacobians' unit.
-        margin: distance that joints keep from their limits, rad.
+        limit_margin: distance that joints keep from their limits, rad.
     """
 
-    step: float
+    joint_step: float
     damping: float = 0.01
     singular_value: float = 0.04
-    margin: float = 0.01
+    limit_margin: float = 0.01
 
 
 @dataclass(frozen=True)
@@ -90,7 +90,7 @@ class Law:
     at the level that lengthens it. A joint that a level would push past a limit is fixed for that
     level and those below it, and the level is solved again with the other joints, so that a limit
     takes nothing from higher levels. A joint beyond its limit is moved back at no more than
-    ``settings.step`` a tick, while the other joints make up for it.
+    ``settings.joint_step`` a tick, while the other joints make up for it.
 
     Args:
         lower: lower joint limits, rad, shape (n,); may be infinite.
@@ -102,8 +102,8 @@ class Law:
     """
 
     def __init__(self, lower: Floats, upper: Floats, settings: LawSettings) -> None:
-        self._lower = lower + settings.margin
-        self._upper = upper - settings.margin
+        self._lower = lower + settings.limit_margin
+        self._upper = upper - settings.limit_margin
         self._settings = settings
         if not (self._lower <= self._upper).all():
             raise ValueError("a joint's limits are closer together than twice their margin")
@@ -133,10 +133,10 @@ class _Composition:
     """
 
     def __init__(self, lowest: Floats, highest: Floats, settings: LawSettings) -> None:
-        self._step = settings.step
+        self._step = settings.joint_step
         self._damping = Damping(settings.damping, settings.singular_value)
-        self._lowest = np.minimum(lowest, settings.step)
-        self._highest = np.maximum(highest, -settings.step)
+        self._lowest = np.minimum(lowest, settings.joint_step)
+        self._highest = np.maximum(highest, -settings.joint_step)
         self._sum = np.zeros(len(lowest))
         self._free = Nullspace.whole(len(lowest))
         self.locked: Booleans = np.zeros(len(lowest), dtype=bool)
