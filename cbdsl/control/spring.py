@@ -7,7 +7,7 @@ import numpy as np
 from cbdsl.control.potential import Evaluation, half_square
 from cbdsl.control.rotation import align, log
 from cbdsl.control.signal import Floats, Signal, SignalError, require_finite
-from cbdsl.program.controller import Controller
+from cbdsl.program.controller import AlongNormals, Controller
 from cbdsl.types.resource_type import ORIENTATION, POSE, ResourceType
 
 Coordinates = tuple[Floats, Floats]
@@ -24,9 +24,12 @@ class Spring:
         kind: the type of the feedback.
         free_axis: axis of the tip, ``x``, ``y`` or ``z``, that is aligned with the reference's
             while the tip may turn about it: two residuals, in the tip's two other axes.
+        along_normals: whether one component per factor is compared, that along its normal.
     """
 
-    def __init__(self, kind: ResourceType, free_axis: str | None = None) -> None:
+    def __init__(
+        self, kind: ResourceType, free_axis: str | None = None, along_normals: bool = False
+    ) -> None:
         self._kind = kind
         self._free_axis = None if free_axis is None else "xyz".index(free_axis)
         self._matrix = {ORIENTATION.name: (3, 3), POSE.name: (4, 4)}.get(kind.name)
@@ -34,7 +37,8 @@ class Spring:
     @classmethod
     def build(cls, controller: Controller, lower: Floats, upper: Floats) -> Spring:
         """The spring of a checked controller; joint limits do not matter to it."""
-        return cls(controller.feedback.type, controller.free_axis)
+        along_normals = isinstance(controller.reference, AlongNormals)
+        return cls(controller.feedback.type, controller.free_axis, along_normals)
 
     def evaluate(self, signal: Signal, reference: Floats | None) -> Evaluation:
         """See ``Potential.evaluate``."""
