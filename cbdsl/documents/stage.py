@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Annotated, Literal
 
-from pydantic import Field
+from pydantic import Field, model_validator
 
 from cbdsl.documents.document import (
     Angle,
@@ -70,14 +70,25 @@ class Place(Section):
     x: LengthSpan = (0.0, 0.0)
     y: LengthSpan = (0.0, 0.0)
     z: LengthSpan | None = None
-    """Height of the centre; without it the thing stands on ``on``."""
+    """Height of the centre."""
     on: Name | None = None
-    """Fixture that it stands on."""
+    """Fixture that it stands on, instead of ``z``."""
+    gap: LengthSpan | None = None
+    """Distance between its surface and the tip of ``hand`` along +z, instead of ``z``."""
     hand: Name | None = None
-    """Effector in whose reach it is held; x, y and z are then in the tip's frame."""
+    """Effector in whose reach it is put; x, y, z and yaw are then in the tip's frame."""
     yaw: AngleSpan = (0.0, 0.0)
     held: bool = False
-    """Held still by the experimenter until all fingers of ``hand`` touch it."""
+    """Held still by the experimenter until all fingers of ``hand`` press on it, together with
+    twice its weight."""
+
+    @model_validator(mode="after")
+    def _says_where(self) -> Place:
+        if [self.z, self.on, self.gap].count(None) != 2:
+            raise ValueError("a place needs exactly one of z, on and gap")
+        if self.hand is None and (self.held or self.gap is not None):
+            raise ValueError("held and gap need a hand")
+        return self
 
 
 class Motion(Section):
