@@ -1,0 +1,198 @@
+"""The reference backend: PyBullet's physics, rendered stereo images and fingertip load cells."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pybullet as p
+from numpy.typing import NDArray
+
+from cbdsl.backends.backend import BackendError
+from cbdsl.backends.bullet.body import Body
+from cbdsl.backends.bullet.cameras import Cameras
+from cbdsl.backends.bullet.experimenter import Experimenter
+from cbdsl.backends.bullet.load_cells import LoadCells
+from cbdsl.backends.bullet.renderer import Renderer, make_renderer
+from cbdsl.backends.bullet.scene import GRAVITY, Scene
+from cbdsl.backends.bullet.shape import draw
+from cbdsl.backends.bullet.touch import Fingertips
+from cbdsl.backends.bullet.truth import Truth
+from cbdsl.documents.robot import RobotDocument
+from cbdsl.documents.stage import Context, StageDocument
+from cbdsl.robot.joints import Joints
+from cbdsl.robot.observation import Observation
+
+Floats = NDArray[np.float64]
+
+
+class BulletBackend:
+    """A robot in PyBullet.
+
+    Every episode starts from an empty world, so that nothing of the one before, not even a cached
+    contact, can reach into it.
+
+    Args:
+        robot: what can be sensed and moved.
+        urdf: its model.
+        gui: whether to open the simulator's window.
+
+    Attributes:
+        renderer: what makes the images, for people.
+        control_period: simulated time of one step, s.
+
+    Raises:
+        BackendError: robot file and model do not fit together, or the renderer that the robot file
+            asks for does not work here.
+    """
+
+    def __init__(self, robot: RobotDocument, urdf: Path, gui: bool = False) -> None:
+        self._robot = robot
+        self._urdf = urdf
+        self._joints = Joints(robot)
+        self._substeps = _substeps(robot)
+        self.control_period = 1 / robot.control.rate
+        self._client: int = p.connect(p.GUI if gui else p.DIRECT)
+        self._renderer: Renderer = make_renderer(self._client, robot.vision.renderer)
+        self.renderer = self._renderer.name
+        self._empty_world()
+
+    def _empty_world(self) -> None:
+        """A world with nothing but the robot in it."""
+        simulation = self._robot.simulation
+        p.resetSimulation(self._client)
+        p.setGravity(0, 0, -GRAVITY, self._client)
+        p.setPhysicsEngineParameter(
+            fixedTimeStep=self.control_period / self._substeps,
+            numSolverIterations=simulation.solver_iterations,
+            numSubSteps=0,
+            deterministicOverlappingPairs=1,
+            physicsClientId=self._client,
+        )
+        self._body = Body(self._client, self._robot, self._joints, self._urdf)
+        self._fingertips = Fingertips(self._client, self._robot, self._body)
+        self._scene = Scene(self._client)
+        #: What only the simulator knows, for tests.
+        self.truth = Truth(self._client, self._body, self._scene, self._fingertips)
+
+    def reset(self, stage: StageDocument, context: str | None, rng: np.random.Generator) -> str:
+        """Begin an episode; see ``Backend.reset``."""
+        name = _choose(stage, context, rng)
+        chosen = stage.contexts[name]
+        # The sensors' noise has a stream of its own: who else draws from rng cannot change it.
+        noise = np.random.default_rng(rng.integers(2**63))
+        self._empty_world()
+        self._tick = 0
+        self._reference = self._start(chosen, rng)
+        self._reached = self._reference
+        self._body.place(self._reference)
+        self._cells = LoadCells(
+            self._fingertips, self._robot.contact, self.control_period / self._substeps, noise
+        )
+        self._experimenter = Experimenter(
+            self._client, stage, self._robot, self._scene, self.truth, rng
+        )
+        self._experimenter.furnish()
+        self._experimenter.present(chosen)
+        self.cameras = Cameras(
+            self._robot, self._body, self._renderer, stage.disturbance, rng, noise
+        )
+        self._show()
+        self._observation = self._sense()
+        return name
+
+    def _start(self, context: Context, rng: np.random.Generator) -> Floats:
+        """Where the joints start, rad, shape (n,)."""
+        unknown = set(context.joints) - set(self._joints.names)
+        if unknown:
+            raise BackendError(
+                f"robot '{self._robot.name}' has no actuated joint "
+                + ", ".join(map(repr, sorted(unknown)))
+            )
+        start = self._body.nearest_to_zero()
+        for name, effector in self._robot.effectors.items():
+            if effector.start is not None:
+                start[self._joints.of(name)] = effector.postures[effector.start]
+        for joint, span in context.joints.items():
+            start[self._joints.index[joint]] = draw(span, rng)
+        return start
+
+    def _show(self) -> None:
+        self._renderer.show([self._body.id, *self._scene.bodies.values()])
+
+    def observe(self) -> Observation:
+        """The sensors now."""
+        return self._observation
+
+    def _sense(self) -> Observation:
+        positions, velocities = self._body.read()
+        return Observation(
+            time=self._tick * self.control_period,
+            positions=positions,
+            velocities=velocities,
+            loads=self._cells.read(),
+            images=self.cameras.take() if self._image_is_due() else {},
+        )
+
+    def _image_is_due(self) -> bool:
+        """Whether the time for an image came within the last step; the first is at the start."""
+        per_tick = self._robot.vision.rate * self.control_period
+        # The small shares keep rounding from putting an image off to the next tick.
+        before, now = (int(tick * per_tick + 1e-6) for tick in (self._tick - 1, self._tick))
+        return self._tick == 0 or now > before
+
+    def apply(self, reference: Floats) -> None:
+        """Set the references of the actuated joints, rad, shape (n,), for the end of the step."""
+        self._reference = np.array(reference, dtype=np.float64)
+
+    def step(self) -> None:
+        """Let one control period pass.
+
+        Joint references move evenly over its physics steps: a jump per control period would shake
+        what is held out of the hand.
+        """
+        if self._experimenter.act(self._tick * self.control_period):
+            self._show()
+        change = self._reference - self._reached
+        for substep in range(1, self._substeps + 1):
+            self._body.drive(self._reached + change * (substep / self._substeps))
+            p.stepSimulation(self._client)
+            self._cells.sample()
+        self._reached = self._reference
+        self._tick += 1
+        self._observation = self._sense()
+
+    def close(self) -> None:
+        """Leave the simulator and free the renderer."""
+        self._renderer.close()
+        p.disconnect(self._client)
+
+
+def _substeps(robot: RobotDocument) -> int:
+    """Physics steps per control period.
+
+    Raises:
+        BackendError: there is no whole number of them.
+    """
+    ratio = robot.simulation.physics_rate / robot.control.rate
+    if round(ratio) < 1 or abs(ratio - round(ratio)) > 1e-9:
+        raise BackendError(
+            f"robot '{robot.name}': the physics rate, {robot.simulation.physics_rate:g} Hz, "
+            f"must be a multiple of the control rate, {robot.control.rate:g} Hz"
+        )
+    return round(ratio)
+
+
+def _choose(stage: StageDocument, context: str | None, rng: np.random.Generator) -> str:
+    """The name of the context, drawn by the shares of all when it is ``None``.
+
+    Raises:
+        BackendError: the stage has no such context.
+    """
+    if context is None:
+        shares = np.array([each.share for each in stage.contexts.values()])
+        return list(stage.contexts)[int(rng.choice(len(shares), p=shares / shares.sum()))]
+    if context not in stage.contexts:
+        known = ", ".join(stage.contexts)
+        raise BackendError(f"stage '{stage.name}' has no context '{context}'; it has: {known}")
+    return context

@@ -1,0 +1,67 @@
+"""Where something is: a rotation and a translation."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+Floats = NDArray[np.float64]
+
+
+def rotations(quaternions: Floats) -> Floats:
+    """Rotation matrices, shape (..., 3, 3), of unit quaternions (x, y, z, w), shape (..., 4)."""
+    x, y, z, w = np.moveaxis(quaternions, -1, 0)
+    rows = [
+        [1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w)],
+        [2 * (x * y + z * w), 1 - 2 * (x * x + z * z), 2 * (y * z - x * w)],
+        [2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y)],
+    ]
+    return np.stack([np.stack(row, axis=-1) for row in rows], axis=-2)
+
+
+@dataclass(frozen=True)
+class Pose:
+    """A frame in the world.
+
+    Attributes:
+        position: of its origin, m, shape (3,).
+        rotation: its axes as columns, shape (3, 3).
+    """
+
+    position: Floats
+    rotation: Floats
+
+    @classmethod
+    def of(cls, position: Sequence[float], quaternion: Sequence[float]) -> Pose:
+        """From the simulator's notation, with quaternions as (x, y, z, w)."""
+        return cls(np.array(position), rotations(np.array(quaternion)))
+
+    @classmethod
+    def turned(cls, axis: Floats, angle: float) -> Pose:
+        """Turned at the origin about a unit ``axis``, shape (3,), by ``angle``, rad."""
+        quaternion = np.append(np.sin(angle / 2) * axis, np.cos(angle / 2))
+        return cls(np.zeros(3), rotations(quaternion))
+
+    def __matmul__(self, inner: Pose) -> Pose:
+        """The frame ``inner``, given in this one, in the world."""
+        return Pose(self.position + self.rotation @ inner.position, self.rotation @ inner.rotation)
+
+    def quaternion(self) -> tuple[float, float, float, float]:
+        """The rotation as (x, y, z, w)."""
+        m = self.rotation
+        # Of the four ways to divide, the largest divisor is the safe one.
+        divisors = np.array([1 + np.trace(m), *(1 - np.trace(m) + 2 * np.diag(m))])
+        case = int(np.argmax(divisors))
+        root = 2 * np.sqrt(divisors[case])
+        skew = np.array([m[2, 1] - m[1, 2], m[0, 2] - m[2, 0], m[1, 0] - m[0, 1]])
+        if case == 0:
+            x, y, z = skew / root
+            return float(x), float(y), float(z), float(root / 4)
+        axis = case - 1
+        vector = (m[axis] + m[:, axis]) / root
+        vector[axis] = root / 4
+        x, y, z = vector
+        return float(x), float(y), float(z), float(skew[axis] / root)

@@ -1,0 +1,54 @@
+"""What makes the images, and which one is taken."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Literal, Protocol
+
+from cbdsl.backends.backend import BackendError
+from cbdsl.backends.bullet.opengl import OpenGLRenderer
+from cbdsl.backends.bullet.tiny import TinyRenderer
+from cbdsl.backends.bullet.view import View
+from cbdsl.robot.observation import Image
+
+
+class Renderer(Protocol):
+    """Makes images of the simulator's bodies.
+
+    Attributes:
+        name: what it is, for people.
+    """
+
+    name: str
+
+    def show(self, bodies: Sequence[int]) -> None:
+        """From now on show these bodies; to be called whenever one is added or removed."""
+        ...
+
+    def render(self, view: View) -> Image:
+        """The bodies as they are now, RGB, shape (height, width, 3), top row first."""
+        ...
+
+    def close(self) -> None:
+        """Free what it holds."""
+        ...
+
+
+def make_renderer(client: int, kind: Literal["auto", "opengl", "tiny"]) -> Renderer:
+    """The renderer of this kind; ``auto`` takes OpenGL where it works, else the simulator's own.
+
+    Raises:
+        BackendError: ``opengl`` was asked for and there is no way to have it.
+    """
+    if kind == "tiny":
+        return TinyRenderer(client)
+    try:
+        return OpenGLRenderer(client)
+    # moderngl raises bare exceptions, and whatever the reason, there are images without it.
+    except Exception as error:
+        if kind == "auto":
+            return TinyRenderer(client)
+        raise BackendError(
+            f"no OpenGL context could be created ({error}); on Debian and Ubuntu it needs the "
+            "packages libegl1 and libgl1-mesa-dri; the renderers 'auto' and 'tiny' do without"
+        ) from error

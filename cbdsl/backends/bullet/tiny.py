@@ -1,0 +1,51 @@
+"""Images by the simulator's own software renderer: slower, but it runs everywhere."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+import pybullet as p
+
+from cbdsl.backends.bullet.view import View
+from cbdsl.robot.observation import Image
+
+_BACKGROUND = 199
+
+
+class TinyRenderer:
+    """Renders with PyBullet's TinyRenderer, without shadows.
+
+    Its spheres are coarse polyhedra, which shifts the centroids of regions a little.
+    """
+
+    name = "tiny (PyBullet's software renderer)"
+
+    def __init__(self, client: int) -> None:
+        self._client = client
+
+    def show(self, bodies: Sequence[int]) -> None:
+        """Nothing to do: the simulator shows all of its bodies."""
+
+    def render(self, view: View) -> Image:
+        """The bodies as they are now, RGB, shape (height, width, 3), top row first."""
+        width, height = view.camera.width, view.camera.height
+        _, _, colors, _, bodies = p.getCameraImage(
+            width,
+            height,
+            viewMatrix=view.world_to_eye().T.ravel().tolist(),
+            projectionMatrix=view.eye_to_clip().T.ravel().tolist(),
+            shadow=0,
+            lightDirection=[0.30, 0.20, 0.93],
+            lightAmbientCoeff=0.55,
+            lightDiffuseCoeff=0.45,
+            lightSpecularCoeff=0.0,
+            renderer=p.ER_TINY_RENDERER,
+            physicsClientId=self._client,
+        )
+        image = np.array(colors, dtype=np.uint8).reshape(height, width, 4)[:, :, :3]
+        image[np.reshape(bodies, (height, width)) < 0] = _BACKGROUND
+        return np.ascontiguousarray(image)
+
+    def close(self) -> None:
+        """Nothing to free."""
