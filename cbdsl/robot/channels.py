@@ -87,15 +87,15 @@ class ChannelFilter:
         prefix, number = name.split("_")
         index = int(number) - 1
         if prefix == "int":
-            return _bin(intensity, index, self._channels.intensity)
+            return bin_mask(intensity, index, self._channels.intensity)
         lit = _at_least(intensity, 255 * self._channels.least_intensity)
         if prefix == "sat":
-            return _both(lit, _bin(saturation, index, self._channels.saturation))
+            return _both(lit, bin_mask(saturation, index, self._channels.saturation))
         colored = _both(lit, _at_least(saturation, 255 * self._channels.least_saturation))
         count = self._channels.hue
         # Unsigned bytes wrap around as hues do.
         centred: Image = hue + np.uint8(round(128 / count))
-        return _both(colored, _bin(centred, index, count))
+        return _both(colored, bin_mask(centred, index, count))
 
     def _motion(self, image: Image) -> Image | None:
         if self._before is None:
@@ -116,7 +116,7 @@ def _at_least(plane: Image, least: float) -> Image:
     return mask
 
 
-def _bin(plane: Image, index: int, count: int) -> Image:
+def bin_mask(plane: Image, index: int, count: int) -> Image:
     """Mask of the values in bin ``index`` of ``count`` equal bins of 0..255."""
     lower = np.ceil(256 * index / count)
     upper = np.ceil(256 * (index + 1) / count) - 1

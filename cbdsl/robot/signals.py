@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
-from functools import singledispatchmethod
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,6 +14,7 @@ from cbdsl.documents.robot import LoadCell, RobotDocument
 from cbdsl.robot.camera import heading_jacobian
 from cbdsl.robot.kinematics import Kinematics
 from cbdsl.robot.observation import Observation
+from cbdsl.robot.uniform import UniformSampler
 from cbdsl.robot.vision import Vision
 from cbdsl.types.resource import (
     EffectorConfiguration,
@@ -23,7 +24,6 @@ from cbdsl.types.resource import (
     NetLoad,
     Posture,
     Resource,
-    Source,
     StereoPosition,
     Tip,
     UniformSample,
@@ -66,6 +66,16 @@ class Signals:
         self, robot: RobotDocument, kinematics: Kinematics, resources: Iterable[Resource]
     ) -> None:
         self._robot = robot
+        self._readers: dict[type, Callable[[Any], Reading | None]] = {
+            EffectorConfiguration: self._configuration,
+            Posture: self._posture,
+            Tip: self._tip,
+            FingerLoad: self._finger_load,
+            NetLoad: self._net_load,
+            FingerForces: self._finger_forces,
+            Heading: self._heading,
+            StereoPosition: self._stereo_position,
+        }
         self.kinematics = kinematics
         self.joints = kinematics.joints
         channels = [
@@ -82,7 +92,7 @@ class Signals:
         self._ticks = 0
         self._tare: dict[tuple[str, str], Floats] = {}
         self._loads: Mapping[tuple[str, str], Floats] = {}
-        self._known: dict[Resource, Reading | None] = {}
+        self._known: dict[str, Reading | None] = {}
 
     def update(self, observation: Observation) -> None:
         """Take in one tick's observation.
@@ -110,15 +120,16 @@ class Signals:
 
     def read(self, resource: Resource) -> Reading | None:
         """The resource's value now, or ``None`` while it is undefined."""
-        if resource not in self._known:
-            self._known[resource] = self._read(resource.source)
-        return self._known[resource]
+        if resource.name not in self._known:
+            source = resource.source
+            self._known[resource.name] = self._readers[type(source)](source)
+        return self._known[resource.name]
 
-    def sample(self, resource: Resource, rng: np.random.Generator) -> Floats:
-        """A new draw from an internal model."""
+    def sampler(self, resource: Resource, rng: np.random.Generator) -> UniformSampler:
+        """Draws from an internal model."""
         assert isinstance(resource.source, UniformSample)
         own = self.joints.of(resource.source.effector)
-        return rng.uniform(self.kinematics.lower[own], self.kinematics.upper[own])
+        return UniformSampler(self.kinematics.lower[own], self.kinematics.upper[own], rng)
 
     def normal_forces(self, hand: str) -> Reading:
         """Each finger's force along its normal, N, shape (fingers,), by the joint that flexes it.
@@ -160,24 +171,17 @@ class Signals:
         turned: Floats = self.kinematics.frame(cell.link).rotation @ normal
         return turned / np.linalg.norm(normal)
 
-    @singledispatchmethod
-    def _read(self, source: Source) -> Reading | None:
-        raise TypeError(f"no signal for {source}")
-
-    @_read.register
-    def _(self, source: EffectorConfiguration) -> Reading:
+    def _configuration(self, source: EffectorConfiguration) -> Reading:
         own = self.joints.of(source.effector)
         jacobian = np.zeros((len(own), len(self.joints)))
         jacobian[np.arange(len(own)), own] = 1.0
         return Reading(self.positions[own], jacobian, self._ticks)
 
-    @_read.register
-    def _(self, source: Posture) -> Reading:
+    def _posture(self, source: Posture) -> Reading:
         angles = self._robot.effectors[source.effector].postures[source.posture]
         return Reading(np.array(angles), np.zeros((len(angles), len(self.joints))), 0)
 
-    @_read.register
-    def _(self, source: Tip) -> Reading:
+    def _tip(self, source: Tip) -> Reading:
         return self.tip(source, 0.0)
 
     def tip(self, source: Tip, standoff: float) -> Reading:
@@ -192,23 +196,20 @@ class Signals:
         linear = jacobian[:3] - _cross_matrix(lever) @ jacobian[3:]
         return Reading(frame.position + lever, linear, self._ticks)
 
-    @_read.register
-    def _(self, source: FingerLoad) -> Reading | None:
+    def _finger_load(self, source: FingerLoad) -> Reading | None:
         if self._force(source.hand, source.finger) is None:
             return None
         value = self._loads[source.hand, source.finger][_PARTS[source.part]]
         return Reading(value, np.zeros((len(value), len(self.joints))), self._ticks)
 
-    @_read.register
-    def _(self, source: NetLoad) -> Reading | None:
+    def _net_load(self, source: NetLoad) -> Reading | None:
         if not self.in_contact(source.hand):
             return None
         loads = [self._loads[source.hand, finger] for finger in self._fingers(source.hand)]
         value = np.sum(loads, axis=0)[_PARTS[source.part]]
         return Reading(value, np.zeros((len(value), len(self.joints))), self._ticks)
 
-    @_read.register
-    def _(self, source: FingerForces) -> Reading | None:
+    def _finger_forces(self, source: FingerForces) -> Reading | None:
         forces = [self._force(source.hand, finger) for finger in self._fingers(source.hand)]
         if any(force is None for force in forces):
             return None
@@ -218,8 +219,7 @@ class Signals:
         )
         return Reading(np.concatenate([f for f in forces if f is not None]), jacobian, self._ticks)
 
-    @_read.register
-    def _(self, source: Heading) -> Reading | None:
+    def _heading(self, source: Heading) -> Reading | None:
         names = list(self._robot.cameras) if source.camera == "cyclopean" else [source.camera]
         seen = [name for name in names if (name, source.channel) in self.vision.headings]
         if not seen:
@@ -234,8 +234,7 @@ class Signals:
         jacobian: Floats = heading_jacobian(angles) @ turning
         return jacobian
 
-    @_read.register
-    def _(self, source: StereoPosition) -> Reading | None:
+    def _stereo_position(self, source: StereoPosition) -> Reading | None:
         memory = self.vision.memories[source.channel]
         if memory.position is None:
             return None

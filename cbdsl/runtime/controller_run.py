@@ -17,6 +17,7 @@ from cbdsl.control.signal import Signal
 from cbdsl.control.task import Task
 from cbdsl.program.controller import AlongNormals, Controller, Funnel, Literal
 from cbdsl.robot.signals import Reading, Signals
+from cbdsl.robot.uniform import UniformSampler
 from cbdsl.types.resource import FingerForces, Origin, Tip
 
 Floats = NDArray[np.float64]
@@ -49,6 +50,7 @@ class ControllerRun:
         quiescence = controller.quiescence
         self._monitor = QuiescenceMonitor(quiescence.rate, quiescence.window)
         self._constant = _constant_reference(controller, signals)
+        self._sampler: UniformSampler | None = None
         self.deactivate()
 
     def deactivate(self) -> None:
@@ -143,7 +145,9 @@ class ControllerRun:
         if resource.origin is not Origin.MODEL:
             return self._signals.read(resource)
         if self._sample is None:
-            self._sample = self._signals.sample(resource, self._rng)
+            if self._sampler is None:
+                self._sampler = self._signals.sampler(resource, self._rng)
+            self._sample = self._sampler.draw()
         return Reading(self._sample, np.zeros((0, 0)), 0)
 
     def _feedback(self, reference: Reading) -> Reading | None:
@@ -173,4 +177,5 @@ def _raised(reference: Floats, position: Floats, funnel: Funnel) -> Floats:
     """The reference of an approach from above: higher, the larger the lateral error."""
     lateral = math.hypot(*(reference - position)[:2])
     height = min(max(funnel.slope * (lateral - funnel.within), 0.0), funnel.height)
-    return reference + np.array([0.0, 0.0, height])
+    raised: Floats = reference + np.array([0.0, 0.0, height])
+    return raised

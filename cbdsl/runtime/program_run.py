@@ -125,7 +125,11 @@ class ProgramRun:
             self.children[self._action.name].advance()
         self._ticks += 1
         state = self._read_state(self._action)
-        overdue = self._ticks * self._period > self.program.transition_time
+        # A program has transitions of its own to run out of.
+        overdue = (
+            self._action.program is None
+            and self._ticks * self._period > self.program.transition_time
+        )
         if state != self.state or overdue:
             self._transit(state)
 

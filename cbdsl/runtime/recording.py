@@ -34,8 +34,7 @@ class Recording:
     def __init__(self, joints: tuple[str, ...]) -> None:
         self._joints = joints
         self._rows: dict[str, list[Any]] = {
-            key: []
-            for key in ("time", "positions", "references", "potentials", "errors", "loads")
+            key: [] for key in ("time", "positions", "references", "potentials", "errors", "loads")
         }
         self._images: dict[str, list[Any]] = {}
         self._image_time: list[float] = []

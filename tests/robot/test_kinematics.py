@@ -1,0 +1,54 @@
+import numpy as np
+import pytest
+
+from cbdsl.documents.robot import RobotDocument
+from cbdsl.robot.kinematics import Kinematics
+
+LINKS = ["right_palm", "left_palm", "left_camera", "right_finger_1_tip", "left_finger_2_tip"]
+STEP = 1e-6
+
+
+def test_dexter_has_24_actuated_joints_in_five_synergies(
+    dexter: RobotDocument, kinematics: Kinematics
+) -> None:
+    assert len(kinematics.joints) == 24
+    assert [len(effector.joints) for effector in dexter.effectors.values()] == [2, 7, 7, 4, 4]
+    assert (kinematics.lower < kinematics.upper).all()
+
+
+@pytest.mark.parametrize("link", LINKS)
+def test_jacobians_by_finite_differences(
+    kinematics: Kinematics, posture: np.ndarray, link: str
+) -> None:
+    kinematics.update(posture)
+    jacobian, frame = kinematics.jacobian(link).copy(), kinematics.frame(link)
+    for column in range(len(posture)):
+        kinematics.update(posture + STEP * np.eye(len(posture))[column])
+        moved = kinematics.frame(link)
+        linear = (moved.position - frame.position) / STEP
+        turn = (moved.rotation @ frame.rotation.T - np.eye(3)) / STEP
+        angular = np.array([turn[2, 1], turn[0, 2], turn[1, 0]])
+        assert jacobian[:, column] == pytest.approx(np.r_[linear, angular], abs=1e-4)
+
+
+def test_passive_joints_follow(kinematics: Kinematics, posture: np.ndarray) -> None:
+    joints = kinematics.joints
+    every = joints.expand(posture)
+    proximal, distal = joints.pick(["right_finger_2", "right_finger_2_distal"])
+    spread, other = joints.pick(["left_spread", "left_spread_2"])
+    assert every[distal] == pytest.approx(every[proximal] / 3, rel=1e-6)
+    assert every[other] == every[spread]
+
+
+def test_the_arms_mirror_each_other(dexter: RobotDocument, kinematics: Kinematics) -> None:
+    posture = np.zeros(len(kinematics.joints))
+    for arm in ("left_arm", "right_arm"):
+        posture[kinematics.joints.of(arm)] = dexter.effectors[arm].postures["home"]
+    kinematics.update(posture)
+    left, right = (kinematics.frame(f"{side}_palm").position for side in ("left", "right"))
+    assert left == pytest.approx(right * [1, -1, 1], abs=1e-3)
+
+
+def test_an_unknown_link_is_named(kinematics: Kinematics) -> None:
+    with pytest.raises(KeyError, match="no_such_link"):
+        kinematics.frame("no_such_link")
