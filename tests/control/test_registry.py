@@ -45,7 +45,7 @@ def evaluations(
     potential: str, kind: str, axis: str | None, rng: np.random.Generator
 ) -> Iterator[tuple[Callable[[Floats], Evaluation], Floats]]:
     """phi over the joints of random chains, and a random posture of each."""
-    for _ in range(12):
+    for _ in range(8):
         chain = Chain.random(int(rng.integers(3, 9)), rng)
         typed = configuration(chain.joints) if kind == "configuration" else TYPES[kind]
         law = build(
@@ -99,12 +99,12 @@ def test_known_minimum_is_where_the_residual_leads(
         pytest.skip("its minimum is not known")
     reached = 0
     for at, q in evaluations(potential, kind, axis, rng):
-        for _ in range(200):
+        for _ in range(100):
             here = at(q)
-            q = q + np.linalg.pinv(here.jacobian, rcond=1e-2) @ (0.2 * here.residual)
+            q = q + np.linalg.pinv(here.jacobian, rcond=1e-2) @ (0.3 * here.residual)
         reached += at(q).phi < 1e-12
     # Short chains do not reach every orientation by descent alone.
-    assert reached >= 6
+    assert reached >= 4
 
 
 @pytest.mark.parametrize(("potential", "kind", "axis"), CASES)
