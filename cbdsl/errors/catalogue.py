@@ -1,0 +1,62 @@
+"""The table of all codes: messages, ``cb explain`` and the tests read it."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+
+from cbdsl.errors.codes.compositions import COMPOSITIONS
+from cbdsl.errors.codes.controllers import CONTROLLERS
+from cbdsl.errors.codes.programs import PROGRAMS
+from cbdsl.errors.codes.reading import READING
+from cbdsl.errors.codes.robots import ROBOTS
+from cbdsl.errors.codes.shape import SHAPE
+from cbdsl.errors.codes.stages import STAGES
+from cbdsl.errors.codes.unused import UNUSED
+from cbdsl.errors.diagnostic import Diagnostic, Place, Related
+from cbdsl.errors.entry import Entry
+from cbdsl.errors.nearest import nearest_name
+
+CATALOGUE: dict[str, Entry] = {
+    entry.code: entry
+    for subject in (
+        READING,
+        SHAPE,
+        ROBOTS,
+        STAGES,
+        COMPOSITIONS,
+        CONTROLLERS,
+        PROGRAMS,
+        UNUSED,
+    )
+    for entry in subject
+}
+
+
+def diagnostic(
+    code: str,
+    place: Place,
+    *,
+    names: Sequence[str] = (),
+    related: Iterable[tuple[Place, str]] = (),
+    **details: object,
+) -> Diagnostic:
+    """A finding in the catalogue's words.
+
+    Args:
+        code: its entry.
+        place: where it is.
+        names: names that would have been right; the nearest to ``name`` or ``key`` is proposed.
+        related: other places, and what is there.
+        details: what the entry's message is filled with.
+    """
+    entry = CATALOGUE[code]
+    given = str(details.get("name", details.get("key", "")))
+    return Diagnostic(
+        code=code,
+        message=entry.message.format(**details),
+        place=place,
+        severity=entry.severity,
+        allowed=tuple(names),
+        nearest=nearest_name(given, names),
+        related=tuple(Related(where, message) for where, message in related),
+    )

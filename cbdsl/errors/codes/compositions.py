@@ -1,0 +1,68 @@
+"""CB4nn: compositions, calls and parameters."""
+
+from __future__ import annotations
+
+from cbdsl.errors.codes.example import HEAD, SEARCH, TRACK, controller, program
+from cbdsl.errors.entry import Entry
+
+_TWO = f"{HEAD}controllers:\n  search: {SEARCH}\n  track: {TRACK}\n"
+
+COMPOSITIONS = (
+    Entry(
+        "CB401",
+        "not a composition",
+        "this is no composition: {problem}",
+        "A composition is `c2 ◁ c1`, read 'c2 subject to c1': the rightmost controller has "
+        "priority. `<|` is accepted for `◁`. A controller with parameters is called with "
+        "arguments, as in `reach(sat_10, right_arm)`.",
+        program("actions: [track, track ◁ ]\n"),
+    ),
+    Entry(
+        "CB402",
+        "unknown parameter",
+        "there is no parameter '{name}'",
+        "`$name` stands for the value of a parameter of the program or of the controller.",
+        controller("potential: spring, reference: 0, feedback: cyclopean.$feature, effector: head"),
+    ),
+    Entry(
+        "CB403",
+        "wrong number of arguments",
+        "'{name}' takes {wanted} ({signature}), and {found} given",
+        "A call binds each of a controller's `parameters` in order. Programs and compositions "
+        "take none; a program's parameters are set under `use`.",
+        program("actions: [track(motion)]\n"),
+    ),
+    Entry(
+        "CB404",
+        "unknown controller or program",
+        "there is no controller or program '{name}'",
+        "A composition names entries of `controllers`; an action can also be an entry of `use`.",
+        program("actions: [trak]\n"),
+    ),
+    Entry(
+        "CB405",
+        "controller made of itself",
+        "'{name}' is made of itself: {cycle}",
+        "A composition that contains itself never ends.",
+        _TWO + "  look: search ◁ watch\n  watch: look ◁ track\nactions: [watch, search, track]\n",
+    ),
+    Entry(
+        "CB406",
+        "program in a composition",
+        "'{name}' is a program, and a program cannot be composed",
+        "A program chooses its own actions over time, so it has no single control law whose "
+        "nullspace a controller could use. Make it an action by itself.",
+        f"{HEAD}use:\n  looking: {{program: looking}}\ncontrollers:\n  track: {TRACK}\n"
+        "actions: [track, looking, track ◁ looking]\n",
+        beside={
+            "programs/looking.yaml": program("actions: [track]\n").replace("example", "looking")
+        },
+    ),
+    Entry(
+        "CB407",
+        "controller twice in a composition",
+        "'{name}' occurs twice in this composition",
+        "The second occurrence has nothing left to do in the nullspace of the first.",
+        _TWO + "actions: [search, track, track ◁ search ◁ track]\n",
+    ),
+)

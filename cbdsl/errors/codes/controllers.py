@@ -1,0 +1,146 @@
+"""CB5nn: the types of controllers."""
+
+from __future__ import annotations
+
+from cbdsl.errors.codes.example import controller
+from cbdsl.errors.entry import Entry
+
+_HEADING = "potential: spring, reference: 0, feedback: cyclopean.motion, effector: head"
+
+CONTROLLERS = (
+    Entry(
+        "CB501",
+        "unknown resource",
+        "robot '{robot}' has no resource '{name}'",
+        "Resources follow from the robot's document: `right_arm`, `right_arm.position`, "
+        "`right_hand.finger_1.force`, `left.hue_4`, `stereo.hue_4`. `cb show resources` lists "
+        "them with their types.",
+        controller("potential: spring, reference: 0, feedback: cyclopean.moton, effector: head"),
+    ),
+    Entry(
+        "CB502",
+        "unknown potential",
+        "there is no potential '{name}'",
+        "The potentials are the artificial potential functions of the control basis.",
+        controller("potential: sprong, reference: 0, feedback: cyclopean.motion, effector: head"),
+    ),
+    Entry(
+        "CB503",
+        "potential that is not defined on this type",
+        "the potential '{potential}' is not defined on {feedback}, the type of '{name}'",
+        "Each potential is a function of certain types only; joint limits, for example, mean "
+        "nothing to a force.",
+        controller("potential: range, feedback: cyclopean.motion, effector: head"),
+    ),
+    Entry(
+        "CB504",
+        "reference and feedback of different types",
+        "the reference '{reference}' is {reference_type}, the feedback '{feedback}' is "
+        "{feedback_type}",
+        "Types are nominal: a force is not a position, although both have three components, "
+        "and the configurations of two effectors with different joints cannot be compared.",
+        controller(
+            "potential: spring, reference: stereo.motion, feedback: right_arm, effector: right_arm"
+        ),
+    ),
+    Entry(
+        "CB505",
+        "wrong number of components",
+        "{found} given for {feedback}, which has {wanted}",
+        "A reference literal has one number per component of the feedback, or is a single 0.",
+        controller("potential: spring, reference: [0, 0, 0], feedback: head, effector: head"),
+    ),
+    Entry(
+        "CB506",
+        "unit that does not fit",
+        "{problem}",
+        "The quantity has the unit of another type than the controller's feedback.",
+        controller("potential: spring, reference: [0 cm, 0 cm], feedback: head, effector: head"),
+    ),
+    Entry(
+        "CB507",
+        "effector that cannot be moved",
+        "'{name}' cannot be moved",
+        "An effector is a configuration, or the position, orientation or pose of a tip, which "
+        "move through the Jacobian of the forward kinematics (Eq 3.17).",
+        controller(
+            "potential: spring, reference: 0, feedback: cyclopean.motion, effector: stereo.motion"
+        ),
+    ),
+    Entry(
+        "CB508",
+        "effector without influence",
+        "moving '{effector}' does not change '{feedback}'",
+        "A controller descends its potential by moving the effector, so the feedback has to "
+        "depend on the effector's joints: a heading on those that carry the camera, a force on "
+        "those of the hand and its arm. What is seen of the world moves for nobody.",
+        controller(
+            "potential: spring, reference: 0, feedback: cyclopean.motion, effector: left_arm"
+        ),
+    ),
+    Entry(
+        "CB509",
+        "missing reference",
+        "the potential '{potential}' needs a reference",
+        "This potential is a function of the difference between reference and feedback.",
+        controller("potential: spring, feedback: cyclopean.motion, effector: head"),
+    ),
+    Entry(
+        "CB510",
+        "reference that nothing reads",
+        "the potential '{potential}' takes no reference",
+        "This potential is a function of the feedback alone.",
+        controller("potential: range, reference: 0, feedback: head, effector: head"),
+    ),
+    Entry(
+        "CB511",
+        "missing setting",
+        "neither this controller nor robot '{robot}' sets {setting} for {feedback}",
+        "Settings come from the robot's `control.tasks`, by the type of the feedback, unless "
+        "the controller has its own.",
+        controller(
+            "potential: spring, reference: 0, feedback: right_hand.net.torque, effector: right_hand"
+        ),
+    ),
+    Entry(
+        "CB512",
+        "force along normals that are not there",
+        "'along normals' needs the forces of all fingers, and '{name}' is {feedback}",
+        "A reference along normals has a direction per finger, so its feedback is "
+        "`<hand>.finger_forces`.",
+        controller(
+            "potential: spring, reference: 1 N along normals, feedback: right_arm.position, "
+            "effector: right_arm"
+        ),
+    ),
+    Entry(
+        "CB513",
+        "setting that means nothing here",
+        "'{name}' means nothing for feedback of type {feedback}",
+        "`free_axis` is for orientations, `standoff` and `funnel` are for the position of a tip, "
+        "`seek` is for the forces of a hand's fingers.",
+        controller(_HEADING + ", free_axis: z"),
+    ),
+    Entry(
+        "CB514",
+        "controller that never runs",
+        "no action runs a controller '{name}'",
+        "`seek.once` names a controller of the same program that an action runs.",
+        controller(
+            "potential: spring, reference: 1 N along normals, "
+            "feedback: right_hand.finger_forces, effector: right_hand, "
+            "seek: {speed: 0.3 rad/s, once: reach}"
+        ),
+    ),
+    Entry(
+        "CB515",
+        "more than one chain of casts",
+        "several chains of casts lead from '{feedback}' to '{effector}': {chains}",
+        "The chain decides the law, so it has to be the only one. Choose an effector of another "
+        "type.",
+        controller(
+            "potential: spring, reference: [0, 0, 0, 0, 0, 0], feedback: right_hand.net.wrench, "
+            "effector: right_arm.pose"
+        ),
+    ),
+)

@@ -1,0 +1,122 @@
+"""CB6nn: programs, their parts, and policies."""
+
+from __future__ import annotations
+
+from cbdsl.errors.codes.example import HEAD, SEARCH, TRACK, program
+from cbdsl.errors.entry import Entry
+
+_TWO = f"{HEAD}controllers:\n  search: {SEARCH}\n  track: {TRACK}\n"
+_SMALL_ROBOT = (
+    "cbdsl: 1\nkind: robot\nname: other\nmodel: other.urdf\nbase: base\neffectors: {}\n"
+    "control: {rate: 100 Hz, tasks: {}}\n"
+)
+_OTHER_STAGE = "cbdsl: 1\nkind: stage\nname: other\nrobot: other\ncontexts: {always: {}}\n"
+_LOOKING = program("actions: [track]\n").replace("example", "looking")
+
+PROGRAMS = (
+    Entry(
+        "CB601",
+        "unknown robot",
+        "there is no robot '{name}'",
+        "A robot is `robots/<name>.yaml`, next to this document, here, or shipped.",
+        program("actions: [track]\n", head=HEAD.replace("dexter", "dextre")),
+    ),
+    Entry(
+        "CB602",
+        "unknown stage",
+        "there is no stage '{name}'",
+        "A stage is `programs/stages/<name>.yaml`, next to this document, here, or shipped.",
+        program("stage: tabel\nactions: [track]\n"),
+    ),
+    Entry(
+        "CB603",
+        "document for another robot",
+        "'{name}' is for robot '{other}', and this is for '{robot}'",
+        "Resources, joints and places differ from robot to robot.",
+        program("stage: other\nactions: [track]\n"),
+        beside={"programs/stages/other.yaml": _OTHER_STAGE, "robots/other.yaml": _SMALL_ROBOT},
+    ),
+    Entry(
+        "CB604",
+        "unknown program",
+        "there is no program '{name}'",
+        "A program is `programs/<name>.yaml`, next to this document, here, or shipped.",
+        program("use: {looking: {program: loking}}\nactions: [track, looking]\n"),
+        beside={"programs/looking.yaml": _LOOKING},
+    ),
+    Entry(
+        "CB605",
+        "program that uses itself",
+        "'{name}' uses itself: {cycle}",
+        "Running it would never begin.",
+        program("use: {again: {program: example}}\nactions: [track, again]\n"),
+    ),
+    Entry(
+        "CB606",
+        "value for an unknown parameter",
+        "program '{program}' has no parameter '{name}'",
+        "`with` gives values to parameters that the used program declares.",
+        program(
+            "use: {looking: {program: looking, with: {feture: hue_4}}}\nactions: [track, looking]\n"
+        ),
+        beside={
+            "programs/looking.yaml": _LOOKING.replace("motion", "$feature")
+            + "parameters: {feature: motion}\n"
+        },
+    ),
+    Entry(
+        "CB607",
+        "action written twice",
+        "the action '{name}' is already there",
+        "A policy could not tell them apart.",
+        program("actions: [track, track]\n"),
+    ),
+    Entry(
+        "CB608",
+        "controller that is no action by itself",
+        "'{name}' occurs in compositions, but is no action by itself, so no state shows it",
+        "A state has one predicate per action that is not a composition. Without one for this "
+        "controller no policy could tell whether it has converged.",
+        _TWO + "actions: [track, search ◁ track]\n",
+    ),
+    Entry(
+        "CB611",
+        "state of the wrong length",
+        "state '{state}' has {found} letters for {wanted} predicates ({members})",
+        "A state has one letter for each action that is not a composition, in their order.",
+        program('actions: [track]\npolicy: {"1-": track}\n'),
+    ),
+    Entry(
+        "CB612",
+        "letter that is no predicate",
+        "'{letter}' in state '{state}' is none of X, -, 0, 1 and *",
+        "X: not activated; -: reference undefined; 0: transient; 1: quiescent (Eq 4.1); "
+        "*: any of them.",
+        program('actions: [track]\npolicy: {"2": track}\n'),
+    ),
+    Entry(
+        "CB613",
+        "policy with an unknown action",
+        "'{name}' is none of the actions",
+        "A policy chooses from `actions`.",
+        _TWO + 'actions: [search, track]\npolicy: {"**": search ◁ track}\n',
+    ),
+    Entry(
+        "CB614",
+        "states that contradict each other",
+        "'{state}' and '{other}' both match {example}, equally closely, with different actions",
+        "The pattern with the fewest `*` decides. Where two have equally many, add a pattern "
+        "for the states that both match.",
+        _TWO + 'actions: [search, track]\npolicy: {"1*": search, "*1": track, "**": track}\n',
+    ),
+    Entry(
+        "CB621",
+        "policy for other predicates",
+        "this policy is over {found}, and program '{program}' has {wanted}",
+        "A policy fits a program whose states have the same predicates in the same order.",
+        "cbdsl: 1\nkind: policy\nname: example\nprogram: looking\npredicates: [search]\n"
+        'policy: {"*": track}\n',
+        "knowledge/example.yaml",
+        {"programs/looking.yaml": _LOOKING},
+    ),
+)

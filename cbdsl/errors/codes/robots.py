@@ -1,0 +1,95 @@
+"""CB3nn: robot documents and their URDF models."""
+
+from __future__ import annotations
+
+from cbdsl.errors.codes.example import URDF, robot
+from cbdsl.errors.entry import Entry
+
+_PATH = "robots/example.yaml"
+_MODEL = {"robots/example.urdf": URDF}
+
+ROBOTS = (
+    Entry(
+        "CB301",
+        "no URDF model",
+        "the URDF model cannot be read: {problem}",
+        "`model` is the path of a URDF file, relative to the robot's document.",
+        robot(),
+        _PATH,
+    ),
+    Entry(
+        "CB302",
+        "joint that the model lacks",
+        "the model {model} has no movable joint '{name}'",
+        "Effectors, couplings and load cells name movable joints of the URDF model.",
+        robot("  head: {joints: [pam]}\n"),
+        _PATH,
+        _MODEL,
+    ),
+    Entry(
+        "CB303",
+        "link that the model lacks",
+        "the model {model} has no link '{name}'",
+        "Tips, cameras, load cells and the base name links of the URDF model.",
+        robot("  head: {joints: [pan], tip: {link: eyes}}\n"),
+        _PATH,
+        _MODEL,
+    ),
+    Entry(
+        "CB304",
+        "posture of the wrong length",
+        "posture '{name}' has {found} angles for {wanted} joints",
+        "A posture has one angle for each joint of its effector, in their order.",
+        robot("  head: {joints: [pan], postures: {ahead: [0, 0]}}\n"),
+        _PATH,
+        _MODEL,
+    ),
+    Entry(
+        "CB305",
+        "posture outside the joint limits",
+        "{angle} rad is outside the limits of joint '{joint}', {lower} to {upper} rad",
+        "The robot can never take this posture. Limits are those of the URDF model.",
+        robot("  head: {joints: [pan], postures: {aside: [100 deg]}}\n"),
+        _PATH,
+        _MODEL,
+    ),
+    Entry(
+        "CB306",
+        "unknown posture",
+        "effector '{effector}' has no posture '{name}'",
+        "`start` names one of the effector's postures.",
+        robot("  head: {joints: [pan], postures: {ahead: [0]}, start: ahed}\n"),
+        _PATH,
+        _MODEL,
+    ),
+    Entry(
+        "CB307",
+        "joint with two masters",
+        "joint '{name}' is already moved by {other}",
+        "Each joint belongs to one effector, or follows one joint as a coupling.",
+        robot("  head: {joints: [pan]}\n  neck: {joints: [pan]}\n"),
+        _PATH,
+        _MODEL,
+    ),
+    Entry(
+        "CB308",
+        "unknown effector or joint",
+        "'{name}' is no {what}",
+        "Load cells belong to an effector and name a joint of it; couplings follow an actuated "
+        "joint; a channel's alias names a channel.",
+        robot(more="vision: {channels: {aliases: {green: hue_11}}}\n"),
+        _PATH,
+        _MODEL,
+    ),
+    Entry(
+        "CB309",
+        "setting for an unknown type",
+        "'{name}' is no type of resource",
+        "`control.tasks` has settings by the type of a controller's feedback.",
+        robot().replace(
+            "tasks: {}", "tasks: {heding: {gain: 8, quiescence: {rate: 1, window: 1 s}}}"
+        ),
+        _PATH,
+        _MODEL,
+    ),
+)

@@ -1,0 +1,70 @@
+"""CB2nn: the keys and values of documents."""
+
+from __future__ import annotations
+
+from cbdsl.errors.codes.example import HEAD, TRACK, controller, program
+from cbdsl.errors.entry import Entry
+
+SHAPE = (
+    Entry(
+        "CB201",
+        "document of the wrong kind",
+        "this is a {found}, and a {wanted} is needed here",
+        "`robot:` wants the name of a robot document, `use:` that of a program, and so on.",
+        program("actions: [track]\nstage: wrong\n"),
+        beside={"programs/stages/wrong.yaml": program("actions: [track]\n")},
+    ),
+    Entry(
+        "CB202",
+        "unknown key",
+        "there is no key '{key}' here",
+        "Documents are strict, because a misspelt key that is passed over changes behaviour "
+        "without a word.",
+        program("action: [track]\n"),
+    ),
+    Entry(
+        "CB203",
+        "missing key",
+        "the key '{key}' is missing",
+        "This part of the document is incomplete without it.",
+        f"{HEAD}controllers:\n  track: {TRACK}\n",
+    ),
+    Entry(
+        "CB204",
+        "value of the wrong kind",
+        "expected {expected}, found {found}",
+        "The value has another shape than its key wants.",
+        program("actions: [track]\nlimits: 100\n"),
+    ),
+    Entry(
+        "CB205",
+        "not the quantity that is wanted",
+        "{problem}",
+        "A quantity is a number in SI units, or a number with a unit of the right dimension, "
+        "such as `30 deg`, `2 cm` or `0.2 N`.",
+        program("actions: [track]\nlimits: {transition_time: 20 cm}\n"),
+    ),
+    Entry(
+        "CB206",
+        "not one of the values that are allowed",
+        "'{name}' is not allowed here",
+        "Only a few values are possible here.",
+        program("actions: [track]\n", head=HEAD.replace("kind: program", "kind: programme")),
+    ),
+    Entry(
+        "CB207",
+        "not a name",
+        "'{name}' is not a name: a letter, then letters, digits and '_'",
+        "Names appear in compositions and in resources, where other characters have a meaning.",
+        HEAD + f"controllers:\n  track-it: {TRACK}\nactions: [track]\n",
+    ),
+    Entry(
+        "CB208",
+        "value outside its range",
+        "this value cannot be used: {problem}",
+        "The value is of the right kind, but too small, too large, too short or too long.",
+        controller(
+            "potential: spring, reference: 0, feedback: cyclopean.motion, effector: head, gain: -1"
+        ),
+    ),
+)

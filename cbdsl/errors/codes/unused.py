@@ -1,0 +1,38 @@
+"""CB7nn: warnings about what has no effect."""
+
+from __future__ import annotations
+
+from cbdsl.errors.codes.example import HEAD, SEARCH, TRACK, program
+from cbdsl.errors.diagnostic import Severity
+from cbdsl.errors.entry import Entry
+
+UNUSED = (
+    Entry(
+        "CB701",
+        "unused controller or program",
+        "'{name}' is never used",
+        "No action and no background runs it.",
+        f"{HEAD}controllers:\n  search: {SEARCH}\n  track: {TRACK}\nactions: [track]\n",
+        severity=Severity.WARNING,
+    ),
+    Entry(
+        "CB702",
+        "unused parameter",
+        "the parameter '{name}' is never used",
+        "Setting it would change nothing.",
+        program("parameters: {feature: motion}\nactions: [track]\n"),
+        severity=Severity.WARNING,
+    ),
+    Entry(
+        "CB703",
+        "name with two meanings",
+        "'{name}' hides the {other} of the same name",
+        "The nearer meaning wins, which is easily misread.",
+        program(
+            "parameters: {feature: motion}\nactions: [track(motion)]\n",
+            track="{parameters: [feature], potential: spring, reference: 0, "
+            "feedback: cyclopean.$feature, effector: head}",
+        ),
+        severity=Severity.WARNING,
+    ),
+)

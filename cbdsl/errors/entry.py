@@ -1,0 +1,33 @@
+"""An entry of the catalogue of diagnostics."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+from cbdsl.errors.diagnostic import Severity
+
+
+@dataclass(frozen=True)
+class Entry:
+    """What there is to say about one code.
+
+    Attributes:
+        code: ``CB`` and three digits.
+        title: the fault in a few words.
+        message: what a diagnostic says; the names in braces are filled in.
+        explanation: why it is a fault, and the way out.
+        example: the text of a document that has the fault; ``None``: a file that does not exist.
+        path: where the example is, relative to a folder of documents.
+        beside: other files that the example needs, by path.
+        severity: whether the document can still be used.
+    """
+
+    code: str
+    title: str
+    message: str
+    explanation: str
+    example: str | bytes | None
+    path: str = "programs/example.yaml"
+    beside: Mapping[str, str] = field(default_factory=dict)
+    severity: Severity = Severity.ERROR

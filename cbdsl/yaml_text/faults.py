@@ -1,0 +1,139 @@
+"""From what pydantic finds in a document to located diagnostics."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
+from typing import Any, get_args
+
+from pydantic import BaseModel
+from pydantic_core import ErrorDetails
+
+from cbdsl.errors.catalogue import diagnostic
+from cbdsl.errors.diagnostic import Diagnostic
+from cbdsl.yaml_text.source_map import SourceMap, Step, child_of
+
+_EXPECTED = {
+    "model_type": "a mapping",
+    "dict_type": "a mapping",
+    "tuple_type": "a list",
+    "string_type": "text",
+    "int_type": "an integer",
+    "int_parsing": "an integer",
+    "int_from_float": "an integer",
+    "float_type": "a number",
+    "float_parsing": "a number",
+    "bool_type": "true or false",
+    "bool_parsing": "true or false",
+}
+
+
+@dataclass(frozen=True)
+class _Fault:
+    """One of pydantic's errors at the path that the text really has."""
+
+    path: tuple[Step, ...]
+    error: ErrorDetails
+
+    @property
+    def is_wrong_kind(self) -> bool:
+        return self.error["type"] in _EXPECTED
+
+
+def faults(
+    errors: Iterable[ErrorDetails], source: SourceMap, model: type[BaseModel]
+) -> list[Diagnostic]:
+    """One diagnostic for each value that is wrong, however many ways of a union it failed."""
+    found = [_Fault(_path(error, source), error) for error in errors]
+    by_path: dict[tuple[Step, ...], list[_Fault]] = {}
+    for fault in found:
+        if not (fault.is_wrong_kind and _has_deeper(fault, found)):
+            by_path.setdefault(fault.path, []).append(fault)
+    return [_diagnose(path, same, source, model) for path, same in by_path.items()]
+
+
+def _has_deeper(fault: _Fault, faults: Iterable[_Fault]) -> bool:
+    depth = len(fault.path)
+    return any(len(f.path) > depth and f.path[:depth] == fault.path for f in faults)
+
+
+def _path(error: ErrorDetails, source: SourceMap) -> tuple[Step, ...]:
+    """The steps of an error's ``loc`` that the text has, and the missing key at its end."""
+    node, path = source.root, []
+    for step in error["loc"]:
+        child = child_of(node, step)
+        if child is not None:
+            node = child
+            path.append(step)
+    if error["type"] == "missing":
+        path.append(error["loc"][-1])
+    return tuple(path)
+
+
+def _diagnose(
+    path: tuple[Step, ...], same: list[_Fault], source: SourceMap, model: type[BaseModel]
+) -> Diagnostic:
+    if all(fault.is_wrong_kind for fault in same):
+        expected = " or ".join(dict.fromkeys(_EXPECTED[fault.error["type"]] for fault in same))
+        found = _describe(source.node(path).value)
+        return diagnostic("CB204", source.place(*path), expected=expected, found=found)
+    fault = next(fault for fault in same if not fault.is_wrong_kind)
+    return _special(fault, path, source, model)
+
+
+def _special(
+    fault: _Fault, path: tuple[Step, ...], source: SourceMap, model: type[BaseModel]
+) -> Diagnostic:
+    error, name = fault.error, str(path[-1]) if path else ""
+    context: dict[str, Any] = error.get("ctx", {})
+    match error["type"]:
+        case "missing":
+            # A missing key has no place of its own: its parent's key stands for it.
+            place = source.key(*path[:-1])
+            return diagnostic("CB203", place, key=name)
+        case "extra_forbidden":
+            keys = sorted(_keys(model, error["loc"][:-1]))
+            return diagnostic("CB202", source.key(*path), names=keys, key=name)
+        case "literal_error" | "union_tag_invalid":
+            expected = str(context.get("expected") or context.get("expected_tags"))
+            names = [text.strip(" '") for text in expected.replace(" or ", ",").split(",")]
+            value = str(source.node(path).value)
+            steps = path if error["type"] == "literal_error" else (*path, "shape")
+            value = str(source.node(steps).value)
+            return diagnostic("CB206", source.place(*steps), names=names, name=value)
+        case "string_pattern_mismatch":
+            at = source.key(*path) if "[key]" in error["loc"] else source.place(*path)
+            return diagnostic("CB207", at, name=error["input"])
+        case "value_error":
+            return diagnostic("CB205", source.place(*path), problem=str(context["error"]))
+    return diagnostic("CB208", source.place(*path), problem=error["msg"])
+
+
+def _keys(model: type[BaseModel], steps: Iterable[Step]) -> set[str]:
+    """Keys that the section at a path may have."""
+    models: list[type[BaseModel]] = [model]
+    for step in steps:
+        below = [
+            field.annotation
+            for section in models
+            for name, field in section.model_fields.items()
+            if step in (name, field.alias)
+        ]
+        models = [m for annotation in below for m in _models(annotation)] or models
+    return {f.alias or name for section in models for name, f in section.model_fields.items()}
+
+
+def _models(annotation: Any) -> Iterator[type[BaseModel]]:
+    """The sections that an annotation mentions."""
+    if isinstance(annotation, type) and issubclass(annotation, BaseModel):
+        yield annotation
+    for part in get_args(annotation):
+        yield from _models(part)
+
+
+def _describe(value: object) -> str:
+    if isinstance(value, dict):
+        return "a mapping"
+    if isinstance(value, list):
+        return "a list"
+    return "nothing" if value is None else f"'{value}'"

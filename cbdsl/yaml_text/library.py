@@ -1,0 +1,104 @@
+"""Documents by name: next to the document that names them, here, or as shipped."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any, TypeVar
+
+from cbdsl.documents.document import Document
+from cbdsl.documents.policy import PolicyDocument
+from cbdsl.documents.program import ProgramDocument
+from cbdsl.documents.robot import RobotDocument
+from cbdsl.documents.stage import StageDocument
+from cbdsl.errors.errors import UsageError
+from cbdsl.errors.nearest import nearest_name
+from cbdsl.yaml_text.reader import Loaded, read
+
+FOLDERS: dict[type[Document], str] = {
+    RobotDocument: "robots",
+    ProgramDocument: "programs",
+    StageDocument: "programs/stages",
+    PolicyDocument: "knowledge",
+}
+
+D = TypeVar("D", bound=Document)
+
+
+def shipped() -> Path:
+    """The folder that holds the robots and programs that come with the package."""
+    package = Path(__file__).resolve().parent.parent
+    installed = package / "shipped"
+    return installed if installed.is_dir() else package.parent
+
+
+@dataclass
+class Library:
+    """Finds and reads documents by name, each file once.
+
+    Attributes:
+        here: the folder that is searched after those of the naming document.
+    """
+
+    here: Path = field(default_factory=Path.cwd)
+    _read: dict[Path, Loaded[Any]] = field(default_factory=dict)
+
+    def find(self, kind: type[Document], name: str, beside: Path | None = None) -> Path | None:
+        """The file ``<folder of the kind>/<name>.yaml``, or ``None``.
+
+        Args:
+            kind: the kind of document.
+            name: its name.
+            beside: a file whose folder and the folders above are searched first.
+        """
+        for root in self._roots(beside):
+            path = root / FOLDERS[kind] / f"{name}.yaml"
+            if path.is_file():
+                return path
+        return None
+
+    def names(self, kind: type[Document], beside: Path | None = None) -> list[str]:
+        """Names of all documents of a kind that ``find`` would find."""
+        folders = (root / FOLDERS[kind] for root in self._roots(beside))
+        return sorted({path.stem for folder in folders for path in folder.glob("*.yaml")})
+
+    def read(self, path: Path, kind: type[D]) -> Loaded[D]:
+        """Read a file, or remember it.
+
+        Raises:
+            DiagnosticsError: it is no valid document of this kind.
+        """
+        key = path.resolve()
+        if key not in self._read or not isinstance(self._read[key].document, kind):
+            self._read[key] = read(path, kind)
+        loaded: Loaded[D] = self._read[key]
+        return loaded
+
+    def locate(self, kind: type[Document], name: str | Path) -> Path:
+        """The file that a user means by a path or a name.
+
+        Raises:
+            UsageError: no document has this name.
+        """
+        path = Path(name)
+        if path.suffix or len(path.parts) > 1 or path.exists():
+            return path
+        found = self.find(kind, str(name))
+        if found is None:
+            raise UsageError(self._not_found(kind, str(name)))
+        return found
+
+    def _not_found(self, kind: type[Document], name: str) -> str:
+        names = self.names(kind)
+        nearest = nearest_name(name, names)
+        hint = f"; did you mean '{nearest}'?" if nearest else ""
+        known = ", ".join(names) or "none"
+        folder = FOLDERS[kind]
+        return f"no {folder}/{name}.yaml here or shipped{hint} (known: {known})"
+
+    def _roots(self, beside: Path | None) -> Iterator[Path]:
+        if beside is not None:
+            yield from beside.absolute().parents
+        yield self.here
+        yield shipped()

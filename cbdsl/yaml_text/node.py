@@ -1,0 +1,43 @@
+"""The values of a YAML text, each with its place."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+
+from cbdsl.errors.diagnostic import Place
+from cbdsl.yaml_text.scalar import Scalar
+
+
+@dataclass
+class Node:
+    """A scalar, a sequence or a mapping, and where it stands.
+
+    Attributes:
+        place: its first line, up to its end where it is a scalar.
+        value: the scalar, the items, or the values by key.
+        keys: places of a mapping's keys.
+        weight: number of nodes, with aliases written out.
+        height: levels of nesting below it.
+    """
+
+    place: Place
+    value: Scalar | list[Node] | dict[str, Node]
+    keys: dict[str, Place] = field(default_factory=dict)
+    weight: int = 1
+    height: int = 0
+
+    def children(self) -> Iterator[Node]:
+        """Items or values, in order."""
+        if isinstance(self.value, dict):
+            yield from self.value.values()
+        elif isinstance(self.value, list):
+            yield from self.value
+
+    def plain(self) -> object:
+        """The same as dicts, lists and scalars."""
+        if isinstance(self.value, dict):
+            return {key: node.plain() for key, node in self.value.items()}
+        if isinstance(self.value, list):
+            return [node.plain() for node in self.value]
+        return self.value

@@ -1,0 +1,117 @@
+"""From a file to a document and the places of its parts."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Generic, TypeVar
+
+from pydantic import ValidationError
+
+from cbdsl.documents.document import Document
+from cbdsl.documents.policy import PolicyDocument
+from cbdsl.documents.program import ProgramDocument
+from cbdsl.documents.robot import RobotDocument
+from cbdsl.documents.stage import StageDocument
+from cbdsl.errors.catalogue import diagnostic
+from cbdsl.errors.diagnostic import Place
+from cbdsl.errors.errors import DiagnosticsError
+from cbdsl.yaml_text.composer import compose
+from cbdsl.yaml_text.faults import faults
+from cbdsl.yaml_text.node import Node
+from cbdsl.yaml_text.source_map import SourceMap
+
+KINDS: dict[str, type[Document]] = {
+    "robot": RobotDocument,
+    "program": ProgramDocument,
+    "stage": StageDocument,
+    "policy": PolicyDocument,
+}
+
+D = TypeVar("D", bound=Document, covariant=True)
+
+
+@dataclass(frozen=True)
+class Loaded(Generic[D]):
+    """A document and where its parts stand."""
+
+    document: D
+    source: SourceMap
+
+    @property
+    def path(self) -> Path:
+        """Its file."""
+        return self.source.path
+
+
+def read_document(path: Path) -> Loaded[Document]:
+    """Read a document of any kind.
+
+    Raises:
+        DiagnosticsError: the file cannot be read, or is no valid document.
+    """
+    source = _source(path)
+    return _load(source, _model(source))
+
+
+def read(path: Path, kind: type[D]) -> Loaded[D]:
+    """Read a document of one kind.
+
+    Raises:
+        DiagnosticsError: as ``read_document``, or where the document is of another kind.
+    """
+    source = _source(path)
+    model = _model(source)
+    if not issubclass(model, kind):
+        wanted = next(name for name, known in KINDS.items() if known is kind)
+        found = str(source.node(("kind",)).value)
+        raise _error("CB201", source.place("kind"), wanted=wanted, found=found)
+    return _load(source, model)
+
+
+def read_text(path: Path) -> str:
+    """The text of a file.
+
+    Raises:
+        DiagnosticsError: it cannot be read, or is not UTF-8.
+    """
+    try:
+        data = path.read_bytes()
+    except OSError as error:
+        reason = error.strerror or str(error)
+        raise _error("CB101", Place(str(path)), reason=reason) from None
+    try:
+        return data.decode("utf-8-sig")
+    except UnicodeDecodeError as error:
+        line = data.count(b"\n", 0, error.start) + 1
+        column = error.start - data.rfind(b"\n", 0, error.start)
+        place = Place(str(path), line, column, column + 1)
+        raise _error("CB102", place, byte=f"0x{data[error.start]:02X}") from None
+
+
+def _source(path: Path) -> SourceMap:
+    text = read_text(path)
+    return SourceMap(path, text, compose(text, str(path)))
+
+
+def _model(source: SourceMap) -> type[Document]:
+    if not isinstance(source.root.value, dict):
+        raise _error("CB204", source.root.place, expected="a mapping", found="something else")
+    kind: Node | None = source.root.value.get("kind")
+    if kind is None:
+        raise _error("CB203", source.root.place, key="kind")
+    if str(kind.value) not in KINDS:
+        raise _error("CB206", kind.place, names=list(KINDS), name=str(kind.value))
+    return KINDS[str(kind.value)]
+
+
+def _load(source: SourceMap, model: type[D]) -> Loaded[D]:
+    try:
+        return Loaded(model.model_validate(source.root.plain()), source)
+    except ValidationError as error:
+        details = error.errors(include_url=False)
+        raise DiagnosticsError(faults(details, source, model)) from None
+
+
+def _error(code: str, place: Place, **details: Any) -> DiagnosticsError:
+    return DiagnosticsError([diagnostic(code, place, **details)])

@@ -1,0 +1,53 @@
+"""From a document to a file that reads back as the same document."""
+
+from __future__ import annotations
+
+import os
+import tempfile
+from pathlib import Path
+from typing import Any, ClassVar
+
+import yaml
+
+from cbdsl.documents.document import Document
+from cbdsl.yaml_text import scalar
+
+
+class _Dumper(yaml.SafeDumper):
+    """Quotes exactly the texts that the reader would take for something else."""
+
+    yaml_implicit_resolvers: ClassVar[dict[str | None, list[tuple[str, Any]]]] = {
+        None: [
+            ("tag:yaml.org,2002:null", scalar.NULL),
+            ("tag:yaml.org,2002:bool", scalar.BOOLEAN),
+            ("tag:yaml.org,2002:int", scalar.INTEGER),
+            ("tag:yaml.org,2002:float", scalar.FLOAT),
+            ("tag:yaml.org,2002:float", scalar.NOT_FINITE),
+        ]
+    }
+
+    def ignore_aliases(self, data: Any) -> bool:
+        return True
+
+
+def dump(document: Document) -> str:
+    """A document as YAML; what equals its default is left out."""
+    data = document.model_dump(mode="json", by_alias=True, exclude_defaults=True)
+    return yaml.dump(data, Dumper=_Dumper, sort_keys=False, allow_unicode=True, width=100)
+
+
+def write(document: Document, path: Path) -> None:
+    """Write a document in one step, so that no reader ever sees half of it.
+
+    Raises:
+        OSError: the file cannot be written.
+    """
+    handle, temporary = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name}.")
+    try:
+        with os.fdopen(handle, "w", encoding="utf-8") as file:
+            file.write(dump(document))
+        os.chmod(temporary, 0o644)
+        os.replace(temporary, path)
+    except BaseException:
+        os.unlink(temporary)
+        raise
