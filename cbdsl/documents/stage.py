@@ -79,8 +79,8 @@ class Place(Section):
     """Effector in whose reach it is put; x, y, z and yaw are then in the tip's frame."""
     yaw: AngleSpan = (0.0, 0.0)
     held: bool = False
-    """Held still by the experimenter until all fingers of ``hand`` press on it, together with
-    twice its weight."""
+    """Held still by the experimenter until all fingers of ``hand`` have pressed on it, together
+    with twice its weight, for half a second."""
 
     @model_validator(mode="after")
     def _says_where(self) -> Place:

@@ -196,11 +196,9 @@ class Body:
         states = p.getJointStates(self.id, self._actuated, physicsClientId=self._client)
         return np.array([state[0] for state in states]), np.array([state[1] for state in states])
 
-    def pose(self, link: int) -> Pose:
-        """Where a link's frame is in the world."""
-        if link < 0:
-            return Pose(np.zeros(3), np.eye(3))
-        state = p.getLinkState(
-            self.id, link, computeForwardKinematics=1, physicsClientId=self._client
+    def poses(self, links: Sequence[int]) -> list[Pose]:
+        """Where these links' frames are in the world; not for the base, which is the world."""
+        states = p.getLinkStates(
+            self.id, links, computeForwardKinematics=1, physicsClientId=self._client
         )
-        return Pose.of(state[4], state[5])
+        return [Pose.of(state[4], state[5]) for state in states]

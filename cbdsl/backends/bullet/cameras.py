@@ -63,20 +63,23 @@ class Cameras:
 
     def views(self) -> dict[str, View]:
         """Where the cameras really are."""
+        poses = self._body.poses(list(self._links.values()))
         return {
-            name: View(camera, self._body.pose(self._links[name]) @ self._errors[name])
-            for name, camera in self._cameras.items()
+            name: View(camera, pose @ self._errors[name])
+            for (name, camera), pose in zip(self._cameras.items(), poses, strict=True)
         }
 
     def take(self) -> Mapping[str, Image]:
         """An image by every camera."""
+        images = self._renderer.render(list(self.views().values()))
         return {
-            name: self._disturbed(self._renderer.render(view))
-            for name, view in self.views().items()
+            name: self._disturbed(image) for name, image in zip(self._cameras, images, strict=True)
         }
 
     def _disturbed(self, image: Image) -> Image:
         if not self._deviation:
             return image
-        noise = self._deviation * self._noise.standard_normal(image.shape, dtype=np.float32)
-        return np.clip(np.rint(image + noise), 0, 255).astype(np.uint8)
+        values = self._noise.standard_normal(image.shape, dtype=np.float32)
+        values *= self._deviation
+        values += image
+        return np.clip(np.rint(values, out=values), 0, 255, out=values).astype(np.uint8)

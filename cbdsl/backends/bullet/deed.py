@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from typing import Protocol
 
@@ -12,8 +13,10 @@ from cbdsl.backends.bullet.touch import Cell
 from cbdsl.backends.bullet.truth import Truth
 from cbdsl.documents.stage import Thing
 
-#: A hand can carry a thing once its fingers press with this many times the thing's weight.
+#: A hand can carry a thing once its fingers have pressed with this many times the thing's weight
+#: for so long, s: the first touch may be a knock.
 _GRIP = 2.0
+_GRIP_TIME = 0.5
 _HOLDING_FORCE = 1000.0
 
 
@@ -32,8 +35,9 @@ class Deed(Protocol):
 class Hold:
     """Hold a thing still until a hand can carry it.
 
-    That is when every finger of the hand touches it and they press with twice its weight. Let go
-    at the first touch, it would fall through fingers that only feel for it.
+    That is when every finger of the hand has touched it, and they have pressed with twice its
+    weight, for half a second. Let go at the first touch, it would fall through fingers that only
+    feel for it.
     """
 
     def __init__(
@@ -50,6 +54,7 @@ class Hold:
         self._name = name
         self._pressure = _GRIP * weight
         self._cells = set(cells)
+        self._firm_since = math.inf
         pose = truth.pose(name)
         self._constraint = p.createConstraint(
             scene.bodies[name],
@@ -67,13 +72,17 @@ class Hold:
 
     def act(self, time: float) -> bool:
         """Let go if the hand can carry the thing."""
-        touches = [touch for touch in self._truth.touches(self._name) if touch.cell in self._cells]
-        carried = {touch.cell for touch in touches} == self._cells and sum(
-            touch.pressure for touch in touches
-        ) >= self._pressure
+        self._firm_since = min(self._firm_since, time) if self._gripped() else math.inf
+        carried = time - self._firm_since >= _GRIP_TIME
         if carried:
             p.removeConstraint(self._constraint, physicsClientId=self._client)
         return carried
+
+    def _gripped(self) -> bool:
+        touches = [touch for touch in self._truth.touches(self._name) if touch.cell in self._cells]
+        return {touch.cell for touch in touches} == self._cells and (
+            sum(touch.pressure for touch in touches) >= self._pressure
+        )
 
 
 class Push:

@@ -145,21 +145,24 @@ class OpenGLRenderer:
             np.array([in_frame for _, in_frame, _ in parts]),
         )
 
-    def render(self, view: View) -> Image:
-        """The bodies as they are now, RGB, shape (height, width, 3), top row first."""
+    def render(self, views: Sequence[View]) -> list[Image]:
+        """The bodies as they are now, from each view; see ``Renderer.render``."""
+        with self._context:
+            self._update()
+            return [self._image(view) for view in views]
+
+    def _image(self, view: View) -> Image:
         world_to_clip = view.eye_to_clip() @ view.world_to_eye()
         # OpenGL's first row is the lowest: the image is drawn upside down and so comes out right.
         world_to_clip[1] *= -1
         width, height = view.camera.width, view.camera.height
-        with self._context:
-            self._update()
-            canvas = self._canvas(width, height)
-            canvas.use()
-            canvas.clear(*BACKGROUND)
-            self._program["world_to_clip"].write(world_to_clip.T.astype("f4").tobytes())
-            for instances in self._instances:
-                instances.array.render(instances=len(instances.rows))
-            pixels = canvas.read(components=3, alignment=1)
+        canvas = self._canvas(width, height)
+        canvas.use()
+        canvas.clear(*BACKGROUND)
+        self._program["world_to_clip"].write(world_to_clip.T.astype("f4").tobytes())
+        for instances in self._instances:
+            instances.array.render(instances=len(instances.rows))
+        pixels = canvas.read(components=3, alignment=1)
         return np.frombuffer(pixels, dtype=np.uint8).reshape(height, width, 3)
 
     def _update(self) -> None:

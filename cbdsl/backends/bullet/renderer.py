@@ -25,8 +25,11 @@ class Renderer(Protocol):
         """From now on show these bodies; to be called whenever one is added or removed."""
         ...
 
-    def render(self, view: View) -> Image:
-        """The bodies as they are now, RGB, shape (height, width, 3), top row first."""
+    def render(self, views: Sequence[View]) -> list[Image]:
+        """The bodies as they are now, from each view.
+
+        RGB, shape (height, width, 3), top row first.
+        """
         ...
 
     def close(self) -> None:

@@ -27,14 +27,20 @@ class TinyRenderer:
     def show(self, bodies: Sequence[int]) -> None:
         """Nothing to do: the simulator shows all of its bodies."""
 
-    def render(self, view: View) -> Image:
-        """The bodies as they are now, RGB, shape (height, width, 3), top row first."""
+    def render(self, views: Sequence[View]) -> list[Image]:
+        """The bodies as they are now, from each view; see ``Renderer.render``."""
+        return [self._image(view) for view in views]
+
+    def _image(self, view: View) -> Image:
         width, height = view.camera.width, view.camera.height
+        projection = view.eye_to_clip()
+        # It samples pixels at their lower left corners: half a pixel brings their centres there.
+        projection[0, 2], projection[1, 2] = 1 / width, 1 / height
         _, _, colors, _, bodies = p.getCameraImage(
             width,
             height,
             viewMatrix=view.world_to_eye().T.ravel().tolist(),
-            projectionMatrix=view.eye_to_clip().T.ravel().tolist(),
+            projectionMatrix=projection.T.ravel().tolist(),
             shadow=0,
             lightDirection=[0.30, 0.20, 0.93],
             lightAmbientCoeff=0.55,

@@ -36,8 +36,8 @@ class Truth:
         return np.array(p.getBaseVelocity(self._scene.bodies[name], self._client)[0])
 
     def link_pose(self, link: str) -> Pose:
-        """Where a link of the robot really is."""
-        return self._body.pose(self._body.link(link))
+        """Where a link of the robot, other than its base, really is."""
+        return self._body.poses([self._body.link(link)])[0]
 
     def cells_beyond(self, link: str) -> tuple[Cell, ...]:
         """The load cells that this link carries, such as those of its hand for a palm."""
