@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
 
-from cbdsl.control.nullspace import Damping, Nullspace
+from cbdsl.control.row_space import Damping, RowSpace
 from cbdsl.control.signal import Floats, SignalError, require_finite
 
 Booleans = NDArray[np.bool_]
@@ -73,23 +75,40 @@ class Step:
     Attributes:
         displacement: of the joints, rad, shape (n,).
         locked: joints that a limit held back, shape (n,).
-        reports: one per level, highest priority first.
+        levels: what was wanted, highest priority first.
+        singular_values: of what was left to each level, largest first.
     """
 
     displacement: Floats
     locked: Booleans
-    reports: tuple[LevelReport, ...]
+    levels: tuple[Level, ...]
+    singular_values: tuple[Floats, ...]
+
+    @cached_property
+    def reports(self) -> tuple[LevelReport, ...]:
+        """Explains each level, highest priority first."""
+        return tuple(
+            self._report(level, values)
+            for level, values in zip(self.levels, self.singular_values, strict=True)
+        )
+
+    def _report(self, level: Level, values: Floats) -> LevelReport:
+        achieved = level.jacobian @ self.displacement
+        wanted = float(level.velocity @ level.velocity)
+        share = float(level.velocity @ achieved) / wanted if wanted else 1.0
+        smallest = float(values[-1]) if len(values) else 0.0
+        return LevelReport(level.name, share, len(values), smallest)
 
 
 class Law:
     """Composes levels so that no level disturbs one above it.
 
-    Each level acts only through joint displacements that all higher levels are insensitive to; an
-    orthonormal basis of those makes the projection exact, whatever the ranks. Steps, never the
-    basis, are damped near singularities. A step that would be too long is shortened as a whole
-    at the level that lengthens it. A joint that a level would push past a limit is fixed for that
-    level and those below it, and the level is solved again with the other joints, so that a limit
-    takes nothing from higher levels. A joint beyond its limit is moved back at no more than
+    Each level acts only through joint displacements that no higher level responds to; an
+    orthonormal basis of the rows above makes the projection exact, whatever their ranks. Steps,
+    never the basis, are damped near singularities. Where a level would make the sum too long, its
+    own step is shortened as a whole. A joint that a level would push past a limit is fixed for
+    that level and those below it, and the level is solved again with the other joints, so that a
+    limit takes nothing from higher levels. A joint beyond its limit is moved back, no more than
     ``settings.joint_step`` a tick, while the other joints make up for it.
 
     Args:
@@ -120,12 +139,12 @@ class Law:
         """
         require_finite(q, "the posture")
         composition = _Composition(self._lower - q, self._upper - q, self._settings)
-        reports = tuple(composition.add(level) for level in levels)
-        return Step(composition.displacement(), composition.locked, reports)
+        values = tuple(composition.add(level) for level in levels)
+        return Step(composition.displacement(), composition.locked, tuple(levels), values)
 
 
 class _Composition:
-    """The displacement of the levels composed so far, and the freedom left below them.
+    """The displacement of the levels composed so far, and the joints that they took.
 
     Args:
         lowest: smallest displacement within the limits, positive below the lower one, shape (n,).
@@ -135,63 +154,72 @@ class _Composition:
     def __init__(self, lowest: Floats, highest: Floats, settings: LawSettings) -> None:
         self._step = settings.joint_step
         self._damping = Damping(settings.damping, settings.singular_value)
-        self._lowest = np.minimum(lowest, settings.joint_step)
-        self._highest = np.maximum(highest, -settings.joint_step)
+        # Limits come before what the levels want, the largest step before limits.
+        self._lowest = np.clip(lowest, -self._step, self._step)
+        self._highest = np.clip(highest, -self._step, self._step)
         self._sum = np.zeros(len(lowest))
-        self._free = Nullspace.whole(len(lowest))
+        self._taken = RowSpace.empty(len(lowest))
         self.locked: Booleans = np.zeros(len(lowest), dtype=bool)
 
     def displacement(self) -> Floats:
         """The displacement of all joints, within limits and the largest step."""
-        return np.clip(self._sum, self._lowest, self._highest)
+        return np.minimum(np.maximum(self._sum, self._lowest), self._highest)
 
-    def add(self, level: Level) -> LevelReport:
-        """Compose one more level below the others.
+    def add(self, level: Level) -> Floats:
+        """Compose one more level below the others; returns the singular values left to it.
 
         Every pass locks a joint or is the last, so there are at most n + 1.
         """
-        _check(level, len(self._sum))
+        rows, size = level.jacobian, _size(level, len(self._sum))
         while True:
-            decomposition = self._free.decompose(level.jacobian)
-            missing = level.velocity - level.jacobian @ self._sum
-            step = decomposition.displacement(missing, self._damping)
-            target = self._sum + self._shortened(step)
-            stopped = ~self.locked & ((target < self._lowest) | (target > self._highest))
-            if not stopped.any():
-                break
-            self._lock(stopped)
-        self._sum = target
-        self._free = decomposition.remaining()
-        return _report(level, level.jacobian @ target, decomposition.values)
+            decomposition = self._taken.decompose(rows, size)
+            missing = level.velocity - rows @ self._sum
+            target = self._sum + decomposition.displacement(missing, self._damping)
+            if self._exceeds(target).any():
+                target = self._shortened(target)
+                stopped = self._exceeds(target)
+                if stopped.any():
+                    self._lock(stopped)
+                    continue
+            self._sum = target
+            self._taken = self._taken.extended(decomposition)
+            return decomposition.values
 
-    def _shortened(self, step: Floats) -> Floats:
-        """As much of ``step`` as keeps every joint's sum within the largest step."""
-        room = self._step - np.sign(step) * self._sum
-        size = np.abs(step)
-        too_long = size > room
-        if not too_long.any():
-            return step
-        return step * float((room[too_long] / size[too_long]).min())
+    def _exceeds(self, target: Floats) -> Booleans:
+        """Joints that are not locked and would pass a limit or the largest step."""
+        outside: Booleans = ((target < self._lowest) | (target > self._highest)) & ~self.locked
+        return outside
+
+    def _shortened(self, target: Floats) -> Floats:
+        """The way to ``target`` up to where the first joint has made the largest step."""
+        change = target - self._sum
+        room = self._step - np.sign(change) * self._sum
+        too_far = np.abs(change) > room
+        if not too_far.any():
+            return target
+        share = float((room[too_far] / np.abs(change)[too_far]).min())
+        # Rounding must not take the joint past its bound.
+        return np.clip(self._sum + share * change, -self._step, self._step)
 
     def _lock(self, joints: Booleans) -> None:
         """Keep joints where they are, or where they have to go to come inside their limits."""
         self.locked |= joints
         self._sum = np.where(joints, self.displacement(), self._sum)
         rows = np.eye(len(joints))[joints]
-        self._free = self._free.decompose(rows).remaining()
+        self._taken = self._taken.extended(self._taken.decompose(rows, float(len(rows)) ** 0.5))
 
 
-def _check(level: Level, joints: int) -> None:
-    if level.jacobian.shape != (len(level.velocity), joints):
+def _size(level: Level, joints: int) -> float:
+    """Frobenius norm of a level's Jacobian, once the level is found to be sound."""
+    rows, velocity = level.jacobian, level.velocity
+    if rows.shape != (len(velocity), joints):
         raise SignalError(
-            f"{level.name} wants {len(level.velocity)} coordinates of {joints} joints, "
-            f"but its Jacobian has shape {level.jacobian.shape}"
+            f"{level.name} wants {len(velocity)} coordinates of {joints} joints, "
+            f"but its Jacobian has shape {rows.shape}"
         )
-    require_finite(level.jacobian, f"the Jacobian of {level.name}")
-    require_finite(level.velocity, f"the velocity of {level.name}")
-
-
-def _report(level: Level, achieved: Floats, values: Floats) -> LevelReport:
-    wanted = float(level.velocity @ level.velocity)
-    share = float(level.velocity @ achieved) / wanted if wanted else 1.0
-    return LevelReport(level.name, share, len(values), float(values[-1]) if len(values) else 0.0)
+    # A norm is finite only where all numbers are.
+    size = math.sqrt(float(np.vdot(rows, rows)))
+    if not math.isfinite(size + float(velocity @ velocity)):
+        require_finite(rows, f"the Jacobian of {level.name}")
+        require_finite(velocity, f"the velocity of {level.name}")
+    return size
