@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.documents.stage import StageDocument
+from cbdsl.errors.errors import UsageError
 from cbdsl.robot.observation import Observation
 
 Floats = NDArray[np.float64]
@@ -19,7 +20,7 @@ Floats = NDArray[np.float64]
 GROUP = "cbdsl.backends"
 
 
-class BackendError(Exception):
+class BackendError(UsageError):
     """A backend cannot be found, or cannot embody a robot or a stage; the message says why."""
 
 

@@ -60,8 +60,8 @@ class BulletBackend:
     def _empty_world(self) -> None:
         """A world with nothing but the robot in it."""
         simulation = self._robot.simulation
-        p.resetSimulation(self._client)
-        p.setGravity(0, 0, -GRAVITY, self._client)
+        p.resetSimulation(physicsClientId=self._client)
+        p.setGravity(0, 0, -GRAVITY, physicsClientId=self._client)
         p.setPhysicsEngineParameter(
             fixedTimeStep=self.control_period / self._substeps,
             numSolverIterations=simulation.solver_iterations,
@@ -156,7 +156,7 @@ class BulletBackend:
         change = self._reference - self._reached
         for substep in range(1, self._substeps + 1):
             self._body.drive(self._reached + change * (substep / self._substeps))
-            p.stepSimulation(self._client)
+            p.stepSimulation(physicsClientId=self._client)
             self._cells.sample()
         self._reached = self._reference
         self._tick += 1
@@ -165,7 +165,7 @@ class BulletBackend:
     def close(self) -> None:
         """Leave the simulator and free the renderer."""
         self._renderer.close()
-        p.disconnect(self._client)
+        p.disconnect(physicsClientId=self._client)
 
 
 def _substeps(robot: RobotDocument) -> int:

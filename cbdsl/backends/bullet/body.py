@@ -58,8 +58,8 @@ class Body:
             )
         except p.error as error:
             raise BackendError(f"the simulator cannot read the model {urdf}: {error}") from error
-        count = p.getNumJoints(self.id, client)
-        rows = [p.getJointInfo(self.id, index, client) for index in range(count)]
+        count = p.getNumJoints(self.id, physicsClientId=client)
+        rows = [p.getJointInfo(self.id, index, physicsClientId=client) for index in range(count)]
         self.links = self._link_numbers(rows)
         self._parents = [row[16] for row in rows]
         self._indices = self._joint_numbers(rows)
@@ -75,7 +75,7 @@ class Body:
         self._ignore_contacts(robot.simulation.no_contact)
 
     def _link_numbers(self, rows: Sequence[Any]) -> Mapping[str, int]:
-        base = p.getBodyInfo(self.id, self._client)[0].decode()
+        base = p.getBodyInfo(self.id, physicsClientId=self._client)[0].decode()
         if base != self._robot.base:
             raise BackendError(
                 f"robot '{self._robot.name}' has the base '{self._robot.base}', "
@@ -160,7 +160,9 @@ class Body:
     def _ignore_contacts(self, groups: Iterable[Iterable[str]]) -> None:
         for group in groups:
             for first, second in combinations(sorted(set(self._matching(group))), 2):
-                p.setCollisionFilterPair(self.id, self.id, first, second, 0, self._client)
+                p.setCollisionFilterPair(
+                    self.id, self.id, first, second, 0, physicsClientId=self._client
+                )
 
     def nearest_to_zero(self) -> Floats:
         """The actuated joints' positions nearest to zero within their limits, rad, shape (n,)."""

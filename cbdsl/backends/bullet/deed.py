@@ -117,7 +117,7 @@ class Push:
             if not self._moving:
                 self._scene.make_slippery(body)
                 self._moving = True
-            (_, _, vertical), spin = p.getBaseVelocity(body, self._client)
+            (_, _, vertical), spin = p.getBaseVelocity(body, physicsClientId=self._client)
             p.resetBaseVelocity(
                 body, [*self._velocity, vertical], spin, physicsClientId=self._client
             )

@@ -108,7 +108,7 @@ class OpenGLRenderer:
         parts: dict[int, list[tuple[int, Floats, Sequence[float]]]] = {k: [] for k in self._meshes}
         self._bodies = []
         for body in bodies:
-            links = list(range(p.getNumJoints(body, self._client)))
+            links = list(range(p.getNumJoints(body, physicsClientId=self._client)))
             self._bodies.append((body, links))
             frames |= {(body, link): len(frames) + link + 1 for link in (-1, *links)}
             for shape in p.getVisualShapeData(body, physicsClientId=self._client):
@@ -176,7 +176,9 @@ class OpenGLRenderer:
         """Transforms of all bodies' and links' frames, shape (frames, 4, 4)."""
         positions, quaternions = [], []
         for body, links in self._bodies:
-            position, quaternion = p.getBasePositionAndOrientation(body, self._client)
+            position, quaternion = p.getBasePositionAndOrientation(
+                body, physicsClientId=self._client
+            )
             if links:  # only the robot has links, and its base is the world
                 position, quaternion = (0.0, 0.0, 0.0), (0.0, 0.0, 0.0, 1.0)
             positions.append(position)

@@ -29,11 +29,15 @@ class Truth:
 
     def pose(self, name: str) -> Pose:
         """Where a fixture or thing is: its centre and axes."""
-        return Pose.of(*p.getBasePositionAndOrientation(self._scene.bodies[name], self._client))
+        return Pose.of(
+            *p.getBasePositionAndOrientation(self._scene.bodies[name], physicsClientId=self._client)
+        )
 
     def velocity(self, name: str) -> Floats:
         """Velocity of a thing's centre, m/s, shape (3,)."""
-        return np.array(p.getBaseVelocity(self._scene.bodies[name], self._client)[0])
+        return np.array(
+            p.getBaseVelocity(self._scene.bodies[name], physicsClientId=self._client)[0]
+        )
 
     def link_pose(self, link: str) -> Pose:
         """Where a link of the robot, other than its base, really is."""
