@@ -36,9 +36,8 @@ class PositionMemory:
         self._largest: Floats | None = None
 
     def forget_size(self) -> None:
-        """Let the next sighting set the size anew, where nothing is remembered."""
-        if self.position is None:
-            self._largest = None
+        """Let the next sighting set the size anew, since nothing can hide any part of it."""
+        self._largest = None
 
     def see(self, time: float, position: Floats, sizes: Floats) -> bool:
         """Take in a sighting; returns whether it was believed.

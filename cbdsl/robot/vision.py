@@ -42,11 +42,9 @@ class Vision:
             name: ChannelFilter(robot.vision.channels, self._channels, self._settings.least_area)
             for name in robot.cameras
         }
-        self._limbs = tuple(
-            joint
-            for effector in robot.effectors.values()
-            if effector.tip is not None
-            for joint in effector.joints
+        # Upper arms are thin and seldom in view; what hides things is the wrist and the hand.
+        self._wrists = tuple(
+            effector.joints[-1] for effector in robot.effectors.values() if effector.tip is not None
         )
         self._tips = tuple(e.tip.link for e in robot.effectors.values() if e.tip is not None)
         self._fingertips = tuple(
@@ -106,11 +104,11 @@ class Vision:
         sighting = self._sighting(channel)
         if sighting is not None:
             position, sizes = sighting
-            if not self._hidden_by_limb(position):
+            if not self._hidden_by_hand(position):
                 memory.forget_size()
             if memory.see(time, position, sizes):
                 return
-        explained = memory.position is not None and self._hidden_by_limb(memory.position)
+        explained = memory.position is not None and self._hidden_by_hand(memory.position)
         memory.miss(time, explained=explained)
 
     def _sighting(self, channel: str) -> tuple[Floats, Floats] | None:
@@ -142,12 +140,12 @@ class Vision:
         ]
         return crossing.position, np.array(sizes)
 
-    def _hidden_by_limb(self, position: Floats) -> bool:
-        """Whether a part of an arm or hand lies near some camera's line of sight to a position."""
+    def _hidden_by_hand(self, position: Floats) -> bool:
+        """Whether a wrist, palm or fingertip lies near some camera's line of sight to a position."""
         kinematics = self._kinematics
         points = np.vstack(
             [
-                kinematics.joint_positions(self._limbs),
+                kinematics.joint_positions(self._wrists),
                 *(kinematics.frame(link).position for link in self._tips + self._fingertips),
             ]
         )

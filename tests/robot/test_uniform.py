@@ -19,9 +19,9 @@ def test_every_draw_is_uniform_over_the_box() -> None:
 
 
 @pytest.mark.parametrize("seed", range(20))
-def test_thirty_draws_leave_no_gap_that_a_camera_could_miss(seed: int) -> None:
+def test_sixty_draws_leave_no_gap_that_a_camera_could_miss(seed: int) -> None:
     sampler = UniformSampler(LOWER, UPPER, np.random.default_rng(seed))
-    draws = np.array([sampler.draw() for _ in range(30)])
+    draws = np.array([sampler.draw() for _ in range(60)])
     places = np.stack(np.meshgrid(*np.linspace(LOWER, UPPER, 40).T), -1).reshape(-1, 1, 2)
     seen = (np.abs(places - draws) < [0.36, 0.28]).all(axis=2).any(axis=1)
     assert seen.mean() > 0.97
