@@ -15,6 +15,9 @@ from cbdsl.control.signal import Floats, SignalError, require_finite
 
 Booleans = NDArray[np.bool_]
 
+# Bounds are this much wider, rad, so that rounding never counts as passing one.
+_SLACK = 1e-12
+
 
 @dataclass(frozen=True)
 class Level:
@@ -140,11 +143,17 @@ class Law:
         require_finite(q, "the posture")
         composition = _Composition(self._lower - q, self._upper - q, self._settings)
         values = tuple(composition.add(level) for level in levels)
-        return Step(composition.displacement(), composition.locked, tuple(levels), values)
+        locked = composition.locked
+        return Step(
+            composition.displacement(),
+            np.zeros(len(q), dtype=bool) if locked is None else locked,
+            tuple(levels),
+            values,
+        )
 
 
 class _Composition:
-    """The displacement of the levels composed so far, and the joints that they took.
+    """The displacement of the levels composed so far, and the joints' directions that they took.
 
     Args:
         lowest: smallest displacement within the limits, positive below the lower one, shape (n,).
@@ -152,14 +161,15 @@ class _Composition:
     """
 
     def __init__(self, lowest: Floats, highest: Floats, settings: LawSettings) -> None:
-        self._step = settings.joint_step
+        self._step = settings.joint_step + _SLACK
         self._damping = Damping(settings.damping, settings.singular_value)
         # Limits come before what the levels want, the largest step before limits.
-        self._lowest = np.clip(lowest, -self._step, self._step)
-        self._highest = np.clip(highest, -self._step, self._step)
+        most = self._step + _SLACK
+        self._lowest = np.maximum(np.minimum(lowest - _SLACK, settings.joint_step), -most)
+        self._highest = np.minimum(np.maximum(highest + _SLACK, -settings.joint_step), most)
         self._sum = np.zeros(len(lowest))
         self._taken = RowSpace.empty(len(lowest))
-        self.locked: Booleans = np.zeros(len(lowest), dtype=bool)
+        self.locked: Booleans | None = None
 
     def displacement(self) -> Floats:
         """The displacement of all joints, within limits and the largest step."""
@@ -174,36 +184,36 @@ class _Composition:
         while True:
             decomposition = self._taken.decompose(rows, size)
             missing = level.velocity - rows @ self._sum
-            target = self._sum + decomposition.displacement(missing, self._damping)
-            if self._exceeds(target).any():
-                target = self._shortened(target)
-                stopped = self._exceeds(target)
-                if stopped.any():
-                    self._lock(stopped)
-                    continue
-            self._sum = target
-            self._taken = self._taken.extended(decomposition)
-            return decomposition.values
+            change = decomposition.displacement(missing, self._damping)
+            if self.locked is not None:
+                change[self.locked] = 0.0  # not rounding, which could look like passing a bound
+            target = self._sum + change
+            if not self._exceeds(target).any():
+                break
+            target = self._sum + change * self._share(change)
+            stopped = self._exceeds(target)
+            if not stopped.any():
+                break
+            self._lock(stopped)
+        self._sum = target
+        self._taken = self._taken.extended(decomposition)
+        return decomposition.values
 
     def _exceeds(self, target: Floats) -> Booleans:
-        """Joints that are not locked and would pass a limit or the largest step."""
-        outside: Booleans = ((target < self._lowest) | (target > self._highest)) & ~self.locked
+        """Joints that would pass a bound, or not come back from beyond a limit."""
+        outside: Booleans = (target < self._lowest) | (target > self._highest)
         return outside
 
-    def _shortened(self, target: Floats) -> Floats:
-        """The way to ``target`` up to where the first joint has made the largest step."""
-        change = target - self._sum
+    def _share(self, change: Floats) -> float:
+        """The part of a change that keeps every joint within the largest step."""
         room = self._step - np.sign(change) * self._sum
-        too_far = np.abs(change) > room
-        if not too_far.any():
-            return target
-        share = float((room[too_far] / np.abs(change)[too_far]).min())
-        # Rounding must not take the joint past its bound.
-        return np.clip(self._sum + share * change, -self._step, self._step)
+        size = np.abs(change)
+        too_far = size > room
+        return float((room[too_far] / size[too_far]).min()) if too_far.any() else 1.0
 
     def _lock(self, joints: Booleans) -> None:
         """Keep joints where they are, or where they have to go to come inside their limits."""
-        self.locked |= joints
+        self.locked = joints if self.locked is None else self.locked | joints
         self._sum = np.where(joints, self.displacement(), self._sum)
         rows = np.eye(len(joints))[joints]
         self._taken = self._taken.extended(self._taken.decompose(rows, float(len(rows)) ** 0.5))

@@ -17,6 +17,8 @@ _ROUNDING = 1e-12
 # made orthogonal to the levels above once more.
 _UNCERTAIN = 1e-2
 
+_ONE = np.ones((1, 1))
+
 
 @dataclass(frozen=True)
 class Damping:
@@ -29,14 +31,14 @@ class Damping:
     most: float
     singular_value: float
 
-    def gains(self, values: Floats) -> Floats:
-        """Displacement per task displacement along each singular direction, largest value first."""
+    def inverse(self, values: Floats) -> Floats:
+        """What stands for each singular value's inverse; ``values`` are largest first."""
         if values[-1] >= self.singular_value:
             return 1.0 / values
         squares = values * values
         weights = np.maximum(0.0, 1.0 - squares / self.singular_value**2)
-        gains: Floats = values / (squares + self.most * weights)
-        return gains
+        inverse: Floats = values / (squares + self.most * weights)
+        return inverse
 
 
 @dataclass(frozen=True)
@@ -57,7 +59,7 @@ class Decomposition:
         """The shortest displacement (n,) that moves the rows by ``velocity`` (k,), if damped."""
         if not len(self.values):
             return np.zeros(self.right.shape[1])
-        along = damping.gains(self.values) * (velocity @ self.left)
+        along = velocity @ self.left * damping.inverse(self.values)
         displacement: Floats = along @ self.right
         return displacement
 
@@ -114,4 +116,4 @@ def _svd(rows: Floats) -> tuple[Floats, Floats, Floats]:
     if len(rows) != 1:
         return np.linalg.svd(rows, full_matrices=False)
     length = math.sqrt(float(np.vdot(rows, rows)))
-    return np.ones((1, 1)), np.array([length]), rows / length if length else rows
+    return _ONE, np.array((length,)), rows / length if length else rows

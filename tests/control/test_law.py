@@ -86,8 +86,8 @@ def test_limits_and_step_bounds_cost_higher_levels_nothing(
         assert np.linalg.norm(above @ (lower.displacement - upper.displacement)) <= 1e-12
         above = np.vstack((above, level.jacobian))
     for step in steps:
-        assert np.abs(step.displacement).max() <= 0.5 + 1e-15
-        assert np.abs(q + step.displacement).max() <= limit - 0.01 + 1e-15
+        assert np.abs(step.displacement).max() <= 0.5 + 3e-12
+        assert np.abs(q + step.displacement).max() <= limit - 0.01 + 3e-12
 
 
 @given(seed=seeds, joints=st.integers(3, 14))
@@ -205,8 +205,8 @@ def test_reach_converges_with_the_other_joints_when_one_meets_its_limit() -> Non
         assert np.linalg.norm(rows @ (step.displacement - upper_step.displacement)) <= 1e-12
         q = q + step.displacement
         ever_locked |= upper_step.locked
-        assert (q >= lower + 0.03 - 1e-12).all()
-        assert (q <= upper - 0.03 + 1e-12).all()
+        assert (q >= lower + 0.03 - 3e-12).all()
+        assert (q <= upper - 0.03 + 3e-12).all()
     assert ever_locked.any()
     assert np.linalg.norm(chain.pose(q)[0] - goal) < 1e-4
 
@@ -220,12 +220,12 @@ def test_joints_beyond_their_limits_come_back_at_bounded_speed() -> None:
     for tick in range(200):
         rows, error = reach(chain, q, goal)
         step = law.solve([Level("reach", rows, 4 * error * TICK)], q).displacement
-        assert np.abs(step).max() <= DEXTER.joint_step + 1e-15
-        outside = np.abs(q) > 0.97
+        assert np.abs(step).max() <= DEXTER.joint_step + 3e-12
+        outside = np.abs(q) > 0.97 + 1e-11
         assert (step[outside] * q[outside] < 0).all()
         q = q + step
         if tick > 0.36 / DEXTER.joint_step:
-            assert (np.abs(q) <= 0.97 + 1e-12).all()
+            assert (np.abs(q) <= 0.97 + 3e-12).all()
     # The free joints made up for it.
     assert np.linalg.norm(chain.pose(q)[0] - goal) < 1e-3
     assert np.linalg.norm(chain.pose(inside)[0] - goal) > 1e-2
