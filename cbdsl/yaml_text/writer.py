@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 import tempfile
 from pathlib import Path
-from typing import Any, ClassVar
+from typing import Any
 
 import yaml
 
@@ -16,7 +16,8 @@ from cbdsl.yaml_text import scalar
 class _Dumper(yaml.SafeDumper):
     """Quotes exactly the texts that the reader would take for something else."""
 
-    yaml_implicit_resolvers: ClassVar[dict[str | None, list[tuple[str, Any]]]] = {
+    # PyYAML's stubs declare no class variable here.
+    yaml_implicit_resolvers = {  # noqa: RUF012
         None: [
             ("tag:yaml.org,2002:null", scalar.NULL),
             ("tag:yaml.org,2002:bool", scalar.BOOLEAN),

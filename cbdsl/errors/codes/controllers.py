@@ -129,18 +129,7 @@ CONTROLLERS = (
         controller(
             "potential: spring, reference: 1 N along normals, "
             "feedback: right_hand.finger_forces, effector: right_hand, "
-            "seek: {speed: 0.3 rad/s, once: reach}"
-        ),
-    ),
-    Entry(
-        "CB515",
-        "more than one chain of casts",
-        "several chains of casts lead from '{feedback}' to '{effector}': {chains}",
-        "The chain decides the law, so it has to be the only one. Choose an effector of another "
-        "type.",
-        controller(
-            "potential: spring, reference: [0, 0, 0, 0, 0, 0], feedback: right_hand.net.wrench, "
-            "effector: right_arm.pose"
+            "seek: {once: reach}"
         ),
     ),
 )

@@ -22,7 +22,7 @@ STAGES = (
         "span that ends before it begins",
         "this span goes from {first} down to {last}",
         "A span is written with its lower end first.",
-        stage("  always: {things: [ball], place: {x: [3 cm, 1 cm]}}\n"),
+        stage("  always: {things: [ball], place: {x: [3 cm, 1 cm], z: 0}}\n"),
         _PATH,
     ),
 )

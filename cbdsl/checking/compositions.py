@@ -1,0 +1,129 @@
+"""Compositions: from terms to primitives, each one controller or several composed into one."""
+
+from __future__ import annotations
+
+from cbdsl.checking.context import Context, Steps
+from cbdsl.checking.triple import check_triple
+from cbdsl.documents import program as written
+from cbdsl.language.expression import Expression, Term
+from cbdsl.program.controller import Composition, Controller, Primitive
+
+
+class Compositions:
+    """Builds the primitives of one program, each once."""
+
+    def __init__(self, context: Context) -> None:
+        self._context = context
+        self._built: dict[str, tuple[Controller, ...] | None] = {}
+
+    def check_all(self) -> None:
+        """Check every controller that can be checked by itself, used or not."""
+        for key, document in self._context.document.controllers.items():
+            if isinstance(document, str):
+                self._composite(key, document, ())
+            elif not document.parameters:
+                self._triple(key, key, document, ())
+
+    def composition(self, expression: Expression, steps: Steps) -> Composition | None:
+        """A composition of primitives, or ``None`` where it has faults."""
+        primitives = [self.primitive(term, steps) for term in expression.terms]
+        self._no_repetition(expression, primitives, steps)
+        whole = [primitive for primitive in primitives if primitive is not None]
+        return Composition(tuple(whole)) if len(whole) == len(primitives) else None
+
+    def primitive(self, term: Term, steps: Steps) -> Primitive | None:
+        """The primitive that a term names, or ``None`` where it has faults."""
+        controllers = self._controllers(term, steps, ())
+        return None if controllers is None else Primitive(str(term), controllers)
+
+    def _controllers(
+        self, term: Term, steps: Steps, stack: tuple[str, ...]
+    ) -> tuple[Controller, ...] | None:
+        document = self._context.document.controllers.get(term.name)
+        if document is None:
+            self._unknown(term, steps)
+            return None
+        self._context.used.add(term.name)
+        parameters = () if isinstance(document, str) else document.parameters
+        if len(parameters) != len(term.arguments):
+            self.wrong_arity(term, steps, parameters)
+            return None
+        if isinstance(document, str):
+            return self._composite(term.name, document, stack)
+        arguments = [
+            self._context.substitute(a.text, steps, self._context.scope, a.span.start - 1)
+            for a in term.arguments
+        ]
+        known = tuple(argument for argument in arguments if argument is not None)
+        if len(known) < len(arguments):
+            return None
+        return self._triple(term.name, str(term), document, known)
+
+    def _triple(
+        self, key: str, name: str, document: written.Controller, arguments: tuple[str, ...]
+    ) -> tuple[Controller, ...] | None:
+        if name not in self._built:
+            bound = dict(zip(document.parameters, arguments, strict=True))
+            scope = self._context.scope.inside(bound)
+            controller = check_triple(self._context, key, name, document, scope)
+            self._built[name] = None if controller is None else (controller,)
+        return self._built[name]
+
+    def _composite(
+        self, key: str, text: str, stack: tuple[str, ...]
+    ) -> tuple[Controller, ...] | None:
+        if key in stack:
+            cycle = " ◁ ".join((*stack[stack.index(key) :], key))
+            place = self._context.source.key("controllers", key)
+            self._context.add("CB405", place, name=key, cycle=cycle.replace("◁", "→"))
+            return None
+        if key not in self._built:
+            self._built[key] = self._flatten(key, text, (*stack, key))
+        return self._built[key]
+
+    def _flatten(
+        self, key: str, text: str, stack: tuple[str, ...]
+    ) -> tuple[Controller, ...] | None:
+        steps: Steps = ("controllers", key)
+        expression = self._context.parse(text, steps)
+        if expression is None:
+            return None
+        parts = [self._controllers(term, steps, stack) for term in expression.terms]
+        whole = [part for part in parts if part is not None]
+        primitives = [None if part is None else Primitive("", part) for part in parts]
+        self._no_repetition(expression, primitives, steps)
+        if len(whole) < len(parts):
+            return None
+        return tuple(controller for part in whole for controller in part)
+
+    def _no_repetition(
+        self, expression: Expression, primitives: list[Primitive | None], steps: Steps
+    ) -> None:
+        seen: set[str] = set()
+        for term, primitive in zip(expression.terms, primitives, strict=True):
+            for controller in primitive.controllers if primitive is not None else ():
+                if controller.name in seen:
+                    place = self._context.at(steps, term.span)
+                    self._context.add("CB407", place, name=controller.name)
+                seen.add(controller.name)
+
+    def _unknown(self, term: Term, steps: Steps) -> None:
+        document, place = self._context.document, self._context.at(steps, term.span)
+        if term.name in document.use:
+            self._context.used.add(term.name)
+            self._context.add("CB406", place, name=term.name)
+            return
+        names = [*document.controllers, *document.use]
+        self._context.add("CB404", place, names=names, name=term.name)
+
+    def wrong_arity(self, term: Term, steps: Steps, parameters: tuple[str, ...]) -> None:
+        """Report a call with too many or too few arguments."""
+        found = len(term.arguments)
+        self._context.add(
+            "CB403",
+            self._context.at(steps, term.span),
+            name=term.name,
+            wanted=f"{len(parameters)} argument{'' if len(parameters) == 1 else 's'}",
+            signature=", ".join(parameters) or "none",
+            found=f"{found} {'is' if found == 1 else 'are'}",
+        )

@@ -1,0 +1,67 @@
+"""The program under examination."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Any
+
+from cbdsl.checking.body import Body
+from cbdsl.checking.findings import Findings
+from cbdsl.checking.scope import Scope
+from cbdsl.documents.program import ProgramDocument
+from cbdsl.errors.diagnostic import Place
+from cbdsl.language.expression import Expression, Span
+from cbdsl.language.parser import CompositionError, parse
+from cbdsl.yaml_text.reader import Loaded
+from cbdsl.yaml_text.source_map import SourceMap, Step
+
+Steps = tuple[Step, ...]
+
+
+@dataclass
+class Context:
+    """What every check of one program needs.
+
+    Attributes:
+        loaded: the program's document.
+        body: its robot.
+        scope: values of its parameters.
+        findings: what was found so far.
+        used: names of controllers and programs that something refers to.
+    """
+
+    loaded: Loaded[ProgramDocument]
+    body: Body
+    scope: Scope
+    findings: Findings
+    used: set[str] = field(default_factory=set)
+
+    @property
+    def document(self) -> ProgramDocument:
+        """The program's document."""
+        return self.loaded.document
+
+    @property
+    def source(self) -> SourceMap:
+        """Where the parts of the program stand."""
+        return self.loaded.source
+
+    def add(self, code: str, place: Place, **details: Any) -> None:
+        """Add a finding."""
+        self.findings.add(code, place, **details)
+
+    def parse(self, text: str, steps: Steps) -> Expression | None:
+        """The composition at a path, or ``None`` where it is none."""
+        try:
+            return parse(text)
+        except CompositionError as error:
+            self.add("CB401", self.at(steps, error.span), problem=str(error))
+            return None
+
+    def at(self, steps: Steps, span: Span) -> Place:
+        """Where a stretch of a composition stands."""
+        return self.source.inside(steps, span.start, span.end)
+
+    def substitute(self, text: str, steps: Steps, scope: Scope, offset: int = 0) -> str | None:
+        """A text at a path with its parameters replaced, or ``None``."""
+        return scope.substitute(text, self.source, steps, self.findings, offset)

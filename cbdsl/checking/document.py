@@ -1,0 +1,57 @@
+"""Documents of any kind: all findings in one pass."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+
+from cbdsl.checking.findings import Findings
+from cbdsl.checking.policy import examine_policy
+from cbdsl.checking.program import examine_program
+from cbdsl.checking.session import Session
+from cbdsl.checking.stage import examine_stage
+from cbdsl.documents.document import Document
+from cbdsl.documents.policy import PolicyDocument
+from cbdsl.documents.program import ProgramDocument
+from cbdsl.documents.robot import RobotDocument
+from cbdsl.documents.stage import StageDocument
+from cbdsl.errors.diagnostic import Diagnostic
+from cbdsl.errors.errors import DiagnosticsError
+from cbdsl.yaml_text.reader import Loaded
+
+
+def check_document(
+    path: Path, with_: Mapping[str, str] | None = None, session: Session | None = None
+) -> list[Diagnostic]:
+    """All findings in a document and in what it refers to, by place.
+
+    Args:
+        path: its file.
+        with_: values for those of a program's parameters that it has.
+        session: documents that were read before.
+    """
+    session, findings = session or Session(), Findings()
+    try:
+        _examine(path, session.library.read(path, Document), with_ or {}, session, findings)
+    except DiagnosticsError as error:
+        findings.extend(error.diagnostics)
+    return list(findings.sorted())
+
+
+def _examine(
+    path: Path,
+    loaded: Loaded[Document],
+    with_: Mapping[str, str],
+    session: Session,
+    findings: Findings,
+) -> None:
+    document = loaded.document
+    if isinstance(document, ProgramDocument):
+        values = {key: value for key, value in with_.items() if key in document.parameters}
+        examine_program(path, values, session, findings)
+    elif isinstance(document, RobotDocument):
+        session.body(path, findings)
+    elif isinstance(document, StageDocument):
+        examine_stage(Loaded(document, loaded.source), session, findings)
+    elif isinstance(document, PolicyDocument):
+        examine_policy(Loaded(document, loaded.source), session, findings)

@@ -1,0 +1,290 @@
+"""Programs: from a document to a checked program that can run, or to all its findings."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+
+from cbdsl.checking.compositions import Compositions
+from cbdsl.checking.context import Context, Steps
+from cbdsl.checking.findings import Findings
+from cbdsl.checking.scope import Scope
+from cbdsl.checking.session import Session
+from cbdsl.checking.states import check_states
+from cbdsl.checking.unused import check_unused
+from cbdsl.documents.program import ProgramDocument, Use
+from cbdsl.documents.robot import RobotDocument
+from cbdsl.documents.stage import StageDocument
+from cbdsl.errors.errors import DiagnosticsError, UsageError
+from cbdsl.language.expression import Expression, Term
+from cbdsl.program.checked import Action, CheckedProgram
+from cbdsl.program.controller import Composition, Primitive
+from cbdsl.yaml_text.library import Library
+from cbdsl.yaml_text.reader import Loaded
+
+
+def check_program(
+    path_or_name: str | Path,
+    with_: Mapping[str, str] | None = None,
+    library: Library | None = None,
+) -> CheckedProgram:
+    """Check a program and everything it refers to.
+
+    Args:
+        path_or_name: its file, or its name in the library.
+        with_: values of its parameters that replace the defaults.
+        library: where documents are found by name.
+
+    Raises:
+        DiagnosticsError: it has faults.
+        UsageError: there is no such program, or it has no such parameter.
+    """
+    session, findings = Session(library), Findings()
+    path = session.library.locate(ProgramDocument, path_or_name)
+    values = with_ or {}
+    unknown = set(values) - set(session.library.read(path, ProgramDocument).document.parameters)
+    if unknown:
+        raise UsageError(f"{path}: there is no parameter {', '.join(sorted(unknown))}")
+    checked = examine_program(path, values, session, findings)
+    if checked is None or findings.failed:
+        raise DiagnosticsError(findings.sorted())
+    return checked
+
+
+def examine_program(
+    path: Path,
+    values: Mapping[str, str],
+    session: Session,
+    findings: Findings,
+    users: tuple[str, ...] = (),
+) -> CheckedProgram | None:
+    """Check a program; findings gather in ``findings``.
+
+    Args:
+        path: its file.
+        values: values of its parameters that replace the defaults.
+        session: documents that were read before.
+        findings: where its findings go.
+        users: names of the programs that use it, outermost first.
+
+    Returns:
+        ``None`` where it cannot run.
+    """
+    try:
+        loaded = session.library.read(path, ProgramDocument)
+        return _ProgramCheck(loaded, values, session, findings, users).check()
+    except DiagnosticsError as error:
+        findings.extend(error.diagnostics)
+        return None
+
+
+class _ProgramCheck:
+    def __init__(
+        self,
+        loaded: Loaded[ProgramDocument],
+        values: Mapping[str, str],
+        session: Session,
+        findings: Findings,
+        users: tuple[str, ...],
+    ) -> None:
+        self._loaded = loaded
+        self._document = loaded.document
+        self._session = session
+        self._findings = findings
+        self._users = (*users, loaded.document.name)
+        self._scope = Scope({**self._document.parameters, **values})
+        self._used_programs: dict[str, CheckedProgram | None] = {}
+
+    def check(self) -> CheckedProgram | None:
+        self._stage()
+        for name, use in self._document.use.items():
+            self._used_programs[name] = self._use(name, use)
+        robot = self._find_robot()
+        if robot is None:
+            return None
+        body = self._session.body(robot, self._findings)
+        context = Context(self._loaded, body, self._scope, self._findings)
+        self._context, self._compositions = context, Compositions(context)
+        return self._build()
+
+    def _build(self) -> CheckedProgram | None:
+        document, context = self._document, self._context
+        actions = self._actions()
+        background = self._background()
+        members = self._members(actions)
+        checked = [self._action(expression, steps) for expression, steps in actions]
+        primitives = _primitives(checked)
+        self._seek(checked, primitives)
+        policy = self._policy([str(expression) for expression, _ in actions])
+        complete = len(actions) == len(document.actions)
+        if complete:
+            check_states(policy, members, context.source, context.findings)
+        used = frozenset(context.used)
+        self._compositions.check_all()
+        if self._findings.failed:
+            return None
+        check_unused(context, used)
+        return CheckedProgram(
+            name=document.name,
+            robot=document.robot,
+            stage=document.stage,
+            parameters=self._scope.values,
+            members=members,
+            primitives=primitives,
+            actions=tuple(action for action in checked if action is not None),
+            policy=policy,
+            background=background,
+            transitions=document.limits.transitions,
+            transition_time=document.limits.transition_time,
+        )
+
+    def _find_robot(self) -> Path | None:
+        name, library = self._document.robot, self._session.library
+        path = library.find(RobotDocument, name, self._loaded.path)
+        if path is None:
+            names = library.names(RobotDocument, self._loaded.path)
+            self._findings.add("CB601", self._loaded.source.place("robot"), names=names, name=name)
+        return path
+
+    def _stage(self) -> None:
+        name, library = self._document.stage, self._session.library
+        if name is None:
+            return
+        place = self._loaded.source.place("stage")
+        path = library.find(StageDocument, name, self._loaded.path)
+        if path is None:
+            names = library.names(StageDocument, self._loaded.path)
+            self._findings.add("CB602", place, names=names, name=name)
+            return
+        try:
+            stage = library.read(path, StageDocument)
+        except DiagnosticsError as error:
+            self._findings.extend(error.diagnostics)
+            return
+        self._same_robot(stage.document.robot, name, ("stage",))
+
+    def _same_robot(self, other: str, name: str, steps: Steps) -> None:
+        robot = self._document.robot
+        if other != robot:
+            source = self._loaded.source
+            related = [(source.place("robot"), f"this program is for '{robot}'")]
+            details = {"name": name, "other": other, "robot": robot}
+            self._findings.add("CB603", source.place(*steps), related=related, **details)
+
+    def _use(self, name: str, use: Use) -> CheckedProgram | None:
+        source, library = self._loaded.source, self._session.library
+        steps: Steps = ("use", name, "program")
+        path = library.find(ProgramDocument, use.program, self._loaded.path)
+        if path is None:
+            names = library.names(ProgramDocument, self._loaded.path)
+            self._findings.add("CB604", source.place(*steps), names=names, name=use.program)
+            return None
+        if use.program in self._users:
+            cycle = " → ".join((*self._users[self._users.index(use.program) :], use.program))
+            self._findings.add("CB605", source.place(*steps), name=use.program, cycle=cycle)
+            return None
+        used = library.read(path, ProgramDocument).document
+        self._same_robot(used.robot, use.program, steps)
+        values = self._values(name, use, used)
+        return examine_program(path, values, self._session, self._findings, self._users)
+
+    def _values(self, name: str, use: Use, used: ProgramDocument) -> dict[str, str]:
+        """The parameters of a used program, with this program's own replaced."""
+        source, values = self._loaded.source, {}
+        for key, text in use.with_.items():
+            steps = ("use", name, "with", key)
+            if key not in used.parameters:
+                names = list(used.parameters)
+                details = {"name": key, "program": use.program}
+                self._findings.add("CB606", source.key(*steps), names=names, **details)
+                continue
+            value = self._scope.substitute(text, source, steps, self._findings)
+            if value is not None:
+                values[key] = value
+        return values
+
+    def _actions(self) -> list[tuple[Expression, Steps]]:
+        """The actions that can be parsed, with their paths."""
+        found: dict[str, tuple[Expression, Steps]] = {}
+        for i, text in enumerate(self._document.actions):
+            steps: Steps = ("actions", i)
+            expression = self._context.parse(text, steps)
+            if expression is None:
+                continue
+            if str(expression) in found:
+                place = self._context.source.place(*steps)
+                self._context.add("CB607", place, name=str(expression))
+            found.setdefault(str(expression), (expression, steps))
+        return list(found.values())
+
+    def _members(self, actions: list[tuple[Expression, Steps]]) -> tuple[str, ...]:
+        """What a state has a predicate for: the actions of a single term."""
+        members = [str(e.terms[0]) for e, _ in actions if len(e.terms) == 1]
+        known = self._document.controllers
+        for expression, steps in actions:
+            for term in expression.terms:
+                if str(term) not in members and term.name in known:
+                    place = self._context.at(steps, term.span)
+                    self._context.add("CB608", place, name=str(term))
+        return tuple(members)
+
+    def _action(self, expression: Expression, steps: Steps) -> Action | None:
+        term = expression.terms[0]
+        if len(expression.terms) == 1 and self._is_program(term):
+            return self._program_action(term, steps)
+        composition = self._compositions.composition(expression, steps)
+        return None if composition is None else Action(str(expression), composition)
+
+    def _is_program(self, term: Term) -> bool:
+        return term.name in self._document.use and term.name not in self._document.controllers
+
+    def _program_action(self, term: Term, steps: Steps) -> Action | None:
+        self._context.used.add(term.name)
+        if term.arguments:
+            self._compositions.wrong_arity(term, steps, ())
+        program = self._used_programs[term.name]
+        return None if program is None else Action(term.name, program=program)
+
+    def _background(self) -> Composition | None:
+        text = self._document.background
+        if text is None:
+            return None
+        steps: Steps = ("background",)
+        expression = self._context.parse(text, steps)
+        return None if expression is None else self._compositions.composition(expression, steps)
+
+    def _seek(self, actions: list[Action | None], primitives: Mapping[str, Primitive]) -> None:
+        """Controllers that others wait for have to run."""
+        running = [c for primitive in primitives.values() for c in primitive.controllers]
+        names = [controller.name for controller in running]
+        for key, document in self._document.controllers.items():
+            seek = None if isinstance(document, str) else document.seek
+            if seek is None or seek.once is None or seek.once in names or None in actions:
+                continue
+            place = self._context.source.place("controllers", key, "seek", "once")
+            self._context.add("CB514", place, names=names, name=seek.once)
+
+    def _policy(self, actions: list[str]) -> dict[str, str]:
+        """Canonical action by state pattern."""
+        policy = {}
+        for pattern, text in self._document.policy.items():
+            steps: Steps = ("policy", pattern)
+            expression = self._context.parse(text, steps)
+            if expression is None:
+                continue
+            if str(expression) not in actions:
+                place = self._context.source.place(*steps)
+                self._context.add("CB613", place, names=actions, name=str(expression))
+            policy[pattern] = str(expression)
+        return policy
+
+
+def _primitives(actions: list[Action | None]) -> dict[str, Primitive]:
+    """The actions that are single primitives, by name."""
+    return {
+        action.name: action.composition.primitives[0]
+        for action in actions
+        if action is not None
+        and action.composition is not None
+        and len(action.composition.primitives) == 1
+    }

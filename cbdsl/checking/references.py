@@ -1,0 +1,98 @@
+"""Reference literals: numbers with units for a feedback's components, and forces along normals."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+
+from cbdsl.program.controller import AlongNormals, Literal
+from cbdsl.types.resource import FingerForces, Resource
+from cbdsl.types.resource_type import ResourceType
+from cbdsl.types.unit import QuantityError, read_quantity
+
+_ALONG_NORMALS = re.compile(r"(?P<force>.*\S)\s+along\s+normals\s*\Z")
+_NUMBER = re.compile(r"\s*[-+.]?\.?\d")
+
+# Physical dimensions of a value's components; several share the components evenly.
+_DIMENSIONS: dict[str, tuple[str, ...]] = {
+    "configuration": ("angle",),
+    "wrench": ("force", "torque"),
+    "force": ("force",),
+    "torque": ("torque",),
+    "heading": ("angle",),
+    "pose": ("length", "angle"),
+    "position": ("length",),
+    "orientation": ("angle",),
+}
+
+
+@dataclass
+class LiteralError(Exception):
+    """A literal does not suit its feedback.
+
+    Attributes:
+        code: in the catalogue.
+        details: what fills its message.
+        item: which component, where it is one of several.
+    """
+
+    code: str
+    details: dict[str, object]
+    item: int | None = None
+
+
+def is_literal(text: str) -> bool:
+    """Whether a reference's text is a quantity instead of a resource's name."""
+    return _NUMBER.match(text) is not None
+
+
+def read_literal(
+    value: str | float | tuple[str | float, ...], feedback: Resource
+) -> Literal | AlongNormals:
+    """A reference literal in SI.
+
+    Raises:
+        LiteralError: it does not suit the feedback.
+    """
+    if isinstance(value, str) and (match := _ALONG_NORMALS.match(value)):
+        return _along_normals(match["force"], feedback)
+    items = value if isinstance(value, tuple) else (value,)
+    kind = feedback.type
+    if len(items) not in (1, kind.size):
+        raise _wrong_count(len(items), kind)
+    numbers = tuple(_component(item, i, kind) for i, item in enumerate(items))
+    if len(numbers) == kind.size:
+        return Literal(numbers)
+    if numbers[0] != 0:
+        raise _wrong_count(1, kind)
+    return Literal((0.0,) * kind.size)
+
+
+def _along_normals(force: str, feedback: Resource) -> AlongNormals:
+    if not isinstance(feedback.source, FingerForces):
+        details = {"name": feedback.name, "feedback": feedback.type}
+        raise LiteralError("CB512", dict(details))
+    return AlongNormals(_quantity(force, ("force",), None))
+
+
+def _component(item: str | float, index: int, kind: ResourceType) -> float:
+    dimensions = _DIMENSIONS[kind.name]
+    place = (index % kind.dimension) * len(dimensions) // kind.dimension
+    return _quantity(item, (dimensions[place],), index)
+
+
+def _quantity(value: str | float, dimensions: tuple[str, ...], item: int | None) -> float:
+    try:
+        return read_quantity(value, dimensions)
+    except QuantityError as error:
+        raise LiteralError("CB506", {"problem": str(error)}, item) from None
+
+
+def _wrong_count(found: int, kind: ResourceType) -> LiteralError:
+    given = "1 number is" if found == 1 else f"{found} numbers are"
+    details = {"found": given, "feedback": kind, "wanted": _components(kind.size)}
+    return LiteralError("CB505", dict(details))
+
+
+def _components(size: int) -> str:
+    return "1 component" if size == 1 else f"{size} components"

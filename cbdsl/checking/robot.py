@@ -1,0 +1,176 @@
+"""Robot documents against themselves and against their URDF models."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+
+from cbdsl.checking.body import Body
+from cbdsl.checking.findings import Findings
+from cbdsl.checking.settings import check_settings
+from cbdsl.documents.robot import Effector, RobotDocument
+from cbdsl.errors.diagnostic import Place
+from cbdsl.robot.channel_names import channel_names
+from cbdsl.robot.resources import resources
+from cbdsl.robot.urdf import UrdfError, UrdfModel, read_urdf
+from cbdsl.types.resource_type import TYPES
+from cbdsl.yaml_text.reader import Loaded
+from cbdsl.yaml_text.source_map import Step
+
+Steps = tuple[Step, ...]
+
+
+def examine_robot(loaded: Loaded[RobotDocument], findings: Findings) -> Body:
+    """Check a robot's document; programs can be checked on it even where it has faults."""
+    _RobotCheck(loaded, findings).all()
+    robot = loaded.document
+    try:
+        model: UrdfModel | None = read_urdf(loaded.path.parent / robot.model)
+    except UrdfError as error:
+        findings.add("CB301", loaded.source.place("model"), problem=str(error))
+        model = None
+    if model is not None:
+        _ModelCheck(loaded, findings, model).all()
+    return Body(loaded, resources(robot), model)
+
+
+class _RobotCheck:
+    """What can be said without the model."""
+
+    def __init__(self, loaded: Loaded[RobotDocument], findings: Findings) -> None:
+        self._robot = loaded.document
+        self._source = loaded.source
+        self._findings = findings
+
+    def all(self) -> None:
+        for name, effector in self._robot.effectors.items():
+            self._effector(name, effector)
+        self._masters()
+        self._couplings()
+        self._load_cells()
+        self._aliases()
+        self._tasks()
+
+    def _effector(self, name: str, effector: Effector) -> None:
+        steps: Steps = ("effectors", name)
+        for posture, angles in effector.postures.items():
+            if len(angles) != len(effector.joints):
+                place = self._source.place(*steps, "postures", posture)
+                counts = {"found": len(angles), "wanted": len(effector.joints)}
+                self._findings.add("CB304", place, name=posture, **counts)
+        if effector.start is not None and effector.start not in effector.postures:
+            place = self._source.place(*steps, "start")
+            postures = list(effector.postures)
+            self._findings.add("CB306", place, names=postures, name=effector.start, effector=name)
+
+    def _masters(self) -> None:
+        masters: dict[str, str] = {}
+        for name, effector in self._robot.effectors.items():
+            for i, joint in enumerate(effector.joints):
+                if joint in masters:
+                    place = self._source.place("effectors", name, "joints", i)
+                    self._findings.add("CB307", place, name=joint, other=masters[joint])
+                masters.setdefault(joint, f"effector '{name}'")
+        for joint in self._robot.couplings:
+            if joint in masters:
+                place = self._source.key("couplings", joint)
+                self._findings.add("CB307", place, name=joint, other=masters[joint])
+
+    def _couplings(self) -> None:
+        actuated = [j for e in self._robot.effectors.values() for j in e.joints]
+        for joint, coupling in self._robot.couplings.items():
+            self._known(
+                coupling.follows, actuated, ("couplings", joint, "follows"), "actuated joint"
+            )
+
+    def _load_cells(self) -> None:
+        for hand, cells in self._robot.load_cells.items():
+            effector = self._robot.effectors.get(hand)
+            if effector is None:
+                place = self._source.key("load_cells", hand)
+                names = list(self._robot.effectors)
+                self._findings.add("CB308", place, names=names, name=hand, what="effector")
+                continue
+            for finger, cell in cells.items():
+                steps = ("load_cells", hand, finger, "joint")
+                self._known(cell.joint, effector.joints, steps, f"joint of '{hand}'")
+
+    def _aliases(self) -> None:
+        channels = self._robot.vision.channels
+        for alias, channel in channels.aliases.items():
+            steps = ("vision", "channels", "aliases", alias)
+            self._known(channel, channel_names(channels), steps, "channel")
+
+    def _tasks(self) -> None:
+        for name in self._robot.control.tasks:
+            steps = ("control", "tasks", name)
+            if name not in TYPES:
+                self._findings.add("CB309", self._source.key(*steps), names=list(TYPES), name=name)
+            else:
+                check_settings(name, self._source, steps, self._findings)
+
+    def _known(self, name: str, names: Iterable[str], steps: Steps, what: str) -> None:
+        known = list(names)
+        if name not in known:
+            place = self._source.place(*steps)
+            self._findings.add("CB308", place, names=known, name=name, what=what)
+
+
+class _ModelCheck:
+    """What the model says."""
+
+    def __init__(self, loaded: Loaded[RobotDocument], findings: Findings, model: UrdfModel) -> None:
+        self._robot = loaded.document
+        self._source = loaded.source
+        self._findings = findings
+        self._model = model
+
+    def all(self) -> None:
+        for steps, joint in self._joints():
+            self._joint(joint, steps)
+        for joint in self._robot.couplings:
+            if joint not in self._model.movable:
+                self._missing("CB302", joint, self._source.key("couplings", joint))
+        for steps, link in self._links():
+            if link not in self._model.links:
+                self._missing("CB303", link, self._source.place(*steps))
+        for name, effector in self._robot.effectors.items():
+            self._postures(name, effector)
+
+    def _joints(self) -> Iterator[tuple[Steps, str]]:
+        for name, effector in self._robot.effectors.items():
+            for i, joint in enumerate(effector.joints):
+                yield ("effectors", name, "joints", i), joint
+
+    def _links(self) -> Iterator[tuple[Steps, str]]:
+        yield ("base",), self._robot.base
+        for name, effector in self._robot.effectors.items():
+            if effector.tip is not None:
+                yield ("effectors", name, "tip", "link"), effector.tip.link
+        for hand, cells in self._robot.load_cells.items():
+            for finger, cell in cells.items():
+                yield ("load_cells", hand, finger, "link"), cell.link
+        for name, camera in self._robot.cameras.items():
+            yield ("cameras", name, "link"), camera.link
+
+    def _joint(self, joint: str, steps: Steps) -> None:
+        if joint not in self._model.movable:
+            self._missing("CB302", joint, self._source.place(*steps))
+
+    def _missing(self, code: str, name: str, place: Place) -> None:
+        names = sorted(self._model.links) if code == "CB303" else list(self._model.movable)
+        self._findings.add(code, place, names=names, name=name, model=self._model.path.name)
+
+    def _postures(self, name: str, effector: Effector) -> None:
+        for posture, angles in effector.postures.items():
+            for i, (joint, angle) in enumerate(zip(effector.joints, angles, strict=False)):
+                limits = self._model.joints.get(joint)
+                if limits is not None and not limits.lower <= angle <= limits.upper:
+                    place = self._source.place("effectors", name, "postures", posture, i)
+                    self._findings.add(
+                        "CB305",
+                        place,
+                        angle=f"{angle:.4g}",
+                        joint=joint,
+                        lower=f"{limits.lower:.4g}",
+                        upper=f"{limits.upper:.4g}",
+                    )

@@ -1,0 +1,73 @@
+"""The parameters that are known at one point of a program."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+from cbdsl.checking.findings import Findings
+from cbdsl.yaml_text.source_map import SourceMap, Step
+
+_PARAMETER = re.compile(r"\$([A-Za-z][A-Za-z0-9_]*)")
+
+
+@dataclass(frozen=True)
+class Scope:
+    """Values of parameters, and which of them were asked for.
+
+    Attributes:
+        values: value by name.
+        used: names that some text referred to; shared with the scopes inside.
+    """
+
+    values: Mapping[str, str]
+    used: set[str] = field(default_factory=set)
+
+    def inside(self, values: Mapping[str, str]) -> Scope:
+        """This scope with further parameters, which hide those of the same name."""
+        visible = self.used if not values else _Hiding(self.used, frozenset(values))
+        return Scope({**self.values, **values}, visible)
+
+    def substitute(
+        self,
+        text: str,
+        source: SourceMap,
+        steps: tuple[Step, ...],
+        findings: Findings,
+        offset: int = 0,
+    ) -> str | None:
+        """A text with ``$name`` replaced by values.
+
+        Args:
+            text: what is to be replaced in.
+            source: the document that holds the text.
+            steps: path of the value that holds it.
+            findings: where unknown parameters go.
+            offset: where in that value the text begins, from 0.
+
+        Returns:
+            ``None`` where a parameter is unknown.
+        """
+        known = True
+        for match in _PARAMETER.finditer(text):
+            name = match[1]
+            self.used.add(name)
+            if name not in self.values:
+                known = False
+                place = source.inside(steps, offset + match.start() + 1, offset + match.end() + 1)
+                findings.add("CB402", place, names=sorted(self.values), name=name)
+        return _PARAMETER.sub(lambda match: self.values[match[1]], text) if known else None
+
+
+class _Hiding(set[str]):
+    """Passes on names to an outer set, except those that an inner scope hides."""
+
+    def __init__(self, outer: set[str], hidden: frozenset[str]) -> None:
+        super().__init__()
+        self._outer = outer
+        self._hidden = hidden
+
+    def add(self, name: str) -> None:
+        if name not in self._hidden:
+            self._outer.add(name)

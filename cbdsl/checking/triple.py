@@ -1,0 +1,290 @@
+"""One controller: from the texts of a document to a typed triple c(phi, sigma, tau)."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from typing import NamedTuple, TypeVar
+
+from cbdsl.checking.context import Context, Steps
+from cbdsl.checking.references import LiteralError, is_literal, read_literal
+from cbdsl.checking.scope import Scope
+from cbdsl.checking.settings import check_settings
+from cbdsl.documents import program as written
+from cbdsl.errors.diagnostic import Place
+from cbdsl.program.controller import (
+    Controller,
+    Funnel,
+    Quiescence,
+    Reference,
+    Seek,
+    Standoff,
+)
+from cbdsl.types.casts import chains
+from cbdsl.types.potential import POTENTIALS, PotentialType
+from cbdsl.types.resource import FingerForces, Origin, Resource, Tip
+
+
+class _Settings(NamedTuple):
+    """What the robot's settings and the controller's own come to."""
+
+    gain: float
+    speed: float | None
+    acceleration: float | None
+    quiescence: Quiescence
+
+
+def check_triple(
+    context: Context, key: str, name: str, document: written.Controller, scope: Scope
+) -> Controller | None:
+    """Check one controller.
+
+    Args:
+        context: the program.
+        key: the controller's key in the document.
+        name: what it is called, with its arguments.
+        document: its fields.
+        scope: values of the program's and the controller's parameters.
+
+    Returns:
+        ``None`` where it has faults.
+    """
+    return _Triple(context, key, name, document, scope).check()
+
+
+class _Triple:
+    def __init__(
+        self, context: Context, key: str, name: str, document: written.Controller, scope: Scope
+    ) -> None:
+        self._context = context
+        self._steps: Steps = ("controllers", key)
+        self._name = name
+        self._document = document
+        self._scope = scope
+
+    def check(self) -> Controller | None:
+        document = self._document
+        potential = self._potential()
+        feedback = self._resource(document.feedback, "feedback")
+        effector = self._resource(document.effector, "effector")
+        reference = self._reference(feedback)
+        if potential is not None:
+            self._reference_wanted(potential)
+        if feedback is None:
+            return None
+        if potential is not None:
+            self._accepts(potential, feedback)
+        self._options(feedback)
+        settings = self._settings(feedback)
+        if effector is None or not self._moves(effector, feedback):
+            return None
+        if settings is None or potential is None or self._lacks(potential, reference):
+            return None
+        return self._controller(potential, feedback, reference, effector, settings)
+
+    def _controller(
+        self,
+        potential: PotentialType,
+        feedback: Resource,
+        reference: Reference | None,
+        effector: Resource,
+        settings: _Settings,
+    ) -> Controller:
+        document = self._document
+        return Controller(
+            name=self._name,
+            potential=potential.name,
+            feedback=feedback,
+            reference=reference,
+            effector=effector,
+            joints=self._context.body.effector_joints(effector),
+            chain=_chain(feedback, effector),
+            rewarded=feedback.origin is Origin.ENVIRONMENT,
+            gain=settings.gain,
+            speed=settings.speed,
+            acceleration=settings.acceleration,
+            quiescence=settings.quiescence,
+            free_axis=document.free_axis,
+            standoff=_standoff(document.standoff),
+            funnel=_funnel(document.funnel),
+            seek=_seek(document.seek),
+        )
+
+    def _place(self, *steps: str | int) -> Place:
+        return self._context.source.place(*self._steps, *steps)
+
+    def _potential(self) -> PotentialType | None:
+        name = self._document.potential
+        potential = POTENTIALS.get(name)
+        if potential is None:
+            place = self._place("potential")
+            self._context.add("CB502", place, names=list(POTENTIALS), name=name)
+        return potential
+
+    def _resource(self, text: str, key: str) -> Resource | None:
+        name = self._context.substitute(text, (*self._steps, key), self._scope)
+        if name is None:
+            return None
+        body = self._context.body
+        resource = body.resources.get(name)
+        if resource is None:
+            names = _similar(name, list(body.resources))
+            robot = body.document.name
+            self._context.add("CB501", self._place(key), names=names, name=name, robot=robot)
+        return resource
+
+    def _reference_wanted(self, potential: PotentialType) -> None:
+        given = self._document.reference is not None
+        if potential.reference and not given:
+            key = self._context.source.key(*self._steps)
+            self._context.add("CB509", key, potential=potential.name)
+        if given and not potential.reference:
+            self._context.add("CB510", self._place("reference"), potential=potential.name)
+
+    def _reference(self, feedback: Resource | None) -> Reference | None:
+        value = self._document.reference
+        if isinstance(value, str):
+            text = self._context.substitute(value, (*self._steps, "reference"), self._scope)
+            if text is None:
+                return None
+            if not is_literal(text):
+                return self._compared(self._resource(value, "reference"), feedback)
+            value = text
+        if value is None or feedback is None:
+            return None
+        try:
+            return read_literal(value, feedback)
+        except LiteralError as error:
+            item = () if error.item is None else (error.item,)
+            place = self._place("reference", *item)
+            self._context.add(error.code, place, **error.details)
+            return None
+
+    def _compared(self, reference: Resource | None, feedback: Resource | None) -> Resource | None:
+        """A reference of the feedback's type."""
+        if reference is None or feedback is None or reference.type == feedback.type:
+            return reference
+        self._context.add(
+            "CB504",
+            self._place("reference"),
+            related=[(self._place("feedback"), f"the feedback, {feedback.type}")],
+            reference=reference.name,
+            reference_type=reference.type,
+            feedback=feedback.name,
+            feedback_type=feedback.type,
+        )
+        return None
+
+    def _lacks(self, potential: PotentialType, reference: Reference | None) -> bool:
+        return potential.reference != (reference is not None)
+
+    def _accepts(self, potential: PotentialType, feedback: Resource) -> None:
+        if feedback.type.name not in potential.accepts:
+            self._context.add(
+                "CB503",
+                self._place("feedback"),
+                names=sorted(potential.accepts),
+                related=[(self._place("potential"), "the potential")],
+                potential=potential.name,
+                feedback=feedback.type,
+                name=feedback.name,
+            )
+
+    def _moves(self, effector: Resource, feedback: Resource) -> bool:
+        """Whether the effector can be moved, and moves the feedback."""
+        place = self._place("effector")
+        if not effector.movable:
+            names = [r.name for r in self._context.body.resources.values() if r.movable]
+            self._context.add("CB507", place, names=names, name=effector.name)
+            return False
+        influence = self._context.body.influence(feedback)
+        joints = self._context.body.effector_joints(effector)
+        if not chains(feedback.type, effector.type) or (
+            influence is not None and influence.isdisjoint(joints)
+        ):
+            related = [(self._place("feedback"), f"'{feedback.name}' is {feedback.type}")]
+            ends = {"effector": effector.name, "feedback": feedback.name}
+            self._context.add("CB508", place, related=related, **ends)
+            return False
+        return True
+
+    def _options(self, feedback: Resource) -> None:
+        """Options have to mean something for the feedback."""
+        document = self._document
+        is_position = isinstance(feedback.source, Tip) and feedback.type.name == "position"
+        meaningful = {
+            "free_axis": feedback.type.name == "orientation" or document.free_axis is None,
+            "standoff": is_position or document.standoff is None,
+            "funnel": is_position or document.funnel is None,
+            "seek": isinstance(feedback.source, FingerForces) or document.seek is None,
+        }
+        for key, fits in meaningful.items():
+            if not fits:
+                place = self._context.source.key(*self._steps, key)
+                self._context.add("CB513", place, name=key, feedback=feedback.type)
+        check_settings(
+            feedback.type.name, self._context.source, self._steps, self._context.findings
+        )
+
+    def _settings(self, feedback: Resource) -> _Settings | None:
+        """The controller's own settings, and the robot's for the rest."""
+        body, source = self._context.body, self._context.source
+        general = body.document.control.tasks.get(feedback.type.name)
+        candidates = [self._document] if general is None else [self._document, general]
+        gain = _first(settings.gain for settings in candidates)
+        quiescence = _first(settings.quiescence for settings in candidates)
+        for setting, value in (("a gain", gain), ("a quiescence", quiescence)):
+            if value is None:
+                details = {"robot": body.document.name, "setting": setting}
+                place = source.key(*self._steps)
+                self._context.add("CB511", place, feedback=feedback.type, **details)
+        if gain is None or quiescence is None:
+            return None
+        return _Settings(
+            gain,
+            _first(settings.speed for settings in candidates),
+            _first(settings.acceleration for settings in candidates),
+            Quiescence(quiescence.rate, quiescence.window, quiescence.within),
+        )
+
+
+T = TypeVar("T")
+
+
+def _first(values: Iterable[T | None]) -> T | None:
+    """The first value that is set."""
+    return next((value for value in values if value is not None), None)
+
+
+def _similar(name: str, names: list[str]) -> list[str]:
+    """Names that begin like a wrong one, or the first parts of all."""
+    first = name.split(".")[0]
+    siblings = [known for known in names if known.split(".")[0] == first]
+    return siblings or list(dict.fromkeys(known.split(".")[0] for known in names))
+
+
+def _chain(feedback: Resource, effector: Resource) -> tuple[str, ...]:
+    """Types and casts in turn, from the feedback's type to the effector's."""
+    chain = chains(feedback.type, effector.type)[0]
+    steps = [str(feedback.type)]
+    for cast in chain:
+        is_last = cast is chain[-1]
+        steps += [str(cast), str(effector.type) if is_last else cast.target]
+    return tuple(steps)
+
+
+def _standoff(document: written.Standoff | None) -> Standoff | None:
+    if document is None:
+        return None
+    return Standoff(document.clearance, document.least, document.most)
+
+
+def _funnel(document: written.Funnel | None) -> Funnel | None:
+    if document is None:
+        return None
+    return Funnel(document.height, document.within, document.slope)
+
+
+def _seek(document: written.Seek | None) -> Seek | None:
+    if document is None:
+        return None
+    return Seek(document.once, document.within, document.until)

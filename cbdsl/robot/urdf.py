@@ -1,0 +1,104 @@
+"""What the checker needs of a URDF model: its links, its movable joints and their limits."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from xml.etree import ElementTree
+
+_MOVABLE = frozenset({"revolute", "continuous", "prismatic"})
+
+
+class UrdfError(ValueError):
+    """A URDF model cannot be read; the message says why."""
+
+
+@dataclass(frozen=True)
+class UrdfJoint:
+    """A joint of the model; limits in rad, or m where it slides."""
+
+    name: str
+    parent: str
+    child: str
+    movable: bool
+    lower: float
+    upper: float
+
+
+@dataclass(frozen=True)
+class UrdfModel:
+    """The tree of links and joints.
+
+    Attributes:
+        path: its file.
+        links: names of all links.
+        joints: all joints by name.
+    """
+
+    path: Path
+    links: frozenset[str]
+    joints: Mapping[str, UrdfJoint]
+
+    @property
+    def movable(self) -> tuple[str, ...]:
+        """Names of the joints that can move, in the file's order."""
+        return tuple(joint.name for joint in self.joints.values() if joint.movable)
+
+    def above(self, link: str) -> Iterator[str]:
+        """Names of the movable joints between a link and the root, from the link upwards."""
+        parents = {joint.child: joint for joint in self.joints.values()}
+        for _ in range(len(parents)):  # bounds the walk where the model has a loop
+            joint = parents.get(link)
+            if joint is None:
+                return
+            if joint.movable:
+                yield joint.name
+            link = joint.parent
+
+
+def read_urdf(path: Path) -> UrdfModel:
+    """Read a model's structure; masses, shapes and meshes are left to the simulator.
+
+    Raises:
+        UrdfError: there is no such file, or it is no URDF.
+    """
+    try:
+        root = ElementTree.parse(path).getroot()
+    except OSError as error:
+        raise UrdfError(f"{path}: {error.strerror}") from None
+    except (ElementTree.ParseError, ValueError, LookupError) as error:
+        raise UrdfError(f"{path}: {error}") from None
+    if root.tag != "robot":
+        raise UrdfError(f"{path}: its root is <{root.tag}>, not <robot>")
+    links = frozenset(link.get("name", "") for link in root.findall("link"))
+    joints = [_joint(element, path) for element in root.findall("joint")]
+    return UrdfModel(path, links, {joint.name: joint for joint in joints})
+
+
+def _joint(element: ElementTree.Element, path: Path) -> UrdfJoint:
+    name, kind = element.get("name", ""), element.get("type", "")
+    parent, child = element.find("parent"), element.find("child")
+    if parent is None or child is None:
+        raise UrdfError(f"{path}: joint '{name}' has no parent or no child")
+    limit = element.find("limit")
+    bounded = limit is not None and kind != "continuous"
+    lower, upper = (_limit(limit, "lower"), _limit(limit, "upper")) if bounded else (None, None)
+    return UrdfJoint(
+        name=name,
+        parent=parent.get("link", ""),
+        child=child.get("link", ""),
+        movable=kind in _MOVABLE,
+        lower=-math.inf if lower is None else lower,
+        upper=math.inf if upper is None else upper,
+    )
+
+
+def _limit(limit: ElementTree.Element | None, key: str) -> float | None:
+    if limit is None:
+        return None
+    try:
+        return float(limit.get(key, "0"))
+    except ValueError:
+        raise UrdfError(f"limit '{limit.get(key)}' is not a number") from None

@@ -1,0 +1,87 @@
+"""The casts between types of signals, and the chains of them that controllers use (section 3.2.4).
+
+A controller displaces its feedback by moving its effector. A chain of casts therefore carries a
+small displacement of the feedback's type over to one of the effector's type: through the Jacobian
+of a transformation, or through its pseudoinverse.
+"""
+
+from __future__ import annotations
+
+from collections import deque
+from dataclasses import dataclass
+
+from cbdsl.types.resource_type import ResourceType
+
+
+@dataclass(frozen=True)
+class Cast:
+    """One edge of the cast graph.
+
+    Attributes:
+        name: the transformation.
+        source: name of the type that it takes.
+        target: name of the type that it gives.
+        equation: where it is defined.
+        factors: how many signals of the source's type it takes.
+        value: whether it gives values; otherwise it carries displacements only.
+    """
+
+    name: str
+    source: str
+    target: str
+    equation: str
+    factors: int = 1
+    value: bool = True
+
+    def __str__(self) -> str:
+        return f"{self.name} ({self.equation})"
+
+
+_KINEMATICS = {"position": "Eq 3.11", "orientation": "Eq 3.12", "pose": "Eq 3.11, 3.12"}
+
+CASTS: tuple[Cast, ...] = (
+    *(
+        Cast("forward kinematics", "configuration", part, equation)
+        for part, equation in _KINEMATICS.items()
+    ),
+    *(
+        Cast("inverse manipulator Jacobian", part, "configuration", equation, value=False)
+        for part, equation in _KINEMATICS.items()
+    ),
+    Cast("inverse camera Jacobian", "heading", "configuration", "section 3.2.2", value=False),
+    Cast("stereo triangulation", "heading", "position", "Eq 3.14", factors=2),
+    Cast("oculomotor Jacobian", "position", "heading", "section 3.2.2", value=False),
+    *(
+        Cast("compliance", load, "configuration", "control.stiffness", value=False)
+        for load in ("force", "torque", "wrench")
+    ),
+)
+
+
+def chains(start: ResourceType, goal: ResourceType) -> list[tuple[Cast, ...]]:
+    """The shortest chains of casts from one type to another, by breadth-first search.
+
+    A product is cast component by component, except where a cast takes several signals at once.
+
+    Returns:
+        All chains of the least length: ``[()]`` for equal types, ``[]`` where there is none.
+    """
+    found: list[tuple[Cast, ...]] = []
+    waiting: deque[tuple[Cast, ...]] = deque([()])
+    while waiting:
+        chain = waiting.popleft()
+        if found and len(chain) > len(found[0]):
+            break
+        at = chain[-1].target if chain else start.name
+        if at == goal.name:
+            found.append(chain)
+            continue
+        seen = {start.name, *(cast.target for cast in chain)}
+        waiting.extend(
+            (*chain, cast)
+            for cast in CASTS
+            if cast.source == at
+            and cast.target not in seen
+            and (cast.factors == 1 or (not chain and cast.factors == start.factors))
+        )
+    return found
