@@ -10,6 +10,7 @@ from cbdsl.checking.references import LiteralError, is_literal, read_literal
 from cbdsl.checking.scope import Scope
 from cbdsl.checking.settings import check_settings
 from cbdsl.documents import program as written
+from cbdsl.documents.robot import TaskSettings
 from cbdsl.errors.diagnostic import Place
 from cbdsl.program.controller import (
     Controller,
@@ -229,7 +230,9 @@ class _Triple:
         """The controller's own settings, and the robot's for the rest."""
         body, source = self._context.body, self._context.source
         general = body.document.control.tasks.get(feedback.type.name)
-        candidates = [self._document] if general is None else [self._document, general]
+        candidates: list[written.Controller | TaskSettings] = [self._document]
+        if general is not None:
+            candidates.append(general)
         gain = _first(settings.gain for settings in candidates)
         quiescence = _first(settings.quiescence for settings in candidates)
         for setting, value in (("a gain", gain), ("a quiescence", quiescence)):

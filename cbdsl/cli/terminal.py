@@ -1,0 +1,59 @@
+"""What the commands print."""
+
+from __future__ import annotations
+
+import json
+import sys
+from collections.abc import Iterable
+from functools import cache
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from cbdsl.errors.diagnostic import Diagnostic
+from cbdsl.errors.rendering import render
+
+if TYPE_CHECKING:
+    from rich.console import Console
+
+# Wide enough for every table where nobody folds lines.
+_WIDTH_OF_PIPES = 200
+
+
+def console() -> Console:
+    """A rich console on the standard output."""
+    from rich.console import Console
+
+    return Console(width=None if sys.stdout.isatty() else _WIDTH_OF_PIPES, highlight=False)
+
+
+def print_diagnostics(diagnostics: Iterable[Diagnostic]) -> None:
+    """Print findings with snippets, and how many there are."""
+    found = list(diagnostics)
+    for diagnostic in found:
+        print(render(diagnostic, _text(diagnostic.place.file)))
+    errors = sum(diagnostic.is_error for diagnostic in found)
+    counts = [_count(errors, "error"), _count(len(found) - errors, "warning")]
+    print(", ".join(count for count in counts if count))
+
+
+def print_json(data: object) -> None:
+    """Print data for scripts."""
+    print(json.dumps(data, indent=2, ensure_ascii=False))
+
+
+def print_problem(message: str) -> None:
+    """Print what kept a command from doing anything."""
+    print(f"cb: {message}", file=sys.stderr)
+
+
+def _count(number: int, noun: str) -> str:
+    return f"{number} {noun}{'' if number == 1 else 's'}" if number else ""
+
+
+@cache
+def _text(file: str) -> str | None:
+    """A file's text for snippets, or ``None`` where it has none."""
+    try:
+        return Path(file).read_text(encoding="utf-8-sig")
+    except (OSError, UnicodeDecodeError):
+        return None

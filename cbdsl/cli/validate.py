@@ -1,0 +1,60 @@
+"""``cb validate``: all findings in documents, without simulator and network."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+Paths = Annotated[list[Path], typer.Argument(help="Documents, or folders of documents.")]
+With = Annotated[list[str], typer.Option("--with", help="A program's parameter, as name=value.")]
+Json = Annotated[bool, typer.Option("--json", help="Print the findings as JSON.")]
+
+
+def validate(paths: Paths, with_: With = [], as_json: Json = False) -> None:  # noqa: B006 (typer)
+    """Check documents: exit 0 without errors, 1 with errors, 2 for a wrong call."""
+    from cbdsl.checking.document import check_document
+    from cbdsl.checking.session import Session
+    from cbdsl.cli.assignments import read_assignments
+    from cbdsl.cli.terminal import print_diagnostics, print_json
+    from cbdsl.errors.diagnostic import Diagnostic
+
+    values, session = read_assignments(with_), Session()
+    files = [file for path in paths for file in _documents(path)]
+    # A robot's findings come with every program on it: each is told once.
+    found: dict[Diagnostic, None] = {}
+    for file in files:
+        found.update(dict.fromkeys(check_document(file, values, session)))
+    if as_json:
+        print_json([_plain(diagnostic) for diagnostic in found])
+    elif found:
+        print_diagnostics(found)
+    else:
+        print(f"{len(files)} document{'' if len(files) == 1 else 's'}, no findings")
+    if any(diagnostic.is_error for diagnostic in found):
+        raise typer.Exit(1)
+
+
+def _documents(path: Path) -> Iterator[Path]:
+    """The file itself, or all documents below a folder."""
+    from cbdsl.errors.errors import UsageError
+
+    if not path.is_dir():
+        yield path
+        return
+    files = sorted(file for file in path.rglob("*") if file.suffix in (".yaml", ".yml"))
+    if not files:
+        raise UsageError(f"{path} holds no documents (*.yaml)")
+    yield from files
+
+
+def _plain(diagnostic: object) -> object:
+    from dataclasses import asdict
+    from enum import Enum
+
+    def values(pairs: list[tuple[str, object]]) -> dict[str, object]:
+        return {key: v.value if isinstance(v, Enum) else v for key, v in pairs}
+
+    return asdict(diagnostic, dict_factory=values)  # type: ignore[call-overload]
