@@ -231,6 +231,29 @@ def test_joints_beyond_their_limits_come_back_at_bounded_speed() -> None:
     assert np.linalg.norm(chain.pose(inside)[0] - goal) > 1e-2
 
 
+def test_recovery_at_full_speed_leaves_the_other_joints_their_task(
+    rng: np.random.Generator,
+) -> None:
+    law = Law(np.full(7, -1.0), np.full(7, 1.0), DEXTER)
+    q = np.array([0.0, 1.5, 0.0, 0.0, -1.2, 0.0, 0.0])
+    level = Level("reach", rng.normal(size=(3, 7)), np.full(3, 1e-3))
+    step = law.solve([level], q)
+    np.testing.assert_array_equal(np.flatnonzero(step.locked), [1, 4])
+    assert step.displacement[1] == pytest.approx(-DEXTER.joint_step)
+    assert step.displacement[4] == pytest.approx(DEXTER.joint_step)
+    assert step.reports[0].rank == 3
+    assert np.abs(np.delete(step.displacement, [1, 4])).min() > 0
+
+
+def test_a_joint_at_full_speed_does_not_stop_the_levels_below() -> None:
+    """The lower level's share in that joint is nothing but rounding."""
+    high = Level("high", np.array([[0.3, 0.1, 0.0, 0.0], [0.1, -0.2, 0.0, 0.0]]), np.ones(2))
+    low = Level("low", np.array([[0.7, 0.9, 0.6, 0.8]]), np.array([0.001]))
+    first, both = prefixes(law_of(4, DEXTER), [high, low], np.zeros(4))
+    assert np.abs(first.displacement).max() == pytest.approx(DEXTER.joint_step)
+    assert np.abs(both.displacement[2:]).min() > 1e-4
+
+
 def test_a_joint_leaves_its_limit_freely() -> None:
     law = Law(np.full(3, -1.0), np.full(3, 1.0), DEXTER)
     q = np.array([0.9705, 0.0, -0.9705])  # just inside the margin on either side
