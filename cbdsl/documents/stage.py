@@ -92,15 +92,16 @@ class Place(Section):
 
 
 class Motion(Section):
-    """How the experimenter moves a thing until it is touched."""
+    """How the experimenter carries a thing along until it is touched, or throws it."""
 
     speed: SpeedSpan
     """Horizontal speed."""
     direction: AngleSpan
     """Direction in the world frame, 0 along x."""
     upward: SpeedSpan = (0.0, 0.0)
+    """Vertical speed of a throw."""
     thrown: bool = False
-    """Given its speed once, instead of kept at it."""
+    """Given its speed once, instead of carried at it."""
     after: TimeSpan = (0.0, 0.0)
     """When the motion starts."""
 

@@ -53,9 +53,15 @@ class BulletBackend:
         self._substeps = _substeps(robot)
         self.control_period = 1 / robot.control.rate
         self._client: int = p.connect(p.GUI if gui else p.DIRECT)
-        self._renderer: Renderer = make_renderer(self._client, robot.vision.renderer)
+        try:
+            self._empty_world()
+            for camera in robot.cameras.values():
+                self._body.link(camera.link)
+            self._renderer: Renderer = make_renderer(self._client, robot.vision.renderer)
+        except BackendError:
+            p.disconnect(physicsClientId=self._client)
+            raise
         self.renderer = self._renderer.name
-        self._empty_world()
 
     def _empty_world(self) -> None:
         """A world with nothing but the robot in it."""

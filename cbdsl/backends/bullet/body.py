@@ -132,7 +132,13 @@ class Body:
                 yield self.link(pattern)
                 continue
             start = pattern.removesuffix("*")
-            yield from (index for name, index in self.links.items() if name.startswith(start))
+            found = [index for name, index in self.links.items() if name.startswith(start)]
+            if not found:
+                raise BackendError(
+                    f"{self._urdf.name} has no link that matches '{pattern}', "
+                    f"as robot '{self._robot.name}' expects"
+                )
+            yield from found
 
     def _soften(self, count: int, simulation: Simulation) -> None:
         """No damping but the servos', and the surfaces of the robot file."""

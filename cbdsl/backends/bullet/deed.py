@@ -6,12 +6,15 @@ import math
 from collections.abc import Sequence
 from typing import Protocol
 
+import numpy as np
 import pybullet as p
+from numpy.typing import NDArray
 
-from cbdsl.backends.bullet.scene import Scene
+from cbdsl.backends.bullet.pose import Pose
 from cbdsl.backends.bullet.touch import Cell
 from cbdsl.backends.bullet.truth import Truth
-from cbdsl.documents.stage import Thing
+
+Floats = NDArray[np.float64]
 
 #: A hand can carry a thing once its fingers have pressed with this many times the thing's weight
 #: for so long, s: the first touch may be a knock.
@@ -32,6 +35,39 @@ class Deed(Protocol):
         ...
 
 
+class _Grasp:
+    """The experimenter's hand on a thing: it keeps its orientation and goes where it is led."""
+
+    def __init__(self, client: int, body: int, pose: Pose) -> None:
+        self._client = client
+        self._quaternion = pose.quaternion()
+        self._constraint = p.createConstraint(
+            body,
+            -1,
+            -1,
+            -1,
+            p.JOINT_FIXED,
+            [0, 0, 0],
+            [0, 0, 0],
+            pose.position.tolist(),
+            childFrameOrientation=self._quaternion,
+            physicsClientId=client,
+        )
+        self.lead(pose.position)
+
+    def lead(self, position: Floats) -> None:
+        p.changeConstraint(
+            self._constraint,
+            jointChildPivot=position.tolist(),
+            jointChildFrameOrientation=self._quaternion,
+            maxForce=_HOLDING_FORCE,
+            physicsClientId=self._client,
+        )
+
+    def release(self) -> None:
+        p.removeConstraint(self._constraint, physicsClientId=self._client)
+
+
 class Hold:
     """Hold a thing still until a hand can carry it.
 
@@ -41,41 +77,21 @@ class Hold:
     """
 
     def __init__(
-        self,
-        client: int,
-        scene: Scene,
-        truth: Truth,
-        name: str,
-        weight: float,
-        cells: Sequence[Cell],
+        self, client: int, truth: Truth, name: str, body: int, weight: float, cells: Sequence[Cell]
     ) -> None:
-        self._client = client
         self._truth = truth
         self._name = name
         self._pressure = _GRIP * weight
         self._cells = set(cells)
         self._firm_since = math.inf
-        pose = truth.pose(name)
-        self._constraint = p.createConstraint(
-            scene.bodies[name],
-            -1,
-            -1,
-            -1,
-            p.JOINT_FIXED,
-            [0, 0, 0],
-            [0, 0, 0],
-            pose.position.tolist(),
-            childFrameOrientation=pose.quaternion(),
-            physicsClientId=client,
-        )
-        p.changeConstraint(self._constraint, maxForce=_HOLDING_FORCE, physicsClientId=client)
+        self._grasp = _Grasp(client, body, truth.pose(name))
 
     def act(self, time: float) -> bool:
         """Let go if the hand can carry the thing."""
         self._firm_since = min(self._firm_since, time) if self._gripped() else math.inf
         carried = time - self._firm_since >= _GRIP_TIME
         if carried:
-            p.removeConstraint(self._constraint, physicsClientId=self._client)
+            self._grasp.release()
         return carried
 
     def _gripped(self) -> bool:
@@ -85,42 +101,38 @@ class Hold:
         )
 
 
-class Push:
-    """Keep a thing at a horizontal velocity, on a slippery sole, until the robot touches it."""
+class Carry:
+    """Carry a thing along at a constant horizontal velocity until the robot touches it."""
 
     def __init__(
         self,
         client: int,
-        scene: Scene,
         truth: Truth,
         name: str,
-        surface: Thing,
+        body: int,
         velocity: tuple[float, float],
         start: float,
     ) -> None:
         self._client = client
-        self._scene = scene
         self._truth = truth
         self._name = name
-        self._surface = surface
-        self._velocity = velocity
+        self._body = body
+        self._velocity = np.array([*velocity, 0.0])
         self._start = start
-        self._moving = False
+        self._grasp: _Grasp | None = None
 
     def act(self, time: float) -> bool:
-        """Keep it moving, or leave it to the hand that touches it."""
-        body = self._scene.bodies[self._name]
+        """Lead it on, or leave it to the hand that touches it."""
         if self._truth.touched(self._name):
-            self._scene.restore(body, self._surface)
+            if self._grasp:
+                self._grasp.release()
             return True
-        if time >= self._start:
-            if not self._moving:
-                self._scene.make_slippery(body)
-                self._moving = True
-            (_, _, vertical), spin = p.getBaseVelocity(body, physicsClientId=self._client)
-            p.resetBaseVelocity(
-                body, [*self._velocity, vertical], spin, physicsClientId=self._client
-            )
+        if self._grasp is None and time >= self._start:
+            pose = self._truth.pose(self._name)
+            self._grasp = _Grasp(self._client, self._body, pose)
+            self._origin, self._start = pose.position, time
+        if self._grasp is not None:
+            self._grasp.lead(self._origin + (time - self._start) * self._velocity)
         return False
 
 

@@ -10,13 +10,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cbdsl.backends.backend import BackendError
-from cbdsl.backends.bullet.deed import Deed, Hold, Push, Throw
+from cbdsl.backends.bullet.deed import Carry, Deed, Hold, Throw
 from cbdsl.backends.bullet.pose import Pose
 from cbdsl.backends.bullet.scene import GRAVITY, Scene
 from cbdsl.backends.bullet.shape import Shape, draw
 from cbdsl.backends.bullet.truth import Truth
 from cbdsl.documents.robot import RobotDocument
-from cbdsl.documents.stage import Context, Motion, Place, StageDocument, Thing
+from cbdsl.documents.stage import Context, Motion, Place, StageDocument
 
 Floats = NDArray[np.float64]
 _Entry = TypeVar("_Entry")
@@ -89,9 +89,9 @@ class Experimenter:
         if context.removed_after is not None:
             self._removal = context.removed_after
         if context.place.held:
-            self._deeds.append(self._hold(context.place, name, mass))
+            self._deeds.append(self._hold(context.place, name, body, mass))
         if context.motion is not None:
-            self._deeds.append(self._motion(context.motion, name, thing, body))
+            self._deeds.append(self._motion(context.motion, name, body))
 
     def _pose(self, place: Place, half_height: float) -> Pose:
         x, y = draw(place.x, self._rng), draw(place.y, self._rng)
@@ -114,18 +114,18 @@ class Experimenter:
             )
         return self._truth.link_pose(tip.link) @ Pose(np.array(tip.offset), np.eye(3))
 
-    def _hold(self, place: Place, name: str, mass: float) -> Deed:
+    def _hold(self, place: Place, name: str, body: int, mass: float) -> Deed:
         tip = self._robot.effectors[place.hand].tip if place.hand else None
         cells = self._truth.cells_beyond(tip.link) if tip else ()
-        return Hold(self._client, self._scene, self._truth, name, mass * GRAVITY, cells)
+        return Hold(self._client, self._truth, name, body, mass * GRAVITY, cells)
 
-    def _motion(self, motion: Motion, name: str, thing: Thing, body: int) -> Deed:
+    def _motion(self, motion: Motion, name: str, body: int) -> Deed:
         speed, direction = draw(motion.speed, self._rng), draw(motion.direction, self._rng)
         velocity = speed * math.cos(direction), speed * math.sin(direction)
         upward, start = draw(motion.upward, self._rng), draw(motion.after, self._rng)
         if motion.thrown:
             return Throw(self._client, body, (*velocity, upward), start)
-        return Push(self._client, self._scene, self._truth, name, thing, velocity, start)
+        return Carry(self._client, self._truth, name, body, velocity, start)
 
     def act(self, time: float) -> bool:
         """Do what is to be done at this time since the episode began, s.

@@ -29,28 +29,17 @@ class Scene:
             self._client, mass, surface.color, pose.position.tolist(), pose.quaternion()
         )
         self.bodies[name] = body
-        self.restore(body, surface)
-        return body
-
-    def restore(self, body: int, surface: Surface) -> None:
-        """Give a body the friction of its surface."""
-        self._set_friction(body, surface.friction, surface.rolling_friction)
-
-    def make_slippery(self, body: int) -> None:
-        """Take a body's friction away."""
-        self._set_friction(body, 0.0, 0.0)
-
-    def _set_friction(self, body: int, lateral: float, rolling: float) -> None:
         p.changeDynamics(
             body,
             -1,
-            lateralFriction=lateral,
-            rollingFriction=rolling,
-            spinningFriction=rolling,
+            lateralFriction=surface.friction,
+            rollingFriction=surface.rolling_friction,
+            spinningFriction=surface.rolling_friction,
             linearDamping=0,
             angularDamping=0,
             physicsClientId=self._client,
         )
+        return body
 
     def remove(self, name: str) -> None:
         """Take a body out of the world."""

@@ -1,0 +1,108 @@
+"""Load cells read what fingertips exert on the world."""
+
+from __future__ import annotations
+
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+import pytest
+
+from cbdsl.backends.bullet.backend import BulletBackend
+from cbdsl.backends.bullet.load_cells import LoadCells
+from cbdsl.documents.robot import Contact
+from cbdsl.robot.joints import Joints
+from tests.backends.bullet.conftest import made_stage
+
+CELLS = (("hand", "a"), ("hand", "b"))
+
+
+def _cells(wrenches: np.ndarray, seed: int = 0, **contact: float) -> LoadCells:
+    fingertips: Any = SimpleNamespace(cells=CELLS, wrenches=lambda: wrenches)
+    return LoadCells(fingertips, Contact(**contact), 1 / 240, np.random.default_rng(seed))
+
+
+def test_the_filter_passes_two_thirds_after_its_time_constant() -> None:
+    wrenches = np.arange(12.0).reshape(2, 6)
+    cells = _cells(wrenches, noise=0, filter=6 / 240)
+    for _ in range(6):
+        cells.sample()
+    for cell, wrench in zip(CELLS, wrenches, strict=True):
+        assert cells.read()[cell] == pytest.approx((1 - np.exp(-1)) * wrench)
+
+
+def test_without_a_filter_readings_are_immediate() -> None:
+    cells = _cells(np.ones((2, 6)), noise=0, filter=0)
+    cells.sample()
+    assert cells.read()["hand", "b"] == pytest.approx(np.ones(6))
+
+
+def test_noise_has_the_stated_deviation() -> None:
+    cells = _cells(np.zeros((2, 6)), noise=0.05, filter=0)
+    readings = []
+    for _ in range(2000):
+        cells.sample()
+        readings.append(cells.read()["hand", "a"])
+    deviations = np.std(readings, axis=0)
+    assert deviations[:3] == pytest.approx(0.05, rel=0.1)
+    assert (deviations[3:] < 0.05 / 50).all()
+
+
+def test_a_reading_is_not_changed_by_the_next_sample() -> None:
+    cells = _cells(np.ones((2, 6)), noise=0, filter=0.1)
+    before = cells.read()["hand", "a"].copy()
+    reading = cells.read()["hand", "a"]
+    cells.sample()
+    assert (reading == before).all()
+
+
+def _forces(backend: BulletBackend) -> np.ndarray:
+    loads = backend.observe().loads
+    return np.array([loads["right_hand", f"finger_{k}"][:3] for k in (1, 2, 3)])
+
+
+def _flex(backend: BulletBackend, force: float, seconds: float) -> None:
+    """Flex the right fingers until they press with about ``force``, N; the thumb twice."""
+    fingers = Joints(backend._robot).pick([f"right_finger_{k}" for k in (1, 2, 3)])
+    goal = force * np.array([0.53, 0.53, 1.0])
+    reference = backend.observe().positions
+    for _ in range(round(seconds / backend.control_period)):
+        pressed = np.linalg.norm(_forces(backend), axis=1)
+        speed = np.where(pressed > 0.1, np.clip(0.4 * (goal - pressed), -0.3, 0.3), 0.3)
+        angles = backend.observe().positions[fingers]
+        reference[fingers] += speed * backend.control_period
+        reference[fingers] = np.clip(reference[fingers], angles - 0.15, angles + 0.15)
+        backend.apply(reference)
+        backend.step()
+
+
+def test_fingers_that_press_on_a_plate_push_it_away(blind: BulletBackend) -> None:
+    blind.reset(made_stage({}), None, np.random.default_rng(0))
+    palm = blind.truth.link_pose("right_palm").position
+    plate = {
+        "form": {"shape": "box", "size": [0.5, 0.5, 0.02]},
+        "position": [palm[0], palm[1], palm[2] - 0.09],
+    }
+    blind.reset(made_stage({}, fixtures={"plate": plate}), None, np.random.default_rng(0))
+    _flex(blind, force=2.0, seconds=3.0)
+    touches = blind.truth.touches("plate")
+    assert {touch.cell[1] for touch in touches} == {"finger_1", "finger_2", "finger_3"}
+    for finger, force in zip(("finger_1", "finger_2", "finger_3"), _forces(blind), strict=True):
+        own = [np.array(touch.force) for touch in touches if touch.cell[1] == finger]
+        assert force == pytest.approx(sum(own), abs=0.1), "the filter has settled"
+        assert force[2] < -0.5, "the palm faces down, so fingertips push down"
+        torque = blind.observe().loads["right_hand", finger][3:]
+        assert 0 < np.linalg.norm(torque) < 0.015 * np.linalg.norm(force)
+
+
+def test_fingers_that_carry_a_ball_exert_its_weight_upward(blind: BulletBackend) -> None:
+    """Friction carries it, so this fails for a wrong sign of either friction term."""
+    ball = {"form": {"shape": "ball", "radius": 0.06}, "mass": 0.25}
+    context = {"things": ["ball"], "place": {"hand": "right_arm", "gap": 0.01, "held": True}}
+    stage = made_stage(context, things={"ball": ball})
+    blind.reset(stage, None, np.random.default_rng(0))
+    start = blind.truth.pose("ball").position
+    _flex(blind, force=5.0, seconds=5.0)
+    assert np.linalg.norm(blind.truth.pose("ball").position - start) < 0.04, "it is carried"
+    assert _forces(blind).sum(axis=0) == pytest.approx([0, 0, 0.25 * 9.81], abs=0.05)
+    assert np.linalg.norm(_forces(blind), axis=1).min() > 1
