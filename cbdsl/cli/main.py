@@ -9,6 +9,7 @@ import typer
 
 from cbdsl.cli import show
 from cbdsl.cli.explain import explain
+from cbdsl.cli.run import run
 from cbdsl.cli.validate import validate
 
 app = typer.Typer(
@@ -19,6 +20,7 @@ app = typer.Typer(
     pretty_exceptions_enable=False,
 )
 app.command("validate")(validate)
+app.command("run")(run)
 app.command("explain")(explain)
 app.add_typer(show.app, name="show")
 

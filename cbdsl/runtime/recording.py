@@ -23,6 +23,17 @@ from cbdsl.runtime.program_run import ProgramRun
 _THUMBNAIL_SCALE = 0.5
 
 
+def require_writable(directory: Path) -> None:
+    """Make sure that recordings can be kept in a folder.
+
+    Raises:
+        OSError: it cannot be made or written.
+    """
+    directory.mkdir(parents=True, exist_ok=True)
+    with tempfile.TemporaryFile(dir=directory):
+        pass
+
+
 class Recording:
     """Keeps one episode and writes it to two files: numbers as NPZ, the rest as JSON.
 

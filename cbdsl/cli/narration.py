@@ -1,0 +1,29 @@
+"""What a run tells: a line per transition for people, an object per episode for scripts."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import asdict
+
+from cbdsl.program.transition import Transition
+from cbdsl.runtime.episode import EpisodeResult
+
+
+def narrate(transition: Transition) -> None:
+    """Print a transition, indented by how deep its program is used."""
+    indent = "    " * transition.depth
+    reward = f"  reward {transition.reward}" if transition.reward else ""
+    unchanged = "  (no change)" if transition.state == transition.next_state else ""
+    print(
+        f"  {transition.time:6.2f} s  {indent}{transition.program}  "
+        f"{transition.state} -> {transition.next_state}  {transition.action}{reward}{unchanged}",
+        flush=True,
+    )
+
+
+def json_line(result: EpisodeResult) -> str:
+    """One episode as a JSON object on one line; only ``wall_seconds`` depends on the machine."""
+    row = asdict(result)
+    row["transitions"] = len(result.actions)
+    row["wall_seconds"] = round(result.wall_seconds, 3)
+    return json.dumps(row, ensure_ascii=False)

@@ -1,0 +1,249 @@
+"""``cb run``: run a program and tell what happens."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+if TYPE_CHECKING:
+    from cbdsl.backends.backend import Backend
+    from cbdsl.documents.robot import RobotDocument
+    from cbdsl.documents.stage import StageDocument
+    from cbdsl.program.checked import CheckedProgram
+    from cbdsl.runtime.episode import EpisodeResult, Runner
+    from cbdsl.runtime.policy import Policy
+    from cbdsl.yaml_text.library import Library
+
+Program = Annotated[str, typer.Argument(help="A program: its file, or its name.")]
+Stage = Annotated[
+    str | None, typer.Option("--stage", help="Who is shown what, where [the program's own].")
+]
+Context = Annotated[
+    str | None, typer.Option("--context", help="One context of the stage [drawn by share].")
+]
+Seed = Annotated[int, typer.Option("--seed", min=0, help="Seed of the first episode.")]
+Episodes = Annotated[
+    int, typer.Option("--episodes", min=1, help="How many, with successive seeds.")
+]
+BackendName = Annotated[str, typer.Option("--backend", help="What embodies the robot.")]
+PolicyFile = Annotated[
+    Path | None, typer.Option("--policy", help="A policy document, instead of the program's.")
+]
+With = Annotated[list[str], typer.Option("--with", help="A parameter, as name=value.")]
+Gui = Annotated[bool, typer.Option("--gui", help="Open the simulator's window.")]
+Record = Annotated[
+    Path | None, typer.Option("--record", help="Folder to keep every tick of each episode in.")
+]
+Json = Annotated[bool, typer.Option("--json", help="Print one JSON object per episode.")]
+
+
+@dataclass(frozen=True)
+class Order:
+    """What to run, read and checked."""
+
+    program: CheckedProgram
+    robot: RobotDocument
+    urdf: Path
+    stage: StageDocument
+    policy: Policy | None
+
+
+def run(
+    program: Program,
+    stage: Stage = None,
+    context: Context = None,
+    seed: Seed = 0,
+    episodes: Episodes = 1,
+    backend: BackendName = "bullet",
+    policy: PolicyFile = None,
+    with_: With = [],  # noqa: B006 (typer)
+    gui: Gui = False,
+    record: Record = None,
+    as_json: Json = False,
+) -> None:
+    """Run a program on a simulated robot: exit 0 when it ran, rewarded or not."""
+    from cbdsl.cli.assignments import read_assignments
+
+    order = _read(program, stage, policy, read_assignments(with_))
+    _require_context(order.stage, context)
+    if record is not None:
+        _require_folder(record)
+    with _simulation(order, backend, gui) as (body, runner):
+        if not as_json:
+            print(f"{order.program.name} on {order.stage.name}; images by {body.renderer}")
+        results = [
+            _episode(runner, order, seed + index, context, record, as_json)
+            for index in range(episodes)
+        ]
+    if episodes > 1 and not as_json:
+        _summarise(results)
+
+
+def _read(program: str, stage: str | None, policy: Path | None, values: Mapping[str, str]) -> Order:
+    from cbdsl.checking.program import check_program
+    from cbdsl.documents.program import ProgramDocument
+    from cbdsl.documents.robot import RobotDocument
+    from cbdsl.yaml_text.library import Library
+
+    library = Library()
+    path = library.locate(ProgramDocument, program)
+    checked = check_program(path, values, library)
+    robot_file = library.find(RobotDocument, checked.robot, path)
+    assert robot_file is not None, "a checked program has a robot"
+    robot = library.read(robot_file, RobotDocument).document
+    return Order(
+        program=checked,
+        robot=robot,
+        urdf=robot_file.parent / robot.model,
+        stage=_read_stage(stage, checked, path, library),
+        policy=None if policy is None else _read_policy(policy, checked, library),
+    )
+
+
+def _read_stage(
+    name: str | None, program: CheckedProgram, program_file: Path, library: Library
+) -> StageDocument:
+    from cbdsl.documents.stage import StageDocument
+    from cbdsl.errors.errors import UsageError
+
+    if name is None and program.stage is None:
+        known = ", ".join(library.names(StageDocument, program_file))
+        raise UsageError(f"{program.name} names no stage; give one with --stage (known: {known})")
+    file = (
+        library.find(StageDocument, program.stage, program_file)
+        if name is None and program.stage is not None
+        else None
+    )
+    file = file or library.locate(StageDocument, name or program.stage or "")
+    _require_clean(file, library)
+    stage = library.read(file, StageDocument).document
+    if stage.robot != program.robot:
+        raise UsageError(
+            f"{file}: stage '{stage.name}' is for robot '{stage.robot}', "
+            f"but program '{program.name}' is for '{program.robot}'"
+        )
+    return stage
+
+
+def _read_policy(file: Path, program: CheckedProgram, library: Library) -> Policy:
+    from cbdsl.documents.policy import PolicyDocument
+    from cbdsl.errors.errors import UsageError
+    from cbdsl.runtime.policy import WrittenPolicy
+
+    _require_clean(file, library)
+    document = library.read(file, PolicyDocument).document
+    if document.program != program.name:
+        raise UsageError(
+            f"{file}: this policy serves program '{document.program}', not '{program.name}'"
+        )
+    return WrittenPolicy(document.policy)
+
+
+def _require_clean(file: Path, library: Library) -> None:
+    from cbdsl.checking.document import check_document
+    from cbdsl.checking.session import Session
+    from cbdsl.errors.errors import DiagnosticsError
+
+    found = check_document(file, session=Session(library))
+    if any(diagnostic.is_error for diagnostic in found):
+        raise DiagnosticsError(found)
+
+
+def _require_context(stage: StageDocument, context: str | None) -> None:
+    from cbdsl.errors.errors import UsageError
+    from cbdsl.errors.nearest import nearest_name
+
+    if context is None or context in stage.contexts:
+        return
+    nearest = nearest_name(context, list(stage.contexts))
+    hint = f"; did you mean '{nearest}'?" if nearest else ""
+    known = ", ".join(stage.contexts)
+    raise UsageError(f"stage '{stage.name}' has no context '{context}'{hint} (known: {known})")
+
+
+def _require_folder(folder: Path) -> None:
+    """Find out before the episodes, not after, whether recordings can be kept."""
+    from cbdsl.errors.errors import UsageError
+    from cbdsl.runtime.recording import require_writable
+
+    try:
+        require_writable(folder)
+    except OSError as error:
+        raise UsageError(f"--record {folder}: {error.strerror or error}") from error
+
+
+@contextmanager
+def _simulation(order: Order, backend: str, gui: bool) -> Iterator[tuple[Backend, Runner]]:
+    from cbdsl.errors.errors import UsageError
+
+    try:
+        from cbdsl.backends.backend import BackendError, find_backend
+        from cbdsl.robot.kinematics import Kinematics
+        from cbdsl.runtime.episode import Runner
+
+        body = find_backend(backend)(order.robot, order.urdf, gui=gui)
+    except ModuleNotFoundError as error:
+        raise UsageError(
+            f"running needs {error.name}, which is not installed: pip install 'cbdsl[sim]'"
+        ) from error
+    except BackendError as error:
+        raise UsageError(str(error)) from error
+    kinematics = Kinematics(order.robot, order.urdf)
+    try:
+        yield body, Runner(order.robot, kinematics, order.program, body, order.policy)
+    finally:
+        body.close()
+
+
+def _episode(
+    runner: Runner,
+    order: Order,
+    seed: int,
+    context: str | None,
+    record: Path | None,
+    as_json: bool,
+) -> EpisodeResult:
+    from cbdsl.backends.backend import BackendError
+    from cbdsl.cli.narration import json_line, narrate
+    from cbdsl.errors.errors import UsageError
+    from cbdsl.program.transition import Transition
+    from cbdsl.robot.signals import SensorError
+    from cbdsl.runtime.recording import Recording
+
+    recording = Recording(runner.signals.joints.names) if record is not None else None
+    listeners: list[Callable[[Transition], None]] = [] if as_json else [narrate]
+    if recording is not None:
+        listeners.append(recording.note_transition)
+
+    def tell(transition: Transition) -> None:
+        for listener in listeners:
+            listener(transition)
+
+    if not as_json:
+        print(f"episode with seed {seed}")
+    try:
+        note = recording.note_tick if recording is not None else lambda tick: None
+        result = runner.run(order.stage, seed, context, on_transition=tell, on_tick=note)
+    except (BackendError, SensorError) as error:
+        raise UsageError(f"seed {seed}: {error}") from error
+    if recording is not None and record is not None:
+        file = recording.write(record, result)
+        if not as_json:
+            print(f"  recorded in {file}")
+    print(json_line(result) if as_json else f"  {result.ending}", flush=True)
+    return result
+
+
+def _summarise(results: list[EpisodeResult]) -> None:
+    rewarded = sum(result.rewarded for result in results)
+    simulated = sum(result.sim_seconds for result in results)
+    wall = sum(result.wall_seconds for result in results)
+    print(
+        f"{rewarded} of {len(results)} episodes rewarded; {simulated:.0f} s simulated "
+        f"in {wall:.0f} s, {simulated / wall:.1f} times real time"
+    )
