@@ -157,10 +157,11 @@ class BulletBackend:
         Joint references move evenly over its physics steps: a jump per control period would shake
         what is held out of the hand.
         """
-        if self._experimenter.act(self._tick * self.control_period):
-            self._show()
         change = self._reference - self._reached
         for substep in range(1, self._substeps + 1):
+            begun = self._tick + (substep - 1) / self._substeps
+            if self._experimenter.act(begun * self.control_period):
+                self._show()
             self._body.drive(self._reached + change * (substep / self._substeps))
             p.stepSimulation(physicsClientId=self._client)
             self._cells.sample()

@@ -24,7 +24,7 @@ _HOLDING_FORCE = 1000.0
 
 
 class Deed(Protocol):
-    """Something that is done in every control period until it is finished."""
+    """Something that is done in every physics step until it is finished."""
 
     def act(self, time: float) -> bool:
         """Do it, at this time since the episode began, s.

@@ -76,6 +76,7 @@ def test_a_carried_thing_keeps_its_velocity(blind: BulletBackend, name: str) -> 
     start = blind.truth.pose(name).position
     _run(blind, 0.1)
     assert blind.truth.pose(name).position == pytest.approx(start, abs=1e-3)
+    assert blind.observe().time == pytest.approx(0.1)
     _run(blind, 1.0)
     travelled = blind.truth.pose(name).position - start
     assert travelled == pytest.approx([0.05 * np.cos(2), 0.05 * np.sin(2), 0], abs=2e-3)
@@ -100,9 +101,9 @@ def test_a_carried_thing_is_left_alone_once_the_hand_touches_it(blind: BulletBac
     start = blind.truth.pose("block").position
     _run(blind, 0.2)
     moved = blind.truth.pose("block").position - start
-    assert moved == pytest.approx([0, -0.06, 0], abs=0.005)
+    assert moved == pytest.approx([0, -0.06, 0], abs=0.01)
     touched = False
-    for _ in range(120):
+    for _ in range(round(1.0 / blind.control_period)):
         blind.step()
         touched |= blind.truth.touched("block")
     assert touched
@@ -122,9 +123,9 @@ def test_a_thrown_thing_flies_freely_from_its_time_on(blind: BulletBackend) -> N
 
 def test_a_thing_is_removed_on_time(blind: BulletBackend) -> None:
     blind.reset(_stage("box", removed_after=0.25), None, np.random.default_rng(0))
-    _run(blind, 0.25)
+    _run(blind, 0.2)
     assert "box" in blind.truth.names()
-    _run(blind, 0.02)
+    _run(blind, 0.1)
     assert blind.truth.names() == ("table",)
     _run(blind, 0.1)
 
