@@ -32,14 +32,13 @@ def stack(rng: np.random.Generator) -> list[Level]:
 
 
 def textbook(levels: Sequence[Level], q: Floats) -> Floats:
-    """J^# and I - J^# J of the stacked rows, level by level."""
+    """J^# and I - J^# J, level by level; without limits, bounds or damping."""
     displacement, projector = np.zeros(len(q)), np.eye(len(q))
-    for i, level in enumerate(levels):
+    for level in levels:
         rows = level.jacobian @ projector
-        missing = level.velocity - level.jacobian @ displacement
-        displacement = displacement + np.linalg.pinv(rows, rcond=1e-10) @ missing
-        above = np.vstack([higher.jacobian for higher in levels[: i + 1]])
-        projector = np.eye(len(q)) - np.linalg.pinv(above, rcond=1e-10) @ above
+        inverse = np.linalg.pinv(rows, rcond=1e-10)
+        displacement = displacement + inverse @ (level.velocity - level.jacobian @ displacement)
+        projector = projector - inverse @ rows
     return displacement
 
 

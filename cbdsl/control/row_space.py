@@ -13,9 +13,9 @@ from cbdsl.control.signal import Floats
 # tolerance would ignore, lower levels would be free to disturb.
 _ROUNDING = 1e-12
 
-# Singular directions of smaller values, relative to the Jacobian, carry enough rounding to be
-# made orthogonal to the levels above once more.
-_UNCERTAIN = 1e-2
+# Singular directions of smaller values, relative to the Jacobian, carry so much rounding that
+# subtracting it would shorten them.
+_UNCERTAIN = 1e-4
 
 _ONE = np.ones((1, 1))
 
@@ -99,8 +99,11 @@ class RowSpace:
         if rank and values[-1] <= _ROUNDING * size:
             rank = int(np.count_nonzero(values > _ROUNDING * size))
             left, values, right = left[:, :rank], values[:rank], right[:rank]
-        if above and rank and values[-1] < _UNCERTAIN * size:
-            right = self._orthonormal(right)
+        if above and rank:
+            # The subtraction above left rounding, which the singular values have magnified.
+            right = right - (right @ self._basis.T) @ self._basis
+            if values[-1] < _UNCERTAIN * size:
+                right = self._orthonormal(right)
         return Decomposition(left, values, right)
 
     def _orthonormal(self, directions: Floats) -> Floats:
