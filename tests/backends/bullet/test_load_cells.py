@@ -105,4 +105,7 @@ def test_fingers_that_carry_a_ball_exert_its_weight_upward(blind: BulletBackend)
     _flex(blind, force=5.0, seconds=5.0)
     assert np.linalg.norm(blind.truth.pose("ball").position - start) < 0.04, "it is carried"
     assert _forces(blind).sum(axis=0) == pytest.approx([0, 0, 0.25 * 9.81], abs=0.05)
-    assert np.linalg.norm(_forces(blind), axis=1).min() > 1
+    for finger, force in zip(("finger_1", "finger_2", "finger_3"), _forces(blind), strict=True):
+        cell = blind._robot.load_cells["right_hand"][finger]
+        normal = blind.truth.link_pose(cell.link).rotation @ cell.normal
+        assert force @ normal > 1, "it presses along the robot file's normal"
