@@ -1,0 +1,33 @@
+# Everything that has to hold before a change lands. CI calls `make check`; so can you.
+PYTHON ?= .venv/bin/python
+BIN = $(dir $(PYTHON))
+
+.PHONY: check format lint types layers spelling documents tests fix
+
+check: format lint types layers spelling documents tests
+
+format:
+	$(BIN)ruff format --check .
+
+lint:
+	$(BIN)ruff check .
+
+types:
+	$(BIN)mypy
+
+layers:
+	$(BIN)lint-imports
+
+spelling:
+	$(BIN)codespell
+
+documents:
+	$(BIN)cb validate robots programs
+
+# The slow tests too: they run episodes on the simulator.
+tests:
+	$(BIN)pytest -n auto -m "slow or not slow"
+
+fix:
+	$(BIN)ruff check --fix .
+	$(BIN)ruff format .
