@@ -5,6 +5,7 @@ from __future__ import annotations
 from cbdsl.checking.context import Context, Steps
 from cbdsl.checking.triple import check_triple
 from cbdsl.documents import program as written
+from cbdsl.errors.counting import count
 from cbdsl.language.expression import Expression, Term
 from cbdsl.program.controller import Composition, Controller, Primitive
 
@@ -119,11 +120,11 @@ class Compositions:
     def wrong_arity(self, term: Term, steps: Steps, parameters: tuple[str, ...]) -> None:
         """Report a call with too many or too few arguments."""
         found = len(term.arguments)
+        names = f" ({', '.join(parameters)})" if parameters else ""
         self._context.add(
             "CB403",
             self._context.at(steps, term.span),
             name=term.name,
-            wanted=f"{len(parameters)} argument{'' if len(parameters) == 1 else 's'}",
-            signature=", ".join(parameters) or "none",
-            found=f"{found} {'is' if found == 1 else 'are'}",
+            wanted=count(len(parameters), "argument") + names,
+            found=f"{found or 'none'} {'is' if found <= 1 else 'are'}",
         )

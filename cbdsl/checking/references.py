@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from dataclasses import dataclass
 
+from cbdsl.errors.counting import count
 from cbdsl.program.controller import AlongNormals, Literal
 from cbdsl.types.resource import FingerForces, Resource
 from cbdsl.types.resource_type import ResourceType
@@ -89,10 +90,6 @@ def _quantity(value: str | float, dimensions: tuple[str, ...], item: int | None)
 
 
 def _wrong_count(found: int, kind: ResourceType) -> LiteralError:
-    given = "1 number is" if found == 1 else f"{found} numbers are"
-    details = {"found": given, "feedback": kind, "wanted": _components(kind.size)}
+    given = f"{count(found, 'number')} {'is' if found == 1 else 'are'}"
+    details = {"found": given, "feedback": kind, "wanted": count(kind.size, "component")}
     return LiteralError("CB505", dict(details))
-
-
-def _components(size: int) -> str:
-    return "1 component" if size == 1 else f"{size} components"

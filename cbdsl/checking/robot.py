@@ -8,6 +8,7 @@ from cbdsl.checking.body import Body
 from cbdsl.checking.findings import Findings
 from cbdsl.checking.settings import check_settings
 from cbdsl.documents.robot import Effector, RobotDocument
+from cbdsl.errors.counting import count
 from cbdsl.errors.diagnostic import Place
 from cbdsl.robot.channel_names import channel_names
 from cbdsl.robot.resources import resources
@@ -55,7 +56,10 @@ class _RobotCheck:
         for posture, angles in effector.postures.items():
             if len(angles) != len(effector.joints):
                 place = self._source.place(*steps, "postures", posture)
-                counts = {"found": len(angles), "wanted": len(effector.joints)}
+                counts = {
+                    "found": count(len(angles), "angle"),
+                    "wanted": count(len(effector.joints), "joint"),
+                }
                 self._findings.add("CB304", place, name=posture, **counts)
         if effector.start is not None and effector.start not in effector.postures:
             place = self._source.place(*steps, "start")

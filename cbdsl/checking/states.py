@@ -6,6 +6,7 @@ from collections.abc import Mapping, Sequence
 from itertools import combinations
 
 from cbdsl.checking.findings import Findings
+from cbdsl.errors.counting import count
 from cbdsl.yaml_text.source_map import SourceMap
 
 PREDICATES = "X-01"
@@ -40,7 +41,10 @@ def _is_sound(pattern: str, members: Sequence[str], source: SourceMap, findings:
     if wrong:
         findings.add("CB612", place, letter=wrong[0], state=pattern)
     elif len(pattern) != len(members):
-        counts = {"found": len(pattern), "wanted": len(members)}
+        counts = {
+            "found": count(len(pattern), "letter"),
+            "wanted": count(len(members), "predicate"),
+        }
         findings.add("CB611", place, state=pattern, members=", ".join(members), **counts)
     return not wrong and len(pattern) == len(members)
 

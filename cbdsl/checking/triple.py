@@ -128,9 +128,10 @@ class _Triple:
         body = self._context.body
         resource = body.resources.get(name)
         if resource is None:
-            names = _similar(name, list(body.resources))
+            known = list(body.resources)
+            hints = {"names": _similar(name, known), "candidates": known}
             robot = body.document.name
-            self._context.add("CB501", self._place(key), names=names, name=name, robot=robot)
+            self._context.add("CB501", self._place(key), **hints, name=name, robot=robot)
         return resource
 
     def _reference_wanted(self, potential: PotentialType) -> None:
@@ -235,12 +236,12 @@ class _Triple:
             candidates.append(general)
         gain = _first(settings.gain for settings in candidates)
         quiescence = _first(settings.quiescence for settings in candidates)
-        for setting, value in (("a gain", gain), ("a quiescence", quiescence)):
-            if value is None:
-                details = {"robot": body.document.name, "setting": setting}
-                place = source.key(*self._steps)
-                self._context.add("CB511", place, feedback=feedback.type, **details)
         if gain is None or quiescence is None:
+            lacking = {"a gain": gain, "a quiescence": quiescence}
+            setting = " and ".join(name for name, value in lacking.items() if value is None)
+            details = {"robot": body.document.name, "setting": setting}
+            place = source.key(*self._steps)
+            self._context.add("CB511", place, feedback=feedback.type, **details)
             return None
         return _Settings(
             gain,

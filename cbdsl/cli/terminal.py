@@ -9,6 +9,7 @@ from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from cbdsl.errors.counting import count
 from cbdsl.errors.diagnostic import Diagnostic
 from cbdsl.errors.rendering import render
 
@@ -32,8 +33,8 @@ def print_diagnostics(diagnostics: Iterable[Diagnostic]) -> None:
     for diagnostic in found:
         print(render(diagnostic, _text(diagnostic.place.file)))
     errors = sum(diagnostic.is_error for diagnostic in found)
-    counts = [_count(errors, "error"), _count(len(found) - errors, "warning")]
-    print(", ".join(count for count in counts if count))
+    numbers = {"error": errors, "warning": len(found) - errors}
+    print(", ".join(count(number, noun) for noun, number in numbers.items() if number))
 
 
 def print_json(data: object) -> None:
@@ -44,10 +45,6 @@ def print_json(data: object) -> None:
 def print_problem(message: str) -> None:
     """Print what kept a command from doing anything."""
     print(f"cb: {message}", file=sys.stderr)
-
-
-def _count(number: int, noun: str) -> str:
-    return f"{number} {noun}{'' if number == 1 else 's'}" if number else ""
 
 
 @cache

@@ -19,6 +19,7 @@ def validate(paths: Paths, with_: With = [], as_json: Json = False) -> None:  # 
     from cbdsl.checking.session import Session
     from cbdsl.cli.assignments import read_assignments
     from cbdsl.cli.terminal import print_diagnostics, print_json
+    from cbdsl.errors.counting import count
     from cbdsl.errors.diagnostic import Diagnostic
 
     values, session = read_assignments(with_), Session()
@@ -32,7 +33,7 @@ def validate(paths: Paths, with_: With = [], as_json: Json = False) -> None:  # 
     elif found:
         print_diagnostics(found)
     else:
-        print(f"{len(files)} document{'' if len(files) == 1 else 's'}, no findings")
+        print(f"{count(len(files), 'document')}, no findings")
     if any(diagnostic.is_error for diagnostic in found):
         raise typer.Exit(1)
 

@@ -37,6 +37,7 @@ def diagnostic(
     place: Place,
     *,
     names: Sequence[str] = (),
+    candidates: Sequence[str] = (),
     related: Iterable[tuple[Place, str]] = (),
     **details: object,
 ) -> Diagnostic:
@@ -46,6 +47,7 @@ def diagnostic(
         code: its entry.
         place: where it is.
         names: names that would have been right; the nearest to ``name`` or ``key`` is proposed.
+        candidates: what the nearest is chosen from, where that is not ``names``.
         related: other places, and what is there.
         details: what the entry's message is filled with.
     """
@@ -57,6 +59,6 @@ def diagnostic(
         place=place,
         severity=entry.severity,
         allowed=tuple(names),
-        nearest=nearest_name(given, names),
+        nearest=nearest_name(given, candidates or names),
         related=tuple(Related(where, message) for where, message in related),
     )

@@ -68,7 +68,7 @@ def parse_quantity(text: str) -> tuple[float, Unit | None]:
         return number, None
     unit = UNITS.get(symbol)
     if unit is None:
-        raise QuantityError(f"'{symbol}' is not a unit; known units: {', '.join(UNITS)}")
+        raise QuantityError(f"'{symbol}' is not a unit")
     return number * unit.factor, unit
 
 
@@ -79,13 +79,22 @@ def read_quantity(value: object, dimensions: tuple[str, ...]) -> float:
         QuantityError: it is neither, is not finite, or has a unit of another dimension.
     """
     if isinstance(value, bool) or not isinstance(value, (int, float, str)):
-        raise QuantityError(f"expected a number or a quantity of {' or '.join(dimensions)}")
-    number, unit = parse_quantity(value) if isinstance(value, str) else (float(value), None)
+        raise QuantityError(f"expected {_wanted(dimensions)}")
+    try:
+        number, unit = parse_quantity(value) if isinstance(value, str) else (float(value), None)
+    except QuantityError as error:
+        raise QuantityError(f"{error}; expected {_wanted(dimensions)}") from None
+    except OverflowError:
+        raise QuantityError("this number is too large") from None
     if unit is not None and unit.dimension not in dimensions:
-        allowed = ", ".join(u.symbol for u in UNITS.values() if u.dimension in dimensions)
-        raise QuantityError(
-            f"'{value}' is of {unit.dimension}, expected {' or '.join(dimensions)} ({allowed})"
-        )
+        raise QuantityError(f"'{value}' is of {unit.dimension}; expected {_wanted(dimensions)}")
     if not math.isfinite(number):
         raise QuantityError(f"{value!r} is not finite")
     return number
+
+
+def _wanted(dimensions: tuple[str, ...]) -> str:
+    if not dimensions:
+        return "a number without a unit"
+    symbols = (unit.symbol for unit in UNITS.values() if unit.dimension in dimensions)
+    return f"{' or '.join(dimensions)} ({', '.join(symbols)})"

@@ -161,5 +161,10 @@ class _Composer:
         mark = error.problem_mark or error.context_mark
         line, column = (mark.line + 1, mark.column + 1) if mark else (1, 1)
         problem = error.problem or error.context or "no YAML"
-        message = f"{problem} ({error.context})" if error.problem and error.context else problem
-        return self._fatal("CB104", Place(self._file, line, column, column + 1), problem=message)
+        related = []
+        if error.problem and error.context and error.context_mark:
+            start = error.context_mark
+            place = Place(self._file, start.line + 1, start.column + 1, start.column + 2)
+            related.append((place, error.context))
+        place = Place(self._file, line, column, column + 1)
+        return self._fatal("CB104", place, related=related, problem=problem)

@@ -28,6 +28,16 @@ _EXPECTED = {
 }
 
 
+_PROBLEMS = {
+    "greater_than": "it has to be greater than {gt}",
+    "greater_than_equal": "it has to be at least {ge}",
+    "less_than": "it has to be less than {lt}",
+    "less_than_equal": "it has to be at most {le}",
+    "too_short": "it has {actual_length} values and needs at least {min_length}",
+    "too_long": "it has {actual_length} values and may have {max_length}",
+}
+
+
 @dataclass(frozen=True)
 class _Fault:
     """One of pydantic's errors at the path that the text really has."""
@@ -65,7 +75,7 @@ def _path(error: ErrorDetails, source: SourceMap) -> tuple[Step, ...]:
         if child is not None:
             node = child
             path.append(step)
-    if error["type"] == "missing":
+    if error["type"] == "missing" and isinstance(node.value, dict):
         path.append(error["loc"][-1])
     return tuple(path)
 
@@ -75,7 +85,7 @@ def _diagnose(
 ) -> Diagnostic:
     if all(fault.is_wrong_kind for fault in same):
         expected = " or ".join(dict.fromkeys(_EXPECTED[fault.error["type"]] for fault in same))
-        found = _describe(source.node(path).value)
+        found = describe(source.node(path).value)
         return diagnostic("CB204", source.place(*path), expected=expected, found=found)
     fault = next(fault for fault in same if not fault.is_wrong_kind)
     return _special(fault, path, source, model)
@@ -87,6 +97,9 @@ def _special(
     error, name = fault.error, str(path[-1]) if path else ""
     context: dict[str, Any] = error.get("ctx", {})
     match error["type"]:
+        case "missing" if isinstance(error["loc"][-1], int):
+            problem = "a value is missing"
+            return diagnostic("CB208", source.place(*path), problem=problem)
         case "missing":
             # A missing key has no place of its own: its parent's key stands for it.
             place = source.key(*path[:-1])
@@ -97,7 +110,6 @@ def _special(
         case "literal_error" | "union_tag_invalid":
             expected = str(context.get("expected") or context.get("expected_tags"))
             names = [text.strip(" '") for text in expected.replace(" or ", ",").split(",")]
-            value = str(source.node(path).value)
             steps = path if error["type"] == "literal_error" else (*path, "shape")
             value = str(source.node(steps).value)
             return diagnostic("CB206", source.place(*steps), names=names, name=value)
@@ -106,7 +118,8 @@ def _special(
             return diagnostic("CB207", at, name=error["input"])
         case "value_error":
             return diagnostic("CB205", source.place(*path), problem=str(context["error"]))
-    return diagnostic("CB208", source.place(*path), problem=error["msg"])
+    problem = _PROBLEMS.get(error["type"], error["msg"]).format(**context)
+    return diagnostic("CB208", source.place(*path), problem=problem)
 
 
 def _keys(model: type[BaseModel], steps: Iterable[Step]) -> set[str]:
@@ -119,8 +132,14 @@ def _keys(model: type[BaseModel], steps: Iterable[Step]) -> set[str]:
             for name, field in section.model_fields.items()
             if step in (name, field.alias)
         ]
-        models = [m for annotation in below for m in _models(annotation)] or models
+        inside = [m for annotation in below for m in _models(annotation)]
+        models = inside or [m for m in models if _is_tagged(m, step)] or models
     return {f.alias or name for section in models for name, f in section.model_fields.items()}
+
+
+def _is_tagged(model: type[BaseModel], step: Step) -> bool:
+    """Whether a section of a discriminated union is the one with this tag."""
+    return any(step in get_args(field.annotation) for field in model.model_fields.values())
 
 
 def _models(annotation: Any) -> Iterator[type[BaseModel]]:
@@ -131,7 +150,8 @@ def _models(annotation: Any) -> Iterator[type[BaseModel]]:
         yield from _models(part)
 
 
-def _describe(value: object) -> str:
+def describe(value: object) -> str:
+    """What a value is, as messages say it."""
     if isinstance(value, dict):
         return "a mapping"
     if isinstance(value, list):

@@ -55,7 +55,7 @@ class Library:
         for root in self._roots(beside):
             path = root / FOLDERS[kind] / f"{name}.yaml"
             if path.is_file():
-                return path
+                return _shortened(path)
         return None
 
     def names(self, kind: type[Document], beside: Path | None = None) -> list[str]:
@@ -102,3 +102,9 @@ class Library:
             yield from beside.absolute().parents
         yield self.here
         yield shipped()
+
+
+def _shortened(path: Path) -> Path:
+    """A path as a person would write it from here."""
+    here = Path.cwd()
+    return path.relative_to(here) if path.is_relative_to(here) else path

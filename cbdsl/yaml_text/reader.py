@@ -17,7 +17,7 @@ from cbdsl.errors.catalogue import diagnostic
 from cbdsl.errors.diagnostic import Place
 from cbdsl.errors.errors import DiagnosticsError
 from cbdsl.yaml_text.composer import compose
-from cbdsl.yaml_text.faults import faults
+from cbdsl.yaml_text.faults import describe, faults
 from cbdsl.yaml_text.node import Node
 from cbdsl.yaml_text.source_map import SourceMap
 
@@ -96,7 +96,8 @@ def _source(path: Path) -> SourceMap:
 
 def _model(source: SourceMap) -> type[Document]:
     if not isinstance(source.root.value, dict):
-        raise _error("CB204", source.root.place, expected="a mapping", found="something else")
+        found = describe(source.root.value)
+        raise _error("CB204", source.root.place, expected="a mapping", found=found)
     kind: Node | None = source.root.value.get("kind")
     if kind is None:
         raise _error("CB203", source.root.place, key="kind")

@@ -27,7 +27,7 @@ COMPOSITIONS = (
     Entry(
         "CB403",
         "wrong number of arguments",
-        "'{name}' takes {wanted} ({signature}), and {found} given",
+        "'{name}' takes {wanted}, and {found} given",
         "A call binds each of a controller's `parameters` in order. Programs and compositions "
         "take none; a program's parameters are set under `use`.",
         program("actions: [track(motion)]\n"),

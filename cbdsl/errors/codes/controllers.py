@@ -116,7 +116,7 @@ CONTROLLERS = (
     Entry(
         "CB513",
         "setting that means nothing here",
-        "'{name}' means nothing for feedback of type {feedback}",
+        "'{name}' means nothing for a feedback of type {feedback}",
         "`free_axis` is for orientations, `standoff` and `funnel` are for the position of a tip, "
         "`seek` is for the forces of a hand's fingers.",
         controller(_HEADING + ", free_axis: z"),

@@ -82,7 +82,7 @@ PROGRAMS = (
     Entry(
         "CB611",
         "state of the wrong length",
-        "state '{state}' has {found} letters for {wanted} predicates ({members})",
+        "state '{state}' has {found} for {wanted} ({members})",
         "A state has one letter for each action that is not a composition, in their order.",
         program('actions: [track]\npolicy: {"1-": track}\n'),
     ),

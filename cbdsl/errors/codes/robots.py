@@ -38,7 +38,7 @@ ROBOTS = (
     Entry(
         "CB304",
         "posture of the wrong length",
-        "posture '{name}' has {found} angles for {wanted} joints",
+        "posture '{name}' has {found} for {wanted}",
         "A posture has one angle for each joint of its effector, in their order.",
         robot("  head: {joints: [pan], postures: {ahead: [0, 0]}}\n"),
         _PATH,

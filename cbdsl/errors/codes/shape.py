@@ -20,7 +20,7 @@ SHAPE = (
         "there is no key '{key}' here",
         "Documents are strict, because a misspelt key that is passed over changes behaviour "
         "without a word.",
-        program("action: [track]\n"),
+        program("actions: [track]\nstgae: table_right\n"),
     ),
     Entry(
         "CB203",

@@ -6,6 +6,8 @@ from cbdsl.errors.codes.example import HEAD, SEARCH, TRACK, program
 from cbdsl.errors.diagnostic import Severity
 from cbdsl.errors.entry import Entry
 
+_LOOK = "potential: spring, reference: 0, feedback: cyclopean.$feature, effector: head"
+
 UNUSED = (
     Entry(
         "CB701",
@@ -28,11 +30,9 @@ UNUSED = (
         "name with two meanings",
         "'{name}' hides the {other} of the same name",
         "The nearer meaning wins, which is easily misread.",
-        program(
-            "parameters: {feature: motion}\nactions: [track(motion)]\n",
-            track="{parameters: [feature], potential: spring, reference: 0, "
-            "feedback: cyclopean.$feature, effector: head}",
-        ),
+        f"{HEAD}parameters: {{feature: motion}}\ncontrollers:\n"
+        f"  watch: {{parameters: [feature], {_LOOK}}}\n  look: {{{_LOOK}}}\n"
+        "actions: [watch(motion), look]\n",
         severity=Severity.WARNING,
     ),
 )

@@ -1,0 +1,121 @@
+"""What becomes of a program that has no faults."""
+
+from __future__ import annotations
+
+from itertools import product
+from pathlib import Path
+
+import pytest
+
+from cbdsl.checking.program import check_program
+from cbdsl.errors.errors import DiagnosticsError, UsageError
+from cbdsl.program.controller import AlongNormals, Literal
+from cbdsl.yaml_text.library import Library
+
+HEAD = "cbdsl: 1\nkind: program\nname: own\nrobot: dexter\n"
+LOOK = "potential: spring, reference: 0, feedback: cyclopean.$feature, effector: head"
+
+
+def write(folder: Path, text: str) -> Path:
+    path = folder / "programs" / "own.yaml"
+    path.parent.mkdir(exist_ok=True)
+    path.write_text(HEAD + text, encoding="utf-8")
+    return path
+
+
+def test_composites_are_one_primitive_with_the_last_controller_leading(tmp_path: Path) -> None:
+    program = check_program("reachtouch")
+    assert program.members == ("searchtrack", "reach", "touch")
+    reach = program.primitives["reach"]
+    assert [c.name for c in reach.controllers] == ["posture", "orient", "approach"]
+    assert reach.lead.name == "approach"
+
+
+def test_only_what_comes_from_the_environment_is_rewarded() -> None:
+    search = check_program("searchtrack").primitives
+    assert [name for name, primitive in search.items() if primitive.lead.rewarded] == ["track"]
+    assert check_program("reachtouch").primitives["touch"].lead.rewarded
+
+
+def test_parameters_reach_used_programs() -> None:
+    program = check_program(
+        "reachtouch", {"feature": "green", "arm": "left_arm", "hand": "left_hand"}
+    )
+    used = program.actions[0].program
+    assert used is not None and used.parameters["feature"] == "green"
+    assert used.primitives["track"].lead.feedback.name == "cyclopean.green"
+    assert program.primitives["reach"].lead.joints[0] == "left_arm_1"
+
+
+def test_arguments_bind_parameters(tmp_path: Path) -> None:
+    text = (
+        f"controllers:\n  look: {{parameters: [feature], {LOOK}}}\n"
+        "actions: [look(hue_1), look(hue_2), look(hue_1) <| look(hue_2)]\n"
+        'policy: {"**": "look(hue_1)<|look(hue_2)"}\n'
+    )
+    program = check_program(write(tmp_path, text))
+    assert program.members == ("look(hue_1)", "look(hue_2)")
+    assert program.policy == {"**": "look(hue_1) ◁ look(hue_2)"}
+    channels = [p.lead.feedback.name for p in program.primitives.values()]
+    assert channels == ["cyclopean.hue_1", "cyclopean.hue_2"]
+
+
+def test_settings_come_from_the_robot_unless_the_controller_has_its_own() -> None:
+    track, search = (check_program("searchtrack").primitives[n].lead for n in ("track", "search"))
+    assert track.gain == 15 and search.gain == 8
+    assert search.quiescence.rate == 1e-3
+
+
+def test_literals_are_si_and_a_single_zero_is_spread() -> None:
+    primitives = check_program("reachtouch").primitives
+    orient = primitives["reach"].controllers[1]
+    assert orient.reference == Literal((pytest.approx(3.14159265), 0.0, 0.0))
+    assert primitives["touch"].lead.reference == AlongNormals(2.0)
+
+
+def test_the_chain_leads_from_the_feedback_to_the_effector() -> None:
+    for name in ("searchtrack", "reachtouch"):
+        for primitive in check_program(name).primitives.values():
+            for controller in primitive.controllers:
+                assert controller.chain[0] == str(controller.feedback.type)
+                assert controller.chain[-1] == str(controller.effector.type)
+                assert len(controller.chain) % 2 == 1
+
+
+def test_unknown_names_are_usage_errors() -> None:
+    with pytest.raises(UsageError, match="did you mean 'searchtrack'"):
+        check_program("serchtrack")
+    with pytest.raises(UsageError, match="no parameter featur"):
+        check_program("searchtrack", {"featur": "hue_1"})
+
+
+def test_a_wrong_value_of_a_parameter_is_a_finding() -> None:
+    with pytest.raises(DiagnosticsError, match="CB501"):
+        check_program("searchtrack", {"feature": "hue_99"})
+
+
+def test_documents_next_to_the_program_come_before_shipped_ones(tmp_path: Path) -> None:
+    text = f"parameters: {{feature: hue_1}}\ncontrollers: {{look: {{{LOOK}}}}}\nactions: [look]\n"
+    path = write(tmp_path, text)
+    near = path.with_name("searchtrack.yaml")
+    near.write_text(path.read_text("utf-8").replace("own", "searchtrack"), encoding="utf-8")
+    using = path.read_text("utf-8") + "use: {s: {program: searchtrack}}\n"
+    path.write_text(using.replace("[look]", "[look, s]"), encoding="utf-8")
+    program = check_program("own", library=Library(tmp_path))
+    assert program.actions[1].program is not None
+    assert program.actions[1].program.members == ("look",)
+
+
+def test_a_closer_pattern_settles_what_others_leave_open(tmp_path: Path) -> None:
+    text = (
+        "parameters: {feature: hue_1}\n"
+        f"controllers: {{look: {{{LOOK}}}, watch: {{{LOOK}}}}}\nactions: [look, watch]\n"
+        'policy: {"1*": look, "*1": watch, "11": look, "**": watch}\n'
+    )
+    program = check_program(write(tmp_path, text))
+    for state in ("".join(pair) for pair in product("X-01", repeat=2)):
+        matching = [
+            p for p in program.policy if all(a in ("*", b) for a, b in zip(p, state, strict=True))
+        ]
+        fewest = min(p.count("*") for p in matching)
+        assert len({program.policy[p] for p in matching if p.count("*") == fewest}) == 1

@@ -1,0 +1,58 @@
+"""Every code has an explanation, and an example that really has the fault."""
+
+from __future__ import annotations
+
+import re
+import string
+from pathlib import Path
+
+import pytest
+
+from cbdsl.checking.document import check_document
+from cbdsl.checking.session import Session
+from cbdsl.errors.catalogue import CATALOGUE
+from cbdsl.errors.entry import Entry
+from cbdsl.yaml_text.library import Library
+
+SOURCES = Path(__file__).resolve().parents[2] / "cbdsl"
+
+
+def write_example(entry: Entry, folder: Path) -> Path:
+    path = folder / entry.path
+    for name, text in entry.beside.items():
+        beside = folder / name
+        beside.parent.mkdir(parents=True, exist_ok=True)
+        beside.write_text(text, encoding="utf-8")
+    path.parent.mkdir(parents=True, exist_ok=True)
+    if isinstance(entry.example, bytes):
+        path.write_bytes(entry.example)
+    elif entry.example is not None:
+        path.write_text(entry.example, encoding="utf-8")
+    return path
+
+
+@pytest.mark.parametrize("entry", CATALOGUE.values(), ids=CATALOGUE)
+def test_example_has_exactly_this_fault(entry: Entry, tmp_path: Path) -> None:
+    path = write_example(entry, tmp_path)
+    found = check_document(path, session=Session(Library(tmp_path)))
+    assert {diagnostic.code for diagnostic in found} == {entry.code}
+    assert all(diagnostic.severity is entry.severity for diagnostic in found)
+
+
+@pytest.mark.parametrize("entry", CATALOGUE.values(), ids=CATALOGUE)
+def test_entry_is_complete(entry: Entry) -> None:
+    assert re.fullmatch(r"CB\d{3}", entry.code)
+    assert entry.title and entry.explanation.endswith(".")
+    assert not entry.message.endswith(".")
+    assert not entry.title[0].isupper() or entry.title.split()[0].isupper()
+    assert all(name != "" for _, name, _, _ in string.Formatter().parse(entry.message))
+
+
+def test_every_code_in_the_sources_is_in_the_catalogue_and_back() -> None:
+    used = {
+        code
+        for path in SOURCES.rglob("*.py")
+        if "codes" not in path.parts
+        for code in re.findall(r'"(CB\d{3})"', path.read_text(encoding="utf-8"))
+    }
+    assert used == set(CATALOGUE)

@@ -1,0 +1,148 @@
+"""Arbitrary documents of every kind."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from hypothesis import strategies as st
+
+from cbdsl.documents.document import Document
+from cbdsl.documents.policy import PolicyDocument
+from cbdsl.documents.program import ProgramDocument
+from cbdsl.documents.robot import RobotDocument
+from cbdsl.documents.stage import StageDocument
+
+Data = st.SearchStrategy[dict[str, Any]]
+
+NAME = st.from_regex(r"[A-Za-z][A-Za-z0-9_]{0,6}", fullmatch=True)
+# Texts that YAML readers are known to take for something else.
+TRAPS = st.sampled_from(
+    ["NO", "yes", "1e-3", "0755", "12:30:45", "~", "null", "", ".inf", "0x1F", "=", "<<", "%", "@"]
+) | st.sampled_from(
+    [
+        "a: b",
+        "# a",
+        "- a",
+        "*",
+        "&a",
+        "'",
+        '"',
+        " a ",
+        "a\nb",
+        "\t",
+        "\x85",
+        "\u2028",
+        "<|",
+        "◁",
+        "!",
+    ]
+)
+TEXT = st.text(max_size=12) | TRAPS
+NUMBER = st.floats(-1e6, 1e6, allow_nan=False) | st.integers(-1000, 1000).map(float)
+POSITIVE = st.floats(1e-6, 1e6)
+SHARE = st.floats(0, 1)
+
+
+def data(required: dict[str, Any], optional: dict[str, Any] | None = None) -> Data:
+    return st.fixed_dictionaries(required, optional=optional or {})
+
+
+def many(
+    values: st.SearchStrategy[Any], keys: st.SearchStrategy[str] = NAME, least: int = 0
+) -> Data:
+    return st.dictionaries(keys, values, min_size=least, max_size=3)
+
+
+def head(kind: str) -> dict[str, Any]:
+    return {
+        "cbdsl": st.just(1),
+        "kind": st.just(kind),
+        "name": NAME,
+        "description": TEXT,
+    }
+
+
+QUIESCENCE = data({"rate": POSITIVE, "window": POSITIVE}, {"within": POSITIVE})
+CONTROLLER = data(
+    {"potential": NAME, "feedback": TEXT, "effector": TEXT},
+    {
+        "parameters": st.lists(NAME, max_size=2),
+        "reference": TEXT | NUMBER | st.lists(TEXT | NUMBER, max_size=3),
+        "gain": POSITIVE,
+        "speed": POSITIVE,
+        "quiescence": QUIESCENCE,
+        "free_axis": st.sampled_from("xyz"),
+        "seek": data({}, {"once": NAME, "within": NUMBER, "until": NUMBER}),
+    },
+)
+PROGRAM = data(
+    {
+        **head("program"),
+        "robot": NAME,
+        "controllers": many(CONTROLLER | TEXT),
+        "actions": st.lists(TEXT, min_size=1, max_size=3),
+    },
+    {
+        "parameters": many(TEXT),
+        "use": many(data({"program": NAME}, {"with": many(TEXT)})),
+        "policy": many(TEXT, TEXT),
+        "limits": data({}, {"transitions": st.integers(1, 99), "transition_time": POSITIVE}),
+    },
+)
+EFFECTOR = data(
+    {"joints": st.lists(TEXT, min_size=1, max_size=3)},
+    {
+        "tip": data({"link": TEXT}, {"offset": st.tuples(NUMBER, NUMBER, NUMBER)}),
+        "postures": many(st.lists(NUMBER, max_size=3)),
+    },
+)
+ROBOT = data(
+    {
+        **head("robot"),
+        "model": TEXT,
+        "base": TEXT,
+        "effectors": many(EFFECTOR),
+        "control": data(
+            {"rate": POSITIVE, "tasks": many(data({"gain": POSITIVE, "quiescence": QUIESCENCE}))}
+        ),
+    },
+    {
+        "couplings": many(data({"follows": TEXT, "ratio": NUMBER}), TEXT),
+        "vision": data({}, {"rate": POSITIVE, "renderer": st.sampled_from(["auto", "tiny"])}),
+    },
+)
+SPAN = NUMBER | st.tuples(NUMBER, NUMBER)
+FORM = data({"shape": st.just("ball"), "radius": SPAN}) | data(
+    {"shape": st.just("box"), "size": st.tuples(SPAN, SPAN, SPAN)}
+)
+STAGE = data(
+    {
+        **head("stage"),
+        "robot": NAME,
+        "things": many(
+            data({"form": FORM, "mass": POSITIVE}, {"color": st.tuples(SHARE, SHARE, SHARE)})
+        ),
+        "contexts": many(
+            data(
+                {}, {"share": POSITIVE, "place": data({"x": SPAN, "z": SPAN}), "joints": many(SPAN)}
+            ),
+            least=1,
+        ),
+    }
+)
+POLICY = data(
+    {
+        **head("policy"),
+        "program": NAME,
+        "predicates": st.lists(TEXT, max_size=3),
+        "policy": many(TEXT, TEXT),
+    }
+)
+
+#: Documents of each kind.
+DOCUMENTS: dict[str, st.SearchStrategy[Document]] = {
+    "robot": ROBOT.map(RobotDocument.model_validate),
+    "program": PROGRAM.map(ProgramDocument.model_validate),
+    "stage": STAGE.map(StageDocument.model_validate),
+    "policy": POLICY.map(PolicyDocument.model_validate),
+}

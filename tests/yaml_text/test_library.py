@@ -1,0 +1,45 @@
+"""Documents by name."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from cbdsl.documents.program import ProgramDocument
+from cbdsl.documents.robot import RobotDocument
+from cbdsl.documents.stage import StageDocument
+from cbdsl.errors.errors import UsageError
+from cbdsl.yaml_text.library import Library
+
+
+def test_shipped_documents_are_found_from_anywhere(tmp_path: Path) -> None:
+    library = Library(tmp_path)
+    assert library.find(RobotDocument, "dexter") is not None
+    assert library.find(StageDocument, "table_right") is not None
+    assert "searchtrack" in library.names(ProgramDocument)
+
+
+def test_the_nearest_folder_comes_first(tmp_path: Path) -> None:
+    near, far = tmp_path / "a" / "robots", tmp_path / "robots"
+    for folder in (near, far):
+        folder.mkdir(parents=True)
+        (folder / "dexter.yaml").write_text("", encoding="utf-8")
+    beside = tmp_path / "a" / "programs" / "own.yaml"
+    library = Library(tmp_path)
+    assert library.find(RobotDocument, "dexter", beside) == near / "dexter.yaml"
+    assert library.find(RobotDocument, "dexter") == far / "dexter.yaml"
+
+
+def test_a_path_stays_a_path_and_a_name_is_looked_up(tmp_path: Path) -> None:
+    library = Library(tmp_path)
+    assert library.locate(ProgramDocument, "some/where") == Path("some/where")
+    assert library.locate(ProgramDocument, "searchtrack").name == "searchtrack.yaml"
+    with pytest.raises(UsageError, match="did you mean 'searchtrack'"):
+        library.locate(ProgramDocument, "searchtrak")
+
+
+def test_a_file_is_read_once() -> None:
+    library = Library()
+    path = library.locate(ProgramDocument, "searchtrack")
+    assert library.read(path, ProgramDocument) is library.read(path.absolute(), ProgramDocument)

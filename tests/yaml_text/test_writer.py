@@ -1,0 +1,70 @@
+"""What is written reads back as it was."""
+
+from __future__ import annotations
+
+import stat
+from pathlib import Path
+
+import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+
+from cbdsl.yaml_text.library import shipped
+from cbdsl.yaml_text.reader import KINDS, read_document
+from cbdsl.yaml_text.writer import dump, write
+from tests.yaml_text.documents import DOCUMENTS
+
+SHIPPED = sorted(
+    p for folder in ("robots", "programs") for p in (shipped() / folder).rglob("*.yaml")
+)
+
+
+def test_every_kind_is_tested() -> None:
+    assert set(DOCUMENTS) == set(KINDS)
+
+
+@pytest.mark.parametrize("kind", DOCUMENTS)
+@settings(
+    max_examples=60,
+    deadline=None,
+    suppress_health_check=[HealthCheck.function_scoped_fixture, HealthCheck.too_slow],
+)
+@given(data=st.data())
+def test_load_after_dump_is_the_identity(kind: str, data: st.DataObject, tmp_path: Path) -> None:
+    document = data.draw(DOCUMENTS[kind])
+    path = tmp_path / "document.yaml"
+    write(document, path)
+    again = read_document(path).document
+    assert again == document
+    assert dump(again) == dump(document)
+
+
+@pytest.mark.parametrize("path", SHIPPED, ids=lambda path: path.stem)
+def test_shipped_documents_survive(path: Path, tmp_path: Path) -> None:
+    document = read_document(path).document
+    write(document, tmp_path / path.name)
+    assert read_document(tmp_path / path.name).document == document
+
+
+def test_writing_leaves_one_readable_file(tmp_path: Path) -> None:
+    document = read_document(SHIPPED[0]).document
+    write(document, tmp_path / "a.yaml")
+    write(document, tmp_path / "a.yaml")
+    assert [path.name for path in tmp_path.iterdir()] == ["a.yaml"]
+    assert (tmp_path / "a.yaml").stat().st_mode & stat.S_IROTH
+
+
+def test_failing_to_write_leaves_the_old_file(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    document = read_document(SHIPPED[0]).document
+    path = tmp_path / "a.yaml"
+    path.write_text("old")
+
+    def fail(*_: object) -> str:
+        raise OSError("disk full")
+
+    monkeypatch.setattr("cbdsl.yaml_text.writer.dump", fail)
+    with pytest.raises(OSError, match="disk full"):
+        write(document, path)
+    assert [p.name for p in tmp_path.iterdir()] == ["a.yaml"] and path.read_text() == "old"
