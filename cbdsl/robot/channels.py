@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 
 import cv2
@@ -33,18 +33,6 @@ class Region:
     column: float
     row: float
     clipped: bool
-
-
-def channel_names(channels: Channels) -> Iterator[str]:
-    """Names of all channels: ``hue_1`` and on, ``sat_1`` and on, ``int_1`` and on, ``motion``."""
-    for prefix, count in (
-        ("hue", channels.hue),
-        ("sat", channels.saturation),
-        ("int", channels.intensity),
-    ):
-        yield from (f"{prefix}_{number}" for number in range(1, count + 1))
-    if channels.motion:
-        yield "motion"
 
 
 class ChannelFilter:

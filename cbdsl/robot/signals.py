@@ -43,9 +43,11 @@ class Reading:
     """A resource's value in one tick.
 
     Attributes:
-        value: SI, shape (m,); an orientation is a rotation matrix, shape (3, 3).
+        value: SI, shape (m,); an orientation is a rotation matrix, shape (3, 3), and a pose a
+            homogeneous transform from tip to world, shape (4, 4).
         jacobian: change of the value per joint, shape (m, n) over all actuated joints; an
-            orientation's is its angular velocity in world axes, shape (3, n).
+            orientation's is its angular velocity in world axes, shape (3, n), and a pose's is
+            linear above angular velocity, shape (6, n).
         stamp: counts the measurements, so that a value which was only repeated is recognised.
         radius: apparent radius of a seen thing, m.
     """
@@ -194,7 +196,11 @@ class Signals:
         lever = frame.rotation @ (np.array(tip.offset) + np.array([0.0, 0.0, standoff]))
         # The control point moves by v + omega x lever.
         linear = jacobian[:3] - _cross_matrix(lever) @ jacobian[3:]
-        return Reading(frame.position + lever, linear, self._ticks)
+        position = frame.position + lever
+        if source.part == "pose":
+            pose = transform(frame.rotation, position)
+            return Reading(pose, np.vstack((linear, jacobian[3:])), self._ticks)
+        return Reading(position, linear, self._ticks)
 
     def _finger_load(self, source: FingerLoad) -> Reading | None:
         if self._force(source.hand, source.finger) is None:
@@ -240,6 +246,13 @@ class Signals:
             return None
         still = np.zeros((3, len(self.joints)))
         return Reading(memory.position, still, self.vision.images, memory.radius)
+
+
+def transform(rotation: Floats, position: Floats) -> Floats:
+    """The homogeneous transform (4, 4) of a rotation (3, 3) and a position (3,), m."""
+    pose = np.eye(4)
+    pose[:3, :3], pose[:3, 3] = rotation, position
+    return pose
 
 
 def _cross_matrix(v: Floats) -> Floats:

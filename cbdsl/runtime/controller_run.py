@@ -16,7 +16,7 @@ from cbdsl.control.rotation import exp
 from cbdsl.control.signal import Signal
 from cbdsl.control.task import Task
 from cbdsl.program.controller import AlongNormals, Controller, Funnel, Literal
-from cbdsl.robot.signals import Reading, Signals
+from cbdsl.robot.signals import Reading, Signals, transform
 from cbdsl.robot.uniform import UniformSampler
 from cbdsl.types.resource import FingerForces, Origin, Tip
 
@@ -169,6 +169,8 @@ def _constant_reference(controller: Controller, signals: Signals) -> Reading | N
         values = np.array(reference.values)
         if controller.feedback.type.name == "orientation":
             values = exp(values)
+        elif controller.feedback.type.name == "pose":
+            values = transform(exp(values[3:]), values[:3])
         return Reading(values, np.zeros((0, 0)), 0)
     return None
 

@@ -1,28 +1,15 @@
-from pathlib import Path
+"""Postures all over the joint ranges."""
+
+from __future__ import annotations
 
 import numpy as np
 import pytest
-from cbdsl.yaml_text.library import Library
+from numpy.typing import NDArray
 
-from cbdsl.documents.robot import RobotDocument
 from cbdsl.robot.kinematics import Kinematics
-
-ROOT = Path(__file__).parents[2]
-
-
-@pytest.fixture(scope="session")
-def dexter() -> RobotDocument:
-    document = Library().load("robot", "dexter").document
-    assert isinstance(document, RobotDocument)
-    return document
-
-
-@pytest.fixture(scope="session")
-def kinematics(dexter: RobotDocument) -> Kinematics:
-    return Kinematics(dexter, ROOT / "robots" / dexter.model)
 
 
 @pytest.fixture(params=range(3))
-def posture(kinematics: Kinematics, request: pytest.FixtureRequest) -> np.ndarray:
+def posture(kinematics: Kinematics, request: pytest.FixtureRequest) -> NDArray[np.float64]:
     rng = np.random.default_rng(request.param)
     return rng.uniform(kinematics.lower, kinematics.upper)

@@ -2,7 +2,8 @@ import numpy as np
 import pytest
 
 from cbdsl.documents.robot import Channels
-from cbdsl.robot.channels import ChannelFilter, bin_mask, channel_names
+from cbdsl.robot.channel_names import channel_names
+from cbdsl.robot.channels import ChannelFilter, bin_mask
 
 GREY = 190
 

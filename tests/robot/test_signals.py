@@ -1,10 +1,10 @@
 import numpy as np
 import pytest
-from cbdsl.robot.resources import resources
 
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.robot.kinematics import Kinematics
 from cbdsl.robot.observation import Observation
+from cbdsl.robot.resources import resources
 from cbdsl.robot.signals import SensorError, Signals
 from cbdsl.types.resource import Origin, Tip
 
@@ -40,8 +40,11 @@ def test_every_resource_can_be_read_and_fits_its_type(
         reading = signals.read(resource)
         if reading is not None:
             defined += 1
-            assert reading.value.size in (resource.type.size, 9, 16)
-            assert reading.jacobian.shape[1] == len(signals.joints)
+            shape = {"orientation": (3, 3), "pose": (4, 4)}.get(
+                resource.type.name, (resource.type.size,)
+            )
+            assert reading.value.shape == shape
+            assert reading.jacobian.shape == (resource.type.size, len(signals.joints))
     # Everything but what needs an image.
     assert defined > 40
 
@@ -107,3 +110,17 @@ def test_a_broken_sensor_is_named(
         signals.update(observation)
     with pytest.raises(SensorError, match="joint"):
         signals.update(observe(dexter, posture * value))
+
+
+def test_a_pose_is_its_position_and_its_orientation(
+    dexter: RobotDocument, signals: Signals, posture: np.ndarray
+) -> None:
+    named = resources(dexter)
+    signals.update(observe(dexter, posture))
+    parts = (
+        signals.read(named[f"left_arm.{part}"]) for part in ("pose", "position", "orientation")
+    )
+    pose, position, orientation = (part for part in parts if part is not None)
+    assert pose.value[:3, 3] == pytest.approx(position.value)
+    assert pose.value[:3, :3] == pytest.approx(orientation.value)
+    assert pose.jacobian == pytest.approx(np.vstack([position.jacobian, orientation.jacobian]))

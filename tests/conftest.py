@@ -1,0 +1,68 @@
+"""What the tests of several packages start from: Dexter, and the shipped programs and stages."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from pathlib import Path
+
+import pytest
+
+from cbdsl.backends.bullet.backend import BulletBackend
+from cbdsl.checking.program import check_program
+from cbdsl.documents.robot import RobotDocument
+from cbdsl.documents.stage import StageDocument
+from cbdsl.program.checked import CheckedProgram
+from cbdsl.robot.kinematics import Kinematics
+from cbdsl.yaml_text.library import Library
+
+ROOT = Path(__file__).parents[1]
+
+Checked = Callable[..., CheckedProgram]
+
+
+@pytest.fixture(scope="session")
+def library() -> Library:
+    return Library(ROOT)
+
+
+@pytest.fixture(scope="session")
+def dexter(library: Library) -> RobotDocument:
+    return library.read(library.locate(RobotDocument, "dexter"), RobotDocument).document
+
+
+@pytest.fixture(scope="session")
+def urdf(dexter: RobotDocument) -> Path:
+    return ROOT / "robots" / dexter.model
+
+
+@pytest.fixture(scope="session")
+def kinematics(dexter: RobotDocument, urdf: Path) -> Kinematics:
+    return Kinematics(dexter, urdf)
+
+
+@pytest.fixture(scope="session")
+def checked(library: Library) -> Checked:
+    """Shipped programs by name, with values of their parameters."""
+
+    def check(name: str, **values: str) -> CheckedProgram:
+        return check_program(name, values, library)
+
+    return check
+
+
+@pytest.fixture(scope="session")
+def stage(library: Library) -> Callable[[str], StageDocument]:
+    """Shipped stages by name."""
+
+    def read(name: str) -> StageDocument:
+        return library.read(library.locate(StageDocument, name), StageDocument).document
+
+    return read
+
+
+@pytest.fixture(scope="session")
+def bullet(dexter: RobotDocument, urdf: Path) -> Iterator[BulletBackend]:
+    """Dexter in PyBullet, with whatever renderer works here."""
+    backend = BulletBackend(dexter, urdf)
+    yield backend
+    backend.close()

@@ -1,0 +1,60 @@
+"""The resources of the shipped robot against the sets of section 3.2."""
+
+from __future__ import annotations
+
+from collections import Counter
+
+import pytest
+
+from cbdsl.documents.robot import RobotDocument
+from cbdsl.robot.resources import resources
+from cbdsl.types.resource import Heading, Origin, StereoPosition
+from cbdsl.yaml_text.library import Library
+
+
+@pytest.fixture(scope="module")
+def robot() -> RobotDocument:
+    library = Library()
+    return library.read(library.locate(RobotDocument, "dexter"), RobotDocument).document
+
+
+def test_counts_are_those_of_the_source(robot: RobotDocument) -> None:
+    found = resources(robot).values()
+    proprioception = [r for r in found if r.origin is Origin.PROPRIOCEPTION]
+    assert sorted(r.type.size for r in proprioception) == [2, 4, 4, 7, 7]
+    sources = Counter(
+        type(r.source)
+        for r in set(found)
+        if r.name.split(".")[-1] not in robot.vision.channels.aliases
+    )
+    assert sources[Heading] == 3 * 31 and sources[StereoPosition] == 31
+
+
+def test_names_are_those_of_the_entries(robot: RobotDocument) -> None:
+    assert all(name == resource.name for name, resource in resources(robot).items())
+
+
+def test_aliases_mean_their_channels(robot: RobotDocument) -> None:
+    found = resources(robot)
+    for alias, channel in robot.vision.channels.aliases.items():
+        assert found[f"stereo.{alias}"].source == found[f"stereo.{channel}"].source
+
+
+def test_effectors_and_tips_can_be_moved_and_nothing_else(robot: RobotDocument) -> None:
+    movable = {r.name for r in resources(robot).values() if r.movable}
+    tips = {name for name, effector in robot.effectors.items() if effector.tip is not None}
+    parts = {f"{name}.{part}" for name in tips for part in ("position", "orientation", "pose")}
+    assert movable == set(robot.effectors) | parts
+
+
+def test_finger_forces_are_a_product(robot: RobotDocument) -> None:
+    forces = resources(robot)["right_hand.finger_forces"].type
+    assert (str(forces), forces.size) == ("force x 3", 9)
+
+
+def test_positions_are_triangulated_with_two_cameras_only(robot: RobotDocument) -> None:
+    one = robot.model_copy(update={"cameras": {"left": robot.cameras["left"]}})
+    blind = robot.model_copy(update={"cameras": {}})
+    assert not [name for name in resources(one) if name.startswith("stereo.")]
+    assert "cyclopean.motion" in resources(one)
+    assert not [r for r in resources(blind).values() if isinstance(r.source, Heading)]
