@@ -79,15 +79,14 @@ class Place(Section):
     """Effector in whose reach it is put; x, y, z and yaw are then in the tip's frame."""
     yaw: AngleSpan = (0.0, 0.0)
     held: bool = False
-    """Held still by the experimenter until all fingers of ``hand`` have pressed on it, together
-    with twice its weight, for half a second."""
+    """Held still by the experimenter, whatever presses against it, until it is released."""
 
     @model_validator(mode="after")
     def _says_where(self) -> Place:
         if [self.z, self.on, self.gap].count(None) != 2:
             raise ValueError("a place needs exactly one of z, on and gap")
-        if self.hand is None and (self.held or self.gap is not None):
-            raise ValueError("held and gap need a hand")
+        if self.hand is None and self.gap is not None:
+            raise ValueError("gap needs a hand")
         return self
 
 
@@ -117,6 +116,8 @@ class Context(Section):
     motion: Motion | None = None
     joints: dict[str, AngleSpan] = {}
     """Where these joints start, instead of their effector's start posture."""
+    released_after: Time | None = None
+    """When the experimenter lets go of a held thing; never without it."""
     removed_after: Time | None = None
     """When the thing is taken away."""
 

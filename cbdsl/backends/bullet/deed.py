@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import math
-from collections.abc import Sequence
 from typing import Protocol
 
 import numpy as np
@@ -11,15 +9,10 @@ import pybullet as p
 from numpy.typing import NDArray
 
 from cbdsl.backends.bullet.pose import Pose
-from cbdsl.backends.bullet.touch import Cell
 from cbdsl.backends.bullet.truth import Truth
 
 Floats = NDArray[np.float64]
 
-#: A hand can carry a thing once its fingers have pressed with this many times the thing's weight
-#: for so long, s: the first touch may be a knock.
-_GRIP = 2.0
-_GRIP_TIME = 0.5
 _HOLDING_FORCE = 1000.0
 
 
@@ -69,36 +62,18 @@ class _Grasp:
 
 
 class Hold:
-    """Hold a thing still until a hand can carry it.
+    """Hold a thing still, whatever presses against it, until a time since the episode began, s."""
 
-    That is when every finger of the hand has touched it, and they have pressed with twice its
-    weight, for half a second. Let go at the first touch, it would fall through fingers that only
-    feel for it.
-    """
-
-    def __init__(
-        self, client: int, truth: Truth, name: str, body: int, weight: float, cells: Sequence[Cell]
-    ) -> None:
-        self._truth = truth
-        self._name = name
-        self._pressure = _GRIP * weight
-        self._cells = set(cells)
-        self._firm_since = math.inf
+    def __init__(self, client: int, truth: Truth, name: str, body: int, until: float) -> None:
+        self._until = until
         self._grasp = _Grasp(client, body, truth.pose(name))
 
     def act(self, time: float) -> bool:
-        """Let go if the hand can carry the thing."""
-        self._firm_since = min(self._firm_since, time) if self._gripped() else math.inf
-        carried = time - self._firm_since >= _GRIP_TIME
-        if carried:
+        """Let go when it is time."""
+        over = time >= self._until
+        if over:
             self._grasp.release()
-        return carried
-
-    def _gripped(self) -> bool:
-        touches = [touch for touch in self._truth.touches(self._name) if touch.cell in self._cells]
-        return {touch.cell for touch in touches} == self._cells and (
-            sum(touch.pressure for touch in touches) >= self._pressure
-        )
+        return over
 
 
 class Carry:

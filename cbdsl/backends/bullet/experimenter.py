@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from cbdsl.backends.backend import BackendError
 from cbdsl.backends.bullet.deed import Carry, Deed, Hold, Throw
 from cbdsl.backends.bullet.pose import Pose
-from cbdsl.backends.bullet.scene import GRAVITY, Scene
+from cbdsl.backends.bullet.scene import Scene
 from cbdsl.backends.bullet.shape import Shape, draw
 from cbdsl.backends.bullet.truth import Truth
 from cbdsl.documents.robot import RobotDocument
@@ -89,7 +89,8 @@ class Experimenter:
         if context.removed_after is not None:
             self._removal = context.removed_after
         if context.place.held:
-            self._deeds.append(self._hold(context.place, name, body, mass))
+            until = math.inf if context.released_after is None else context.released_after
+            self._deeds.append(Hold(self._client, self._truth, name, body, until))
         if context.motion is not None:
             self._deeds.append(self._motion(context.motion, name, body))
 
@@ -113,11 +114,6 @@ class Experimenter:
                 f"stage '{self._stage.name}' holds something out to '{effector}', which has no tip"
             )
         return self._truth.link_pose(tip.link) @ Pose(np.array(tip.offset), np.eye(3))
-
-    def _hold(self, place: Place, name: str, body: int, mass: float) -> Deed:
-        tip = self._robot.effectors[place.hand].tip if place.hand else None
-        cells = self._truth.cells_beyond(tip.link) if tip else ()
-        return Hold(self._client, self._truth, name, body, mass * GRAVITY, cells)
 
     def _motion(self, motion: Motion, name: str, body: int) -> Deed:
         speed, direction = draw(motion.speed, self._rng), draw(motion.direction, self._rng)

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from cbdsl.backends.bullet.body import Body
 from cbdsl.backends.bullet.pose import Pose
 from cbdsl.backends.bullet.scene import Scene
-from cbdsl.backends.bullet.touch import Cell, Fingertips, Touch
+from cbdsl.backends.bullet.touch import Fingertips, Touch
 
 Floats = NDArray[np.float64]
 
@@ -42,10 +42,6 @@ class Truth:
     def link_pose(self, link: str) -> Pose:
         """Where a link of the robot, other than its base, really is."""
         return self._body.poses([self._body.link(link)])[0]
-
-    def cells_beyond(self, link: str) -> tuple[Cell, ...]:
-        """The load cells that this link carries, such as those of its hand for a palm."""
-        return self._fingertips.beyond(self._body.link(link))
 
     def touches(self, name: str | None = None) -> list[Touch]:
         """Contact points of the fingertips, with everything or with one fixture or thing."""

@@ -98,7 +98,8 @@ def test_fingers_that_press_on_a_plate_push_it_away(blind: BulletBackend) -> Non
 def test_fingers_that_carry_a_ball_exert_its_weight_upward(blind: BulletBackend) -> None:
     """Friction carries it, so this fails for a wrong sign of either friction term."""
     ball = {"form": {"shape": "ball", "radius": 0.06}, "mass": 0.25}
-    context = {"things": ["ball"], "place": {"hand": "right_arm", "gap": 0.01, "held": True}}
+    place = {"hand": "right_arm", "gap": 0.01, "held": True}
+    context = {"things": ["ball"], "place": place, "released_after": 2.5}
     stage = made_stage(context, things={"ball": ball})
     blind.reset(stage, None, np.random.default_rng(0))
     start = blind.truth.pose("ball").position
