@@ -88,7 +88,9 @@ class Kinematics:
     def _frame(self, link: str) -> int:
         index = self._frames.get(link)
         if index is None:
-            index = self._frames[link] = self._model.getFrameId(link)
+            # Frames of joints may have the same names as frames of links.
+            index = self._model.getFrameId(link, pinocchio.FrameType.BODY)
             if index >= self._model.nframes:
                 raise KeyError(link)
+            self._frames[link] = index
         return index

@@ -41,10 +41,12 @@ class Actuation:
         self.reference = positions.copy()
         self.levels: Sequence[Level] = ()
         self.step: Step | None = None
+        self._columns: Columns = np.zeros(0, dtype=np.intp)
 
     def move(self, active: Sequence[Active]) -> None:
         """Evaluate the active controllers and move the references by the law's step."""
         columns, law = self._law(active)
+        self._columns = columns
         found = [item.run.evaluate(columns, item.peers) for item in active]
         self.levels = [level for level in found if level is not None]
         self.step = None
@@ -56,8 +58,20 @@ class Actuation:
         wanted = self.reference[columns] + self.step.displacement
         # Without a bound on its lead, a blocked joint's reference would run away from it.
         wanted = np.clip(wanted, here - lead, here + lead)
-        limits = self._signals.kinematics
-        self.reference[columns] = np.clip(wanted, limits.lower[columns], limits.upper[columns])
+        limits, margin = self._signals.kinematics, self._control.limit_margin
+        self.reference[columns] = np.clip(
+            wanted, limits.lower[columns] + margin, limits.upper[columns] - margin
+        )
+
+    def at_limits(self) -> tuple[str, ...]:
+        """The joints that their limits held back in the last tick."""
+        if self.step is None:
+            return ()
+        return tuple(
+            self._signals.joints.names[column]
+            for column, locked in zip(self._columns, self.step.locked, strict=True)
+            if locked
+        )
 
     def _law(self, active: Sequence[Active]) -> tuple[Columns, Law]:
         """The law over the union of the active controllers' joints."""

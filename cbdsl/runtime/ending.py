@@ -1,14 +1,16 @@
-"""Why an episode ended: a sentence from the predicates that were last read."""
+"""Why an episode ended: a sentence from what its controllers read last."""
 
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 
 from cbdsl.program.controller import AlongNormals, Controller, Literal
 from cbdsl.runtime.controller_run import ControllerRun
 from cbdsl.runtime.program_run import ProgramRun
+from cbdsl.types.resource import Origin
 
-# Errors of these types read better in another unit than SI's.
+# How errors of these types are told: factor from SI, and unit.
 _UNITS = {
     "position": (100.0, "cm"),
     "force": (1.0, "N"),
@@ -18,39 +20,42 @@ _UNITS = {
 }
 
 
-def describe(run: ProgramRun, seconds: float) -> str:
-    """A sentence that says how a program ended and what its controllers had to do with it."""
-    innermost = run
-    while innermost.action is not None and innermost.action.program is not None:
-        innermost = innermost.children[innermost.action.name]
-    clauses = [_clause(item) for item in innermost.runs if item.predicate != "X"]
-    evidence = "; ".join(clause for clause in clauses if clause)
-    verdict = (
-        f"Rewarded after {seconds:.1f} s in state {run.state}"
-        if run.rewarded
-        else f"Not rewarded after {seconds:.1f} s: {_reason(run)}"
-    )
-    return f"{verdict}: {evidence}." if evidence else f"{verdict}."
+def describe(run: ProgramRun, seconds: float, at_limits: Sequence[str]) -> str:
+    """A sentence that says how a program ended and what its controllers had to do with it.
+
+    Args:
+        run: the program, at its end.
+        seconds: how long it ran.
+        at_limits: joints that their limits held back at the end.
+    """
+    verdict = "Rewarded" if run.rewarded else "Done" if run.predicate == "1" else "Not rewarded"
+    reasons = [*_evidence(run), run.ending]
+    if at_limits and not run.rewarded:
+        reasons.insert(-1, f"at their limits were {', '.join(at_limits)}")
+    because = "; ".join(reason for reason in reasons if reason)
+    return f"{verdict} after {seconds:.1f} s in state {run.state}: {because}."
 
 
-def _reason(run: ProgramRun) -> str:
-    """Its own reason, then those of a program that it was waiting for."""
-    reasons = [run.ending]
+def _evidence(run: ProgramRun) -> list[str]:
+    """A clause for each member that its last action involved, highest priority first."""
     action = run.action
-    if action is not None and action.program is not None:
-        reasons.append(_reason(run.children[action.name]))
-    return ", ".join(reason for reason in reasons if reason)
+    if action is None:
+        return []
+    if action.program is not None:
+        child = run.children[action.name]
+        return [*_evidence(child), child.ending]
+    return [_clause(lead) for lead in run.leads(action)]
 
 
-def _clause(item: ControllerRun) -> str:
-    controller = item.controller
-    if item.exhausted:
+def _clause(lead: ControllerRun) -> str:
+    controller = lead.controller
+    if lead.exhausted:
         return f"{controller.name} closed on nothing"
-    if item.predicate == "-":
-        return f"{controller.name} had no {_missing(item)}"
+    if math.isnan(lead.error):
+        return f"{controller.name} had no {_missing(controller)}"
     factor, unit = _UNITS.get(controller.feedback.type.name, (1.0, ""))
-    verb = "came to rest" if item.predicate == "1" else "was"
-    return f"{controller.name} {verb} {factor * item.error:.1f} {unit} from {_goal(controller)}"
+    verb = "came to rest" if lead.predicate == "1" else "was still"
+    return f"{controller.name} {verb} {factor * lead.error:.1f} {unit} from {_goal(controller)}"
 
 
 def _goal(controller: Controller) -> str:
@@ -62,8 +67,7 @@ def _goal(controller: Controller) -> str:
     return reference.name
 
 
-def _missing(item: ControllerRun) -> str:
-    controller = item.controller
-    if controller.feedback.origin.name == "ENVIRONMENT":
+def _missing(controller: Controller) -> str:
+    if controller.feedback.origin is Origin.ENVIRONMENT:
         return controller.feedback.name
     return _goal(controller)

@@ -144,7 +144,7 @@ class Runner:
             sim_seconds=round(ticks * period, 6),
             wall_seconds=time.perf_counter() - began,
             renderer=self._backend.renderer,
-            ending=describe(run, ticks * period),
+            ending=describe(run, ticks * period, actuation.at_limits()),
         )
 
 

@@ -117,6 +117,10 @@ class ProgramRun:
             acting = [Active(run, peers) for run in runs]
         return acting + [Active(run, {}) for run in self._background]
 
+    def leads(self, action: Action) -> list[ControllerRun]:
+        """The leading controllers of an action's primitives, highest priority first."""
+        return [lead for _, lead in reversed(self._leads.get(action.name, []))]
+
     def advance(self) -> None:
         """Take in the predicates of this tick; change the action where the state changed."""
         if self.predicate != "0" or self._action is None:
