@@ -73,15 +73,18 @@ def read_urdf(path: Path) -> UrdfModel:
     if root.tag != "robot":
         raise UrdfError(f"{path}: its root is <{root.tag}>, not <robot>")
     links = frozenset(link.get("name", "") for link in root.findall("link"))
-    joints = [_joint(element, path) for element in root.findall("joint")]
+    try:
+        joints = [_joint(element) for element in root.findall("joint")]
+    except ValueError as error:
+        raise UrdfError(f"{path}: {error}") from None
     return UrdfModel(path, links, {joint.name: joint for joint in joints})
 
 
-def _joint(element: ElementTree.Element, path: Path) -> UrdfJoint:
+def _joint(element: ElementTree.Element) -> UrdfJoint:
     name, kind = element.get("name", ""), element.get("type", "")
     parent, child = element.find("parent"), element.find("child")
     if parent is None or child is None:
-        raise UrdfError(f"{path}: joint '{name}' has no parent or no child")
+        raise ValueError(f"joint '{name}' has no parent or no child")
     limit = element.find("limit")
     bounded = limit is not None and kind != "continuous"
     lower, upper = (_limit(limit, "lower"), _limit(limit, "upper")) if bounded else (None, None)
@@ -96,9 +99,4 @@ def _joint(element: ElementTree.Element, path: Path) -> UrdfJoint:
 
 
 def _limit(limit: ElementTree.Element | None, key: str) -> float | None:
-    if limit is None:
-        return None
-    try:
-        return float(limit.get(key, "0"))
-    except ValueError:
-        raise UrdfError(f"limit '{limit.get(key)}' is not a number") from None
+    return None if limit is None else float(limit.get(key, "0"))
