@@ -33,6 +33,7 @@ class PositionMemory:
         self.radius = 0.0
         self._velocity: Floats = np.zeros(3)
         self._seen = 0.0
+        self._sightings = 0
         self._largest: Floats | None = None
 
     def forget_size(self) -> None:
@@ -54,7 +55,7 @@ class PositionMemory:
         self._largest = np.maximum(self._largest, sizes)
         self.radius = float(np.sqrt(np.mean(self._largest) / np.pi))
         if self.position is None:
-            self.position, self._velocity = position, np.zeros(3)
+            self.position, self._velocity, self._sightings = position, np.zeros(3), 1
         else:
             self._correct(time, position)
         self._seen = time
@@ -76,9 +77,19 @@ class PositionMemory:
         """Take the thing to stand still, as when a hand has touched it."""
         self._velocity = np.zeros(3)
 
+    def _gains(self, sightings: int) -> tuple[float, float]:
+        """Gains of the alpha-beta filter: those of a straight line fitted to all sightings, as long
+        as they are few; the settled filter takes too long to notice that a thing moves.
+        """
+        settled = self._settings.gains
+        together = sightings * (sightings + 1)
+        fitted = 2 * (2 * sightings - 1) / together, 6 / together
+        return max(settled[0], fitted[0]), max(settled[1], fitted[1])
+
     def _correct(self, time: float, position: Floats) -> None:
         assert self.position is not None
-        alpha, beta = self._settings.gains
+        self._sightings += 1
+        alpha, beta = self._gains(self._sightings)
         error = position - self.position
         self.position = self.position + alpha * error
         self._velocity = self._velocity + beta * error / max(time - self._seen, 1e-3)

@@ -141,7 +141,7 @@ class Vision:
         return crossing.position, np.array(sizes)
 
     def _hidden_by_hand(self, position: Floats) -> bool:
-        """Whether a wrist, palm or fingertip lies near some camera's line of sight to a position."""
+        """Whether a wrist, palm or fingertip is near some camera's line of sight to a position."""
         kinematics = self._kinematics
         points = np.vstack(
             [
