@@ -179,6 +179,7 @@ def _require_folder(folder: Path) -> None:
 
 @contextmanager
 def _simulation(order: Order, backend: str, gui: bool) -> Iterator[tuple[Backend, Runner]]:
+    from cbdsl.cli.quiet import quiet_stderr
     from cbdsl.errors.errors import UsageError
 
     try:
@@ -186,7 +187,9 @@ def _simulation(order: Order, backend: str, gui: bool) -> Iterator[tuple[Backend
         from cbdsl.robot.kinematics import Kinematics
         from cbdsl.runtime.episode import Runner
 
-        body = find_backend(backend)(order.robot, order.urdf, gui=gui)
+        with quiet_stderr():
+            factory = find_backend(backend)
+        body = factory(order.robot, order.urdf, gui=gui)
     except ModuleNotFoundError as error:
         raise UsageError(
             f"running needs {error.name}, which is not installed: pip install 'cbdsl[sim]'"

@@ -29,9 +29,11 @@ def describe(run: ProgramRun, seconds: float, at_limits: Sequence[str]) -> str:
         at_limits: joints that their limits held back at the end.
     """
     verdict = "Rewarded" if run.rewarded else "Done" if run.predicate == "1" else "Not rewarded"
-    reasons = [*_evidence(run), run.ending]
-    if at_limits and not run.rewarded:
-        reasons.insert(-1, f"at their limits were {', '.join(at_limits)}")
+    reasons = _evidence(run)
+    if run.predicate != "1":
+        if at_limits:
+            reasons.append(f"at their limits were {', '.join(at_limits)}")
+        reasons.append(run.ending)
     because = "; ".join(reason for reason in reasons if reason)
     return f"{verdict} after {seconds:.1f} s in state {run.state}: {because}."
 

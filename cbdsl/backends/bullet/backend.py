@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import os
+import sys
 from pathlib import Path
 
 import numpy as np
@@ -42,11 +44,14 @@ class BulletBackend:
         control_period: simulated time of one step, s.
 
     Raises:
-        BackendError: robot file and model do not fit together, or the renderer that the robot file
-            asks for does not work here.
+        BackendError: robot file and model do not fit together, the renderer that the robot file
+            asks for does not work here, or there is no screen for a window.
     """
 
     def __init__(self, robot: RobotDocument, urdf: Path, gui: bool = False) -> None:
+        if gui and sys.platform == "linux" and not os.environ.get("DISPLAY"):
+            # The simulator would end the process.
+            raise BackendError("the simulator's window needs a screen, but DISPLAY is not set")
         self._robot = robot
         self._urdf = urdf
         self._joints = Joints(robot)
