@@ -76,10 +76,11 @@ def run(
     with _simulation(order, backend, gui) as (body, runner):
         if not as_json:
             print(f"{order.program.name} on {order.stage.name}; images by {body.renderer}")
-        results = [
-            _episode(runner, order, seed + index, context, record, as_json)
-            for index in range(episodes)
-        ]
+        results: list[EpisodeResult] = []
+        for index in range(episodes):
+            if not as_json:
+                print(_heading(seed + index, index, episodes, results))
+            results.append(_episode(runner, order, seed + index, context, record, as_json))
     if episodes > 1 and not as_json:
         _summarise(results)
 
@@ -227,8 +228,6 @@ def _episode(
         for listener in listeners:
             listener(transition)
 
-    if not as_json:
-        print(f"episode with seed {seed}")
     try:
         note = recording.note_tick if recording is not None else lambda tick: None
         result = runner.run(order.stage, seed, context, on_transition=tell, on_tick=note)
@@ -240,6 +239,18 @@ def _episode(
             print(f"  recorded in {file}")
     print(json_line(result) if as_json else f"  {result.ending}", flush=True)
     return result
+
+
+def _heading(seed: int, index: int, episodes: int, results: list[EpisodeResult]) -> str:
+    """Which episode begins, and how long the rest will take."""
+    if episodes == 1:
+        return f"episode with seed {seed}"
+    heading = f"episode {index + 1} of {episodes}, seed {seed}"
+    if not results:
+        return heading
+    each = sum(result.wall_seconds for result in results) / len(results)
+    left = each * (episodes - index)
+    return f"{heading}, about {left // 60:.0f} min {left % 60:02.0f} s left"
 
 
 def _summarise(results: list[EpisodeResult]) -> None:

@@ -1,0 +1,153 @@
+"""How often ``reachtouch`` and ``tactileprobe`` are rewarded, on seeds of your choice.
+
+Every rewarded episode is checked against the simulator's own contacts: all three fingertips have to
+touch the thing. Rates come with exact (Clopper-Pearson) 95 % intervals. Episodes are spread over
+the processors; each is the same as ``cb run`` gives for its seed.
+
+    python benchmarks/success_rates.py --episodes 100 --seed 20000 [--only right,left] [--json]
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import math
+import os
+from collections.abc import Iterable, Mapping
+from concurrent.futures import ProcessPoolExecutor
+from dataclasses import asdict, dataclass, field
+from typing import Any
+
+LEFT = {"arm": "left_arm", "hand": "left_hand"}
+
+
+@dataclass(frozen=True)
+class Condition:
+    """A program with parameters on a stage, and the share of episodes that is to be rewarded."""
+
+    name: str
+    stage: str
+    target: str
+    program: str = "reachtouch"
+    values: Mapping[str, str] = field(default_factory=dict)
+
+
+CONDITIONS = (
+    Condition("right", "table_right", ">= 97 %"),
+    Condition("left", "table_left", ">= 97 %", values=LEFT),
+    Condition("right arm, left half", "table_left", ">= 90 %"),
+    Condition("left arm, right half", "table_right", ">= 90 %", values=LEFT),
+    Condition("moving at 5 cm/s", "moving_right", ">= 90 %"),
+    Condition("noisy and miscalibrated", "noisy_right", ">= 90 %"),
+    Condition("out of reach", "out_of_reach", "0 %"),
+    Condition("absent", "absent", "0 %"),
+    Condition("thrown away", "thrown", "0 %"),
+    Condition("tactileprobe", "held_right", "", program="tactileprobe"),
+)
+
+
+def run_episodes(condition: Condition, seeds: Iterable[int]) -> list[dict[str, Any]]:
+    """Run one condition on some seeds, in this process."""
+    from cbdsl.backends.bullet.backend import BulletBackend
+    from cbdsl.checking.program import check_program
+    from cbdsl.documents.robot import RobotDocument
+    from cbdsl.documents.stage import StageDocument
+    from cbdsl.robot.kinematics import Kinematics
+    from cbdsl.runtime.episode import Runner
+    from cbdsl.yaml_text.library import Library
+
+    library = Library()
+    program = check_program(condition.program, condition.values, library)
+    robot_file = library.locate(RobotDocument, program.robot)
+    robot = library.read(robot_file, RobotDocument).document
+    urdf = robot_file.parent / robot.model
+    stage_file = library.locate(StageDocument, condition.stage)
+    stage = library.read(stage_file, StageDocument).document
+    backend = BulletBackend(robot, urdf)
+    runner = Runner(robot, Kinematics(robot, urdf), program, backend)
+    rows = []
+    for seed in seeds:
+        row = asdict(runner.run(stage, seed))
+        things = [name for name in backend.truth.names() if name not in stage.fixtures]
+        touching = {touch.cell for thing in things for touch in backend.truth.touches(thing)}
+        row["touching"] = len(touching - {None})
+        tops = [fixture.position[2] for fixture in stage.fixtures.values()]
+        row["fallen"] = any(
+            backend.truth.pose(thing).position[2] < min(tops) for thing in things if tops
+        )
+        rows.append(row)
+    backend.close()
+    return rows
+
+
+def exact_interval(hits: int, trials: int, level: float = 0.95) -> tuple[float, float]:
+    """Clopper-Pearson interval of a proportion."""
+    tail = (1 - level) / 2
+
+    def at_least(k: int, p: float) -> float:
+        return sum(
+            math.comb(trials, i) * p**i * (1 - p) ** (trials - i) for i in range(k, trials + 1)
+        )
+
+    def root(wanted: float, k: int) -> float:
+        low, high = 0.0, 1.0
+        for _ in range(60):
+            middle = (low + high) / 2
+            low, high = (middle, high) if at_least(k, middle) < wanted else (low, middle)
+        return low
+
+    lower = 0.0 if hits == 0 else root(tail, hits)
+    upper = 1.0 if hits == trials else root(1 - tail, hits + 1)
+    return lower, upper
+
+
+def summarise(condition: Condition, rows: list[dict[str, Any]]) -> dict[str, Any]:
+    """One row of the table."""
+    rewarded = [row for row in rows if row["rewarded"]]
+    low, high = exact_interval(len(rewarded), len(rows))
+    return {
+        "condition": condition.name,
+        "rewarded": len(rewarded),
+        "episodes": len(rows),
+        "interval": [round(low, 3), round(high, 3)],
+        "target": condition.target,
+        "rewarded_without_three_contacts": sum(row["touching"] < 3 for row in rewarded),
+        "fallen": sum(row["fallen"] for row in rows),
+        "sim_seconds": round(sum(row["sim_seconds"] for row in rows) / len(rows), 1),
+        "final_states": sorted({row["predicates"][-1] for row in rows if not row["rewarded"]}),
+        "failed_seeds": [row["seed"] for row in rows if not row["rewarded"]][:5],
+    }
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
+    parser.add_argument("--episodes", type=int, default=100)
+    parser.add_argument("--seed", type=int, default=20000)
+    parser.add_argument("--workers", type=int, default=os.cpu_count() or 1)
+    parser.add_argument("--only", help="conditions, separated by commas")
+    parser.add_argument("--json", action="store_true")
+    options = parser.parse_args()
+    only = options.only.split(",") if options.only else None
+    with ProcessPoolExecutor(options.workers) as pool:
+        for condition in CONDITIONS:
+            if only is not None and condition.name not in only:
+                continue
+            seeds = range(options.seed, options.seed + options.episodes)
+            parts = [seeds[k :: options.workers] for k in range(options.workers)]
+            done = pool.map(run_episodes, [condition] * len(parts), parts)
+            row = summarise(condition, [row for rows in done for row in rows])
+            print(json.dumps(row) if options.json else _line(row), flush=True)
+
+
+def _line(row: dict[str, Any]) -> str:
+    low, high = row["interval"]
+    return (
+        f"{row['condition']:<26} {row['rewarded']:>3} of {row['episodes']:<3} "
+        f"[{100 * low:5.1f}, {100 * high:5.1f}] %  target {row['target']:<8} "
+        f"without contact {row['rewarded_without_three_contacts']}  fallen {row['fallen']}  "
+        f"{row['sim_seconds']:6.1f} s  {' '.join(row['final_states'])} {row['failed_seeds'] or ''}"
+    )
+
+
+if __name__ == "__main__":
+    main()
