@@ -45,11 +45,14 @@ class Actuation:
 
     def move(self, active: Sequence[Active]) -> None:
         """Evaluate the active controllers and move the references by the law's step."""
+        self.levels, self.step = (), None
+        # A program that has ended leaves nothing to act.
+        if not active:
+            return
         columns, law = self._law(active)
         self._columns = columns
         found = [item.run.evaluate(columns, item.peers) for item in active]
         self.levels = [level for level in found if level is not None]
-        self.step = None
         if not self.levels:
             return
         here = self._signals.positions[columns]

@@ -107,7 +107,7 @@ class ControllerRun:
         self.settled = False
 
     def _defined(self, evaluation: Evaluation, reference: Reading, stamp: int) -> None:
-        self.seeking = False
+        self.seeking = self.exhausted = False
         self.phi = evaluation.phi
         self.error = float(np.linalg.norm(evaluation.residual))
         stamp = max(stamp, reference.stamp)

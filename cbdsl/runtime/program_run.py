@@ -125,14 +125,17 @@ class ProgramRun:
         """Take in the predicates of this tick; change the action where the state changed."""
         if self.predicate != "0" or self._action is None:
             return
-        if self._action.program is not None:
-            self.children[self._action.name].advance()
+        child = self.children.get(self._action.name)
+        if child is not None:
+            child.advance()
         self._ticks += 1
         state = self._read_state(self._action)
-        # A program has transitions of its own to run out of.
+        # A program has transitions of its own to run out of. It may also end the way it ended
+        # before, within one tick, and then it is over although the state has not changed.
         overdue = (
-            self._action.program is None
-            and self._ticks * self._period > self.program.transition_time
+            self._ticks * self._period > self.program.transition_time
+            if child is None
+            else child.predicate != "0"
         )
         if state != self.state or overdue:
             self._transit(state)

@@ -1,0 +1,334 @@
+"""Algorithm 1: states, transitions, rewards and budgets, on a synthetic world."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterator
+from itertools import groupby
+
+import numpy as np
+import pytest
+
+from cbdsl.program.checked import CheckedProgram
+from cbdsl.program.transition import Transition
+from cbdsl.runtime.episode import Tick
+from cbdsl.runtime.policy import WrittenPolicy
+from cbdsl.types.resource import Origin
+from tests.conftest import Checked
+from tests.runtime.conftest import GRIP, TABLE_BALL, Play, Played, on_table
+from tests.runtime.synthetic import Ball, World
+
+# The head's joints among the actuated ones.
+HEAD = slice(0, 2)
+
+Written = Callable[..., CheckedProgram]
+
+LOOK = "{potential: spring, reference: [0 deg, 0 deg], feedback: cyclopean.sat_10, effector: head}"
+SEARCH = "{potential: spring, reference: head.uniform, feedback: head, effector: head}"
+CLOSE = (
+    "{potential: spring, reference: 2 N along normals, feedback: right_hand.finger_forces, "
+    "effector: right_hand, seek: {until: 1 rad}}"
+)
+
+
+def nothing(rng: np.random.Generator) -> World:
+    return World()
+
+
+def programs(program: CheckedProgram) -> Iterator[CheckedProgram]:
+    yield program
+    for action in program.actions:
+        if action.program is not None:
+            yield from programs(action.program)
+
+
+EPISODES = ["searchtrack", "tactileprobe", "reachtouch", "posture"]
+
+
+@pytest.fixture(scope="module")
+def played(checked: Checked, play: Play) -> Callable[[str], Played]:
+    """An episode of each shipped program, played once."""
+    found: dict[str, Played] = {}
+
+    def of(name: str) -> Played:
+        if name not in found:
+            found[name] = play(checked(name), joints={"pan": 0.9})
+        return found[name]
+
+    return of
+
+
+@pytest.mark.parametrize("name", EPISODES)
+def test_transitions_form_a_chain_by_the_policy(
+    checked: Checked, played: Callable[[str], Played], name: str
+) -> None:
+    program, episode = checked(name), played(name)
+    top = episode.at(0)
+    policy = WrittenPolicy(program.policy)
+    assert top[0].state == "X" * len(program.members)
+    assert [each.next_state for each in top[:-1]] == [each.state for each in top[1:]]
+    assert [each.action for each in top] == [policy.choose(t.state, changed=True) for t in top]
+    assert all(each.state != each.next_state for each in top)
+    assert episode.result.predicates == (top[0].state, *(each.next_state for each in top))
+    assert episode.result.actions == tuple(each.action for each in top)
+    # The tick that ends an episode moves nothing any more.
+    assert sum(each.ticks for each in top) == episode.result.ticks + 1
+    times = [each.time for each in episode.transitions]
+    assert times == sorted(times)
+
+
+@pytest.mark.parametrize("name", EPISODES)
+def test_rewards_are_the_environments_convergence_events(
+    checked: Checked, played: Callable[[str], Played], name: str
+) -> None:
+    """Eq 4.2-4.4, counted anew from the transitions."""
+    by_name = {program.name: program for program in programs(checked(name))}
+    for each in played(name).transitions:
+        program = by_name[each.program]
+        events = [
+            member
+            for member, before, after in zip(
+                program.members, each.state, each.next_state, strict=True
+            )
+            if before != "1" and after == "1"
+        ]
+        primitives = [program.primitives[event] for event in events if event in program.primitives]
+        origins = [primitive.lead.feedback.origin for primitive in primitives]
+        assert each.reward == origins.count(Origin.ENVIRONMENT)
+
+
+@pytest.mark.parametrize("name", EPISODES)
+def test_a_reward_ends_the_program_that_earns_it(
+    played: Callable[[str], Played], name: str
+) -> None:
+    episode = played(name)
+    top = episode.at(0)
+    assert [each.reward for each in top[:-1]] == [0] * (len(top) - 1)
+    assert episode.result.rewarded == (top[-1].reward > 0)
+    assert episode.result.rewarded == (name != "posture")
+
+
+def test_a_used_program_reads_0_then_1_and_earns_its_user_nothing(
+    played: Callable[[str], Played],
+) -> None:
+    episode = played("reachtouch")
+    inner = [each for each in episode.at(1) if each.program == "searchtrack"]
+    assert inner[-1].reward == 1
+    outer = [(each.state, each.next_state, each.reward) for each in episode.at(0)]
+    assert outer[:3] == [("XXX", "X--", 0), ("X--", "0XX", 0), ("0XX", "1XX", 0)]
+    # It reads X again as soon as something else runs.
+    assert outer[3][1][0] == "X"
+
+
+@pytest.mark.parametrize("transitions", [1, 2, 3])
+def test_a_used_program_that_gives_up_reads_undefined(
+    written: Written, play: Play, transitions: int
+) -> None:
+    written(
+        f"controllers: {{search: {SEARCH}, track: {LOOK}}}\nactions: [search, track, "
+        'search <| track]\npolicy: {"**": search <| track}\n'
+        f"limits: {{transitions: {transitions}}}\n",
+        "seek",
+    )
+    user = written(
+        f"use: {{seek: {{program: seek}}}}\ncontrollers: {{track: {LOOK}}}\n"
+        "actions: [seek, track]\npolicy: {XX: seek, 0X: seek}\n"
+    )
+    episode = play(user, nothing)
+    assert episode.at(0)[-1].next_state == "-X"
+    assert f"seek used up its {transitions} transitions" in episode.result.ending
+    assert len(episode.at(1)) == transitions
+    assert not episode.result.rewarded
+
+
+def test_a_used_program_that_ends_at_once_does_not_hang_its_user(
+    written: Written, play: Play
+) -> None:
+    written(f"controllers: {{track: {LOOK}}}\nactions: [track]\npolicy: {{'1': track}}\n", "idle")
+    user = written(
+        f"use: {{idle: {{program: idle}}}}\ncontrollers: {{track: {LOOK}}}\n"
+        "actions: [idle, track]\npolicy: {'**': idle}\n"
+    )
+
+    def stop(tick: Tick) -> None:
+        assert tick.observation.time < 60, "it hangs"
+
+    episode = play(user, nothing, watch=stop)
+    assert [each.next_state for each in episode.at(0)] == ["-X", "-X"]
+    assert "idle has no action for state X" in episode.result.ending
+
+
+def test_the_transitions_of_an_episode_are_limited(written: Written, play: Play) -> None:
+    program = written(
+        f"controllers: {{search: {SEARCH}}}\nactions: [search]\npolicy: {{'*': search}}\n"
+        "limits: {transitions: 3}\n"
+    )
+    episode = play(program, nothing)
+    assert episode.result.predicates == ("X", "0", "1", "0")
+    assert "used up its 3 transitions" in episode.result.ending
+
+
+def test_an_action_that_changes_nothing_runs_out_of_time(written: Written, play: Play) -> None:
+    program = written(
+        f"controllers: {{track: {LOOK}}}\nactions: [track]\npolicy: {{'*': track}}\n"
+        "limits: {transition_time: 0.5 s}\n"
+    )
+    episode = play(program, nothing)
+    last = episode.at(0)[-1]
+    assert (last.state, last.next_state, last.reward) == ("-", "-", 0)
+    period = episode.backend.control_period
+    assert 0.5 < last.ticks * period <= 0.5 + 2 * period
+    assert "changed nothing" in episode.result.ending
+
+
+def test_a_policy_of_its_own_may_go_on_where_nothing_changed(written: Written, play: Play) -> None:
+    program = written(
+        f"controllers: {{track: {LOOK}, search: {SEARCH}}}\nactions: [track, search]\n"
+        "policy: {'**': track}\nlimits: {transition_time: 0.2 s}\n"
+    )
+    asked: list[tuple[str, bool]] = []
+
+    class Learner:
+        def choose(self, state: str, *, changed: bool) -> str | None:
+            asked.append((state, changed))
+            return "track" if len(asked) < 5 else None
+
+    episode = play(program, nothing, policy=Learner())
+    assert asked == [("XX", True), ("-X", True), ("-X", False), ("-X", False), ("-X", False)]
+    assert len(episode.at(0)) == 4
+
+
+def test_a_search_goes_somewhere_else_each_time_it_came_to_rest(
+    written: Written, play: Play
+) -> None:
+    program = written(
+        f"controllers: {{search: {SEARCH}}}\nactions: [search]\npolicy: {{'*': search}}\n"
+        "limits: {transitions: 8}\n"
+    )
+    rests: list[np.ndarray] = []
+    states = ["X"]
+
+    def watch(tick: Tick) -> None:
+        if tick.run.state == "1" != states[-1]:
+            rests.append(tick.observation.positions[HEAD])
+        states.append(tick.run.state)
+
+    play(program, nothing, watch=watch)
+    assert len(rests) == 4
+    distances = [np.linalg.norm(a - b) for i, a in enumerate(rests) for b in rests[:i]]
+    assert min(distances) > 0.2
+
+
+def test_the_background_acts_below_every_action(checked: Checked, play: Play) -> None:
+    """The arm goes home while the head searches."""
+    program = checked("reachtouch")
+    left_behind: list[float] = []
+
+    def watch(tick: Tick) -> None:
+        home = next(run for run in tick.run.runs if run.controller.name == "home")
+        if tick.run.action.name == "searchtrack":
+            left_behind.append(home.error)
+
+    play(program, joints={"pan": 0.9, "right_arm_1": 1.0}, watch=watch)
+    assert left_behind[1] == pytest.approx(0.46, abs=0.05)
+    assert left_behind[-1] < 0.1 * left_behind[1]
+
+
+def test_a_program_without_an_action_to_begin_with_moves_nothing(
+    written: Written, play: Play
+) -> None:
+    program = written(f"controllers: {{track: {LOOK}}}\nactions: [track]\npolicy: {{'1': track}}\n")
+    episode = play(program)
+    assert episode.backend.applied == []
+    assert "own has no action for state X" in episode.result.ending
+
+
+def test_a_composite_reads_as_its_lead(checked: Checked, play: Play) -> None:
+    """Neither undefined with orient and posture defined, nor at rest with them."""
+    program = checked("reachtouch")
+    final: list[Tick] = []
+
+    def watch(tick: Tick) -> None:
+        final[:] = [tick]
+
+    episode = play(program, joints={"pan": 0.9}, watch=watch)
+    assert episode.at(0)[0].next_state == "X--"
+    assert episode.result.predicates[-1] == "X11"
+    runs = {run.controller.name: run for run in final[0].run.runs}
+    assert runs["approach"].predicate == "1"
+    assert not math.isnan(runs["orient"].error)
+    # It came to rest away from the posture, which has the lowest priority.
+    assert runs["posture"].error > 0.1
+
+
+def test_nothing_reads_as_at_rest_while_a_part_still_seeks(checked: Checked, play: Play) -> None:
+    at_rest_and_seeking = 0
+
+    def watch(tick: Tick) -> None:
+        nonlocal at_rest_and_seeking
+        runs = {run.controller.name: run for run in tick.run.runs}
+        if runs["touch"].seeking:
+            assert "1" not in tick.run.state[1:]
+            at_rest_and_seeking += runs["approach"].predicate == "1"
+
+    episode = play(
+        checked("reachtouch"),
+        lambda rng: World(Ball(TABLE_BALL), contact_angle=1.45),
+        watch=watch,
+    )
+    assert at_rest_and_seeking > 10
+    assert episode.result.rewarded
+
+
+def test_a_hand_that_closes_on_nothing_stops(checked: Checked, play: Play) -> None:
+    final: list[Tick] = []
+
+    def watch(tick: Tick) -> None:
+        final[:] = [tick]
+
+    episode = play(checked("reachtouch"), lambda rng: World(Ball(TABLE_BALL)), watch=watch)
+    touch = next(run for run in final[0].run.runs if run.controller.name == "touch")
+    assert touch.exhausted and not touch.seeking
+    assert episode.result.predicates[-1] == "X1-"
+    fingers = touch._signals.flexion_angles("right_hand")
+    assert (fingers > 1.5).all() and (fingers < 1.6).all()
+
+
+def test_contact_ends_what_was_sought_in_vain(written: Written, play: Play) -> None:
+    program = written(
+        f"controllers: {{close: {CLOSE}}}\nactions: [close]\npolicy: {{'*': close}}\n"
+    )
+
+    def direct(world: World, time: float) -> None:
+        if time > 6.0:
+            world.contact_angle = GRIP
+
+    final: list[Tick] = []
+
+    def watch(tick: Tick) -> None:
+        if tick.observation.time == pytest.approx(6.0):
+            assert tick.run.runs[0].exhausted
+        final[:] = [tick]
+
+    episode = play(program, lambda rng: World(), direct, watch=watch)
+    assert episode.result.rewarded
+    assert "closed on nothing" not in episode.result.ending
+
+
+def test_what_is_lost_reads_undefined_and_what_comes_back_on_its_way(
+    checked: Checked, play: Play
+) -> None:
+    def direct(world: World, time: float) -> None:
+        world.ball = None if 0.1 < time < 0.5 else Ball(TABLE_BALL)
+
+    episode = play(checked("searchtrack"), lambda rng: on_table(), direct)
+    tracks = [letter for letter, _ in groupby(each.next_state[1] for each in episode.at(0))]
+    assert tracks == ["0", "-", "0", "1"]
+
+
+def test_a_transition_says_when_and_for_how_long(played: Callable[[str], Played]) -> None:
+    episode = played("searchtrack")
+    period = episode.backend.control_period
+    ends: list[Transition] = episode.at(0)
+    lengths = [after.time - before.time for before, after in zip(ends, ends[1:], strict=False)]
+    assert lengths == pytest.approx([each.ticks * period for each in ends[1:]])
