@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -22,6 +23,8 @@ FOLDERS: dict[type[Document], str] = {
     StageDocument: "programs/stages",
     PolicyDocument: "knowledge",
 }
+
+_KIND_LINE = re.compile(r"^kind:\s*(\w+)", re.MULTILINE)
 
 D = TypeVar("D", bound=Document)
 
@@ -45,13 +48,17 @@ class Library:
     _read: dict[Path, Loaded[Any]] = field(default_factory=dict)
 
     def find(self, kind: type[Document], name: str, beside: Path | None = None) -> Path | None:
-        """The file ``<folder of the kind>/<name>.yaml``, or ``None``.
+        """The file ``<name>.yaml``: beside another, else in a folder of its kind, else ``None``.
 
         Args:
             kind: the kind of document.
             name: its name.
             beside: a file whose folder and the folders above are searched first.
         """
+        if beside is not None:
+            sibling = beside.parent / f"{name}.yaml"
+            if sibling.is_file() and _is_of(kind, sibling):
+                return _shortened(sibling)
         for root in self._roots(beside):
             path = root / FOLDERS[kind] / f"{name}.yaml"
             if path.is_file():
@@ -61,7 +68,11 @@ class Library:
     def names(self, kind: type[Document], beside: Path | None = None) -> list[str]:
         """Names of all documents of a kind that ``find`` would find."""
         folders = (root / FOLDERS[kind] for root in self._roots(beside))
-        return sorted({path.stem for folder in folders for path in folder.glob("*.yaml")})
+        found = {path.stem for folder in folders for path in folder.glob("*.yaml")}
+        if beside is not None:
+            siblings = beside.parent.glob("*.yaml")
+            found |= {path.stem for path in siblings if _is_of(kind, path)}
+        return sorted(found)
 
     def read(self, path: Path, kind: type[D]) -> Loaded[D]:
         """Read a file, or remember it.
@@ -102,6 +113,15 @@ class Library:
             yield from beside.absolute().parents
         yield self.here
         yield shipped()
+
+
+def _is_of(kind: type[Document], path: Path) -> bool:
+    """Whether a file says that it is of a kind; its other faults are for its reader to tell."""
+    try:
+        said = _KIND_LINE.search(path.read_text(encoding="utf-8"))
+    except (OSError, UnicodeDecodeError):
+        return False
+    return said is not None and said[1] == kind.__name__.removesuffix("Document").lower()
 
 
 def _shortened(path: Path) -> Path:

@@ -43,3 +43,14 @@ def test_a_file_is_read_once() -> None:
     library = Library()
     path = library.locate(ProgramDocument, "searchtrack")
     assert library.read(path, ProgramDocument) is library.read(path.absolute(), ProgramDocument)
+
+
+def test_a_neighbour_of_the_right_kind_comes_before_what_is_shipped(tmp_path: Path) -> None:
+    own = tmp_path / "own.yaml"
+    neighbour = tmp_path / "searchtrack.yaml"
+    neighbour.write_text("cbdsl: 1\nkind: program\nname: searchtrack\n", encoding="utf-8")
+    (tmp_path / "dexter.yaml").write_text("kind: program\n", encoding="utf-8")
+    library = Library(tmp_path / "elsewhere")
+    assert library.find(ProgramDocument, "searchtrack", own) == neighbour
+    assert library.find(RobotDocument, "dexter", own) != tmp_path / "dexter.yaml"
+    assert "dexter" in library.names(ProgramDocument, own)
