@@ -28,7 +28,7 @@ def test_one_other_letter_and_it_does_not_fit(state: str, data: st.DataObject) -
 
 
 def test_a_pattern_of_another_length_is_a_fault() -> None:
-    with pytest.raises(ValueError, match="longer|shorter"):
+    with pytest.raises(ValueError, match="shorter"):
         matches("X*", "X")
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator
-from itertools import groupby
+from itertools import groupby, pairwise
 
 import numpy as np
 import pytest
@@ -330,5 +330,5 @@ def test_a_transition_says_when_and_for_how_long(played: Callable[[str], Played]
     episode = played("searchtrack")
     period = episode.backend.control_period
     ends: list[Transition] = episode.at(0)
-    lengths = [after.time - before.time for before, after in zip(ends, ends[1:], strict=False)]
+    lengths = [after.time - before.time for before, after in pairwise(ends)]
     assert lengths == pytest.approx([each.ticks * period for each in ends[1:]])

@@ -1,0 +1,255 @@
+"""One controller while it runs: references, standoffs, funnels and when it has settled."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from cbdsl.documents.robot import RobotDocument
+from cbdsl.program.checked import CheckedProgram
+from cbdsl.program.controller import Controller, Literal
+from cbdsl.robot.kinematics import Kinematics
+from cbdsl.robot.resources import resources
+from cbdsl.robot.signals import Signals
+from cbdsl.runtime.controller_run import ControllerRun
+from cbdsl.runtime.episode import resources_of
+from tests.conftest import Checked
+from tests.runtime.conftest import TABLE_BALL, made_stage
+from tests.runtime.synthetic import Ball, SyntheticBackend, World
+
+Floats = NDArray[np.float64]
+PERIOD = 1 / 60
+
+
+@pytest.fixture(scope="module")
+def backend(dexter: RobotDocument, urdf: Path) -> SyntheticBackend:
+    return SyntheticBackend(dexter, urdf)
+
+
+@pytest.fixture(scope="module")
+def reachtouch(checked: Checked) -> CheckedProgram:
+    return checked("reachtouch")
+
+
+@pytest.fixture
+def signals(
+    dexter: RobotDocument,
+    kinematics: Kinematics,
+    reachtouch: CheckedProgram,
+    backend: SyntheticBackend,
+) -> Signals:
+    """After one look at the ball on the table."""
+    signals = Signals(dexter, kinematics, resources_of(reachtouch))
+    look_at(Ball(TABLE_BALL), signals, backend)
+    return signals
+
+
+def look_at(ball: Ball | None, signals: Signals, backend: SyntheticBackend) -> None:
+    backend.reset(made_stage({}), None, np.random.default_rng(0))
+    backend.world = World(ball)
+    signals.reset()
+    signals.update(backend.observe())
+
+
+def evaluate(run: ControllerRun) -> Floats | None:
+    """One tick; the wanted displacement of the task coordinates."""
+    columns = np.arange(24)
+    level = run.evaluate(columns, {})
+    return None if level is None else level.velocity
+
+
+@pytest.fixture
+def start(signals: Signals) -> Callable[[Controller], ControllerRun]:
+    def activated(controller: Controller) -> ControllerRun:
+        run = ControllerRun(controller, signals, PERIOD, np.random.default_rng(3))
+        run.activate()
+        return run
+
+    return activated
+
+
+Start = Callable[[Controller], ControllerRun]
+
+
+def approach_of(program: CheckedProgram) -> Controller:
+    return program.primitives["reach"].lead
+
+
+@pytest.mark.parametrize("radius", [0.03, 0.07, 0.1, 0.2])
+def test_the_standoff_grows_with_what_is_seen_between_its_bounds(
+    reachtouch: CheckedProgram,
+    signals: Signals,
+    backend: SyntheticBackend,
+    start: Start,
+    radius: float,
+) -> None:
+    # Far enough that both cameras see all of it.
+    camera = signals.kinematics.frame("left_camera")
+    look_at(Ball(camera.position + 1.8 * camera.rotation[:, 0], radius), signals, backend)
+    approach = replace(approach_of(reachtouch), funnel=None)
+    run = start(approach)
+    evaluate(run)
+    palm = signals.kinematics.frame("right_palm")
+    tip = palm.position + palm.rotation @ np.array([0, -0.006, 0])
+    assert approach.standoff is not None
+    standoff = np.clip(radius + approach.standoff.clearance, 0.09, 0.14)
+    memory = signals.vision.memories["sat_10"]
+    assert memory.radius == pytest.approx(radius, rel=0.1)
+    control_point = tip + standoff * palm.rotation[:, 2]
+    expected = np.linalg.norm(memory.position - control_point)
+    assert run.error == pytest.approx(expected, abs=0.1 * radius)
+
+
+@pytest.mark.parametrize("lateral", [0.0, 0.01, 0.03, 0.3])
+def test_a_funnel_leads_to_its_reference_from_above(
+    reachtouch: CheckedProgram, signals: Signals, start: Start, lateral: float
+) -> None:
+    """Beside the reference it goes up, the more the farther; over it straight down."""
+    approach = replace(approach_of(reachtouch), standoff=None)
+    funnel = approach.funnel
+    assert funnel is not None
+    source = approach.feedback.source
+    here = signals.tip(source, 0.0).value
+    signals.vision.memories["sat_10"].position = here + np.array([lateral, 0, -0.05])
+    run = start(approach)
+    velocity = evaluate(run)
+    height = min(max(funnel.slope * (lateral - funnel.within), 0.0), funnel.height)
+    wanted = np.array([lateral, 0, height - 0.05])
+    assert velocity is not None
+    assert velocity / np.linalg.norm(velocity) == pytest.approx(wanted / np.linalg.norm(wanted))
+    # What it is raised to is not what it is after.
+    assert run.error == pytest.approx(math.hypot(lateral, 0.05))
+
+
+def test_a_sample_is_kept_until_it_was_reached(
+    checked: Checked, signals: Signals, backend: SyntheticBackend, start: Start
+) -> None:
+    run = start(checked("searchtrack").primitives["search"].lead)
+    evaluate(run)
+    first = run.error
+    for _ in range(3):
+        run.activate()
+        evaluate(run)
+        assert run.error == first
+    # Nothing moves, so that it comes to rest.
+    for _ in range(30):
+        signals.update(backend.observe())
+        evaluate(run)
+    assert run.predicate == "1"
+    run.activate()
+    evaluate(run)
+    assert run.predicate == "0"
+    assert run.error != first
+
+
+def test_samples_lie_within_the_joint_limits_and_differ(
+    checked: Checked, signals: Signals, start: Start
+) -> None:
+    search = checked("searchtrack").primitives["search"].lead
+    errors = []
+    for _ in range(20):
+        run = start(search)
+        for _ in range(3):
+            evaluate(run)
+            errors.append(run.error)
+            run.predicate = "1"
+            run.activate()
+    own = signals.joints.pick(search.joints)
+    limits = signals.kinematics
+    here = signals.positions[own]
+    reach = np.linalg.norm(np.maximum(limits.upper[own] - here, here - limits.lower[own]))
+    assert max(errors) <= reach
+    assert len(set(errors)) == 3
+
+
+def test_a_literal_orientation_is_a_rotation_vector(
+    reachtouch: CheckedProgram, signals: Signals, start: Start
+) -> None:
+    """The palm is to look down; how far it is from that, is how far its normal is."""
+    orient = reachtouch.primitives["reach"].controllers[1]
+    run = start(orient)
+    evaluate(run)
+    normal = signals.kinematics.frame("right_palm").rotation[:, 2]
+    assert run.error == pytest.approx(math.acos(np.clip(-normal[2], -1, 1)), abs=1e-6)
+
+
+def test_a_literal_pose_is_a_position_and_a_rotation_vector(
+    dexter: RobotDocument, reachtouch: CheckedProgram, signals: Signals, start: Start
+) -> None:
+    pose = resources(dexter)["right_arm.pose"]
+    where, turn = np.array([0.4, -0.1, 0.2]), math.pi / 2
+    controller = replace(
+        approach_of(reachtouch),
+        feedback=pose,
+        reference=Literal((*where, 0.0, 0.0, turn)),
+        standoff=None,
+        funnel=None,
+    )
+    run = start(controller)
+    evaluate(run)
+    found = signals.read(pose)
+    assert found is not None
+    quarter = np.array([[0, -1, 0], [1, 0, 0], [0, 0, 1]])
+    cosine = (np.trace(quarter @ found.value[:3, :3].T) - 1) / 2
+    shift = np.linalg.norm(where - found.value[:3, 3])
+    assert run.error == pytest.approx(math.hypot(shift, math.acos(cosine)))
+
+
+@pytest.mark.parametrize("share", [0.0, 0.4, 0.49, 0.51, 0.9, 1.6])
+def test_it_has_settled_within_a_share_of_its_reference(
+    dexter: RobotDocument,
+    reachtouch: CheckedProgram,
+    signals: Signals,
+    backend: SyntheticBackend,
+    start: Start,
+    share: float,
+) -> None:
+    """Fingers that feel ``share`` of what they are to feel miss ``1 - share`` of it."""
+    touch = reachtouch.primitives["touch"].lead
+    run = start(touch)
+    forces = 2.0 * share * signals.shares("right_hand")
+    cells = dexter.load_cells["right_hand"].items()
+    for force, (finger, cell) in zip(forces, cells, strict=True):
+        normal = signals.kinematics.frame(cell.link).rotation @ np.array(cell.normal)
+        backend.world.broken["right_hand", finger] = np.r_[force * normal, np.zeros(3)]
+    signals.update(backend.observe())
+    evaluate(run)
+    if share == 0.0:
+        assert run.predicate == "-"
+        assert not run.settled
+        return
+    assert touch.quiescence.within == 0.5
+    assert run.error == pytest.approx(abs(1 - share) * 2 * np.linalg.norm([0.53, 0.53, 1]))
+    assert run.settled == (abs(1 - share) < 0.5)
+
+
+def test_without_a_reference_it_is_undefined_and_wants_nothing(
+    reachtouch: CheckedProgram, signals: Signals, backend: SyntheticBackend, start: Start
+) -> None:
+    look_at(None, signals, backend)
+    run = start(approach_of(reachtouch))
+    assert evaluate(run) is None
+    assert (run.predicate, math.isnan(run.phi), math.isnan(run.error)) == ("-", True, True)
+
+
+def test_deactivated_it_is_as_good_as_new(
+    reachtouch: CheckedProgram, signals: Signals, backend: SyntheticBackend, start: Start
+) -> None:
+    orient = reachtouch.primitives["reach"].controllers[1]
+    used, new = start(orient), start(orient)
+    for _ in range(30):
+        signals.update(backend.observe())
+        evaluate(used)
+    assert used.predicate == "1"
+    used.deactivate()
+    assert used.predicate == "X"
+    used.activate()
+    for _ in range(3):
+        assert evaluate(used) == pytest.approx(evaluate(new))
+        assert (used.predicate, used.error) == (new.predicate, new.error)
