@@ -30,9 +30,9 @@ def describe(run: ProgramRun, seconds: float, at_limits: Sequence[str]) -> str:
     """
     verdict = "Rewarded" if run.rewarded else "Done" if run.predicate == "1" else "Not rewarded"
     reasons = _evidence(run)
+    if at_limits and not run.rewarded:
+        reasons.append(f"at their limits were {', '.join(at_limits)}")
     if run.predicate != "1":
-        if at_limits:
-            reasons.append(f"at their limits were {', '.join(at_limits)}")
         reasons.append(run.ending)
     because = "; ".join(reason for reason in reasons if reason)
     return f"{verdict} after {seconds:.1f} s in state {run.state}: {because}."
