@@ -195,6 +195,9 @@ def _simulation(order: Order, backend: str, gui: bool) -> Iterator[tuple[Backend
         raise UsageError(
             f"running needs {error.name}, which is not installed: pip install 'cbdsl[sim]'"
         ) from error
+    except ImportError as error:
+        # A package is there, but not a system library that it needs, such as libgomp.
+        raise UsageError(f"running needs more than is installed: {error}; see README") from error
     except BackendError as error:
         raise UsageError(str(error)) from error
     kinematics = Kinematics(order.robot, order.urdf)
