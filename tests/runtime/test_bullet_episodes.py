@@ -1,0 +1,153 @@
+"""Whole episodes with physics, on seeds that nothing was tuned on, judged by the simulator.
+
+What is said to be touched is compared with contacts and forces that no controller can read.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from cbdsl.backends.bullet.backend import BulletBackend
+from cbdsl.documents.robot import RobotDocument
+from cbdsl.documents.stage import StageDocument
+from cbdsl.program.transition import Transition
+from cbdsl.robot.kinematics import Kinematics
+from cbdsl.runtime.episode import EpisodeResult, Runner, Tick
+from tests.conftest import Checked
+
+pytestmark = pytest.mark.slow
+
+LEFT = {"arm": "left_arm", "hand": "left_hand"}
+
+# Contact forces ripple from physics step to physics step, and load cells smooth that.
+LOAD_TOLERANCE = 0.25
+
+
+@dataclass
+class Judged:
+    """An episode, what was heard of it, and the backend as it left it."""
+
+    result: EpisodeResult
+    transitions: list[Transition]
+    last: Tick
+    backend: BulletBackend
+
+
+Perform = Callable[..., Judged]
+
+
+@pytest.fixture(scope="module")
+def perform(
+    dexter: RobotDocument,
+    kinematics: Kinematics,
+    checked: Checked,
+    stage: Callable[[str], StageDocument],
+    bullet: BulletBackend,
+) -> Perform:
+    def run(
+        program: str,
+        on: str,
+        seed: int,
+        context: str | None = None,
+        backend: BulletBackend | None = None,
+        **values: str,
+    ) -> Judged:
+        body = backend or bullet
+        runner = Runner(dexter, kinematics, checked(program, **values), body)
+        transitions: list[Transition] = []
+        last: list[Tick] = []
+
+        def note(tick: Tick) -> None:
+            last[:] = [tick]
+
+        result = runner.run(stage(on), seed, context, transitions.append, note)
+        return Judged(result, transitions, last[0], body)
+
+    return run
+
+
+def thing_of(judged: Judged) -> str:
+    """The one thing that is shown."""
+    (thing,) = set(judged.backend.truth.names()) - {"table", "pedestal"}
+    return thing
+
+
+def require_touch(judged: Judged, hand: str) -> None:
+    """All fingertips of a hand press on the thing as hard as their load cells say."""
+    result, truth = judged.result, judged.backend.truth
+    assert result.rewarded, result.ending
+    forces: dict[str, np.ndarray] = {}
+    for touch in truth.touches(thing_of(judged)):
+        if touch.cell[0] == hand:
+            forces[touch.cell[1]] = forces.get(touch.cell[1], np.zeros(3)) + touch.force
+    assert len(forces) == 3, f"only {sorted(forces)} touch: {result.ending}"
+    for finger, force in forces.items():
+        felt = judged.last.observation.loads[hand, finger][:3]
+        assert np.linalg.norm(force) > 0.1
+        assert felt == pytest.approx(force, abs=LOAD_TOLERANCE), (finger, felt, force)
+
+
+def require_on_table(judged: Judged) -> None:
+    x, y, z = judged.backend.truth.pose(thing_of(judged)).position
+    assert 0.3 < x < 0.9 and abs(y) < 0.6 and -0.42 < z < -0.2
+
+
+@pytest.mark.parametrize("seed", [70001, 70002, 70003])
+@pytest.mark.parametrize(
+    ("on", "values"), [("table_right", {}), ("table_left", LEFT)], ids=["right", "left"]
+)
+def test_what_stands_on_the_table_is_touched(
+    perform: Perform, on: str, values: dict[str, str], seed: int
+) -> None:
+    judged = perform("reachtouch", on, seed, **values)
+    require_touch(judged, values.get("hand", "right_hand"))
+    require_on_table(judged)
+    assert judged.result.predicates[-1] == "X11"
+
+
+@pytest.mark.parametrize("seed", [70001, 70002])
+@pytest.mark.parametrize("on", ["moving_right", "noisy_right"])
+def test_what_moves_or_is_badly_seen_is_touched_too(perform: Perform, on: str, seed: int) -> None:
+    judged = perform("reachtouch", on, seed)
+    require_touch(judged, "right_hand")
+    require_on_table(judged)
+
+
+@pytest.mark.parametrize("context", ["ball", "box"])
+def test_what_is_held_out_is_felt(perform: Perform, context: str) -> None:
+    judged = perform("tactileprobe", "held_right", 70001, context)
+    require_touch(judged, "right_hand")
+    assert judged.result.predicates[-1][1] == "1"
+
+
+@pytest.mark.parametrize(("on", "final"), [("absent", "-XX"), ("out_of_reach", "X1-")])
+def test_what_cannot_be_touched_earns_nothing(perform: Perform, on: str, final: str) -> None:
+    judged = perform("reachtouch", on, 70001)
+    assert not judged.result.rewarded
+    assert judged.result.predicates[-1] == final
+    assert sum(each.reward for each in judged.transitions if each.depth == 0) == 0
+
+
+def test_what_is_thrown_away_earns_nothing(perform: Perform) -> None:
+    judged = perform("reachtouch", "thrown", 70001)
+    assert not judged.result.rewarded
+    assert "1" not in {each.next_state[2] for each in judged.transitions if each.depth == 0}
+
+
+@pytest.fixture
+def tiny(dexter: RobotDocument, urdf: Path) -> Iterator[BulletBackend]:
+    vision = dexter.vision.model_copy(update={"renderer": "tiny"})
+    backend = BulletBackend(dexter.model_copy(update={"vision": vision}), urdf)
+    yield backend
+    backend.close()
+
+
+def test_the_slower_renderer_does_as_well(perform: Perform, tiny: BulletBackend) -> None:
+    judged = perform("reachtouch", "table_right", 70004, "in_view", tiny)
+    assert "tiny" in judged.result.renderer.lower()
+    require_touch(judged, "right_hand")

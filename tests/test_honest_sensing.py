@@ -1,0 +1,85 @@
+"""Controllers read an observation and nothing else: no field and no method tells the truth."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import fields, is_dataclass, replace
+from inspect import getmembers, isfunction
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import cbdsl
+from cbdsl.backends.backend import Backend
+from cbdsl.backends.bullet.backend import BulletBackend
+from cbdsl.documents.robot import RobotDocument
+from cbdsl.documents.stage import StageDocument
+from cbdsl.robot.kinematics import Kinematics
+from cbdsl.robot.observation import Observation
+from cbdsl.runtime.episode import Runner
+from tests.conftest import Checked
+
+SENSORS = {"time", "positions", "velocities", "loads", "images"}
+
+
+class Only:
+    """What the protocol names of a backend, whatever else that has."""
+
+    def __init__(self, backend: Backend) -> None:
+        self.renderer = backend.renderer
+        self.control_period = backend.control_period
+        for name, _ in getmembers(Backend, isfunction):
+            if not name.startswith("_"):
+                setattr(self, name, getattr(backend, name))
+
+
+def test_an_observation_has_sensors_only() -> None:
+    assert is_dataclass(Observation)
+    assert {field.name for field in fields(Observation)} == SENSORS
+
+
+def test_what_bullet_observes_is_exactly_that(
+    bullet: BulletBackend, dexter: RobotDocument, stage: Callable[[str], StageDocument]
+) -> None:
+    """No subclass, and no attribute that was smuggled in."""
+    bullet.reset(stage("table_right"), "in_view", np.random.default_rng(0))
+    observation = bullet.observe()
+    assert type(observation) is Observation
+    assert set(vars(observation)) == SENSORS
+    assert set(observation.images) == set(dexter.cameras)
+    cells = {(hand, finger) for hand, found in dexter.load_cells.items() for finger in found}
+    assert set(observation.loads) == cells
+    assert observation.positions.shape == observation.velocities.shape == (24,)
+
+
+def test_the_runtime_needs_nothing_but_the_protocol(
+    bullet: BulletBackend,
+    dexter: RobotDocument,
+    kinematics: Kinematics,
+    checked: Checked,
+    stage: Callable[[str], StageDocument],
+) -> None:
+    wrapped = Only(bullet)
+    assert set(vars(wrapped)) == {
+        "renderer", "control_period", "reset", "observe", "apply", "step", "close",
+    }  # fmt: skip
+    results = [
+        Runner(dexter, kinematics, checked("searchtrack"), backend).run(
+            stage("table_in_view_right"), 3
+        )
+        for backend in (wrapped, bullet)
+    ]
+    bare, full = (replace(result, wall_seconds=0.0) for result in results)
+    assert bare == full
+    assert bare.rewarded
+
+
+@pytest.mark.parametrize("layer", ["runtime", "control", "robot", "program"])
+def test_what_controls_never_mentions_the_simulator(layer: str) -> None:
+    """Nor the truth that only tests and the experimenter may ask for."""
+    package = Path(cbdsl.__file__).parent / layer
+    for file in package.rglob("*.py"):
+        text = file.read_text(encoding="utf-8")
+        assert "bullet" not in text.lower(), file
+        assert ".truth" not in text, file
