@@ -18,7 +18,8 @@ missing=""
 if command -v ldconfig >/dev/null 2>&1; then
     has_library libgomp.so.1 || missing="$missing libgomp1"
     # Only for speed: without them the simulator's own, slower renderer takes over.
-    has_library libEGL.so.1 || missing="$missing libegl1 libgl1-mesa-dri"
+    { has_library libEGL.so.1 && has_library libGL.so.1; } ||
+        missing="$missing libegl1 libgl1 libgl1-mesa-dri"
 fi
 if [ -n "$missing" ]; then
     if command -v apt-get >/dev/null 2>&1 && [ "$(id -u)" = 0 ]; then
