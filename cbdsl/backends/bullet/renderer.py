@@ -53,5 +53,6 @@ def make_renderer(client: int, kind: Literal["auto", "opengl", "tiny"]) -> Rende
             return TinyRenderer(client)
         raise BackendError(
             f"no OpenGL context could be created ({error}); on Debian and Ubuntu it needs the "
-            "packages libegl1, libgl1 and libgl1-mesa-dri; the renderers 'auto' and 'tiny' do without"
+            "packages libegl1, libgl1 and libgl1-mesa-dri; "
+            "the renderers 'auto' and 'tiny' do without"
         ) from error
