@@ -71,9 +71,9 @@ def run(
 
     order = _read(program, stage, policy, read_assignments(with_))
     _require_context(order.stage, context)
-    if record is not None:
-        _require_folder(record)
     with _simulation(order, backend, gui) as (body, runner):
+        if record is not None:
+            _require_folder(record)
         if not as_json:
             print(f"{order.program.name} on {order.stage.name}; images by {body.renderer}")
         results: list[EpisodeResult] = []
