@@ -124,11 +124,13 @@ class Law:
     """
 
     def __init__(self, lower: Floats, upper: Floats, settings: LawSettings) -> None:
-        self._lower = lower + settings.limit_margin
-        self._upper = upper - settings.limit_margin
         self._settings = settings
-        if not (self._lower <= self._upper).all():
+        self._damping = Damping(settings.damping, settings.singular_value)
+        self._nothing = RowSpace.empty(len(lower))
+        if not (lower + settings.limit_margin <= upper - settings.limit_margin).all():
             raise ValueError("a joint's limits are closer together than twice their margin")
+        self._lower = lower + settings.limit_margin - _SLACK
+        self._upper = upper - settings.limit_margin + _SLACK
 
     def solve(self, levels: Sequence[Level], q: Floats) -> Step:
         """One tick's displacement.
@@ -141,8 +143,10 @@ class Law:
             SignalError: the posture or a level is not finite, or a level's shape does not fit.
         """
         require_finite(q, "the posture")
-        composition = _Composition(self._lower - q, self._upper - q, self._settings)
-        values = tuple(composition.add(level) for level in levels)
+        composition = _Composition(
+            self._lower - q, self._upper - q, self._settings.joint_step, self._damping, self._nothing
+        )
+        values = tuple([composition.add(level) for level in levels])
         locked = composition.locked
         return Step(
             composition.displacement(),
@@ -158,17 +162,22 @@ class _Composition:
     Args:
         lowest: smallest displacement within the limits, positive below the lower one, shape (n,).
         highest: largest displacement within the limits, shape (n,).
+        step: largest displacement of a joint.
+        damping: of the steps.
+        taken: the row space of no rows.
     """
 
-    def __init__(self, lowest: Floats, highest: Floats, settings: LawSettings) -> None:
-        self._step = settings.joint_step + _SLACK
-        self._damping = Damping(settings.damping, settings.singular_value)
+    def __init__(
+        self, lowest: Floats, highest: Floats, step: float, damping: Damping, taken: RowSpace
+    ) -> None:
+        self._step = step + _SLACK
+        self._damping = damping
         # Limits come before what the levels want, the largest step before limits.
         most = self._step + _SLACK
-        self._lowest = np.maximum(np.minimum(lowest - _SLACK, settings.joint_step), -most)
-        self._highest = np.minimum(np.maximum(highest + _SLACK, -settings.joint_step), most)
+        self._lowest = np.maximum(np.minimum(lowest, step), -most)
+        self._highest = np.minimum(np.maximum(highest, -step), most)
         self._sum = np.zeros(len(lowest))
-        self._taken = RowSpace.empty(len(lowest))
+        self._taken = taken
         self.locked: Booleans | None = None
 
     def displacement(self) -> Floats:
@@ -183,16 +192,18 @@ class _Composition:
         rows, size = level.jacobian, _size(level, len(self._sum))
         while True:
             decomposition = self._taken.decompose(rows, size)
-            missing = level.velocity - rows @ self._sum
+            if not len(decomposition.values):
+                return decomposition.values
+            missing = level.velocity - rows.dot(self._sum)
             change = decomposition.displacement(missing, self._damping)
             if self.locked is not None:
                 change[self.locked] = 0.0  # not rounding, which could look like passing a bound
             target = self._sum + change
-            if not self._exceeds(target).any():
+            if not np.count_nonzero(self._exceeds(target)):
                 break
             target = self._sum + change * self._share(change)
             stopped = self._exceeds(target)
-            if not stopped.any():
+            if not np.count_nonzero(stopped):
                 break
             self._lock(stopped)
         self._sum = target
@@ -229,7 +240,7 @@ def _size(level: Level, joints: int) -> float:
         )
     # A norm is finite only where all numbers are.
     size = math.sqrt(float(np.vdot(rows, rows)))
-    if not math.isfinite(size + float(velocity @ velocity)):
+    if not math.isfinite(size + float(velocity.dot(velocity))):
         require_finite(rows, f"the Jacobian of {level.name}")
         require_finite(velocity, f"the velocity of {level.name}")
     return size

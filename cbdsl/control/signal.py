@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -20,7 +21,8 @@ def require_finite(values: Floats, what: str) -> None:
     Raises:
         SignalError: some of ``values`` is not finite; the message begins with ``what``.
     """
-    if not np.isfinite(values).all():
+    # A sum of squares is finite only where all numbers are; squares may be infinite all the same.
+    if not math.isfinite(np.vdot(values, values)) and not np.isfinite(values).all():
         raise SignalError(f"{what} is not finite: {values.tolist()}")
 
 
