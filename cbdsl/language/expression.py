@@ -2,37 +2,31 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from typing import NamedTuple
 
 SUBJECT_TO = " ◁ "
 
 
-@dataclass(frozen=True)
-class Span:
+class Span(NamedTuple):
     """A stretch of a composition's text; columns from 1, ``end`` is the one after the last."""
 
     start: int
     end: int
 
 
-@dataclass(frozen=True)
-class Argument:
+class Argument(NamedTuple):
     """A name that a call hands over, possibly with ``$`` and dots."""
 
     text: str
-    span: Span = field(compare=False)
+    span: Span
 
 
-@dataclass(frozen=True)
-class Term:
-    """A controller or program by its name, with what it is called with.
-
-    The span of its name is ``span``; spans do not count when terms are compared.
-    """
+class Term(NamedTuple):
+    """A controller or program by its name, with what it is called with; ``span`` is its name's."""
 
     name: str
     arguments: tuple[Argument, ...]
-    span: Span = field(compare=False)
+    span: Span
 
     def __str__(self) -> str:
         if not self.arguments:
@@ -40,8 +34,7 @@ class Term:
         return f"{self.name}({', '.join(argument.text for argument in self.arguments)})"
 
 
-@dataclass(frozen=True)
-class Expression:
+class Expression(NamedTuple):
     """Terms in written order; the last one has priority."""
 
     terms: tuple[Term, ...]
