@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from typing import NamedTuple
 
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.robot.resources import CYCLOPEAN
@@ -21,8 +21,7 @@ from cbdsl.types.resource import (
 from cbdsl.yaml_text.reader import Loaded
 
 
-@dataclass(frozen=True)
-class Body:
+class Body(NamedTuple):
     """A checked robot.
 
     Attributes:

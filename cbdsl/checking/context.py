@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
 from typing import Any
 
 from cbdsl.checking.body import Body
@@ -18,7 +17,6 @@ from cbdsl.yaml_text.source_map import SourceMap, Step
 Steps = tuple[Step, ...]
 
 
-@dataclass
 class Context:
     """What every check of one program needs.
 
@@ -30,11 +28,14 @@ class Context:
         used: names of controllers and programs that something refers to.
     """
 
-    loaded: Loaded[ProgramDocument]
-    body: Body
-    scope: Scope
-    findings: Findings
-    used: set[str] = field(default_factory=set)
+    def __init__(
+        self, loaded: Loaded[ProgramDocument], body: Body, scope: Scope, findings: Findings
+    ) -> None:
+        self.loaded = loaded
+        self.body = body
+        self.scope = scope
+        self.findings = findings
+        self.used: set[str] = set()
 
     @property
     def document(self) -> ProgramDocument:

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterable
 from typing import Any
 
-from cbdsl.errors.catalogue import diagnostic
 from cbdsl.errors.diagnostic import Diagnostic, Place
+from cbdsl.errors.wording import diagnostic
 
 
 class Findings:

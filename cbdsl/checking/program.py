@@ -16,6 +16,7 @@ from cbdsl.documents.program import ProgramDocument, Use
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.documents.stage import StageDocument
 from cbdsl.errors.errors import DiagnosticsError, UsageError
+from cbdsl.errors.nearest import nearest_name
 from cbdsl.language.expression import Expression, Term
 from cbdsl.program.checked import Action, CheckedProgram
 from cbdsl.program.controller import Composition, Primitive
@@ -42,13 +43,20 @@ def check_program(
     session, findings = Session(library), Findings()
     path = session.library.locate(ProgramDocument, path_or_name)
     values = with_ or {}
-    unknown = set(values) - set(session.library.read(path, ProgramDocument).document.parameters)
-    if unknown:
-        raise UsageError(f"{path}: there is no parameter {', '.join(sorted(unknown))}")
+    known = session.library.read(path, ProgramDocument).document.parameters
+    for name in values:
+        if name not in known:
+            raise UsageError(f"{path}: {_no_parameter(name, list(known))}")
     checked = examine_program(path, values, session, findings)
     if checked is None or findings.failed:
         raise DiagnosticsError(findings.sorted())
     return checked
+
+
+def _no_parameter(name: str, known: list[str]) -> str:
+    nearest = nearest_name(name, known)
+    hint = f"; did you mean '{nearest}'?" if nearest else ""
+    return f"there is no parameter '{name}'{hint} (known: {', '.join(known) or 'none'})"
 
 
 def examine_program(

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import re
-from dataclasses import dataclass
 
 from cbdsl.errors.counting import count
 from cbdsl.program.controller import AlongNormals, Literal
@@ -27,7 +26,6 @@ _DIMENSIONS: dict[str, tuple[str, ...]] = {
 }
 
 
-@dataclass
 class LiteralError(Exception):
     """A literal does not suit its feedback.
 
@@ -37,9 +35,11 @@ class LiteralError(Exception):
         item: which component, where it is one of several.
     """
 
-    code: str
-    details: dict[str, object]
-    item: int | None = None
+    def __init__(self, code: str, details: dict[str, object], item: int | None = None) -> None:
+        super().__init__(code)
+        self.code = code
+        self.details = details
+        self.item = item
 
 
 def is_literal(text: str) -> bool:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import re
 from collections.abc import Mapping
-from dataclasses import dataclass, field
 
 from cbdsl.checking.findings import Findings
 from cbdsl.yaml_text.source_map import SourceMap, Step
@@ -12,7 +11,6 @@ from cbdsl.yaml_text.source_map import SourceMap, Step
 _PARAMETER = re.compile(r"\$([A-Za-z][A-Za-z0-9_]*)")
 
 
-@dataclass(frozen=True)
 class Scope:
     """Values of parameters, and which of them were asked for.
 
@@ -21,8 +19,9 @@ class Scope:
         used: names that some text referred to; shared with the scopes inside.
     """
 
-    values: Mapping[str, str]
-    used: set[str] = field(default_factory=set)
+    def __init__(self, values: Mapping[str, str], used: set[str] | None = None) -> None:
+        self.values = values
+        self.used: set[str] = set() if used is None else used
 
     def inside(self, values: Mapping[str, str]) -> Scope:
         """This scope with further parameters, which hide those of the same name."""

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from types import MappingProxyType
+from typing import NamedTuple
 
 from cbdsl.errors.diagnostic import Severity
 
 
-@dataclass(frozen=True)
-class Entry:
+class Entry(NamedTuple):
     """What there is to say about one code.
 
     Attributes:
@@ -29,5 +29,5 @@ class Entry:
     explanation: str
     example: str | bytes | None
     path: str = "programs/example.yaml"
-    beside: Mapping[str, str] = field(default_factory=dict)
+    beside: Mapping[str, str] = MappingProxyType({})
     severity: Severity = Severity.ERROR

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import NamedTuple
 
 from cbdsl.types.resource import Resource
 
 
-@dataclass(frozen=True)
-class Literal:
+class Literal(NamedTuple):
     """A constant reference, in SI.
 
     Attributes:
@@ -18,8 +18,7 @@ class Literal:
     values: tuple[float, ...]
 
 
-@dataclass(frozen=True)
-class AlongNormals:
+class AlongNormals(NamedTuple):
     """A force reference along each finger's normal, to be shared among the fingers.
 
     Attributes:
@@ -32,8 +31,7 @@ class AlongNormals:
 Reference = Resource | Literal | AlongNormals
 
 
-@dataclass(frozen=True)
-class Quiescence:
+class Quiescence(NamedTuple):
     """When phi counts as at rest (Eq 4.1).
 
     Attributes:
@@ -47,8 +45,7 @@ class Quiescence:
     within: float | None
 
 
-@dataclass(frozen=True)
-class Standoff:
+class Standoff(NamedTuple):
     """Distance kept in front of the reference along the tip's normal, m."""
 
     clearance: float
@@ -56,8 +53,7 @@ class Standoff:
     most: float
 
 
-@dataclass(frozen=True)
-class Funnel:
+class Funnel(NamedTuple):
     """Approach from above; height and within in m."""
 
     height: float
@@ -65,8 +61,7 @@ class Funnel:
     slope: float
 
 
-@dataclass(frozen=True)
-class Seek:
+class Seek(NamedTuple):
     """Acting while the feedback is undefined; within in m, until in rad."""
 
     once: str | None
@@ -110,8 +105,7 @@ class Controller:
     seek: Seek | None = None
 
 
-@dataclass(frozen=True)
-class Primitive:
+class Primitive(NamedTuple):
     """What a state has one predicate for: one controller, or several composed into one.
 
     Attributes:
@@ -128,8 +122,7 @@ class Primitive:
         return self.controllers[-1]
 
 
-@dataclass(frozen=True)
-class Composition:
+class Composition(NamedTuple):
     """``c2 ◁ c1``: primitives in written order, the last one with the highest priority."""
 
     primitives: tuple[Primitive, ...]

@@ -8,13 +8,12 @@ of a transformation, or through its pseudoinverse.
 from __future__ import annotations
 
 from collections import deque
-from dataclasses import dataclass
+from typing import NamedTuple
 
 from cbdsl.types.resource_type import ResourceType
 
 
-@dataclass(frozen=True)
-class Cast:
+class Cast(NamedTuple):
     """One edge of the cast graph.
 
     Attributes:

@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from typing import NamedTuple
 
 
-@dataclass(frozen=True)
-class PotentialType:
+class PotentialType(NamedTuple):
     """The signature of a potential.
 
     Attributes:

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from enum import Enum
+from typing import NamedTuple
 
 from cbdsl.types.resource_type import ResourceType
 
@@ -19,23 +19,20 @@ class Origin(Enum):
     CONSTANT = "constant"
 
 
-@dataclass(frozen=True)
-class EffectorConfiguration:
+class EffectorConfiguration(NamedTuple):
     """The joint positions of an effector."""
 
     effector: str
 
 
-@dataclass(frozen=True)
-class Tip:
+class Tip(NamedTuple):
     """The ``position``, ``orientation`` or ``pose`` of an effector's tip, in the world frame."""
 
     effector: str
     part: str
 
 
-@dataclass(frozen=True)
-class FingerLoad:
+class FingerLoad(NamedTuple):
     """The ``force``, ``torque`` or ``wrench`` a finger exerts, in the world frame."""
 
     hand: str
@@ -43,46 +40,40 @@ class FingerLoad:
     part: str
 
 
-@dataclass(frozen=True)
-class NetLoad:
+class NetLoad(NamedTuple):
     """The sum over a hand's fingers of their ``force``, ``torque`` or ``wrench``."""
 
     hand: str
     part: str
 
 
-@dataclass(frozen=True)
-class FingerForces:
+class FingerForces(NamedTuple):
     """The forces of all fingers of a hand, in the order of the robot file."""
 
     hand: str
 
 
-@dataclass(frozen=True)
-class Heading:
+class Heading(NamedTuple):
     """Where a camera sees a channel's region; ``cyclopean`` is the mean over the cameras."""
 
     camera: str
     channel: str
 
 
-@dataclass(frozen=True)
-class StereoPosition:
+class StereoPosition(NamedTuple):
     """The triangulated position of a channel's region, in the world frame."""
 
     channel: str
 
 
-@dataclass(frozen=True)
-class Posture:
+class Posture(NamedTuple):
     """A named joint posture of the robot file."""
 
     effector: str
     posture: str
 
 
-@dataclass(frozen=True)
-class UniformSample:
+class UniformSample(NamedTuple):
     """A draw from the uniform distribution between an effector's joint limits."""
 
     effector: str
@@ -101,8 +92,7 @@ Source = (
 )
 
 
-@dataclass(frozen=True)
-class Resource:
+class Resource(NamedTuple):
     """A named, typed signal.
 
     Attributes:

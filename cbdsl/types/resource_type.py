@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from typing import NamedTuple
 
 
-@dataclass(frozen=True)
-class ResourceType:
+class ResourceType(NamedTuple):
     """What kind of quantity a resource carries.
 
     Types are nominal: a force is not a position although both live in R^3.
@@ -27,7 +26,7 @@ class ResourceType:
 
     def times(self, factors: int) -> ResourceType:
         """The product of ``factors`` copies of this type."""
-        return replace(self, factors=self.factors * factors)
+        return self._replace(factors=self.factors * factors)
 
     @property
     def size(self) -> int:

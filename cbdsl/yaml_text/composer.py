@@ -12,9 +12,9 @@ from typing import Any
 
 import yaml
 
-from cbdsl.errors.catalogue import diagnostic
 from cbdsl.errors.diagnostic import Diagnostic, Place
 from cbdsl.errors.errors import DiagnosticsError
+from cbdsl.errors.wording import diagnostic
 from cbdsl.yaml_text.node import Node
 from cbdsl.yaml_text.scalar import Scalar, ScalarError, resolve
 

@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
-from dataclasses import dataclass
-from typing import Any, get_args
+from typing import Any, NamedTuple, get_args
 
 from pydantic import BaseModel
 from pydantic_core import ErrorDetails
 
-from cbdsl.errors.catalogue import diagnostic
 from cbdsl.errors.diagnostic import Diagnostic
+from cbdsl.errors.wording import diagnostic
 from cbdsl.yaml_text.source_map import SourceMap, Step, child_of
 
 _EXPECTED = {
@@ -38,8 +37,7 @@ _PROBLEMS = {
 }
 
 
-@dataclass(frozen=True)
-class _Fault:
+class _Fault(NamedTuple):
     """One of pydantic's errors at the path that the text really has."""
 
     path: tuple[Step, ...]

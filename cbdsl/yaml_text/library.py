@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator
-from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, TypeVar
 
@@ -36,7 +35,6 @@ def shipped() -> Path:
     return installed if installed.is_dir() else package.parent
 
 
-@dataclass
 class Library:
     """Finds and reads documents by name, each file once.
 
@@ -44,8 +42,9 @@ class Library:
         here: the folder that is searched after those of the naming document.
     """
 
-    here: Path = field(default_factory=Path.cwd)
-    _read: dict[Path, Loaded[Any]] = field(default_factory=dict)
+    def __init__(self, here: Path | None = None) -> None:
+        self.here = here or Path.cwd()
+        self._read: dict[Path, Loaded[Any]] = {}
 
     def find(self, kind: type[Document], name: str, beside: Path | None = None) -> Path | None:
         """The file ``<name>.yaml``: beside another, else in a folder of its kind, else ``None``.

@@ -3,13 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass, field
 
 from cbdsl.errors.diagnostic import Place
 from cbdsl.yaml_text.scalar import Scalar
 
 
-@dataclass
 class Node:
     """A scalar, a sequence or a mapping, and where it stands.
 
@@ -21,11 +19,14 @@ class Node:
         height: levels of nesting below it.
     """
 
-    place: Place
-    value: Scalar | list[Node] | dict[str, Node]
-    keys: dict[str, Place] = field(default_factory=dict)
-    weight: int = 1
-    height: int = 0
+    __slots__ = ("height", "keys", "place", "value", "weight")
+
+    def __init__(self, place: Place, value: Scalar | list[Node] | dict[str, Node]) -> None:
+        self.place = place
+        self.value = value
+        self.keys: dict[str, Place] = {}
+        self.weight = 1
+        self.height = 0
 
     def children(self) -> Iterator[Node]:
         """Items or values, in order."""

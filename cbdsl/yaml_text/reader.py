@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Generic, TypeVar
+from typing import Any, Generic, NamedTuple, TypeVar
 
 from pydantic import ValidationError
 
@@ -13,9 +12,9 @@ from cbdsl.documents.policy import PolicyDocument
 from cbdsl.documents.program import ProgramDocument
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.documents.stage import StageDocument
-from cbdsl.errors.catalogue import diagnostic
 from cbdsl.errors.diagnostic import Place
 from cbdsl.errors.errors import DiagnosticsError
+from cbdsl.errors.wording import diagnostic
 from cbdsl.yaml_text.composer import compose
 from cbdsl.yaml_text.faults import describe, faults
 from cbdsl.yaml_text.node import Node
@@ -31,8 +30,7 @@ KINDS: dict[str, type[Document]] = {
 D = TypeVar("D", bound=Document, covariant=True)
 
 
-@dataclass(frozen=True)
-class Loaded(Generic[D]):
+class Loaded(NamedTuple, Generic[D]):
     """A document and where its parts stand."""
 
     document: D

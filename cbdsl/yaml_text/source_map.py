@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from pathlib import Path
+from typing import NamedTuple
 
 from cbdsl.errors.diagnostic import Place
 from cbdsl.yaml_text.node import Node
@@ -12,8 +12,7 @@ from cbdsl.yaml_text.node import Node
 Step = str | int
 
 
-@dataclass(frozen=True)
-class SourceMap:
+class SourceMap(NamedTuple):
     """A document's file, text and places.
 
     Paths into the document are sequences of keys and indices. Steps that the text does not have,
