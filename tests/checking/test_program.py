@@ -85,7 +85,7 @@ def test_the_chain_leads_from_the_feedback_to_the_effector() -> None:
 def test_unknown_names_are_usage_errors() -> None:
     with pytest.raises(UsageError, match="did you mean 'searchtrack'"):
         check_program("serchtrack")
-    with pytest.raises(UsageError, match="no parameter featur"):
+    with pytest.raises(UsageError, match="no parameter 'featur'; did you mean 'feature'"):
         check_program("searchtrack", {"featur": "hue_1"})
 
 
