@@ -1,0 +1,180 @@
+"""``cb run``: what goes wrong is one clear message, and what goes well can be repeated."""
+
+from __future__ import annotations
+
+import json
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from cbdsl.cli import main as command
+from tests.conftest import ROOT
+
+OTHER_STAGE = "cbdsl: 1\nkind: stage\nname: elsewhere\nrobot: other\ncontexts: {only: {}}\n"
+OTHER_POLICY = (
+    "cbdsl: 1\nkind: policy\nname: touching\nprogram: reachtouch\n"
+    "predicates: [searchtrack, reach, touch]\npolicy: {'***': reach ◁ touch}\n"
+)
+BROKEN = (
+    "cbdsl: 1\nkind: program\nname: broken\nrobot: dexter\ncontrollers: {go: "
+    "{potential: spring, reference: 0, feedback: head, effector: head}}\nactions: [gone]\n"
+)
+
+
+@pytest.fixture
+def here(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """A working folder with files that do not fit."""
+    files = {
+        "elsewhere.yaml": OTHER_STAGE,
+        "touching.yaml": OTHER_POLICY,
+        "broken.yaml": BROKEN,
+        "file": "",
+    }
+    for name, text in files.items():
+        (tmp_path / name).write_text(text, encoding="utf-8")
+    (tmp_path / "folder").mkdir()
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
+def cb(monkeypatch: pytest.MonkeyPatch, *arguments: str) -> int:
+    """Run ``cb run`` in this process; its exit code."""
+    monkeypatch.setattr(sys, "argv", ["cb", "run", *arguments])
+    try:
+        command.main()
+    except SystemExit as end:
+        return int(end.code or 0)
+    return 0
+
+
+def cb_process(*arguments: str, **changes: str | None) -> subprocess.CompletedProcess[str]:
+    """Run ``cb`` in a process of its own; ``changes`` are to its environment."""
+    environment = {**os.environ, **{key: value for key, value in changes.items() if value}}
+    for key in changes.keys() - {key for key, value in changes.items() if value}:
+        environment.pop(key, None)
+    script = "import sys; from cbdsl.cli.main import main; main()"
+    return subprocess.run(
+        [sys.executable, "-c", script, *arguments], capture_output=True, text=True, env=environment
+    )
+
+
+# What is asked for, the exit code, and what the message has to name.
+MISTAKES = [
+    (["serchtrack"], 2, ["serchtrack", "did you mean 'searchtrack'", "known: "]),
+    (["nowhere/none.yaml"], 1, ["nowhere/none.yaml:1:1", "No such file"]),
+    (["folder"], 1, ["folder:1:1", "Is a directory"]),
+    (["elsewhere.yaml"], 1, ["elsewhere.yaml:2:7", "stage", "program"]),
+    (["broken.yaml"], 1, ["broken.yaml:6:", "gone"]),
+    (["searchtrack", "--stage", "table_rihgt"], 2, ["did you mean 'table_right'"]),
+    (["searchtrack", "--stage", "folder/none.yaml"], 1, ["folder/none.yaml:1:1"]),
+    (["searchtrack", "--stage", "touching.yaml"], 1, ["touching.yaml:2:7", "stage"]),
+    (["searchtrack", "--stage", "elsewhere.yaml"], 1, ["elsewhere.yaml", "other"]),
+    (["searchtrack", "--context", "in_veiw"], 2, ["did you mean 'in_view'", "out_of_view"]),
+    (["searchtrack", "--backend", "gazebo"], 2, ["gazebo", "bullet"]),
+    (["searchtrack", "--with", "colour=red"], 2, ["colour"]),
+    (["searchtrack", "--with", "feature"], 2, ["name=value"]),
+    (["searchtrack", "--with", "feature=hue_99"], 1, ["CB501", "hue_99"]),
+    (["searchtrack", "--policy", "touching.yaml"], 2, ["touching.yaml", "reachtouch"]),
+    (["searchtrack", "--policy", "none.yaml"], 1, ["none.yaml:1:1"]),
+    (["searchtrack", "--record", "file"], 2, ["--record file"]),
+    (["searchtrack", "--record", "file/below"], 2, ["--record file/below"]),
+    (["searchtrack", "--seed", "-1"], 2, ["--seed"]),
+    (["searchtrack", "--episodes", "0"], 2, ["--episodes"]),
+    (["searchtrack", "--seed", "one"], 2, ["--seed"]),
+    ([], 2, ["program"]),
+]
+
+
+@pytest.mark.parametrize(
+    ("arguments", "code", "named"), MISTAKES, ids=[" ".join(each[0]) for each in MISTAKES]
+)
+def test_a_mistake_is_one_clear_message(
+    here: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capfd: pytest.CaptureFixture[str],
+    arguments: list[str],
+    code: int,
+    named: list[str],
+) -> None:
+    assert cb(monkeypatch, *arguments) == code
+    out, err = capfd.readouterr()
+    assert "Traceback" not in err + out
+    assert "internal error" not in err + out
+    for part in named:
+        assert part in out + err
+    if code == 1:
+        assert out.endswith("1 error\n")
+    else:
+        assert out == ""
+
+
+@pytest.mark.parametrize("package", ["numpy", "pybullet", "cv2", "pinocchio"])
+@pytest.mark.parametrize("more", [[], ["--record", "kept"]], ids=["run", "record"])
+def test_without_the_simulator_it_says_what_to_install(
+    here: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capfd: pytest.CaptureFixture[str],
+    package: str,
+    more: list[str],
+) -> None:
+    for name in [*sys.modules]:
+        if name == package or name.startswith(("cbdsl.backends", "cbdsl.robot", "cbdsl.runtime")):
+            monkeypatch.delitem(sys.modules, name)
+    monkeypatch.setitem(sys.modules, package, None)
+    assert cb(monkeypatch, "searchtrack", *more) == 2
+    out, err = capfd.readouterr()
+    assert out == ""
+    assert err.count("\n") == 1
+    assert package in err
+    assert "pip install 'cbdsl[sim]'" in err
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="elsewhere a screen is always there")
+def test_a_window_without_a_screen_is_refused() -> None:
+    done = cb_process("run", "searchtrack", "--gui", DISPLAY=None, WAYLAND_DISPLAY=None)
+    assert done.returncode == 2
+    assert done.stdout == ""
+    assert done.stderr.startswith("cb: ") and done.stderr.count("\n") == 1
+    assert "screen" in done.stderr or "display" in done.stderr.lower()
+
+
+@pytest.mark.slow
+def test_the_same_call_prints_the_same_bytes(tmp_path: Path) -> None:
+    """But for how long it took."""
+    call = ("run", "reachtouch", "--stage", "table_right", "--seed", "70011", "--episodes", "2")
+    runs = [cb_process(*call, "--json") for _ in range(2)]
+    assert [run.returncode for run in runs] == [0, 0]
+    assert [run.stderr for run in runs] == ["", ""]
+    rows = [[json.loads(line) for line in run.stdout.splitlines()] for run in runs]
+    assert [row["seed"] for row in rows[0]] == [70011, 70012]
+    stripped = []
+    for run, found in zip(runs, rows, strict=True):
+        text = run.stdout
+        for row in found:
+            text = text.replace(f'"wall_seconds": {json.dumps(row["wall_seconds"])}', "")
+        stripped.append(text.encode())
+    assert stripped[0] == stripped[1]
+
+
+@pytest.mark.slow
+def test_people_are_told_transitions_and_scripts_files(
+    here: Path, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
+) -> None:
+    assert cb(monkeypatch, "searchtrack", "--context", "in_view", "--record", "kept") == 0
+    out, _ = capfd.readouterr()
+    assert "XX -> " in out and "reward 1" in out and "Rewarded after" in out
+    assert sorted(file.name for file in (here / "kept").iterdir()) == [
+        "episode_0.json",
+        "episode_0.npz",
+    ]
+
+
+def test_the_shipped_programs_are_found_from_anywhere(
+    here: Path, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
+) -> None:
+    assert not (here / "programs").exists() and here != ROOT
+    cb(monkeypatch, "none")
+    assert "reachtouch" in capfd.readouterr().err

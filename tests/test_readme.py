@@ -1,0 +1,116 @@
+"""What README and CONTRIBUTING tell people to type is accepted."""
+
+from __future__ import annotations
+
+import re
+import shlex
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+import typer
+from typer.testing import CliRunner
+
+from cbdsl.checking.document import check_document
+from cbdsl.cli.main import app
+from tests.conftest import ROOT
+
+PAGES = [ROOT / "README.md", ROOT / "CONTRIBUTING.md", *sorted((ROOT / "docs").glob("*.md"))]
+
+# In tables a bar between alternatives is escaped.
+QUOTED = re.compile(r"`([^`]+)`")
+BLOCK = re.compile(r"^```(\w*)\n(.*?)^```$", re.DOTALL | re.MULTILINE)
+
+
+def blocks(page: Path, language: str) -> list[str]:
+    return [body for name, body in BLOCK.findall(page.read_text("utf-8")) if name == language]
+
+
+def commands(page: Path) -> Iterator[str]:
+    """Everything to type that begins with ``cb``, in code blocks and within sentences."""
+    lines = [line for block in blocks(page, "sh") for line in block.splitlines()]
+    quoted = QUOTED.findall(BLOCK.sub("", page.read_text("utf-8")))
+    for text in (*lines, *quoted):
+        for part in re.split(r"&&|;", text.replace("\n", " ")):
+            if match := re.match(r"\s*(?:\S*/)?cb\s+(\w.*)", part):
+                yield match[1].replace("\\|", "|").strip()
+
+
+COMMANDS = [
+    pytest.param(command, id=f"{page.name}: cb {command}")
+    for page in PAGES
+    for command in dict.fromkeys(commands(page))
+]
+
+
+@pytest.mark.parametrize("command", COMMANDS)
+def test_every_command_exists_with_its_options(command: str) -> None:
+    words = shlex.split(command)
+    for leaf in leaves(typer.main.get_command(app), words):
+        given = {word.split("=")[0] for word in words if word.startswith("--")}
+        assert given <= options(leaf)
+
+
+def leaves(command: Any, words: list[str]) -> Iterator[Any]:
+    """The commands that the first words name, where ``a|b`` names two."""
+    if not hasattr(command, "commands"):
+        yield command
+        return
+    assert words, f"{command.name} needs a command"
+    for name in words[0].split("|"):
+        assert name in command.commands, f"there is no command {name}"
+        yield from leaves(command.commands[name], words[1:])
+
+
+def options(command: Any) -> set[str]:
+    return {option for parameter in command.params for option in parameter.opts}
+
+
+def test_the_options_that_the_readme_lists_for_run_exist() -> None:
+    text = (ROOT / "README.md").read_text("utf-8")
+    row = next(line for line in text.splitlines() if line.startswith("| `cb run"))
+    (run,) = leaves(typer.main.get_command(app), ["run"])
+    listed = {text.split()[0] for text in QUOTED.findall(row) if text.startswith("--")}
+    assert len(listed) > 5
+    assert listed <= options(run)
+
+
+def test_the_test_command_is_one_line_that_runs_pytest() -> None:
+    text = (ROOT / "README.md").read_text("utf-8")
+    _, _, after = text.partition("<!-- tests -->")
+    block = BLOCK.search(after)
+    assert block is not None
+    language, body = block.groups()
+    assert language == "sh"
+    (line,) = body.splitlines()
+    setup, last = (shlex.split(part) for part in line.split("&&"))
+    assert Path(last[0]).name == "pytest"
+    # The first word is something that can be run from a fresh checkout.
+    assert (ROOT / setup[0]).exists() or "/" not in setup[0]
+
+
+def test_pages_and_files_that_are_linked_exist() -> None:
+    for page in PAGES:
+        for target in re.findall(r"\]\(([^)#:]+)\)", page.read_text("utf-8")):
+            assert (page.parent / target).exists(), f"{page.name} links to {target}"
+
+
+@pytest.fixture
+def program(tmp_path: Path) -> Path:
+    """The program that the README has people write."""
+    (text,) = blocks(ROOT / "README.md", "yaml")
+    path = tmp_path / "watch.yaml"
+    path.write_text(text, encoding="utf-8")
+    return path
+
+
+def test_the_program_is_valid(program: Path) -> None:
+    assert check_document(program) == []
+
+
+@pytest.mark.slow
+def test_the_program_runs(program: Path) -> None:
+    done = CliRunner().invoke(app, ["run", str(program), "--seed", "3", "--context", "in_view"])
+    assert done.exit_code == 0, done.output
+    assert "Rewarded after" in done.output
