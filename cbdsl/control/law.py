@@ -143,8 +143,9 @@ class Law:
             SignalError: the posture or a level is not finite, or a level's shape does not fit.
         """
         require_finite(q, "the posture")
+        lowest, highest = self._lower - q, self._upper - q
         composition = _Composition(
-            self._lower - q, self._upper - q, self._settings.joint_step, self._damping, self._nothing
+            lowest, highest, self._settings.joint_step, self._damping, self._nothing
         )
         values = tuple([composition.add(level) for level in levels])
         locked = composition.locked
