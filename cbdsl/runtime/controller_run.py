@@ -23,6 +23,8 @@ from cbdsl.types.resource import FingerForces, Origin, Tip
 Floats = NDArray[np.float64]
 Columns = NDArray[np.intp]
 
+_NOTHING = Reading(np.zeros(0), np.zeros((0, 0)), 0)
+
 
 class ControllerRun:
     """A controller's state between its activation and its deactivation.
@@ -83,7 +85,7 @@ class ControllerRun:
             self._undefined()
             return None
         feedback = self._feedback(reference)
-        defined = feedback is not None and self._signals.read(self.controller.feedback) is not None
+        defined = feedback is not None and self._signals.defined(self.controller.feedback)
         if not defined:
             self._undefined()
             if not self._may_seek(peers):
@@ -91,7 +93,7 @@ class ControllerRun:
         if feedback is None:
             return None
         signal = Signal(
-            self.controller.feedback.name, feedback.value, feedback.jacobian[:, columns]
+            self.controller.feedback.name, feedback.value, feedback.jacobian.take(columns, axis=1)
         )
         evaluation = self._potential.evaluate(signal, reference.value)
         if defined:
@@ -105,11 +107,14 @@ class ControllerRun:
         self.predicate = self._monitor.undefined()
         self.phi = self.error = math.nan
         self.settled = False
+        # The robot may be doing something else by the time the signal is back.
+        if not self.seeking:
+            self._task.reset()
 
     def _defined(self, evaluation: Evaluation, reference: Reading, stamp: int) -> None:
         self.seeking = self.exhausted = False
         self.phi = evaluation.phi
-        self.error = float(np.linalg.norm(evaluation.residual))
+        self.error = math.sqrt(evaluation.residual.dot(evaluation.residual))
         stamp = max(stamp, reference.stamp)
         self.predicate = self._monitor.update(self.phi, self._period, fresh=stamp != self._stamp)
         self._stamp = stamp
@@ -140,7 +145,7 @@ class ControllerRun:
             return self._constant
         resource = self.controller.reference
         if resource is None:
-            return Reading(np.zeros(0), np.zeros((0, 0)), 0)
+            return _NOTHING
         assert not isinstance(resource, (Literal, AlongNormals))
         if resource.origin is not Origin.MODEL:
             return self._signals.read(resource)

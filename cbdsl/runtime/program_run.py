@@ -115,7 +115,8 @@ class ProgramRun:
             runs = self._stacks[self._action.name]
             peers = {run.controller.name: run for run in runs}
             acting = [Active(run, peers) for run in runs]
-        return acting + [Active(run, {}) for run in self._background]
+        running = [item.run for item in acting]
+        return acting + [Active(run, {}) for run in self._background if run not in running]
 
     def leads(self, action: Action) -> list[ControllerRun]:
         """The leading controllers of an action's primitives, highest priority first."""

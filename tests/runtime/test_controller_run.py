@@ -253,3 +253,23 @@ def test_deactivated_it_is_as_good_as_new(
     for _ in range(3):
         assert evaluate(used) == pytest.approx(evaluate(new))
         assert (used.predicate, used.error) == (new.predicate, new.error)
+
+
+def test_what_was_lost_is_approached_from_rest_again(
+    reachtouch: CheckedProgram, signals: Signals, backend: SyntheticBackend, start: Start
+) -> None:
+    """Its speed before the loss says nothing about the robot's now."""
+    approach = replace(approach_of(reachtouch), funnel=None, standoff=None)
+    memory = signals.vision.memories["sat_10"]
+    run = start(approach)
+    rates = []
+    for tick in range(40):
+        signals.update(replace(backend.observe(), images={}))
+        memory.position = None if tick == 30 else TABLE_BALL
+        velocity = evaluate(run)
+        rates.append(0.0 if velocity is None else float(np.linalg.norm(velocity)))
+    assert approach.acceleration is not None
+    step = approach.acceleration * PERIOD**2
+    assert rates[29] > 5 * step
+    assert rates[30] == 0.0
+    assert rates[0] == rates[31] == pytest.approx(step)

@@ -234,6 +234,20 @@ def test_the_background_acts_below_every_action(checked: Checked, play: Play) ->
     assert left_behind[-1] < 0.1 * left_behind[1]
 
 
+def test_what_acts_already_is_not_in_the_background_too(written: Written, play: Play) -> None:
+    """It would count every tick twice, and come to rest in half the time."""
+    program = written(
+        f"controllers: {{search: {SEARCH}, track: {LOOK}}}\nbackground: search\n"
+        "actions: [search, track]\npolicy: {'**': search}\nlimits: {transitions: 1}\n"
+    )
+
+    def watch(tick: Tick) -> None:
+        names = [item.run.controller.name for item in tick.run.active()]
+        assert names == ["search"]
+
+    play(program, nothing, watch=watch)
+
+
 def test_a_program_without_an_action_to_begin_with_moves_nothing(
     written: Written, play: Play
 ) -> None:
