@@ -15,7 +15,7 @@ from cbdsl.backends.bullet.body import Body
 from cbdsl.backends.bullet.cameras import Cameras
 from cbdsl.backends.bullet.experimenter import Experimenter
 from cbdsl.backends.bullet.load_cells import LoadCells
-from cbdsl.backends.bullet.renderer import Renderer, make_renderer
+from cbdsl.backends.bullet.renderer import NoRenderer, Renderer, make_renderer
 from cbdsl.backends.bullet.scene import GRAVITY, Scene
 from cbdsl.backends.bullet.shape import draw
 from cbdsl.backends.bullet.touch import Fingertips
@@ -62,11 +62,16 @@ class BulletBackend:
             self._empty_world()
             for camera in robot.cameras.values():
                 self._body.link(camera.link)
-            self._renderer: Renderer = make_renderer(self._client, robot.vision.renderer)
+            self._renderer = self._make_renderer()
         except BackendError:
             p.disconnect(physicsClientId=self._client)
             raise
         self.renderer = self._renderer.name
+
+    def _make_renderer(self) -> Renderer:
+        if not self._robot.cameras:
+            return NoRenderer()
+        return make_renderer(self._client, self._robot.vision.renderer, [self._body.id])
 
     def _empty_world(self) -> None:
         """A world with nothing but the robot in it."""

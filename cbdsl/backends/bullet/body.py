@@ -187,7 +187,7 @@ class Body:
         one should be: a fingertip that is held back must not bend the joint behind it.
         """
         states = p.getJointStates(self.id, self._followed, physicsClientId=self._client)
-        passive = self._ratios * [state[0] for state in states]
+        passive = self._ratios * [state[0] for state in states or ()]
         p.setJointMotorControlArray(
             self.id,
             self._motors.joints,

@@ -103,7 +103,11 @@ class OpenGLRenderer:
         self._instances: list[_Instances] = []
 
     def show(self, bodies: Sequence[int]) -> None:
-        """From now on show these bodies; to be called whenever one is added or removed."""
+        """From now on show these bodies; to be called whenever one is added or removed.
+
+        Raises:
+            ValueError: one has a shape that cannot be drawn.
+        """
         frames: dict[tuple[int, int], int] = {}
         parts: dict[int, list[tuple[int, Floats, Sequence[float]]]] = {k: [] for k in self._meshes}
         self._bodies = []
@@ -112,6 +116,8 @@ class OpenGLRenderer:
             self._bodies.append((body, links))
             frames |= {(body, link): len(frames) + link + 1 for link in (-1, *links)}
             for shape in p.getVisualShapeData(body, physicsClientId=self._client):
+                if shape[2] not in parts:
+                    raise ValueError("only balls, boxes and cylinders can be drawn")
                 frame = frames[body, shape[1]]
                 parts[shape[2]].append((frame, self._part(shape), shape[7][:3]))
         with self._context:

@@ -37,8 +37,31 @@ class Renderer(Protocol):
         ...
 
 
-def make_renderer(client: int, kind: Literal["auto", "opengl", "tiny"]) -> Renderer:
+class NoRenderer:
+    """For robots without cameras."""
+
+    name = "none (no cameras)"
+
+    def show(self, bodies: Sequence[int]) -> None:
+        """Nobody looks."""
+
+    def render(self, views: Sequence[View]) -> list[Image]:
+        """No images, as there are no views."""
+        return []
+
+    def close(self) -> None:
+        """Nothing is held."""
+
+
+def make_renderer(
+    client: int, kind: Literal["auto", "opengl", "tiny"], bodies: Sequence[int]
+) -> Renderer:
     """The renderer of this kind; ``auto`` takes OpenGL where it works, else the simulator's own.
+
+    Args:
+        client: the simulator.
+        kind: what the robot file asks for.
+        bodies: what it has to show in any case; OpenGL knows no meshes.
 
     Raises:
         BackendError: ``opengl`` was asked for and there is no way to have it.
@@ -46,13 +69,15 @@ def make_renderer(client: int, kind: Literal["auto", "opengl", "tiny"]) -> Rende
     if kind == "tiny":
         return TinyRenderer(client)
     try:
-        return OpenGLRenderer(client)
+        renderer = OpenGLRenderer(client)
+        renderer.show(bodies)
     # moderngl raises bare exceptions, and whatever the reason, there are images without it.
     except Exception as error:
         if kind == "auto":
             return TinyRenderer(client)
         raise BackendError(
-            f"no OpenGL context could be created ({error}); on Debian and Ubuntu it needs the "
+            f"OpenGL cannot make the images ({error}); on Debian and Ubuntu it needs the "
             "packages libegl1, libgl1 and libgl1-mesa-dri; "
             "the renderers 'auto' and 'tiny' do without"
         ) from error
+    return renderer

@@ -136,6 +136,6 @@ def test_without_opengl_auto_takes_the_simulators_own(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     monkeypatch.setattr(renderer_module, "OpenGLRenderer", _fail)
-    assert isinstance(make_renderer(0, "auto"), TinyRenderer)
+    assert isinstance(make_renderer(0, "auto", []), TinyRenderer)
     with pytest.raises(BackendError, match=r"libEGL\.so\.1.*libegl1"):
-        make_renderer(0, "opengl")
+        make_renderer(0, "opengl", [])
