@@ -50,4 +50,4 @@ class Potential(Protocol):
 def half_square(residual: Floats, jacobian: Floats) -> Evaluation:
     """The evaluation of phi = residual . residual / 2, whose Newton step is half the residual."""
     half = 0.5 * residual
-    return Evaluation(float(residual @ half), residual, jacobian, half)
+    return Evaluation(float(residual.dot(half)), residual, jacobian, half)

@@ -40,7 +40,8 @@ class QuiescenceMonitor:
     def reset(self) -> None:
         """Forget all values: the controller was deactivated."""
         self._time = 0.0
-        self._values: deque[tuple[float, float]] = deque()
+        self._times: deque[float] = deque()
+        self._values: deque[float] = deque()
         self._predicate = Predicate.TRANSIENT
 
     def undefined(self) -> Predicate:
@@ -61,7 +62,8 @@ class QuiescenceMonitor:
         """
         self._time += period
         if fresh:
-            self._values.append((self._time, phi))
+            self._times.append(self._time)
+            self._values.append(phi)
             self._predicate = self._judge()
         return self._predicate
 
@@ -69,11 +71,9 @@ class QuiescenceMonitor:
         # Keep one value that is as old as the window, so that the rest spans all of it. Ticks add
         # up to a window but for rounding.
         start = self._time - self._window * (1 - 1e-9)
-        while len(self._values) > 1 and self._values[1][0] <= start:
+        while len(self._times) > 1 and self._times[1] <= start:
+            self._times.popleft()
             self._values.popleft()
-        if self._values[0][0] > start:
-            return Predicate.TRANSIENT
-        potentials = [phi for _, phi in self._values]
-        if max(potentials) - min(potentials) > self._largest_range:
+        if self._times[0] > start or max(self._values) - min(self._values) > self._largest_range:
             return Predicate.TRANSIENT
         return Predicate.QUIESCENT

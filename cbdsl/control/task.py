@@ -60,8 +60,8 @@ class Task:
     def _within_speed(self, rate: Floats, jacobian: Floats, speed: float) -> Floats:
         if self._kind.name in _FORCES:
             rates = rate.reshape(self._kind.factors, -1)  # (factors, components)
-            stiffness = np.linalg.norm(jacobian.reshape(self._kind.factors, -1), axis=1)
-            norms = np.linalg.norm(rates, axis=1)
+            stiffness = _norms(jacobian.reshape(self._kind.factors, -1))
+            norms = _norms(rates)
             shares = np.minimum(1.0, speed * stiffness / np.maximum(norms, 1e-300))
             bounded: Floats = (rates * shares[:, None]).ravel()
             return bounded
@@ -77,7 +77,12 @@ class Task:
 
 
 def _norm(vector: Floats) -> float:
-    return math.sqrt(float(vector @ vector))
+    return math.sqrt(vector.dot(vector))
+
+
+def _norms(rows: Floats) -> Floats:
+    norms: Floats = np.sqrt((rows * rows).sum(axis=1))
+    return norms
 
 
 def _shortened(vector: Floats, length: float, most: float) -> Floats:

@@ -53,19 +53,25 @@ class Kinematics:
         self._expansion[columns] = self.joints.expansion
         self.lower: Floats = self._model.lowerPositionLimit[columns][: len(self.joints)]
         self.upper: Floats = self._model.upperPositionLimit[columns][: len(self.joints)]
-        self._frames: dict[str, int] = {}
+        self._indices: dict[str, int] = {}
+        self._frames: dict[str, Frame] = {}
         self._jacobians: dict[str, Floats] = {}
 
     def update(self, positions: Floats) -> None:
         """Set the actuated joint positions, rad, shape (n,)."""
         pinocchio.computeJointJacobians(self._model, self._data, self._expansion @ positions)
         pinocchio.updateFramePlacements(self._model, self._data)
+        self._frames.clear()
         self._jacobians.clear()
 
     def frame(self, link: str) -> Frame:
         """The placement of a link."""
-        placement = self._data.oMf[self._frame(link)]
-        return Frame(placement.translation.copy(), placement.rotation.copy())
+        found = self._frames.get(link)
+        if found is None:
+            placement = self._data.oMf[self._index(link)]
+            found = Frame(placement.translation.copy(), placement.rotation.copy())
+            self._frames[link] = found
+        return found
 
     def jacobian(self, link: str) -> Floats:
         """Linear and angular velocity of a link, world axes, per joint velocity, shape (6, n)."""
@@ -74,10 +80,10 @@ class Kinematics:
             full = pinocchio.getFrameJacobian(
                 self._model,
                 self._data,
-                self._frame(link),
+                self._index(link),
                 pinocchio.ReferenceFrame.LOCAL_WORLD_ALIGNED,
             )
-            found = self._jacobians[link] = full @ self._expansion
+            found = self._jacobians[link] = full.dot(self._expansion)
         return found
 
     def joint_positions(self, joints: tuple[str, ...]) -> Floats:
@@ -85,12 +91,12 @@ class Kinematics:
         model, data = self._model, self._data
         return np.array([data.oMi[model.getJointId(name)].translation for name in joints])
 
-    def _frame(self, link: str) -> int:
-        index = self._frames.get(link)
+    def _index(self, link: str) -> int:
+        index = self._indices.get(link)
         if index is None:
             # Frames of joints may have the same names as frames of links.
             index = self._model.getFrameId(link, pinocchio.FrameType.BODY)
             if index >= self._model.nframes:
                 raise KeyError(link)
-            self._frames[link] = index
+            self._indices[link] = index
         return index

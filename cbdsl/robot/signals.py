@@ -80,6 +80,7 @@ class Signals:
         }
         self.kinematics = kinematics
         self.joints = kinematics.joints
+        self._unit = np.eye(len(self.joints))
         channels = [
             resource.source.channel
             for resource in resources
@@ -127,6 +128,16 @@ class Signals:
             self._known[resource.name] = self._readers[type(source)](source)
         return self._known[resource.name]
 
+    def defined(self, resource: Resource) -> bool:
+        """Whether ``read`` would give a value."""
+        source = resource.source
+        if isinstance(source, Tip):
+            return True
+        if isinstance(source, FingerForces):
+            forces = [self._force(source.hand, finger) for finger in self._fingers(source.hand)]
+            return all(force is not None for force in forces)
+        return self.read(resource) is not None
+
     def sampler(self, resource: Resource, rng: np.random.Generator) -> UniformSampler:
         """Draws from an internal model."""
         assert isinstance(resource.source, UniformSample)
@@ -154,12 +165,13 @@ class Signals:
         """Each finger's share of a force reference, shape (fingers,)."""
         return np.array([cell.share for cell in self._fingers(hand).values()])
 
+    def _selection(self, joints: NDArray[np.intp]) -> Floats:
+        """The rows that read ``joints`` from all, shape (len(joints), n)."""
+        return self._unit.take(joints, axis=0)
+
     def _flexion(self, hand: str) -> Floats:
-        fingers = self._fingers(hand)
-        jacobian = np.zeros((len(fingers), len(self.joints)))
-        columns = self.joints.pick([cell.joint for cell in fingers.values()])
-        jacobian[np.arange(len(fingers)), columns] = self._robot.control.stiffness
-        return jacobian
+        joints = [cell.joint for cell in self._fingers(hand).values()]
+        return self._selection(self.joints.pick(joints)) * self._robot.control.stiffness
 
     def _fingers(self, hand: str) -> Mapping[str, LoadCell]:
         return self._robot.load_cells[hand]
@@ -170,14 +182,12 @@ class Signals:
 
     def _normal(self, cell: LoadCell) -> Floats:
         normal = np.array(cell.normal)
-        turned: Floats = self.kinematics.frame(cell.link).rotation @ normal
-        return turned / np.linalg.norm(normal)
+        turned: Floats = self.kinematics.frame(cell.link).rotation.dot(normal)
+        return turned / math.hypot(*cell.normal)
 
     def _configuration(self, source: EffectorConfiguration) -> Reading:
         own = self.joints.of(source.effector)
-        jacobian = np.zeros((len(own), len(self.joints)))
-        jacobian[np.arange(len(own)), own] = 1.0
-        return Reading(self.positions[own], jacobian, self._ticks)
+        return Reading(self.positions[own], self._selection(own), self._ticks)
 
     def _posture(self, source: Posture) -> Reading:
         angles = self._robot.effectors[source.effector].postures[source.posture]
@@ -193,9 +203,10 @@ class Signals:
         frame, jacobian = self.kinematics.frame(tip.link), self.kinematics.jacobian(tip.link)
         if source.part == "orientation":
             return Reading(frame.rotation, jacobian[3:], self._ticks)
-        lever = frame.rotation @ (np.array(tip.offset) + np.array([0.0, 0.0, standoff]))
+        x, y, z = tip.offset
+        lever = frame.rotation.dot((x, y, z + standoff))
         # The control point moves by v + omega x lever.
-        linear = jacobian[:3] - _cross_matrix(lever) @ jacobian[3:]
+        linear = jacobian[:3] - _cross_matrix(lever).dot(jacobian[3:])
         position = frame.position + lever
         if source.part == "pose":
             pose = transform(frame.rotation, position)
@@ -257,7 +268,8 @@ def transform(rotation: Floats, position: Floats) -> Floats:
 
 def _cross_matrix(v: Floats) -> Floats:
     """The matrix that takes the cross product with ``v`` from the left."""
-    return np.array([[0.0, -v[2], v[1]], [v[2], 0.0, -v[0]], [-v[1], v[0], 0.0]])
+    x, y, z = v.tolist()
+    return np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
 
 
 def _require_finite(observation: Observation) -> None:

@@ -34,6 +34,9 @@ class Actuation:
             joint_step=robot.control.joint_speed * period,
             limit_margin=robot.control.limit_margin,
         )
+        margin = robot.control.limit_margin
+        self._lower = signals.kinematics.lower + margin
+        self._upper = signals.kinematics.upper - margin
         self._laws: dict[tuple[str, ...], tuple[Columns, Law]] = {}
 
     def reset(self, positions: Floats) -> None:
@@ -60,10 +63,9 @@ class Actuation:
         lead = self._control.lead
         wanted = self.reference[columns] + self.step.displacement
         # Without a bound on its lead, a blocked joint's reference would run away from it.
-        wanted = np.clip(wanted, here - lead, here + lead)
-        limits, margin = self._signals.kinematics, self._control.limit_margin
-        self.reference[columns] = np.clip(
-            wanted, limits.lower[columns] + margin, limits.upper[columns] - margin
+        wanted = np.minimum(np.maximum(wanted, here - lead), here + lead)
+        self.reference[columns] = np.minimum(
+            np.maximum(wanted, self._lower[columns]), self._upper[columns]
         )
 
     def at_limits(self) -> tuple[str, ...]:
