@@ -1,52 +1,83 @@
 """What every document shares: strictness, immutability, the version key and named quantities."""
 
-from __future__ import annotations
-
+from functools import partial
 from typing import Annotated, Any, Literal
 
-from pydantic import BaseModel, BeforeValidator, ConfigDict, Field
+from pydantic import BaseModel, ConfigDict, GetCoreSchemaHandler
+from pydantic_core import CoreSchema
+from pydantic_core.core_schema import (
+    float_schema,
+    int_schema,
+    no_info_before_validator_function,
+    str_schema,
+    tuple_schema,
+)
 
 from cbdsl.types.unit import read_quantity
 
 NAME_PATTERN = r"^[A-Za-z][A-Za-z0-9_]*$"
-Name = Annotated[str, Field(pattern=NAME_PATTERN)]
 
 
-def _quantity(*dimensions: str) -> BeforeValidator:
-    return BeforeValidator(lambda value: read_quantity(value, dimensions))
+class _Read:
+    """How a value is read, as a finished schema: putting one together at each use takes longer."""
+
+    def __init__(self, schema: CoreSchema) -> None:
+        self.schema = schema
+
+    def __get_pydantic_core_schema__(self, _: object, __: GetCoreSchemaHandler) -> CoreSchema:
+        return {**self.schema}
 
 
-Number = Annotated[float, _quantity()]
-Length = Annotated[float, _quantity("length")]
-Angle = Annotated[float, _quantity("angle")]
-Time = Annotated[float, _quantity("time"), Field(ge=0)]
-Rate = Annotated[float, _quantity("rate"), Field(gt=0)]
-Mass = Annotated[float, _quantity("mass"), Field(gt=0)]
+def _quantity(*dimensions: str, **limits: Any) -> _Read:
+    """A number in SI, or text with a unit; limits are ``gt``, ``ge`` and ``le``."""
+    read, number = partial(read_quantity, dimensions=dimensions), float_schema(**limits)
+    return _Read(no_info_before_validator_function(read, number))
+
+
+def _several(part: _Read, count: int) -> _Read:
+    return _Read(tuple_schema([part.schema] * count))
+
+
+def _span(part: _Read) -> _Read:
+    """From the first to the last value; one value stands for the span from itself to itself."""
+
+    def pair(value: Any) -> Any:
+        return value if isinstance(value, (list, tuple)) else (value, value)
+
+    return _Read(no_info_before_validator_function(pair, _several(part, 2).schema))
+
+
+_NUMBER, _SHARE = _quantity(), _quantity(ge=0, le=1)
+_LENGTH, _ANGLE, _SPEED = _quantity("length"), _quantity("angle"), _quantity("speed")
+_TIME, _MASS = _quantity("time", ge=0), _quantity("mass", gt=0)
+
+Name = Annotated[str, _Read(str_schema(pattern=NAME_PATTERN))]
+Count = Annotated[int, _Read(int_schema(ge=0))]
+PositiveCount = Annotated[int, _Read(int_schema(gt=0))]
+Number = Annotated[float, _NUMBER]
+Positive = Annotated[float, _quantity(gt=0)]
+Length = Annotated[float, _LENGTH]
+Angle = Annotated[float, _ANGLE]
+Time = Annotated[float, _TIME]
+Rate = Annotated[float, _quantity("rate", gt=0)]
+Mass = Annotated[float, _MASS]
 Force = Annotated[float, _quantity("force")]
 Torque = Annotated[float, _quantity("torque")]
-Speed = Annotated[float, _quantity("speed")]
+Speed = Annotated[float, _SPEED]
 AngularSpeed = Annotated[float, _quantity("angular speed")]
-AnySpeed = Annotated[float, _quantity("speed", "angular speed"), Field(gt=0)]
-AnyAcceleration = Annotated[float, _quantity("acceleration", "angular acceleration"), Field(gt=0)]
-Share = Annotated[float, _quantity(), Field(ge=0)]
-Pixels = Annotated[float, _quantity("pixels"), Field(gt=0)]
+AnySpeed = Annotated[float, _quantity("speed", "angular speed", gt=0)]
+AnyAcceleration = Annotated[float, _quantity("acceleration", "angular acceleration", gt=0)]
+Share = Annotated[float, _quantity(ge=0)]
+Pixels = Annotated[float, _quantity("pixels", gt=0)]
 
-
-def _span(value: Any) -> Any:
-    """A scalar stands for the span from itself to itself."""
-    return value if isinstance(value, (list, tuple)) else (value, value)
-
-
-LengthSpan = Annotated[tuple[Length, Length], BeforeValidator(_span)]
-AngleSpan = Annotated[tuple[Angle, Angle], BeforeValidator(_span)]
-MassSpan = Annotated[tuple[Mass, Mass], BeforeValidator(_span)]
-SpeedSpan = Annotated[tuple[Speed, Speed], BeforeValidator(_span)]
-TimeSpan = Annotated[tuple[Time, Time], BeforeValidator(_span)]
-Vector = tuple[Number, Number, Number]
-Point = tuple[Length, Length, Length]
-Color = tuple[
-    Annotated[Share, Field(le=1)], Annotated[Share, Field(le=1)], Annotated[Share, Field(le=1)]
-]
+LengthSpan = Annotated[tuple[float, float], _span(_LENGTH)]
+AngleSpan = Annotated[tuple[float, float], _span(_ANGLE)]
+MassSpan = Annotated[tuple[float, float], _span(_MASS)]
+SpeedSpan = Annotated[tuple[float, float], _span(_SPEED)]
+TimeSpan = Annotated[tuple[float, float], _span(_TIME)]
+Vector = Annotated[tuple[float, float, float], _several(_NUMBER, 3)]
+Point = Annotated[tuple[float, float, float], _several(_LENGTH, 3)]
+Color = Annotated[tuple[float, float, float], _several(_SHARE, 3)]
 
 
 class Section(BaseModel):

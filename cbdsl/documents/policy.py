@@ -1,7 +1,5 @@
 """The policy document: which action follows which state, apart from the program it serves."""
 
-from __future__ import annotations
-
 from typing import Literal
 
 from cbdsl.documents.document import Document, Name

@@ -1,7 +1,5 @@
 """The program document: controllers, actions and a policy over predicate states."""
 
-from __future__ import annotations
-
 from typing import Annotated, Literal
 
 from pydantic import Field
@@ -14,6 +12,8 @@ from cbdsl.documents.document import (
     Length,
     Name,
     Number,
+    Positive,
+    PositiveCount,
     Rate,
     Section,
     Time,
@@ -43,7 +43,7 @@ class Funnel(Section):
     """Largest height above the reference."""
     within: Length
     """Lateral error below which the reference is not raised."""
-    slope: Annotated[Number, Field(gt=0)] = 4.0
+    slope: Positive = 4.0
     """Height per lateral error."""
 
 
@@ -94,7 +94,7 @@ class Use(Section):
 class Limits(Section):
     """When an episode or a transition is given up."""
 
-    transitions: Annotated[int, Field(gt=0)] = 100
+    transitions: PositiveCount = 100
     """T of Algorithm 1, in state transitions."""
     transition_time: Time = 20.0
     """Simulated time that one action may run without a change of state."""
@@ -119,4 +119,4 @@ class ProgramDocument(Document):
     """Controllers, compositions of controllers, or programs."""
     policy: dict[str, Text] = {}
     """Action by state: one of X - 0 1, or * for any, per controller and program of ``actions``."""
-    limits: Limits = Limits()
+    limits: Limits = Limits.model_construct()

@@ -1,7 +1,5 @@
 """The robot document: what can be sensed and moved, and the constants of this body."""
 
-from __future__ import annotations
-
 from typing import Annotated, Literal
 
 from pydantic import Field
@@ -11,6 +9,7 @@ from cbdsl.documents.document import (
     AngularSpeed,
     AnyAcceleration,
     AnySpeed,
+    Count,
     Document,
     Force,
     Length,
@@ -18,6 +17,8 @@ from cbdsl.documents.document import (
     Number,
     Pixels,
     Point,
+    Positive,
+    PositiveCount,
     Rate,
     Section,
     Share,
@@ -67,7 +68,7 @@ class LoadCell(Section):
     """Actuated joint that flexes this finger."""
     normal: Vector
     """Direction in the link's frame in which the finger presses."""
-    share: Annotated[Share, Field(gt=0)] = 1.0
+    share: Positive = 1.0
     """Share of a force reference that this finger takes, so that opposing fingers balance."""
 
 
@@ -76,9 +77,9 @@ class Camera(Section):
 
     link: str
     """Link of the URDF at the optical centre."""
-    width: Annotated[int, Field(gt=0)]
+    width: PositiveCount
     """Image width, px."""
-    height: Annotated[int, Field(gt=0)]
+    height: PositiveCount
     """Image height, px."""
     focal_length: Pixels
     """Focal length at this width, px."""
@@ -87,11 +88,11 @@ class Camera(Section):
 class Channels(Section):
     """How the images are divided into channels (Eq 3.10)."""
 
-    hue: Annotated[int, Field(ge=0)] = 10
+    hue: Count = 10
     """Number of equal hue bins, numbered from 1."""
-    saturation: Annotated[int, Field(ge=0)] = 10
+    saturation: Count = 10
     """Number of equal saturation bins, numbered from 1."""
-    intensity: Annotated[int, Field(ge=0)] = 10
+    intensity: Count = 10
     """Number of equal intensity bins, numbered from 1."""
     motion: bool = True
     """Whether there is a channel for pixels that changed since the image before."""
@@ -106,7 +107,7 @@ class Channels(Section):
 class Regions(Section):
     """When a channel's pixels count as a region, and how its position is remembered."""
 
-    least_area: Annotated[int, Field(gt=0)] = 12
+    least_area: PositiveCount = 12
     """Smaller regions are noise, px."""
     ray_gap: Length = 0.02
     """Largest distance between the two lines of sight at their crossing."""
@@ -133,18 +134,18 @@ class Vision(Section):
     """Images per second."""
     renderer: Literal["auto", "opengl", "tiny"] = "auto"
     """``opengl`` needs EGL; ``tiny`` runs everywhere; ``auto`` takes the first that works."""
-    channels: Channels = Channels()
-    regions: Regions = Regions()
+    channels: Channels = Channels.model_construct()
+    regions: Regions = Regions.model_construct()
 
 
 class Quiescence(Section):
     """When a controller is at rest: the range of phi over a window, per window (Eq 4.1)."""
 
-    rate: Annotated[Number, Field(gt=0)]
+    rate: Positive
     """Largest rate of phi at rest, in its unit per second."""
     window: Time
     """How long phi is watched."""
-    within: Annotated[Number, Field(gt=0)] | None = None
+    within: Positive | None = None
     """Largest residual that earns a reward, as a share of the reference's norm."""
 
 
@@ -177,7 +178,7 @@ class Control(Section):
     """Singular value below which damping sets in."""
     tasks: dict[str, TaskSettings]
     """Settings by the type of the feedback."""
-    stiffness: Annotated[Number, Field(gt=0)] = 5.0
+    stiffness: Positive = 5.0
     """Fingertip force per joint angle assumed by force -> displacement, N/rad."""
 
 
@@ -208,7 +209,7 @@ class Simulation(Section):
 
     physics_rate: Rate = 240.0
     """Physics steps per second."""
-    solver_iterations: Annotated[int, Field(gt=0)] = 20
+    solver_iterations: PositiveCount = 20
     position_gain: Share = 0.3
     velocity_gain: Share = 1.0
     efforts: dict[str, Torque] = {}
@@ -232,7 +233,7 @@ class RobotDocument(Document):
     load_cells: dict[Name, dict[Name, LoadCell]] = {}
     """Load cells by hand (an effector) and finger."""
     cameras: dict[Name, Camera] = {}
-    vision: Vision = Vision()
-    contact: Contact = Contact()
+    vision: Vision = Vision.model_construct()
+    contact: Contact = Contact.model_construct()
     control: Control
-    simulation: Simulation = Simulation()
+    simulation: Simulation = Simulation.model_construct()

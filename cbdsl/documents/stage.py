@@ -1,8 +1,6 @@
 """The stage document: a training context, set up by the experimenter and unseen by the robot."""
 
-from __future__ import annotations
-
-from typing import Annotated, Literal
+from typing import Annotated, Literal, Self
 
 from pydantic import Field, model_validator
 
@@ -16,6 +14,7 @@ from cbdsl.documents.document import (
     MassSpan,
     Name,
     Point,
+    Positive,
     Section,
     Share,
     SpeedSpan,
@@ -82,7 +81,7 @@ class Place(Section):
     """Held still by the experimenter, whatever presses against it, until it is released."""
 
     @model_validator(mode="after")
-    def _says_where(self) -> Place:
+    def _says_where(self) -> Self:
         if [self.z, self.on, self.gap].count(None) != 2:
             raise ValueError("a place needs exactly one of z, on and gap")
         if self.hand is None and self.gap is not None:
@@ -108,7 +107,7 @@ class Motion(Section):
 class Context(Section):
     """One way in which an episode can begin."""
 
-    share: Annotated[Share, Field(gt=0)] = 1.0
+    share: Positive = 1.0
     """Relative frequency."""
     things: tuple[Name, ...] = ()
     """One of these is presented, drawn evenly; none: nothing is."""
@@ -141,4 +140,4 @@ class StageDocument(Document):
     fixtures: dict[Name, Fixture] = {}
     things: dict[Name, Thing] = {}
     contexts: Annotated[dict[Name, Context], Field(min_length=1)]
-    disturbance: Disturbance = Disturbance()
+    disturbance: Disturbance = Disturbance.model_construct()

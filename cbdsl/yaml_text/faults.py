@@ -28,10 +28,10 @@ _EXPECTED = {
 
 
 _PROBLEMS = {
-    "greater_than": "it has to be greater than {gt}",
-    "greater_than_equal": "it has to be at least {ge}",
-    "less_than": "it has to be less than {lt}",
-    "less_than_equal": "it has to be at most {le}",
+    "greater_than": "it has to be greater than {gt:g}",
+    "greater_than_equal": "it has to be at least {ge:g}",
+    "less_than": "it has to be less than {lt:g}",
+    "less_than_equal": "it has to be at most {le:g}",
     "too_short": "it has {actual_length} values and needs at least {min_length}",
     "too_long": "it has {actual_length} values and may have {max_length}",
 }
