@@ -1,7 +1,5 @@
 """A finding: what is wrong, where, and what would have been right."""
 
-from __future__ import annotations
-
 from enum import Enum
 from typing import NamedTuple
 

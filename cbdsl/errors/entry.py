@@ -1,7 +1,5 @@
 """An entry of the catalogue of diagnostics."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from types import MappingProxyType
 from typing import NamedTuple

@@ -1,7 +1,5 @@
 """The syntax tree of a composition."""
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 SUBJECT_TO = " ◁ "

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 from typing import NamedTuple
 
 from cbdsl.program.controller import Composition, Primitive
@@ -23,8 +22,7 @@ class Action(NamedTuple):
     program: CheckedProgram | None = None
 
 
-@dataclass(frozen=True)
-class CheckedProgram:
+class CheckedProgram(NamedTuple):
     """A program that the checker found no fault in.
 
     Attributes:

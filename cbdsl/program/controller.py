@@ -1,7 +1,5 @@
 """Checked controllers and the stacks that compose them."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import NamedTuple
 

@@ -1,11 +1,9 @@
 """What the checker needs of a URDF model: its links, its movable joints and their limits."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
 from pathlib import Path
+from typing import NamedTuple
 from xml.etree import ElementTree
 
 _MOVABLE = frozenset({"revolute", "continuous", "prismatic"})
@@ -15,8 +13,7 @@ class UrdfError(ValueError):
     """A URDF model cannot be read; the message says why."""
 
 
-@dataclass(frozen=True)
-class UrdfJoint:
+class UrdfJoint(NamedTuple):
     """A joint of the model; limits in rad, or m where it slides."""
 
     name: str
@@ -27,8 +24,7 @@ class UrdfJoint:
     upper: float
 
 
-@dataclass(frozen=True)
-class UrdfModel:
+class UrdfModel(NamedTuple):
     """The tree of links and joints.
 
     Attributes:

@@ -5,8 +5,6 @@ small displacement of the feedback's type over to one of the effector's type: th
 of a transformation, or through its pseudoinverse.
 """
 
-from __future__ import annotations
-
 from collections import deque
 from typing import NamedTuple
 

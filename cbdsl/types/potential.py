@@ -1,7 +1,5 @@
 """What the type checker knows of each artificial potential (Omega_phi, Eq 3.7)."""
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 

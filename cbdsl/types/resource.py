@@ -1,7 +1,5 @@
 """Resources: the named, typed signals of one robot, and where each comes from."""
 
-from __future__ import annotations
-
 from enum import Enum
 from typing import NamedTuple
 

@@ -1,8 +1,6 @@
 """The nominal types of sensory and motor signals (Table 3.1)."""
 
-from __future__ import annotations
-
-from typing import NamedTuple
+from typing import NamedTuple, Self
 
 
 class ResourceType(NamedTuple):
@@ -24,7 +22,7 @@ class ResourceType(NamedTuple):
     unit: str
     factors: int = 1
 
-    def times(self, factors: int) -> ResourceType:
+    def times(self, factors: int) -> Self:
         """The product of ``factors`` copies of this type."""
         return self._replace(factors=self.factors * factors)
 

@@ -1,7 +1,5 @@
 """Quantities as text: ``30 deg``, ``5 N``, ``2 cm``, read into SI."""
 
-from __future__ import annotations
-
 import math
 import re
 from typing import NamedTuple
