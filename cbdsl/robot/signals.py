@@ -81,6 +81,13 @@ class Signals:
         self.kinematics = kinematics
         self.joints = kinematics.joints
         self._unit = np.eye(len(self.joints))
+        self._flexions = {hand: self._flexion(hand) for hand in robot.load_cells}
+        #: By link, the normal of its load cell in its own frame, of unit length.
+        self._normals = {
+            cell.link: np.array(cell.normal) / math.hypot(*cell.normal)
+            for fingers in robot.load_cells.values()
+            for cell in fingers.values()
+        }
         channels = [
             resource.source.channel
             for resource in resources
@@ -151,10 +158,10 @@ class Signals:
         The Jacobian is the cast force -> displacement (Eq 3.37-3.39) with the robot's stiffness.
         """
         value = [
-            float(self._normal(cell) @ self._loads[hand, finger][:3])
+            float(self._normal(cell).dot(self._loads[hand, finger][:3]))
             for finger, cell in self._fingers(hand).items()
         ]
-        return Reading(np.array(value), self._flexion(hand), self._ticks)
+        return Reading(np.array(value), self._flexions[hand], self._ticks)
 
     def flexion_angles(self, hand: str) -> Floats:
         """Angles of the joints that flex the fingers, rad, shape (fingers,)."""
@@ -170,6 +177,7 @@ class Signals:
         return self._unit.take(joints, axis=0)
 
     def _flexion(self, hand: str) -> Floats:
+        """Forces along the fingers' normals per joint, N/rad, shape (fingers, n)."""
         joints = [cell.joint for cell in self._fingers(hand).values()]
         return self._selection(self.joints.pick(joints)) * self._robot.control.stiffness
 
@@ -178,12 +186,11 @@ class Signals:
 
     def _force(self, hand: str, finger: str) -> Floats | None:
         force = self._loads[hand, finger][:3]
-        return force if math.hypot(*force) > self._robot.contact.threshold else None
+        return force if math.hypot(*force.tolist()) > self._robot.contact.threshold else None
 
     def _normal(self, cell: LoadCell) -> Floats:
-        normal = np.array(cell.normal)
-        turned: Floats = self.kinematics.frame(cell.link).rotation.dot(normal)
-        return turned / math.hypot(*cell.normal)
+        normal: Floats = self.kinematics.frame(cell.link).rotation.dot(self._normals[cell.link])
+        return normal
 
     def _configuration(self, source: EffectorConfiguration) -> Reading:
         own = self.joints.of(source.effector)
@@ -232,7 +239,7 @@ class Signals:
             return None
         normals = [self._normal(cell) for cell in self._fingers(source.hand).values()]
         jacobian = np.vstack(
-            [np.outer(n, row) for n, row in zip(normals, self._flexion(source.hand), strict=True)]
+            [np.outer(n, row) for n, row in zip(normals, self._flexions[source.hand], strict=True)]
         )
         return Reading(np.concatenate([f for f in forces if f is not None]), jacobian, self._ticks)
 
@@ -273,9 +280,11 @@ def _cross_matrix(v: Floats) -> Floats:
 
 
 def _require_finite(observation: Observation) -> None:
-    # A sum is NaN or infinite as soon as one of its terms is.
-    if not math.isfinite(float(observation.positions.sum() + observation.velocities.sum())):
+    # A sum of squares is NaN or infinite as soon as one of its terms is.
+    moving = observation.positions.dot(observation.positions)
+    moving += observation.velocities.dot(observation.velocities)
+    if not math.isfinite(moving):
         raise SensorError("a joint position or velocity is not finite")
     for (hand, finger), load in observation.loads.items():
-        if not math.isfinite(float(load.sum())):
+        if not math.isfinite(load.dot(load)):
             raise SensorError(f"the load cell {hand}.{finger} is not finite")
