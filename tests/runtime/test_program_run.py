@@ -294,6 +294,23 @@ def test_nothing_reads_as_at_rest_while_a_part_still_seeks(checked: Checked, pla
     assert episode.result.rewarded
 
 
+def test_a_hand_does_not_close_before_it_is_there(checked: Checked, play: Play) -> None:
+    """``seek`` waits until ``once`` has come within ``within``."""
+    errors: list[float] = []
+    closing: list[bool] = []
+
+    def watch(tick: Tick) -> None:
+        runs = {run.controller.name: run for run in tick.run.runs}
+        errors.append(runs["approach"].error)
+        closing.append(runs["touch"].seeking)
+
+    play(checked("reachtouch"), watch=watch)
+    first = closing.index(True)
+    # The hand looks first and the arm moves then, so it knows what the arm told it before.
+    assert errors[first - 1] < 0.02
+    assert all(math.isnan(error) or error >= 0.02 for error in errors[: first - 1])
+
+
 def test_a_hand_that_closes_on_nothing_stops(checked: Checked, play: Play) -> None:
     final: list[Tick] = []
 

@@ -1,0 +1,117 @@
+"""Vision: what both cameras see has a position, and what they lose is forgotten unless hidden."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from cbdsl.documents.robot import RobotDocument
+from cbdsl.robot.kinematics import Kinematics
+from cbdsl.robot.signals import Signals
+from tests.conftest import Checked
+from tests.runtime.conftest import made_stage
+from tests.runtime.synthetic import RED, Ball, SyntheticBackend
+
+BALL = np.array([0.75, -0.25, -0.35])
+GREEN = (0, 255, 0)
+
+
+@pytest.fixture(scope="module")
+def backend(dexter: RobotDocument, urdf: Path) -> SyntheticBackend:
+    return SyntheticBackend(dexter, urdf)
+
+
+@pytest.fixture
+def signals(
+    dexter: RobotDocument, kinematics: Kinematics, checked: Checked, backend: SyntheticBackend
+) -> Signals:
+    """Looks for red and for green things."""
+    resources = [
+        checked("reachtouch", feature=color).primitives["reach"].lead.reference
+        for color in ("red", "green")
+    ]
+    backend.reset(made_stage({"pan": -0.35, "tilt": 0.9}), None, np.random.default_rng(0))
+    return Signals(dexter, kinematics, resources)
+
+
+def look(backend: SyntheticBackend, signals: Signals, seconds: float = 0.1) -> None:
+    for _ in range(round(seconds / backend.control_period)):
+        signals.update(backend.observe())
+        backend.apply(signals.positions)
+        backend.step()
+
+
+def position(signals: Signals, channel: str) -> NDArray[np.float64] | None:
+    return signals.vision.memories[channel].position
+
+
+@pytest.mark.parametrize("radius", [0.03, 0.06, 0.09])
+@pytest.mark.parametrize("shift", [(0, 0, 0), (0.1, -0.05, 0), (-0.05, 0.08, 0.1)])
+def test_a_ball_is_where_it_is(
+    backend: SyntheticBackend, signals: Signals, radius: float, shift: tuple[float, float, float]
+) -> None:
+    centre = BALL + shift
+    backend.world.ball = Ball(centre, radius)
+    look(backend, signals)
+    assert position(signals, "hue_1") == pytest.approx(centre, abs=0.01)
+    assert signals.vision.memories["hue_1"].radius == pytest.approx(radius, rel=0.05)
+    assert position(signals, "hue_4") is None
+
+
+def test_each_colour_has_a_memory_of_its_own(backend: SyntheticBackend, signals: Signals) -> None:
+    other = BALL + np.array([0.1, 0.05, 0])
+    for color, centre in ((RED, BALL), (GREEN, other)):
+        backend.world.ball = Ball(centre, 0.05, color)
+        look(backend, signals)
+    assert position(signals, "hue_1") == pytest.approx(BALL, abs=0.01)
+    assert position(signals, "hue_4") == pytest.approx(other, abs=0.01)
+
+
+def test_what_vanishes_in_plain_view_is_forgotten(
+    backend: SyntheticBackend, signals: Signals, dexter: RobotDocument
+) -> None:
+    backend.world.ball = Ball(BALL)
+    look(backend, signals)
+    backend.world.ball = None
+    look(backend, signals, dexter.vision.regions.hold - 0.1)
+    assert position(signals, "hue_1") == pytest.approx(BALL, abs=0.01)
+    look(backend, signals, 0.3)
+    assert position(signals, "hue_1") is None
+
+
+def test_what_a_hand_may_hide_is_remembered(
+    backend: SyntheticBackend, signals: Signals, dexter: RobotDocument
+) -> None:
+    """The palm is on the line of sight."""
+    signals.update(backend.observe())
+    palm = signals.kinematics.frame("right_palm").position
+    head = signals.kinematics.frame("left_camera").position
+    behind = palm + 0.05 * (palm - head) / np.linalg.norm(palm - head)
+    turn = np.arctan2(behind[1], behind[0])
+    down = np.arctan2(head[2] - behind[2], np.hypot(*(behind - head)[:2]))
+    stage = made_stage({"pan": turn, "tilt": down})
+    backend.reset(stage, None, np.random.default_rng(0))
+    signals.reset()
+    backend.world.ball = Ball(behind, 0.04)
+    look(backend, signals)
+    assert position(signals, "hue_1") == pytest.approx(behind, abs=0.01)
+    backend.world.ball = None
+    look(backend, signals, 10 * dexter.vision.regions.hold)
+    assert position(signals, "hue_1") == pytest.approx(behind, abs=0.01)
+
+
+def test_a_ball_that_is_cut_off_by_the_border_has_a_heading_but_no_position(
+    backend: SyntheticBackend, signals: Signals
+) -> None:
+    signals.update(backend.observe())
+    camera = signals.kinematics.frame("left_camera")
+    half_width = 160 / 418.5
+    edge = camera.position + camera.rotation @ np.array([1.0, half_width, 0.0])
+    backend.world.ball = Ball(edge, 0.08)
+    look(backend, signals)
+    assert ("left", "hue_1") in signals.vision.headings
+    assert signals.vision.regions["left", "hue_1"].clipped
+    assert position(signals, "hue_1") is None
