@@ -6,6 +6,7 @@ from collections.abc import Callable
 from dataclasses import fields, is_dataclass, replace
 from inspect import getmembers, isfunction
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -64,11 +65,12 @@ def test_the_runtime_needs_nothing_but_the_protocol(
     assert set(vars(wrapped)) == {
         "renderer", "control_period", "reset", "observe", "apply", "step", "close",
     }  # fmt: skip
+    backends: list[Any] = [wrapped, bullet]
     results = [
         Runner(dexter, kinematics, checked("searchtrack"), backend).run(
             stage("table_in_view_right"), 3
         )
-        for backend in (wrapped, bullet)
+        for backend in backends
     ]
     bare, full = (replace(result, wall_seconds=0.0) for result in results)
     assert bare == full

@@ -10,8 +10,8 @@ from numpy.typing import NDArray
 
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.robot.kinematics import Kinematics
+from cbdsl.robot.resources import resources
 from cbdsl.robot.signals import Signals
-from tests.conftest import Checked
 from tests.runtime.conftest import made_stage
 from tests.runtime.synthetic import RED, Ball, SyntheticBackend
 
@@ -25,16 +25,11 @@ def backend(dexter: RobotDocument, urdf: Path) -> SyntheticBackend:
 
 
 @pytest.fixture
-def signals(
-    dexter: RobotDocument, kinematics: Kinematics, checked: Checked, backend: SyntheticBackend
-) -> Signals:
+def signals(dexter: RobotDocument, kinematics: Kinematics, backend: SyntheticBackend) -> Signals:
     """Looks for red and for green things."""
-    resources = [
-        checked("reachtouch", feature=color).primitives["reach"].lead.reference
-        for color in ("red", "green")
-    ]
+    named = resources(dexter)
     backend.reset(made_stage({"pan": -0.35, "tilt": 0.9}), None, np.random.default_rng(0))
-    return Signals(dexter, kinematics, resources)
+    return Signals(dexter, kinematics, [named["stereo.red"], named["stereo.green"]])
 
 
 def look(backend: SyntheticBackend, signals: Signals, seconds: float = 0.1) -> None:

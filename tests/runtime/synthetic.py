@@ -139,7 +139,7 @@ class SyntheticBackend:
             frame = self._kinematics.frame(self._robot.cameras[name].link)
             centre = frame.rotation.T @ (ball.position - frame.position)
             along: Any = sights @ centre
-            image[along > math.sqrt(max(centre @ centre - ball.radius**2, 0.0))] = ball.color
+            image[along > math.sqrt(max(float(centre @ centre) - ball.radius**2, 0.0))] = ball.color
         return image
 
 

@@ -19,6 +19,7 @@ from cbdsl.robot.resources import resources
 from cbdsl.robot.signals import Signals
 from cbdsl.runtime.controller_run import ControllerRun
 from cbdsl.runtime.episode import resources_of
+from cbdsl.types.resource import Tip
 from tests.conftest import Checked
 from tests.runtime.conftest import TABLE_BALL, made_stage
 from tests.runtime.synthetic import Ball, SyntheticBackend, World
@@ -115,6 +116,7 @@ def test_a_funnel_leads_to_its_reference_from_above(
     funnel = approach.funnel
     assert funnel is not None
     source = approach.feedback.source
+    assert isinstance(source, Tip)
     here = signals.tip(source, 0.0).value
     signals.vision.memories["sat_10"].position = here + np.array([lateral, 0, -0.05])
     run = start(approach)

@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import asdict, replace
+from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -29,7 +31,7 @@ def somewhere(rng: np.random.Generator) -> World:
 
 
 def same(one: Observation, other: Observation) -> bool:
-    arrays = zip(
+    arrays: Iterator[tuple[Any, Any]] = zip(
         (one.positions, one.velocities, *one.loads.values(), *one.images.values()),
         (other.positions, other.velocities, *other.loads.values(), *other.images.values()),
         strict=True,
@@ -55,7 +57,7 @@ def test_the_same_seed_gives_the_same_episode_to_the_bit(
 
 
 def test_nothing_of_an_episode_reaches_into_the_next(
-    dexter: RobotDocument, kinematics: Kinematics, checked: Checked, urdf: object
+    dexter: RobotDocument, kinematics: Kinematics, checked: Checked, urdf: Path
 ) -> None:
     """Not even what was remembered, felt or sampled."""
     backend = SyntheticBackend(dexter, urdf, somewhere)

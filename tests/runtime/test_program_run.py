@@ -226,7 +226,7 @@ def test_the_background_acts_below_every_action(checked: Checked, play: Play) ->
 
     def watch(tick: Tick) -> None:
         home = next(run for run in tick.run.runs if run.controller.name == "home")
-        if tick.run.action.name == "searchtrack":
+        if tick.run.action is not None and tick.run.action.name == "searchtrack":
             left_behind.append(home.error)
 
     play(program, joints={"pan": 0.9, "right_arm_1": 1.0}, watch=watch)
