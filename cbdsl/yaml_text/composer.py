@@ -51,7 +51,7 @@ class _Composer:
     def __init__(self, text: str, file: str) -> None:
         self.findings: list[Diagnostic] = []
         self._file = file
-        self._events: Iterator[Any] = yaml.parse(text, Loader=_LOADER)
+        self._loader = _LOADER(text)
         self._anchors: dict[str, Node] = {}
         self._nodes = 0
 
@@ -68,7 +68,7 @@ class _Composer:
 
     def _next(self) -> Any:
         try:
-            return next(self._events)
+            return self._loader.get_event()
         except yaml.MarkedYAMLError as error:
             raise self._syntax_error(error) from None
 
@@ -78,8 +78,8 @@ class _Composer:
             node = self._alias(event, place)
         else:
             node = self._fresh(event, place, depth)
-        if event.anchor and not isinstance(event, yaml.AliasEvent):
-            self._anchors[event.anchor] = node
+            if event.anchor:
+                self._anchors[event.anchor] = node
         if depth + node.height > DEEPEST:
             raise self._fatal("CB108", place, bound=f"{DEEPEST} levels deep")
         return node
@@ -147,10 +147,10 @@ class _Composer:
 
     def _place(self, event: Any, width: int = 1) -> Place:
         start, end = event.start_mark, event.end_mark
-        column = start.column + 1
-        is_short = start.line == end.line and not hasattr(event, "flow_style")
+        line, column = start.line, start.column + 1
+        is_short = isinstance(event, (yaml.ScalarEvent, yaml.AliasEvent)) and line == end.line
         end_column = max(end.column + 1, column + 1) if is_short else column + width
-        return Place(self._file, start.line + 1, column, end_column)
+        return Place(self._file, line + 1, column, end_column)
 
     def _find(self, code: str, place: Place, **details: Any) -> None:
         self.findings.append(diagnostic(code, place, **details))

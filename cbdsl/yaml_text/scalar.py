@@ -15,6 +15,9 @@ FLOAT = re.compile(r"[-+]?(?:\.[0-9]+|[0-9]+\.?[0-9]*)(?:[eE][-+]?[0-9]+)?\Z")
 NOT_FINITE = re.compile(r"(?:[-+]?\.(?:inf|Inf|INF)|\.(?:nan|NaN|NAN))\Z")
 LEADING_ZERO = re.compile(r"[-+]?0[0-9]+\Z")
 
+# What a scalar of these patterns can begin with: most texts need no match at all.
+_FIRST = frozenset("~nNtTfF+-.0123456789")
+
 Scalar = str | int | float | bool | None
 
 
@@ -32,6 +35,8 @@ def resolve(text: str) -> Scalar:
     Raises:
         ScalarError: it is not finite, or is an integer that YAML 1.1 would read as octal.
     """
+    if text and text[0] not in _FIRST:
+        return text
     if NULL.match(text):
         return None
     if BOOLEAN.match(text):
