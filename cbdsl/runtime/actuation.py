@@ -64,9 +64,10 @@ class Actuation:
         wanted = self.reference[columns] + self.step.displacement
         # Without a bound on its lead, a blocked joint's reference would run away from it.
         wanted = np.minimum(np.maximum(wanted, here - lead), here + lead)
-        self.reference[columns] = np.minimum(
-            np.maximum(wanted, self._lower[columns]), self._upper[columns]
-        )
+        # A joint that is past its margin comes back at the law's pace, not at once.
+        lowest = np.minimum(self._lower[columns], self.reference[columns])
+        highest = np.maximum(self._upper[columns], self.reference[columns])
+        self.reference[columns] = np.minimum(np.maximum(wanted, lowest), highest)
 
     def at_limits(self) -> tuple[str, ...]:
         """The joints that their limits held back in the last tick."""

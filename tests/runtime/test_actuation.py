@@ -98,3 +98,15 @@ def test_beyond_a_limit_it_goes_as_far_as_it_may_and_says_so(
     assert held[-1] == ("pan",)
     assert held[0] == ()
     assert "at their limits were pan" in played.result.ending
+
+
+def test_a_joint_past_its_margin_comes_back_at_the_joint_speed(
+    checked: Checked, play: Play, dexter: RobotDocument, kinematics: Kinematics
+) -> None:
+    pan = kinematics.joints.index["pan"]
+    start = float(kinematics.upper[pan])
+    played = play(checked("searchtrack"), joints={"pan": start})
+    found = np.r_[start, references(played)[:, pan]]
+    fastest = dexter.control.joint_speed * played.backend.control_period
+    assert found.min() < start - dexter.control.limit_margin
+    assert np.abs(np.diff(found)).max() <= fastest + SLACK
