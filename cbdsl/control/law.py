@@ -218,9 +218,9 @@ class _Composition:
 
     def _share(self, change: Floats) -> float:
         """The part of a change that keeps every joint within the largest step."""
-        room = self._step - np.sign(change) * self._sum
+        room = np.maximum(self._step - np.sign(change) * self._sum, 0.0)
         size = np.abs(change)
-        too_far = size > room
+        too_far = size > room + _SLACK
         return float((room[too_far] / size[too_far]).min()) if too_far.any() else 1.0
 
     def _lock(self, joints: Booleans) -> None:

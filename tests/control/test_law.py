@@ -254,6 +254,19 @@ def test_a_joint_at_full_speed_does_not_stop_the_levels_below() -> None:
     assert np.abs(both.displacement[2:]).min() > 1e-4
 
 
+@given(seed=seeds)
+def test_a_joint_at_full_speed_does_not_shorten_what_the_other_joints_do(seed: int) -> None:
+    """The lower level brings another joint to full speed: rounding in the first takes no part."""
+    rng = np.random.default_rng(seed)
+    rows = np.zeros((2, 4))
+    rows[:, :2] = np.eye(2) + rng.uniform(-0.3, 0.3, (2, 2))
+    high = Level("high", rows, rows @ np.array([0.1, 0.05, 0.0, 0.0]))
+    low = Level("low", rng.uniform(0.5, 1.0, (1, 4)), np.array([0.1]))
+    both = law_of(4, DEXTER).solve([high, low], np.zeros(4)).displacement
+    assert np.abs(both[:2]).max() == pytest.approx(DEXTER.joint_step)
+    assert both[2:].max() == pytest.approx(DEXTER.joint_step)
+
+
 def test_a_joint_leaves_its_limit_freely() -> None:
     law = Law(np.full(3, -1.0), np.full(3, 1.0), DEXTER)
     q = np.array([0.9705, 0.0, -0.9705])  # just inside the margin on either side
