@@ -13,7 +13,7 @@ import typer
 from typer.testing import CliRunner
 
 from cbdsl.checking.document import check_document
-from cbdsl.cli.main import app
+from cbdsl.cli.main import build_app
 from tests.conftest import ROOT
 
 PAGES = [ROOT / "README.md", ROOT / "CONTRIBUTING.md", *sorted((ROOT / "docs").glob("*.md"))]
@@ -47,7 +47,7 @@ COMMANDS = [
 @pytest.mark.parametrize("command", COMMANDS)
 def test_every_command_exists_with_its_options(command: str) -> None:
     words = shlex.split(command)
-    for leaf in leaves(typer.main.get_command(app), words):
+    for leaf in leaves(typer.main.get_command(build_app()), words):
         given = {word.split("=")[0] for word in words if word.startswith("--")}
         assert given <= options(leaf)
 
@@ -70,7 +70,7 @@ def options(command: Any) -> set[str]:
 def test_the_options_that_the_readme_lists_for_run_exist() -> None:
     text = (ROOT / "README.md").read_text("utf-8")
     row = next(line for line in text.splitlines() if line.startswith("| `cb run"))
-    (run,) = leaves(typer.main.get_command(app), ["run"])
+    (run,) = leaves(typer.main.get_command(build_app()), ["run"])
     listed = {text.split()[0] for text in QUOTED.findall(row) if text.startswith("--")}
     assert len(listed) > 5
     assert listed <= options(run)
@@ -111,6 +111,8 @@ def test_the_program_is_valid(program: Path) -> None:
 
 @pytest.mark.slow
 def test_the_program_runs(program: Path) -> None:
-    done = CliRunner().invoke(app, ["run", str(program), "--seed", "3", "--context", "in_view"])
+    done = CliRunner().invoke(
+        build_app(), ["run", str(program), "--seed", "3", "--context", "in_view"]
+    )
     assert done.exit_code == 0, done.output
     assert "Rewarded after" in done.output

@@ -12,7 +12,7 @@ if TYPE_CHECKING:
     from cbdsl.program.checked import Action, CheckedProgram
     from cbdsl.program.controller import Controller, Reference
 
-app = typer.Typer(
+show = typer.Typer(
     help="Show types, resources and programs.",
     no_args_is_help=True,
     rich_markup_mode=None,
@@ -25,7 +25,7 @@ Program = Annotated[str, typer.Argument(metavar="NAME", help="Name or file of a 
 With = Annotated[list[str], typer.Option("--with", help="A parameter, as name=value.")]
 
 
-@app.command("types")
+@show.command("types")
 def show_types(as_json: Json = False) -> None:
     """The types of resources (Table 3.1) and the casts between them."""
     from cbdsl.cli.terminal import print_json
@@ -53,7 +53,7 @@ def show_types(as_json: Json = False) -> None:
         _print_table("Casts", casts)
 
 
-@app.command("resources")
+@show.command("resources")
 def show_resources(robot: Robot = "dexter", as_json: Json = False) -> None:
     """What programs can name on a robot."""
     from cbdsl.cli.terminal import print_json
@@ -79,7 +79,7 @@ def show_resources(robot: Robot = "dexter", as_json: Json = False) -> None:
         _print_table(f"Resources of {document.name}", rows)
 
 
-@app.command("program")
+@show.command("program")
 def show_program(name: Program, with_: With = [], as_json: Json = False) -> None:  # noqa: B006 (typer)
     """A program's controllers, actions and policy, with everything resolved."""
     from cbdsl.checking.program import check_program
