@@ -35,8 +35,8 @@ class Condition:
 CONDITIONS = (
     Condition("right", "table_right", ">= 97 %"),
     Condition("left", "table_left", ">= 97 %", values=LEFT),
-    Condition("right arm, left half", "table_left", ">= 90 %"),
-    Condition("left arm, right half", "table_right", ">= 90 %", values=LEFT),
+    Condition("right arm on left half", "table_left", ">= 90 %"),
+    Condition("left arm on right half", "table_right", ">= 90 %", values=LEFT),
     Condition("moving at 5 cm/s", "moving_right", ">= 90 %"),
     Condition("noisy and miscalibrated", "noisy_right", ">= 90 %"),
     Condition("out of reach", "out_of_reach", "0 %"),
