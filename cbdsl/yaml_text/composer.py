@@ -93,12 +93,12 @@ class _Composer:
 
     def _fresh(self, event: Any, place: Place, depth: int) -> Node:
         self._count(1, place)
-        if depth > DEEPEST:
-            raise self._fatal("CB108", place, bound=f"{DEEPEST} levels deep")
         if event.tag is not None and event.tag != "!":
             self._find("CB112", place, tag=event.tag)
         if isinstance(event, yaml.ScalarEvent):
             return Node(place, self._scalar(event, place))
+        if depth > DEEPEST:
+            raise self._fatal("CB108", place, bound=f"{DEEPEST} levels deep")
         node = Node(place, None)
         if isinstance(event, yaml.SequenceStartEvent):
             node.value = list(self._items(depth))

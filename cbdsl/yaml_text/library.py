@@ -45,6 +45,7 @@ class Library:
     def __init__(self, here: Path | None = None) -> None:
         self.here = here or Path.cwd()
         self._read: dict[Path, Loaded[Any]] = {}
+        self._found: dict[tuple[type[Document], str, Path | None], Path] = {}
 
     def find(self, kind: type[Document], name: str, beside: Path | None = None) -> Path | None:
         """The file ``<name>.yaml``: beside another, else in a folder of its kind, else ``None``.
@@ -54,6 +55,15 @@ class Library:
             name: its name.
             beside: a file whose folder and the folders above are searched first.
         """
+        key = (kind, name, beside and beside.parent)
+        if key not in self._found:
+            found = self._search(kind, name, beside)
+            if found is None:
+                return None
+            self._found[key] = found
+        return self._found[key]
+
+    def _search(self, kind: type[Document], name: str, beside: Path | None) -> Path | None:
         if beside is not None:
             sibling = beside.parent / f"{name}.yaml"
             if sibling.is_file() and _is_of(kind, sibling):
