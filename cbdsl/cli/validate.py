@@ -2,14 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
-from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated
 
 import typer
-
-if TYPE_CHECKING:
-    from cbdsl.errors.diagnostic import Diagnostic
 
 # Texts instead of paths: typer's conversion of paths costs a tenth of the whole command.
 Paths = Annotated[list[str], typer.Argument(help="Documents, or folders of documents.")]
@@ -19,56 +14,7 @@ Json = Annotated[bool, typer.Option("--json", help="Print the findings as JSON."
 
 def validate(paths: Paths, with_: With = [], as_json: Json = False) -> None:  # noqa: B006 (typer)
     """Check documents: exit 0 without errors, 1 with errors, 2 for a wrong call."""
-    from cbdsl.checking.document import check_document
-    from cbdsl.checking.session import Session
     from cbdsl.cli.assignments import read_assignments
-    from cbdsl.errors.counting import count
+    from cbdsl.cli.findings import check_paths
 
-    values, session = read_assignments(with_), Session()
-    files = [file for path in paths for file in _documents(Path(path))]
-    # A robot's findings come with every program on it: each is told once.
-    found: dict[Diagnostic, None] = {}
-    for file in files:
-        found.update(dict.fromkeys(check_document(file, values, session)))
-    if found or as_json:
-        _tell(found, as_json)
-    else:
-        print(f"{count(len(files), 'document')}, no findings")
-    if any(diagnostic.is_error for diagnostic in found):
-        raise typer.Exit(1)
-
-
-def _documents(path: Path) -> Iterator[Path]:
-    """The file itself, or all documents below a folder."""
-    from cbdsl.errors.errors import UsageError
-
-    if not path.is_dir():
-        yield path
-        return
-    files = sorted(file for file in path.rglob("*") if file.suffix in (".yaml", ".yml"))
-    if not files:
-        raise UsageError(f"{path} holds no documents (*.yaml)")
-    yield from files
-
-
-def _tell(found: Iterable[Diagnostic], as_json: bool) -> None:
-    from cbdsl.cli.terminal import print_diagnostics, print_json
-
-    if as_json:
-        print_json([_plain(diagnostic) for diagnostic in found])
-    else:
-        print_diagnostics(found)
-
-
-def _plain(value: object) -> object:
-    """A diagnostic as JSON has it: places and the like become objects."""
-    from enum import Enum
-
-    if isinstance(value, Enum):
-        return value.value
-    if not isinstance(value, tuple):
-        return value
-    named = getattr(value, "_asdict", None)
-    if named is None:
-        return [_plain(part) for part in value]
-    return {key: _plain(part) for key, part in named().items()}
+    raise typer.Exit(check_paths(paths, read_assignments(with_), as_json))

@@ -2,15 +2,13 @@
 
 from __future__ import annotations
 
-from functools import cache
-
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from lark import Lark
-from lark.exceptions import UnexpectedInput, UnexpectedToken
 
+from cbdsl.language import parser, tables
 from cbdsl.language.expression import Argument, Expression, Span, Term, print_expression
+from cbdsl.language.make_tables import grammar_digest
 from cbdsl.language.parser import CompositionError, parse
 
 NAMES = st.from_regex(r"[A-Za-z][A-Za-z0-9_]{0,8}", fullmatch=True)
@@ -27,34 +25,21 @@ EXPRESSIONS = st.builds(
     lambda terms: Expression(tuple(terms)), st.lists(TERMS, min_size=1, max_size=5)
 )
 
-# Pieces of which many are compositions, and many more nearly so.
-TEXTS = st.lists(st.sampled_from([*"a1_$.(),◁< \n", "b2", "<|", " ◁ ", "f(x)", "é"])).map("".join)
-
 
 def bare(expression: Expression) -> list[tuple[str, list[str]]]:
     """An expression without its spans."""
     return [(term.name, [a.text for a in term.arguments]) for term in expression.terms]
 
 
-@cache
-def grammar() -> Lark:
-    return Lark.open("composition.lark", rel_to=__file__, parser="lalr", start="expression")
+def test_the_tables_are_those_of_the_grammar() -> None:
+    assert grammar_digest() == tables.GRAMMAR
 
 
-@given(TEXTS)
-def test_the_parser_accepts_the_language_of_the_grammar(text: str) -> None:
-    try:
-        tree = grammar().parse(text)
-    except UnexpectedInput as error:
-        with pytest.raises(CompositionError) as caught:
-            parse(text)
-        ends = isinstance(error, UnexpectedToken) and error.token.type == "$END"
-        where = len(text.rstrip()) if ends else error.pos_in_stream
-        assert caught.value.span.start - 1 == where
-    else:
-        terms = [term.children for term in tree.children]
-        expected = [(str(n), [str(a) for a in (c.children if c else ())]) for n, c in terms]
-        assert bare(parse(text)) == expected
+def test_other_versions_of_lark_build_their_own_tables(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(tables, "LARK", "0.0")
+    parser._grammar.cache_clear()
+    assert bare(parse("a ◁ b(c)")) == [("a", []), ("b", ["c"])]
+    parser._grammar.cache_clear()
 
 
 @given(EXPRESSIONS)
