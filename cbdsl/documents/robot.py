@@ -115,6 +115,8 @@ class Regions(Section):
     """Farthest position that is believed."""
     least_visible: Share = 0.98
     """Share of the largest apparent size below which a region counts as hidden in part."""
+    linger: Time = 0.25
+    """How long a heading outlives its region."""
     hold: Time = 0.5
     """How long a position outlives its region when no hand explains the loss."""
     hand_radius: Length = 0.18

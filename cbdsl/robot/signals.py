@@ -250,7 +250,8 @@ class Signals:
             return None
         angles = [self.vision.headings[name, source.channel] for name in seen]
         jacobians = [self._heading_jacobian(name, a) for name, a in zip(seen, angles, strict=True)]
-        return Reading(np.mean(angles, axis=0), np.mean(jacobians, axis=0), self.vision.images)
+        stamp = max(self.vision.stamps[name, source.channel] for name in seen)
+        return Reading(np.mean(angles, axis=0), np.mean(jacobians, axis=0), stamp)
 
     def _heading_jacobian(self, camera: str, angles: Floats) -> Floats:
         link = self._robot.cameras[camera].link

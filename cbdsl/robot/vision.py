@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,12 +22,22 @@ Floats = NDArray[np.float64]
 _BEHIND_HAND = 0.1
 
 
+class _Sight(NamedTuple):
+    """Where a region was seen: direction in the world frame, time in s, number of the image."""
+
+    direction: Floats
+    time: float
+    image: int
+
+
 class Vision:
     """Sees the wanted channels with every camera.
 
     Attributes:
-        headings: rad, shape (2,), by (camera, channel); absent where there is no region.
-        regions: the regions behind the headings.
+        headings: rad, shape (2,), by (camera, channel); absent where there is no region, nor has
+            been one a moment ago.
+        stamps: the number of the image in which each heading's region was seen.
+        regions: the regions in the newest images.
         memories: by channel, with two cameras.
         images: how many sets of images have been seen since the start of the episode.
     """
@@ -57,8 +68,10 @@ class Vision:
     def reset(self) -> None:
         """Forget everything seen."""
         self.headings: dict[tuple[str, str], Floats] = {}
+        self.stamps: dict[tuple[str, str], int] = {}
         self.regions: dict[tuple[str, str], Region] = {}
         self.images = 0
+        self._sights: dict[tuple[str, str], _Sight] = {}
         self._frames: dict[str, Frame] = {}
         self._time = 0.0
         for memory in self.memories.values():
@@ -98,7 +111,21 @@ class Vision:
                 if channel == "motion" and moved:
                     continue
                 self.regions[name, channel] = region
-                self.headings[name, channel] = heading(sight(camera, region.column, region.row))
+                line = sight(camera, region.column, region.row)
+                self._sights[name, channel] = _Sight(frame.rotation @ line, self._time, self.images)
+            self._head_for(name, frame)
+
+    def _head_for(self, camera: str, frame: Frame) -> None:
+        """Headings to all that a camera sees, or saw a moment ago.
+
+        A head that turns while it searches overshoots what it sees first at an image's edge, and
+        would otherwise search on and never get hold of it.
+        """
+        for channel in self._channels:
+            seen = self._sights.get((camera, channel))
+            if seen is not None and self._time - seen.time <= self._settings.linger:
+                self.headings[camera, channel] = heading(frame.rotation.T @ seen.direction)
+                self.stamps[camera, channel] = seen.image
 
     def _remember(self, time: float, channel: str, memory: PositionMemory) -> None:
         sighting = self._sighting(channel)

@@ -110,3 +110,21 @@ def test_a_ball_that_is_cut_off_by_the_border_has_a_heading_but_no_position(
     assert ("left", "hue_1") in signals.vision.headings
     assert signals.vision.regions["left", "hue_1"].clipped
     assert position(signals, "hue_1") is None
+
+
+def test_a_heading_outlives_its_region_for_a_moment_and_is_not_measured_anew(
+    backend: SyntheticBackend, signals: Signals, dexter: RobotDocument
+) -> None:
+    heading = resources(dexter)["left.hue_1"]
+    backend.world.ball = Ball(BALL)
+    look(backend, signals)
+    seen = signals.read(heading)
+    assert seen is not None
+    backend.world.ball = None
+    look(backend, signals, dexter.vision.regions.linger / 2)
+    kept = signals.read(heading)
+    assert kept is not None
+    assert kept.value == pytest.approx(seen.value, abs=1e-3)
+    assert kept.stamp == signals.vision.stamps["left", "hue_1"] < signals.vision.images
+    look(backend, signals, dexter.vision.regions.linger)
+    assert signals.read(heading) is None
