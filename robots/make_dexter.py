@@ -295,7 +295,7 @@ def add_head(body: Body) -> None:
     body.joint("pan", "torso", "head_pan", NECK, drive=Drive((-1.7, 1.7), 30, 4))
     tilt = Solid("box", (0.06, 2 * HALF_BASELINE + 0.08, 0.05), DARK, (0, 0, 0.03))
     body.link("head_tilt", 1.5, (tilt,), least_inertia=1e-3)
-    drive = Drive((-1.0, 1.75), 30, 4, axis=(0.0, 1.0, 0.0))
+    drive = Drive((-1.0, 1.5), 30, 4, axis=(0.0, 1.0, 0.0))
     body.joint("tilt", "head_pan", "head_tilt", (0.0, 0.0, 0.03), drive=drive)
     for side, sign in SIDES.items():
         at = (0.04, sign * HALF_BASELINE, 0.03)

@@ -12,20 +12,29 @@ _ACCELERATIONS = {
     "position": ("acceleration",),
     "pose": ("acceleration", "angular acceleration"),
 }
+_TOLERANCES = {
+    "position": ("length",),
+    "pose": ("length", "angle"),
+    "force": ("force",),
+    "torque": ("torque",),
+    "wrench": ("force", "torque"),
+}
 
 
 def check_settings(
     kind: str, source: SourceMap, steps: tuple[Step, ...], findings: Findings
 ) -> None:
-    """Check the units of ``speed`` and ``acceleration`` at a path against a feedback's type."""
-    allowed = {
-        "speed": _SPEEDS.get(kind, ("angular speed",)),
-        "acceleration": _ACCELERATIONS.get(kind, ("angular acceleration",)),
+    """Check the units of speed, acceleration and tolerance against a feedback's type."""
+    allowed: dict[tuple[str, ...], tuple[str, ...]] = {
+        ("speed",): _SPEEDS.get(kind, ("angular speed",)),
+        ("acceleration",): _ACCELERATIONS.get(kind, ("angular acceleration",)),
+        ("quiescence", "tolerance"): _TOLERANCES.get(kind, ("angle",)),
     }
-    for key, dimensions in allowed.items():
-        if not source.holds(*steps, key):
+    for keys, dimensions in allowed.items():
+        path = (*steps, *keys)
+        if not source.holds(*path):
             continue
         try:
-            read_quantity(source.node((*steps, key)).value, dimensions)
+            read_quantity(source.node(path).value, dimensions)
         except QuantityError as error:
-            findings.add("CB506", source.place(*steps, key), problem=str(error))
+            findings.add("CB506", source.place(*path), problem=str(error))

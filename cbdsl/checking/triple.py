@@ -247,7 +247,7 @@ class _Triple:
             gain,
             _first(settings.speed for settings in candidates),
             _first(settings.acceleration for settings in candidates),
-            Quiescence(quiescence.rate, quiescence.window, quiescence.within),
+            Quiescence(quiescence.rate, quiescence.window, quiescence.within, quiescence.tolerance),
         )
 
 

@@ -23,6 +23,7 @@ from cbdsl.documents.document import (
     Section,
     Share,
     Time,
+    Tolerance,
     Torque,
     Vector,
 )
@@ -149,6 +150,8 @@ class Quiescence(Section):
     """How long phi is watched."""
     within: Positive | None = None
     """Largest residual that earns a reward, as a share of the reference's norm."""
+    tolerance: Tolerance | None = None
+    """Largest residual that earns a reward, in the feedback's unit."""
 
 
 class TaskSettings(Section):

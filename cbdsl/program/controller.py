@@ -36,11 +36,13 @@ class Quiescence(NamedTuple):
         rate: largest range of phi over the window, per second of the window.
         window: s.
         within: largest residual that earns a reward, as a share of the reference's norm.
+        tolerance: largest residual that earns a reward, in the feedback's unit.
     """
 
     rate: float
     window: float
-    within: float | None
+    within: float | None = None
+    tolerance: float | None = None
 
 
 class Standoff(NamedTuple):

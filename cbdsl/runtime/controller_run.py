@@ -118,9 +118,15 @@ class ControllerRun:
         stamp = max(stamp, reference.stamp)
         self.predicate = self._monitor.update(self.phi, self._period, fresh=stamp != self._stamp)
         self._stamp = stamp
-        within = self.controller.quiescence.within
-        bound = math.inf if within is None else within * float(np.linalg.norm(reference.value))
-        self.settled = self.error <= bound
+        self.settled = self.error <= self._bound(reference)
+
+    def _bound(self, reference: Reading) -> float:
+        """The largest error that earns a reward."""
+        quiescence = self.controller.quiescence
+        bound = math.inf if quiescence.tolerance is None else quiescence.tolerance
+        if quiescence.within is not None:
+            bound = min(bound, quiescence.within * float(np.linalg.norm(reference.value)))
+        return bound
 
     def _may_seek(self, peers: Mapping[str, ControllerRun]) -> bool:
         """Whether to act although the feedback is undefined."""
