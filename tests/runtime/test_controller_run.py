@@ -231,6 +231,23 @@ def test_it_has_settled_within_a_share_of_its_reference(
     assert run.settled == (abs(1 - share) < 0.5)
 
 
+@pytest.mark.parametrize("tolerance", [0.01, 10.0])
+def test_it_has_settled_within_its_tolerance(
+    reachtouch: CheckedProgram,
+    signals: Signals,
+    backend: SyntheticBackend,
+    start: Start,
+    tolerance: float,
+) -> None:
+    approach = approach_of(reachtouch)
+    quiescence = approach.quiescence._replace(tolerance=tolerance)
+    look_at(Ball(TABLE_BALL), signals, backend)
+    run = start(replace(approach, quiescence=quiescence))
+    evaluate(run)
+    assert 0.01 < run.error < 10.0
+    assert run.settled == (tolerance == 10.0)
+
+
 def test_without_a_reference_it_is_undefined_and_wants_nothing(
     reachtouch: CheckedProgram, signals: Signals, backend: SyntheticBackend, start: Start
 ) -> None:
