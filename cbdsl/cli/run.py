@@ -220,9 +220,12 @@ def _episode(
     from cbdsl.errors.errors import UsageError
     from cbdsl.program.transition import Transition
     from cbdsl.robot.signals import SensorError
+    from cbdsl.runtime.episode import resources_of
     from cbdsl.runtime.recording import Recording
 
-    recording = Recording(runner.signals.joints.names) if record is not None else None
+    recording = None
+    if record is not None:
+        recording = Recording(runner.signals.joints.names, resources_of(order.program))
     listeners: list[Callable[[Transition], None]] = [] if as_json else [narrate]
     if recording is not None:
         listeners.append(recording.note_transition)

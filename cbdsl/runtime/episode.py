@@ -57,6 +57,7 @@ class Tick:
     """What a recorder may look at after each control tick."""
 
     observation: Observation
+    signals: Signals
     run: ProgramRun
     actuation: Actuation
 
@@ -126,7 +127,7 @@ class Runner:
                 run.activate()
             actuation.move(run.active())
             run.advance()
-            on_tick(Tick(observation, run, actuation))
+            on_tick(Tick(observation, self.signals, run, actuation))
             if run.predicate != "0":
                 break
             ticks += 1

@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import os
 import tempfile
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import asdict
 from pathlib import Path
 from typing import Any
@@ -15,12 +15,17 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cbdsl.program.transition import Transition
+from cbdsl.robot.signals import Signals
 from cbdsl.runtime.controller_run import ControllerRun
 from cbdsl.runtime.episode import EpisodeResult, Tick
 from cbdsl.runtime.program_run import ProgramRun
+from cbdsl.types.resource import Origin, Resource
 
 # Half of the images' width is enough to see what happened.
 _THUMBNAIL_SCALE = 0.5
+
+# An orientation is a rotation matrix and a pose a homogeneous transform; the rest are vectors.
+_SHAPES = {"orientation": (3, 3), "pose": (4, 4)}
 
 
 def require_writable(directory: Path) -> None:
@@ -39,14 +44,21 @@ class Recording:
 
     The NPZ holds, per control tick: ``time`` s, ``positions`` and ``references`` of the actuated
     joints in rad (T, n), ``potentials`` (T, c) and ``errors`` (T, c) with NaN where undefined,
-    ``loads`` in N and N m (T, cells, 6); per image: ``image_time`` and ``image_<camera>``.
+    ``loads`` in N and N m (T, cells, 6), and as ``signal_<resource>`` the value of each resource
+    in SI (T, ...), NaN while undefined; per image: ``image_time`` and ``image_<camera>``.
+
+    Args:
+        joints: names of the actuated joints.
+        resources: what the program can read; what it draws from internal models is no signal.
     """
 
-    def __init__(self, joints: tuple[str, ...]) -> None:
+    def __init__(self, joints: tuple[str, ...], resources: Iterable[Resource]) -> None:
         self._joints = joints
+        self._resources = [each for each in resources if each.origin is not Origin.MODEL]
         self._rows: dict[str, list[Any]] = {
             key: [] for key in ("time", "positions", "references", "potentials", "errors", "loads")
         }
+        self._rows |= {f"signal_{each.name}": [] for each in self._resources}
         self._images: dict[str, list[Any]] = {}
         self._image_time: list[float] = []
         self._predicates: list[str] = []
@@ -73,6 +85,7 @@ class Recording:
             "errors": [run.error for _, run in runs],
             "loads": list(observation.loads.values()),
         }
+        row |= {f"signal_{each.name}": _value(each, tick.signals) for each in self._resources}
         for key, value in row.items():
             self._rows[key].append(value)
         if observation.images:
@@ -112,6 +125,14 @@ def _all_runs(run: ProgramRun, prefix: str = "") -> list[tuple[str, ControllerRu
     for name, child in run.children.items():
         found += _all_runs(child, f"{prefix}{name}.")
     return found
+
+
+def _value(resource: Resource, signals: Signals) -> NDArray[np.float64]:
+    """A resource's value in SI, or NaN in the same shape while it is undefined."""
+    reading = signals.read(resource)
+    if reading is not None:
+        return reading.value
+    return np.full(_SHAPES.get(resource.type.name, (resource.type.size,)), np.nan)
 
 
 def _write_arrays(path: Path, arrays: Mapping[str, NDArray[Any]]) -> None:

@@ -9,25 +9,23 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from cbdsl.runtime.episode import Tick
+from cbdsl.robot.kinematics import Kinematics
+from cbdsl.robot.signals import Reading
+from cbdsl.runtime.episode import Tick, resources_of
 from cbdsl.runtime.recording import Recording, require_writable
+from cbdsl.types.resource import Origin
 from tests.conftest import Checked
 from tests.runtime.conftest import Play, Played
 
 
 @pytest.fixture(scope="module")
-def recorded(checked: Checked, play: Play) -> tuple[Played, Recording]:
-    recording: list[Recording] = []
-
-    def watch(tick: Tick) -> None:
-        if not recording:
-            recording.append(Recording(tick.actuation._signals.joints.names))
-        recording[0].note_tick(tick)
-
-    played = play(checked("searchtrack"), watch=watch, seed=4)
+def recorded(checked: Checked, play: Play, kinematics: Kinematics) -> tuple[Played, Recording]:
+    program = checked("searchtrack")
+    recording = Recording(kinematics.joints.names, resources_of(program))
+    played = play(program, watch=recording.note_tick, seed=4)
     for transition in played.transitions:
-        recording[0].note_transition(transition)
-    return played, recording[0]
+        recording.note_transition(transition)
+    return played, recording
 
 
 def test_what_was_kept_is_what_happened(recorded: tuple[Played, Recording], tmp_path: Path) -> None:
@@ -54,6 +52,35 @@ def test_what_was_kept_is_what_happened(recorded: tuple[Played, Recording], tmp_
         assert arrays["image_left"].shape == (len(images), 120, 160, 3)
         # The ball is seen on the thumbnails too.
         assert (arrays["image_left"][..., 0] > 200).any()
+
+
+def test_signals_are_kept_and_undefined_ones_are_nan(
+    checked: Checked, play: Play, kinematics: Kinematics, tmp_path: Path
+) -> None:
+    program = checked("reachtouch")
+    resources = [each for each in resources_of(program) if each.origin is not Origin.MODEL]
+    read: list[dict[str, Reading | None]] = []
+
+    def watch(tick: Tick) -> None:
+        read.append({each.name: tick.signals.read(each) for each in resources})
+        recording.note_tick(tick)
+
+    recording = Recording(kinematics.joints.names, resources_of(program))
+    played = play(program, watch=watch)
+    file = recording.write(tmp_path, played.result)
+    with np.load(file.with_suffix(".npz")) as arrays:
+        kept = {key.removeprefix("signal_") for key in arrays if key.startswith("signal_")}
+        assert kept == {each.name for each in resources}
+        for name in kept:
+            column = arrays[f"signal_{name}"]
+            assert len(column) == len(read)
+            for value, reading in zip(column, (row[name] for row in read), strict=True):
+                if reading is None:
+                    assert np.isnan(value).all()
+                else:
+                    assert np.array_equal(value, reading.value)
+        forces = arrays["signal_right_hand.finger_forces"]
+        assert np.isnan(forces[0]).all() and np.isfinite(forces[-1]).all()
 
 
 def test_a_failed_write_leaves_what_was_there(
