@@ -104,13 +104,13 @@ class _ProgramCheck:
         self._used_programs: dict[str, CheckedProgram | None] = {}
 
     def check(self) -> CheckedProgram | None:
+        self._robot = self._find_robot()
         self._stage()
         for name, use in self._document.use.items():
             self._used_programs[name] = self._use(name, use)
-        robot = self._find_robot()
-        if robot is None:
+        if self._robot is None:
             return None
-        body = self._session.body(robot, self._findings)
+        body = self._session.body(self._robot, self._findings)
         context = Context(self._loaded, body, self._scope, self._findings)
         self._context, self._compositions = context, Compositions(context)
         return self._build()
@@ -173,7 +173,7 @@ class _ProgramCheck:
 
     def _same_robot(self, other: str, name: str, steps: Steps) -> None:
         robot = self._document.robot
-        if other != robot:
+        if other != robot and self._robot is not None:
             source = self._loaded.source
             related = [(source.place("robot"), f"this program is for '{robot}'")]
             details = {"name": name, "other": other, "robot": robot}
@@ -267,10 +267,13 @@ class _ProgramCheck:
         names = [controller.name for controller in running]
         for key, document in self._document.controllers.items():
             seek = None if isinstance(document, str) else document.seek
-            if seek is None or seek.once is None or seek.once in names or None in actions:
+            if seek is None or seek.once is None or None in actions:
                 continue
-            place = self._context.source.place("controllers", key, "seek", "once")
-            self._context.add("CB514", place, names=names, name=seek.once)
+            steps: Steps = ("controllers", key, "seek", "once")
+            once = self._context.parse(seek.once, steps)
+            if once is not None and str(once) not in names:
+                place = self._context.source.place(*steps)
+                self._context.add("CB514", place, names=names, name=str(once))
 
     def _policy(self, actions: list[str]) -> dict[str, str]:
         """Canonical action by state pattern."""

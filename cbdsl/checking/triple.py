@@ -107,8 +107,16 @@ class _Triple:
             free_axis=document.free_axis,
             standoff=_standoff(document.standoff),
             funnel=_funnel(document.funnel),
-            seek=_seek(document.seek),
+            seek=self._seek(),
         )
+
+    def _seek(self) -> Seek | None:
+        seek = self._document.seek
+        if seek is None:
+            return None
+        steps: Steps = (*self._steps, "seek", "once")
+        once = None if seek.once is None else self._context.parse(seek.once, steps)
+        return Seek(None if once is None else str(once), seek.within, seek.until)
 
     def _place(self, *steps: str | int) -> Place:
         return self._context.source.place(*self._steps, *steps)
@@ -286,9 +294,3 @@ def _funnel(document: written.Funnel | None) -> Funnel | None:
     if document is None:
         return None
     return Funnel(document.height, document.within, document.slope)
-
-
-def _seek(document: written.Seek | None) -> Seek | None:
-    if document is None:
-        return None
-    return Seek(document.once, document.within, document.until)

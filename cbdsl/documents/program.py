@@ -50,8 +50,8 @@ class Funnel(Section):
 class Seek(Section):
     """When a controller acts although its feedback is undefined, as to find contact."""
 
-    once: Name | None = None
-    """Only after this controller has come within ``within`` of its reference."""
+    once: Text | None = None
+    """Only after this controller, written as in ``actions``, came ``within`` of its reference."""
     within: Length = 0.02
     """How near ``once`` has to be."""
     until: Angle | None = None

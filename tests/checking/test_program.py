@@ -31,6 +31,21 @@ def test_composites_are_one_primitive_with_the_last_controller_leading(tmp_path:
     assert reach.lead.name == "approach"
 
 
+def test_seeking_waits_for_a_call_as_the_actions_write_it(tmp_path: Path) -> None:
+    path = write(
+        tmp_path,
+        "controllers:\n"
+        "  reach: {parameters: [feature], potential: spring, reference: stereo.$feature, "
+        "feedback: right_arm.position, effector: right_arm.position}\n"
+        "  touch: {potential: spring, reference: 1 N along normals, "
+        "feedback: right_hand.finger_forces, effector: right_hand, "
+        "seek: {once: 'reach( motion )'}}\n"
+        "actions: [reach(motion), touch]\n",
+    )
+    seek = check_program(path, library=Library(tmp_path)).primitives["touch"].lead.seek
+    assert seek is not None and seek.once == "reach(motion)"
+
+
 def test_only_what_comes_from_the_environment_is_rewarded() -> None:
     search = check_program("searchtrack").primitives
     assert [name for name, primitive in search.items() if primitive.lead.rewarded] == ["track"]
