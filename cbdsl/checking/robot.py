@@ -132,7 +132,7 @@ class _ModelCheck:
         for steps, joint in self._joints():
             self._joint(joint, steps)
         for joint in self._robot.couplings:
-            if joint not in self._model.movable:
+            if joint not in self._model.revolute:
                 self._missing("CB302", joint, self._source.key("couplings", joint))
         for steps, link in self._links():
             if link not in self._model.links:
@@ -157,11 +157,11 @@ class _ModelCheck:
             yield ("cameras", name, "link"), camera.link
 
     def _joint(self, joint: str, steps: Steps) -> None:
-        if joint not in self._model.movable:
+        if joint not in self._model.revolute:
             self._missing("CB302", joint, self._source.place(*steps))
 
     def _missing(self, code: str, name: str, place: Place) -> None:
-        names = sorted(self._model.links) if code == "CB303" else list(self._model.movable)
+        names = sorted(self._model.links) if code == "CB303" else list(self._model.revolute)
         self._findings.add(code, place, names=names, name=name, model=self._model.path.name)
 
     def _postures(self, name: str, effector: Effector) -> None:

@@ -45,21 +45,25 @@ class Kinematics:
         self._model = pinocchio.buildModelFromUrdf(str(urdf))
         self._data = self._model.createData()
         self.joints = Joints(robot)
-        columns = [
-            self._model.joints[self._model.getJointId(name)].idx_v for name in self.joints.all
-        ]
+        moved = [self._model.joints[self._model.getJointId(name)] for name in self.joints.all]
+        columns = [joint.idx_v for joint in moved]
+        own = [joint.idx_q for joint in moved][: len(self.joints)]
         #: Velocities of the model's joints per velocity of the actuated ones, shape (nv, n).
         self._expansion: Floats = np.zeros((self._model.nv, len(self.joints)))
         self._expansion[columns] = self.joints.expansion
-        self.lower: Floats = self._model.lowerPositionLimit[columns][: len(self.joints)]
-        self.upper: Floats = self._model.upperPositionLimit[columns][: len(self.joints)]
+        self.lower: Floats = self._model.lowerPositionLimit[own]
+        self.upper: Floats = self._model.upperPositionLimit[own]
         self._indices: dict[str, int] = {}
         self._frames: dict[str, Frame] = {}
         self._jacobians: dict[str, Floats] = {}
 
     def update(self, positions: Floats) -> None:
         """Set the actuated joint positions, rad, shape (n,)."""
-        pinocchio.computeJointJacobians(self._model, self._data, self._expansion @ positions)
+        turned = self._expansion @ positions
+        if self._model.nq != self._model.nv:
+            # A joint without limits has two coordinates and one velocity.
+            turned = pinocchio.integrate(self._model, pinocchio.neutral(self._model), turned)
+        pinocchio.computeJointJacobians(self._model, self._data, turned)
         pinocchio.updateFramePlacements(self._model, self._data)
         self._frames.clear()
         self._jacobians.clear()

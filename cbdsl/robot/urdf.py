@@ -1,4 +1,4 @@
-"""What the checker needs of a URDF model: its links, its movable joints and their limits."""
+"""What the checker needs of a URDF model: its links, its joints and their limits."""
 
 import math
 from collections.abc import Iterator, Mapping
@@ -6,20 +6,21 @@ from pathlib import Path
 from typing import NamedTuple
 from xml.etree import ElementTree
 
-_MOVABLE = frozenset({"revolute", "continuous", "prismatic"})
-
 
 class UrdfError(ValueError):
     """A URDF model cannot be read; the message says why."""
 
 
 class UrdfJoint(NamedTuple):
-    """A joint of the model; limits in rad, or m where it slides."""
+    """A joint of the model; limits in rad, or m where it slides.
+
+    Only ``revolute`` joints can be moved: they turn, and between limits.
+    """
 
     name: str
     parent: str
     child: str
-    movable: bool
+    revolute: bool
     lower: float
     upper: float
 
@@ -38,18 +39,18 @@ class UrdfModel(NamedTuple):
     joints: Mapping[str, UrdfJoint]
 
     @property
-    def movable(self) -> tuple[str, ...]:
-        """Names of the joints that can move, in the file's order."""
-        return tuple(joint.name for joint in self.joints.values() if joint.movable)
+    def revolute(self) -> tuple[str, ...]:
+        """Names of the joints that can be moved, in the file's order."""
+        return tuple(joint.name for joint in self.joints.values() if joint.revolute)
 
     def above(self, link: str) -> Iterator[str]:
-        """Names of the movable joints between a link and the root, from the link upwards."""
+        """Names of the revolute joints between a link and the root, from the link upwards."""
         parents = {joint.child: joint for joint in self.joints.values()}
         for _ in range(len(parents)):  # bounds the walk where the model has a loop
             joint = parents.get(link)
             if joint is None:
                 return
-            if joint.movable:
+            if joint.revolute:
                 yield joint.name
             link = joint.parent
 
@@ -70,25 +71,30 @@ def read_urdf(path: Path) -> UrdfModel:
         raise UrdfError(f"{path}: its root is <{root.tag}>, not <robot>")
     links = frozenset(link.get("name", "") for link in root.findall("link"))
     try:
-        joints = [_joint(element) for element in root.findall("joint")]
+        joints = [_joint(element, links) for element in root.findall("joint")]
     except ValueError as error:
         raise UrdfError(f"{path}: {error}") from None
     return UrdfModel(path, links, {joint.name: joint for joint in joints})
 
 
-def _joint(element: ElementTree.Element) -> UrdfJoint:
+def _joint(element: ElementTree.Element, links: frozenset[str]) -> UrdfJoint:
     name, kind = element.get("name", ""), element.get("type", "")
     parent, child = element.find("parent"), element.find("child")
     if parent is None or child is None:
         raise ValueError(f"joint '{name}' has no parent or no child")
+    for end in (parent, child):
+        if end.get("link") not in links:
+            raise ValueError(f"joint '{name}' joins link '{end.get('link')}', which is not there")
     limit = element.find("limit")
+    if kind == "revolute" and limit is None:
+        raise ValueError(f"joint '{name}' is revolute and has no <limit>")
     bounded = limit is not None and kind != "continuous"
     lower, upper = (_limit(limit, "lower"), _limit(limit, "upper")) if bounded else (None, None)
     return UrdfJoint(
         name=name,
         parent=parent.get("link", ""),
         child=child.get("link", ""),
-        movable=kind in _MOVABLE,
+        revolute=kind == "revolute",
         lower=-math.inf if lower is None else lower,
         upper=math.inf if upper is None else upper,
     )

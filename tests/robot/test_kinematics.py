@@ -1,3 +1,5 @@
+from pathlib import Path
+
 import numpy as np
 import pytest
 
@@ -29,6 +31,24 @@ def test_jacobians_by_finite_differences(
         turn = (moved.rotation @ frame.rotation.T - np.eye(3)) / STEP
         angular = np.array([turn[2, 1], turn[0, 2], turn[1, 0]])
         assert jacobian[:, column] == pytest.approx(np.r_[linear, angular], abs=1e-4)
+
+
+def test_a_wheel_that_the_robot_file_does_not_name_stays_where_it_is(
+    dexter: RobotDocument, urdf: Path, kinematics: Kinematics, posture: np.ndarray, tmp_path: Path
+) -> None:
+    wheel = (
+        '<link name="wheel"/><joint name="axle" type="continuous"><parent link="torso"/>'
+        '<child link="wheel"/><axis xyz="0 0 1"/></joint></robot>'
+    )
+    model = tmp_path / "wheeled.urdf"
+    model.write_text(urdf.read_text("utf-8").replace("</robot>", wheel), encoding="utf-8")
+    wheeled = Kinematics(dexter, model)
+    assert np.array_equal(wheeled.lower, kinematics.lower)
+    wheeled.update(posture)
+    kinematics.update(posture)
+    for link in LINKS:
+        assert wheeled.frame(link).position == pytest.approx(kinematics.frame(link).position)
+        assert wheeled.jacobian(link) == pytest.approx(kinematics.jacobian(link))
 
 
 def test_passive_joints_follow(kinematics: Kinematics, posture: np.ndarray) -> None:

@@ -10,6 +10,7 @@ import pytest
 from cbdsl.robot.urdf import UrdfError, read_urdf
 from cbdsl.yaml_text.library import shipped
 
+LINKS = '<robot><link name="b"/><link name="c"/>'
 JOINT = '<joint name="{}" type="{}"><parent link="{}"/><child link="{}"/>{}</joint>'
 
 
@@ -30,10 +31,10 @@ def test_joints_and_limits(tmp_path: Path) -> None:
         )
     )
     assert model.links == {"a", "b", "c", "d"}
-    assert model.movable == ("one", "three")
+    assert model.revolute == ("one",)
     assert (model.joints["one"].lower, model.joints["one"].upper) == (-1, 2)
     assert (model.joints["three"].lower, model.joints["three"].upper) == (-math.inf, math.inf)
-    assert list(model.above("d")) == ["three", "one"]
+    assert list(model.above("d")) == ["one"]
     assert list(model.above("a")) == []
 
 
@@ -41,8 +42,9 @@ def test_a_loop_of_links_ends(tmp_path: Path) -> None:
     model = read_urdf(
         write(
             tmp_path,
-            JOINT.format("one", "continuous", "a", "b", ""),
-            JOINT.format("two", "continuous", "b", "a", ""),
+            '<link name="a"/><link name="b"/>',
+            JOINT.format("one", "revolute", "a", "b", "<limit/>"),
+            JOINT.format("two", "revolute", "b", "a", "<limit/>"),
         )
     )
     assert set(model.above("a")) == {"one", "two"}
@@ -61,7 +63,9 @@ def test_the_shipped_model() -> None:
         "no xml",
         "<model/>",
         "<robot><joint name='a' type='fixed'/></robot>",
-        "<robot>" + JOINT.format("a", "revolute", "b", "c", "<limit lower='x'/>") + "</robot>",
+        LINKS + JOINT.format("a", "revolute", "b", "c", "<limit lower='x'/>") + "</robot>",
+        LINKS + JOINT.format("a", "revolute", "b", "c", "") + "</robot>",
+        LINKS + JOINT.format("a", "fixed", "b", "d", "") + "</robot>",
     ],
 )
 def test_what_is_no_model_says_so(text: str, tmp_path: Path) -> None:

@@ -20,8 +20,9 @@ ROBOTS = (
     Entry(
         "CB302",
         "joint that the model lacks",
-        "the model {model} has no movable joint '{name}'",
-        "Effectors, couplings and load cells name movable joints of the URDF model.",
+        "the model {model} has no revolute joint '{name}'",
+        "Effectors, couplings and load cells name revolute joints of the URDF model. A continuous "
+        "joint becomes one when it is given limits; sliding joints cannot be controlled.",
         robot("  head: {joints: [pam]}\n"),
         _PATH,
         _MODEL,
