@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from cbdsl.errors.diagnostic import Diagnostic, Place
 
-_MOST_ALLOWED = 12
+# No section of a document has more keys.
+_MOST_ALLOWED = 16
 
 
 def render(diagnostic: Diagnostic, source: str | None = None) -> str:

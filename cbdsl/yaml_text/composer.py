@@ -50,6 +50,7 @@ class _Composer:
 
     def __init__(self, text: str, file: str) -> None:
         self.findings: list[Diagnostic] = []
+        self._text = text
         self._file = file
         self._loader = _LOADER(text)
         self._anchors: dict[str, Node] = {}
@@ -159,13 +160,23 @@ class _Composer:
         return DiagnosticsError([*self.findings, diagnostic(code, place, **details)])
 
     def _syntax_error(self, error: yaml.MarkedYAMLError) -> DiagnosticsError:
-        mark = error.problem_mark or error.context_mark
-        line, column = (mark.line + 1, mark.column + 1) if mark else (1, 1)
         problem = error.problem or error.context or "no YAML"
+        # A key that lacks its colon is noticed only on the next line.
+        lost = "could not find expected ':'" in problem and error.context_mark
+        mark = lost or error.problem_mark or error.context_mark
+        line, column = (mark.line + 1, mark.column + 1) if mark else (1, 1)
+        if self._is_tab(line, column):
+            problem = "a tab; lines are indented with spaces"
+        elif "scanning an alias" in (error.context or ""):
+            problem = "'*' is followed by no name; text that begins with it is quoted, as in \"**\""
         related = []
-        if error.problem and error.context and error.context_mark:
+        if error.problem and error.context and error.context_mark and not lost:
             start = error.context_mark
             place = Place(self._file, start.line + 1, start.column + 1, start.column + 2)
             related.append((place, error.context))
         place = Place(self._file, line, column, column + 1)
         return self._fatal("CB104", place, related=related, problem=problem)
+
+    def _is_tab(self, line: int, column: int) -> bool:
+        rows = self._text.split("\n")
+        return line <= len(rows) and rows[line - 1][column - 1 : column] == "\t"

@@ -28,14 +28,14 @@ def test_hints_follow() -> None:
         "m",
         PLACE,
         Severity.WARNING,
-        tuple(f"n{i}" for i in range(14)),
+        tuple(f"n{i}" for i in range(18)),
         "n1",
         (Related(PLACE, "here"),),
     )
     assert render(diagnostic).split("\n") == [
         "a.yaml:2:9: CB701 (warning) m",
         "      = did you mean 'n1'?",
-        f"      = allowed: {', '.join(f'n{i}' for i in range(12))} and 2 more",
+        f"      = allowed: {', '.join(f'n{i}' for i in range(16))} and 2 more",
         "      = a.yaml:2:9: here",
     ]
 
