@@ -96,7 +96,7 @@ class Library:
         return loaded
 
     def locate(self, kind: type[Document], name: str | Path) -> Path:
-        """The file that a user means by a path or a name.
+        """The file that a user means by a path, or by a name as a document here would use it.
 
         Raises:
             UsageError: no document has this name.
@@ -104,18 +104,17 @@ class Library:
         path = Path(name)
         if path.suffix or len(path.parts) > 1 or path.exists():
             return path
-        found = self.find(kind, str(name))
+        found = self.find(kind, str(name), self.here / path)
         if found is None:
             raise UsageError(self._not_found(kind, str(name)))
         return found
 
     def _not_found(self, kind: type[Document], name: str) -> str:
-        names = self.names(kind)
+        names = self.names(kind, self.here / name)
         nearest = nearest_name(name, names)
         hint = f"; did you mean '{nearest}'?" if nearest else ""
         known = ", ".join(names) or "none"
-        folder = FOLDERS[kind]
-        return f"no {folder}/{name}.yaml here or shipped{hint} (known: {known})"
+        return f"there is no {_word(kind)} '{name}'{hint} (known: {known})"
 
     def _roots(self, beside: Path | None) -> Iterator[Path]:
         if beside is not None:
@@ -130,7 +129,12 @@ def _is_of(kind: type[Document], path: Path) -> bool:
         said = _KIND_LINE.search(path.read_text(encoding="utf-8"))
     except (OSError, UnicodeDecodeError):
         return False
-    return said is not None and said[1] == kind.__name__.removesuffix("Document").lower()
+    return said is not None and said[1] == _word(kind)
+
+
+def _word(kind: type[Document]) -> str:
+    """What follows ``kind:`` in such a document."""
+    return kind.__name__.removesuffix("Document").lower()
 
 
 def _shortened(path: Path) -> Path:

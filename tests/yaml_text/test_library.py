@@ -54,3 +54,14 @@ def test_a_neighbour_of_the_right_kind_comes_before_what_is_shipped(tmp_path: Pa
     assert library.find(ProgramDocument, "searchtrack", own) == neighbour
     assert library.find(RobotDocument, "dexter", own) != tmp_path / "dexter.yaml"
     assert "dexter" in library.names(ProgramDocument, own)
+
+
+def test_a_name_means_what_it_would_mean_in_a_document_here(tmp_path: Path) -> None:
+    own = tmp_path / "own.yaml"
+    own.write_text("cbdsl: 1\nkind: program\nname: own\n", encoding="utf-8")
+    library = Library(tmp_path)
+    assert library.locate(ProgramDocument, "own") == own
+    with pytest.raises(UsageError, match="there is no stage 'own'"):
+        library.locate(StageDocument, "own")
+    with pytest.raises(UsageError, match="did you mean 'own'"):
+        library.locate(ProgramDocument, "ownn")
