@@ -1,8 +1,11 @@
-"""Silence for libraries that print when they are loaded."""
+"""Silence for libraries that print."""
 
 from __future__ import annotations
 
+import ctypes
 import os
+import sys
+import tempfile
 from collections.abc import Iterator
 from contextlib import contextmanager
 
@@ -19,3 +22,56 @@ def quiet_stderr() -> Iterator[None]:
         os.dup2(kept, 2)
         os.close(kept)
         os.close(nowhere)
+
+
+@contextmanager
+def shown_on_failure() -> Iterator[None]:
+    """Keep what C code writes out of the standard output, which belongs to ``print``.
+
+    It is shown on the standard error where an exception passes: it may say why.
+    """
+    with tempfile.TemporaryFile() as said, _stdout_of_c(said.fileno()):
+        try:
+            yield
+        except Exception:
+            _flush_c()
+            said.seek(0)
+            text = said.read().decode(errors="replace").rstrip()
+            sys.stderr.write(f"{text}\n" if text else "")
+            raise
+
+
+@contextmanager
+def _stdout_of_c(target: int) -> Iterator[None]:
+    """Lead C's standard output to a file, and Python's to where it went before."""
+    before = sys.stdout
+    if before is None:  # closed by the caller
+        yield
+        return
+    before.flush()
+    kept = os.dup(1)
+    if _descriptor(before) == 1:
+        sys.stdout = os.fdopen(
+            kept, "w", encoding=before.encoding, errors=before.errors, closefd=False
+        )
+    os.dup2(target, 1)
+    try:
+        yield
+        sys.stdout.flush()
+    finally:
+        _flush_c()
+        os.dup2(kept, 1)
+        sys.stdout = before
+        os.close(kept)
+
+
+def _descriptor(stream: object) -> int | None:
+    """Where a stream writes to, or ``None`` where it only remembers."""
+    try:
+        return int(stream.fileno())  # type: ignore[attr-defined]
+    except (AttributeError, OSError):
+        return None
+
+
+def _flush_c() -> None:
+    ctypes.CDLL(None).fflush(None)

@@ -21,7 +21,8 @@ if TYPE_CHECKING:
 
 Program = Annotated[str, typer.Argument(help="A program: its file, or its name.")]
 Stage = Annotated[
-    str | None, typer.Option("--stage", help="Who is shown what, where [the program's own].")
+    str | None,
+    typer.Option("--stage", help="Who is shown what, where: a file or a name [the program's own]."),
 ]
 Context = Annotated[
     str | None, typer.Option("--context", help="One context of the stage [drawn by share].")
@@ -32,12 +33,17 @@ Episodes = Annotated[
 ]
 BackendName = Annotated[str, typer.Option("--backend", help="What embodies the robot.")]
 PolicyFile = Annotated[
-    Path | None, typer.Option("--policy", help="A policy document, instead of the program's.")
+    Path | None,
+    typer.Option("--policy", help="File of a policy document, instead of the program's policy."),
 ]
-With = Annotated[list[str], typer.Option("--with", help="A parameter, as name=value.")]
+With = Annotated[
+    list[str],
+    typer.Option("--with", help="A parameter of the program, as arm=left_arm; may be repeated."),
+]
 Gui = Annotated[bool, typer.Option("--gui", help="Open the simulator's window.")]
 Record = Annotated[
-    Path | None, typer.Option("--record", help="Folder to keep every tick of each episode in.")
+    Path | None,
+    typer.Option("--record", help="Folder to keep every tick of each episode in, as NPZ and JSON."),
 ]
 Json = Annotated[bool, typer.Option("--json", help="Print one JSON object per episode.")]
 
@@ -66,12 +72,18 @@ def run(
     record: Record = None,
     as_json: Json = False,
 ) -> None:
-    """Run a program on a simulated robot: exit 0 when it ran, rewarded or not."""
+    """Run a program on a simulated robot, and tell each change of its state.
+
+    Programs and stages are files or names; a wrong name lists the known ones.
+
+    Exit 0 when it ran, rewarded or not, 1 when a document has errors, 2 when it could not run.
+    """
     from cbdsl.cli.assignments import read_assignments
+    from cbdsl.cli.quiet import shown_on_failure
 
     order = _read(program, stage, policy, read_assignments(with_))
     _require_context(order.stage, context)
-    with _simulation(order, backend, gui) as (body, runner):
+    with shown_on_failure(), _simulation(order, backend, gui) as (body, runner):
         if record is not None:
             _require_folder(record)
         if not as_json:
@@ -112,15 +124,12 @@ def _read_stage(
     from cbdsl.documents.stage import StageDocument
     from cbdsl.errors.errors import UsageError
 
-    if name is None and program.stage is None:
+    wanted = name or program.stage
+    if wanted is None:
         known = ", ".join(library.names(StageDocument, program_file))
         raise UsageError(f"{program.name} names no stage; give one with --stage (known: {known})")
-    file = (
-        library.find(StageDocument, program.stage, program_file)
-        if name is None and program.stage is not None
-        else None
-    )
-    file = file or library.locate(StageDocument, name or program.stage or "")
+    file = library.find(StageDocument, wanted, program_file)
+    file = file or library.locate(StageDocument, wanted)
     _require_clean(file, library)
     stage = library.read(file, StageDocument).document
     if stage.robot != program.robot:

@@ -1,0 +1,34 @@
+"""What C code prints does not get between what Python prints."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+
+SCRIPT = """
+import ctypes, sys
+from cbdsl.cli.quiet import shown_on_failure
+
+with shown_on_failure():
+    ctypes.CDLL(None).puts(b"noise")
+    print("said \u25c1")
+    if {failing}:
+        raise ValueError("on purpose")
+print("said afterwards")
+"""
+
+
+def run(failing: bool) -> subprocess.CompletedProcess[str]:
+    script = SCRIPT.format(failing=failing)
+    return subprocess.run([sys.executable, "-c", script], capture_output=True, encoding="utf-8")
+
+
+def test_it_is_dropped_where_all_goes_well() -> None:
+    done = run(failing=False)
+    assert (done.stdout, done.stderr) == ("said \u25c1\nsaid afterwards\n", "")
+
+
+def test_it_is_shown_where_something_fails() -> None:
+    done = run(failing=True)
+    assert done.stdout == "said \u25c1\n"
+    assert done.stderr.startswith("noise\nTraceback") and "on purpose" in done.stderr
