@@ -1,4 +1,4 @@
-"""``cb explain``: what a code of a diagnostic means."""
+"""``cb explain``: what the code of a finding means."""
 
 from __future__ import annotations
 
@@ -6,11 +6,11 @@ from typing import Annotated
 
 import typer
 
-Code = Annotated[str, typer.Argument(help="Code of a diagnostic, such as CB504.")]
+Code = Annotated[str, typer.Argument(help="Code of a finding, such as CB504.")]
 
 
 def explain(code: Code) -> None:
-    """Say what a diagnostic means, why it is a fault, and what has it."""
+    """What a finding means, why it is a fault, and an example that has it."""
     import textwrap
 
     from cbdsl.errors.catalogue import CATALOGUE
@@ -21,7 +21,7 @@ def explain(code: Code) -> None:
     if entry is None:
         nearest = nearest_name(code.upper(), CATALOGUE)
         hint = f"; did you mean {nearest}?" if nearest else ""
-        raise UsageError(f"there is no diagnostic {code}{hint}")
+        raise UsageError(f"there is no finding {code}{hint}")
     print(f"{entry.code}: {entry.title}\n")
     print(textwrap.fill(entry.explanation, 88))
     if isinstance(entry.example, str):

@@ -88,6 +88,9 @@ def _report(error: Exception) -> int:
         return 2
     if os.environ.get("CB_TRACEBACK"):
         raise error
+    if isinstance(error, OSError):
+        print_problem(str(error))
+        return 2
     print_problem(f"internal error: {type(error).__name__}: {error}")
     print_problem("CB_TRACEBACK=1 shows where; please report it")
     return 2

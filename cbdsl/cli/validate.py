@@ -8,12 +8,18 @@ import typer
 
 # Texts instead of paths: typer's conversion of paths costs a tenth of the whole command.
 Paths = Annotated[list[str], typer.Argument(help="Documents, or folders of documents.")]
-With = Annotated[list[str], typer.Option("--with", help="A program's parameter, as name=value.")]
+With = Annotated[
+    list[str],
+    typer.Option("--with", help="A parameter of a program, as arm=left_arm; may be repeated."),
+]
 Json = Annotated[bool, typer.Option("--json", help="Print the findings as JSON.")]
 
 
 def validate(paths: Paths, with_: With = [], as_json: Json = False) -> None:  # noqa: B006 (typer)
-    """Check documents: exit 0 without errors, 1 with errors, 2 for a wrong call."""
+    """Check documents without running them.
+
+    Exit 0 without errors, 1 with errors, 2 for a wrong call.
+    """
     from cbdsl.cli.assignments import read_assignments
     from cbdsl.cli.findings import check_paths
 
