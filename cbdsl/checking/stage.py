@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection
+from collections.abc import Collection, Iterator
 
 from cbdsl.checking.findings import Findings
 from cbdsl.checking.session import Session
@@ -23,6 +23,8 @@ def examine_stage(loaded: Loaded[StageDocument], session: Session, findings: Fin
         robot = None
     else:
         robot = session.body(path, findings).document
+    for node, (first, last) in _reversed_spans(loaded.document, source.root):
+        findings.add("CB352", node.place, first=f"{first:g}", last=f"{last:g}")
     for key, context in loaded.document.contexts.items():
         _ContextCheck(loaded, findings, ("contexts", key), context).all(robot)
 
@@ -49,9 +51,7 @@ class _ContextCheck:
             self._known(place.on, self._stage.fixtures, "fixture of this stage", "place", "on")
         if robot is not None:
             self._on_robot(robot)
-        for part in ("place", "motion", "joints"):
-            if self._source.holds(*self._steps, part):
-                self._spans(part)
+        self._complete()
 
     def _on_robot(self, robot: RobotDocument) -> None:
         place = self._context.place
@@ -70,15 +70,30 @@ class _ContextCheck:
             place = find(*self._steps, *steps)
             self._findings.add("CB351", place, names=list(names), name=name, what=what)
 
-    def _spans(self, part: str) -> None:
-        written = self._source.node((*self._steps, part))
-        model = getattr(self._context, part)
-        keys = written.value if isinstance(written.value, dict) else {}
-        for key, node in keys.items():
-            span = model[key] if isinstance(model, dict) else getattr(model, key)
-            if isinstance(span, tuple) and span[0] > span[-1]:
-                self._reversed(node, span)
+    def _complete(self) -> None:
+        """What is said of a thing needs a thing, and the other way round."""
+        context, place = self._context, self._context.place
+        if context.things and place is None:
+            self._lacks("things", "things need a place")
+        for key in ("place", "motion", "removed_after"):
+            if getattr(context, key) is not None and not context.things:
+                self._lacks(key, f"{key} is for things, and this context has none")
+        if context.released_after is not None and not (place is not None and place.held):
+            self._lacks("released_after", "released_after needs a place with `held: true`")
 
-    def _reversed(self, node: Node, span: tuple[float, ...]) -> None:
-        details = {"first": f"{span[0]:g}", "last": f"{span[-1]:g}"}
-        self._findings.add("CB352", node.place, **details)
+    def _lacks(self, key: str, problem: str) -> None:
+        self._findings.add("CB353", self._source.key(*self._steps, key), problem=problem)
+
+
+def _reversed_spans(value: object, node: Node) -> Iterator[tuple[Node, tuple[float, float]]]:
+    """The spans in a part of a stage whose upper end is written first."""
+    written = node.value
+    if isinstance(written, dict):
+        for key, child in written.items():
+            inner = value[key] if isinstance(value, dict) else getattr(value, key)
+            yield from _reversed_spans(inner, child)
+    elif isinstance(written, list) and isinstance(value, tuple):
+        if len(value) == 2 and isinstance(value[0], float) and value[0] > value[1]:
+            yield node, value
+        for inner, child in zip(value, written, strict=True):
+            yield from _reversed_spans(inner, child)

@@ -50,6 +50,7 @@ def _span(part: _Read) -> _Read:
 _NUMBER, _SHARE = _quantity(), _quantity(ge=0, le=1)
 _LENGTH, _ANGLE, _SPEED = _quantity("length"), _quantity("angle"), _quantity("speed")
 _TIME, _MASS = _quantity("time", ge=0), _quantity("mass", gt=0)
+_SIZE = _quantity("length", gt=0)
 
 Name = Annotated[str, _Read(str_schema(pattern=NAME_PATTERN))]
 Count = Annotated[int, _Read(int_schema(ge=0))]
@@ -59,6 +60,7 @@ Positive = Annotated[float, _quantity(gt=0)]
 Length = Annotated[float, _LENGTH]
 Angle = Annotated[float, _ANGLE]
 Time = Annotated[float, _TIME]
+Duration = Annotated[float, _quantity("time", gt=0)]
 Rate = Annotated[float, _quantity("rate", gt=0)]
 Mass = Annotated[float, _MASS]
 Force = Annotated[float, _quantity("force")]
@@ -72,6 +74,7 @@ Share = Annotated[float, _quantity(ge=0)]
 Pixels = Annotated[float, _quantity("pixels", gt=0)]
 
 LengthSpan = Annotated[tuple[float, float], _span(_LENGTH)]
+SizeSpan = Annotated[tuple[float, float], _span(_SIZE)]
 AngleSpan = Annotated[tuple[float, float], _span(_ANGLE)]
 MassSpan = Annotated[tuple[float, float], _span(_MASS)]
 SpeedSpan = Annotated[tuple[float, float], _span(_SPEED)]

@@ -9,6 +9,7 @@ from cbdsl.documents.document import (
     AnyAcceleration,
     AnySpeed,
     Document,
+    Duration,
     Length,
     Name,
     Number,
@@ -16,7 +17,6 @@ from cbdsl.documents.document import (
     PositiveCount,
     Rate,
     Section,
-    Time,
 )
 from cbdsl.documents.robot import Quiescence
 
@@ -96,7 +96,7 @@ class Limits(Section):
 
     transitions: PositiveCount = 100
     """T of Algorithm 1, in state transitions."""
-    transition_time: Time = 20.0
+    transition_time: Duration = 20.0
     """Simulated time that one action may run without a change of state."""
 
 

@@ -2,7 +2,7 @@
 
 from typing import Annotated, Literal
 
-from pydantic import Field
+from pydantic import AfterValidator, Field
 
 from cbdsl.documents.document import (
     Angle,
@@ -11,6 +11,7 @@ from cbdsl.documents.document import (
     AnySpeed,
     Count,
     Document,
+    Duration,
     Force,
     Length,
     Name,
@@ -60,6 +61,12 @@ class Coupling(Section):
     """Angle of the passive joint per angle of the actuated one."""
 
 
+def _require_direction(vector: Vector) -> Vector:
+    if not any(vector):
+        raise ValueError("a vector of length 0 has no direction")
+    return vector
+
+
 class LoadCell(Section):
     """A six-axis load cell on a fingertip."""
 
@@ -67,7 +74,7 @@ class LoadCell(Section):
     """Link of the URDF that carries the cell."""
     joint: str
     """Actuated joint that flexes this finger."""
-    normal: Vector
+    normal: Annotated[Vector, AfterValidator(_require_direction)]
     """Direction in the link's frame in which the finger presses."""
     share: Positive = 1.0
     """Share of a force reference that this finger takes, so that opposing fingers balance."""
@@ -146,7 +153,7 @@ class Quiescence(Section):
 
     rate: Positive
     """Largest rate of phi at rest, in its unit per second."""
-    window: Time
+    window: Duration
     """How long phi is watched."""
     within: Positive | None = None
     """Largest residual that earns a reward, as a share of the reference's norm."""

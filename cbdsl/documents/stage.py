@@ -17,6 +17,7 @@ from cbdsl.documents.document import (
     Positive,
     Section,
     Share,
+    SizeSpan,
     SpeedSpan,
     Time,
     TimeSpan,
@@ -25,19 +26,19 @@ from cbdsl.documents.document import (
 
 class Ball(Section):
     shape: Literal["ball"]
-    radius: LengthSpan
+    radius: SizeSpan
 
 
 class Box(Section):
     shape: Literal["box"]
-    size: tuple[LengthSpan, LengthSpan, LengthSpan]
+    size: tuple[SizeSpan, SizeSpan, SizeSpan]
     """Edge lengths."""
 
 
 class Cylinder(Section):
     shape: Literal["cylinder"]
-    radius: LengthSpan
-    height: LengthSpan
+    radius: SizeSpan
+    height: SizeSpan
 
 
 class Surface(Section):

@@ -112,8 +112,9 @@ ROBOT = data(
     },
 )
 SPAN = NUMBER | st.tuples(NUMBER, NUMBER)
-FORM = data({"shape": st.just("ball"), "radius": SPAN}) | data(
-    {"shape": st.just("box"), "size": st.tuples(SPAN, SPAN, SPAN)}
+SIZE = POSITIVE | st.tuples(POSITIVE, POSITIVE)
+FORM = data({"shape": st.just("ball"), "radius": SIZE}) | data(
+    {"shape": st.just("box"), "size": st.tuples(SIZE, SIZE, SIZE)}
 )
 STAGE = data(
     {

@@ -14,7 +14,7 @@ STAGES = (
         "'{name}' is no {what}",
         "A context names things and fixtures of its own stage, and effectors and joints of the "
         "stage's robot.",
-        stage("  always: {things: [bal]}\n"),
+        stage("  always: {things: [bal], place: {z: 0}}\n"),
         _PATH,
     ),
     Entry(
@@ -23,6 +23,15 @@ STAGES = (
         "this span goes from {first} down to {last}",
         "A span is written with its lower end first.",
         stage("  always: {things: [ball], place: {x: [3 cm, 1 cm], z: 0}}\n"),
+        _PATH,
+    ),
+    Entry(
+        "CB353",
+        "setting that lacks another",
+        "{problem}",
+        "Things need a `place`, and where nothing is shown there is no place, no motion and "
+        "nothing to remove. Only what is `held` can be released.",
+        stage("  always: {things: [ball]}\n"),
         _PATH,
     ),
 )
