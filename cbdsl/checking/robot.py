@@ -137,8 +137,20 @@ class _ModelCheck:
         for steps, link in self._links():
             if link not in self._model.links:
                 self._missing("CB303", link, self._source.place(*steps))
+        for joint in self._robot.simulation.efforts:
+            if joint not in self._model.revolute:
+                self._missing("CB302", joint, self._source.key("simulation", "efforts", joint))
+        self._base()
         for name, effector in self._robot.effectors.items():
             self._postures(name, effector)
+
+    def _base(self) -> None:
+        """The simulator puts the root of the model at the world's origin."""
+        base = self._robot.base
+        for joint in self._model.joints.values():
+            if joint.child == base:
+                place = self._source.place("base")
+                self._findings.add("CB310", place, name=base, joint=joint.name)
 
     def _joints(self) -> Iterator[tuple[Steps, str]]:
         for name, effector in self._robot.effectors.items():

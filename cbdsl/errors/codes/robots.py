@@ -93,4 +93,13 @@ ROBOTS = (
         _PATH,
         _MODEL,
     ),
+    Entry(
+        "CB310",
+        "base that is not the root",
+        "link '{name}' cannot be the base: joint '{joint}' moves it",
+        "The base is the root of the URDF model: the one link that is no joint's child.",
+        robot(base="cbdsl: 1\nkind: robot\nname: example\nmodel: example.urdf\nbase: eye\n"),
+        _PATH,
+        _MODEL,
+    ),
 )
