@@ -25,17 +25,23 @@ from cbdsl.documents.document import (
 
 
 class Ball(Section):
+    """A sphere."""
+
     shape: Literal["ball"]
     radius: SizeSpan
 
 
 class Box(Section):
+    """A cuboid; its edges lie along x, y and z while its yaw is 0."""
+
     shape: Literal["box"]
     size: tuple[SizeSpan, SizeSpan, SizeSpan]
     """Edge lengths."""
 
 
 class Cylinder(Section):
+    """A cylinder that stands upright."""
+
     shape: Literal["cylinder"]
     radius: SizeSpan
     height: SizeSpan
