@@ -61,7 +61,6 @@ class Body:
         count = p.getNumJoints(self.id, physicsClientId=client)
         rows = [p.getJointInfo(self.id, index, physicsClientId=client) for index in range(count)]
         self.links = self._link_numbers(rows)
-        self._parents = [row[16] for row in rows]
         self._indices = self._joint_numbers(rows)
         self._followed = [
             self._indices[joints.index[coupling.follows]] for coupling in robot.couplings.values()
@@ -117,14 +116,6 @@ class Body:
                 f"{self._urdf.name} has no link '{name}', which robot '{self._robot.name}' names"
             )
         return self.links[name]
-
-    def ancestors(self, link: int) -> set[int]:
-        """The links between this one and the base, and the base."""
-        found = set()
-        while link >= 0:
-            link = self._parents[link]
-            found.add(link)
-        return found
 
     def _matching(self, patterns: Iterable[str]) -> Iterator[int]:
         for pattern in patterns:

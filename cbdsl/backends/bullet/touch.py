@@ -46,7 +46,6 @@ class Fingertips:
     def __init__(self, client: int, robot: RobotDocument, body: Body) -> None:
         self._client = client
         self._body = body.id
-        self._ancestors = body.ancestors
         links = {
             (hand, finger): body.link(cell.link)
             for hand, fingers in robot.load_cells.items()
@@ -55,12 +54,6 @@ class Fingertips:
         self.cells: tuple[Cell, ...] = tuple(links)
         self._links = list(links.values())
         self._cell_of_link = {link: cell for cell, link in links.items()}
-
-    def beyond(self, ancestor: int) -> tuple[Cell, ...]:
-        """The load cells that this link carries, through whatever joints."""
-        return tuple(
-            cell for link, cell in self._cell_of_link.items() if ancestor in self._ancestors(link)
-        )
 
     def touches(self) -> list[Touch]:
         """The contact points of all fingertips, as of the last physics step."""

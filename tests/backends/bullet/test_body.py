@@ -96,12 +96,6 @@ def test_surfaces_are_those_of_the_robot_file(
         assert (row[8], row[9]) == (fingers.damping, fingers.stiffness)
 
 
-def test_a_finger_descends_from_its_palm(body: Body) -> None:
-    ancestors = body.ancestors(body.link("right_finger_1_tip"))
-    assert body.link("right_palm") in ancestors
-    assert body.link("left_palm") not in ancestors
-
-
 @pytest.mark.parametrize("pattern", ["right_thumb", "right_fingr_*"])
 def test_a_pattern_that_matches_no_link_is_refused(
     client: int, dexter: RobotDocument, pattern: str
