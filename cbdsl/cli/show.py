@@ -177,7 +177,7 @@ def _print_table(title: str, rows: Iterable[Mapping[str, object]]) -> None:
     cells = list(rows)
     table = Table(title=title, title_justify="left", box=box.SIMPLE_HEAD)
     for heading in cells[0] if cells else ():
-        table.add_column(heading)
+        table.add_column(heading, overflow="fold")  # a name cut short names nothing
     for row in cells:
         table.add_row(*(_cell(value) for value in row.values()))
     console().print(table, markup=False)

@@ -144,3 +144,11 @@ def test_a_programs_stack_is_shown_from_the_highest_priority(
     actions = json.loads(capsys.readouterr().out)["actions"]
     runs = {action["action"]: action["runs"] for action in actions}
     assert runs["reach ◁ touch"] == "touch > approach > orient > posture"
+
+
+def test_names_are_whole_on_a_narrow_terminal(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr("cbdsl.cli.terminal._WIDTH_OF_PIPES", 80)
+    assert cb(monkeypatch, "show", "program", "reachtouch") == 0
+    assert "…" not in capsys.readouterr().out
