@@ -14,6 +14,7 @@ from cbdsl.documents.robot import LoadCell, RobotDocument
 from cbdsl.robot.camera import heading_jacobian
 from cbdsl.robot.kinematics import Kinematics
 from cbdsl.robot.observation import Observation
+from cbdsl.robot.resources import CYCLOPEAN
 from cbdsl.robot.uniform import UniformSampler
 from cbdsl.robot.vision import Vision
 from cbdsl.types.resource import (
@@ -108,7 +109,7 @@ class Signals:
         """Take in one tick's observation.
 
         Raises:
-            SensorError: a joint, load cell or image is not finite.
+            SensorError: a joint or load cell is not finite.
         """
         _require_finite(observation)
         self._ticks += 1
@@ -141,8 +142,7 @@ class Signals:
         if isinstance(source, Tip):
             return True
         if isinstance(source, FingerForces):
-            forces = [self._force(source.hand, finger) for finger in self._fingers(source.hand)]
-            return all(force is not None for force in forces)
+            return self._forces(source.hand) is not None
         return self.read(resource) is not None
 
     def sampler(self, resource: Resource, rng: np.random.Generator) -> UniformSampler:
@@ -187,6 +187,12 @@ class Signals:
     def _force(self, hand: str, finger: str) -> Floats | None:
         force = self._loads[hand, finger][:3]
         return force if math.hypot(*force.tolist()) > self._robot.contact.threshold else None
+
+    def _forces(self, hand: str) -> list[Floats] | None:
+        """Each finger's force, N, or ``None`` unless all of them touch something."""
+        forces = [self._force(hand, finger) for finger in self._fingers(hand)]
+        touching = [force for force in forces if force is not None]
+        return touching if len(touching) == len(forces) else None
 
     def _normal(self, cell: LoadCell) -> Floats:
         normal: Floats = self.kinematics.frame(cell.link).rotation.dot(self._normals[cell.link])
@@ -234,17 +240,17 @@ class Signals:
         return Reading(value, np.zeros((len(value), len(self.joints))), self._ticks)
 
     def _finger_forces(self, source: FingerForces) -> Reading | None:
-        forces = [self._force(source.hand, finger) for finger in self._fingers(source.hand)]
-        if any(force is None for force in forces):
+        forces = self._forces(source.hand)
+        if forces is None:
             return None
         normals = [self._normal(cell) for cell in self._fingers(source.hand).values()]
         jacobian = np.vstack(
             [np.outer(n, row) for n, row in zip(normals, self._flexions[source.hand], strict=True)]
         )
-        return Reading(np.concatenate([f for f in forces if f is not None]), jacobian, self._ticks)
+        return Reading(np.concatenate(forces), jacobian, self._ticks)
 
     def _heading(self, source: Heading) -> Reading | None:
-        names = list(self._robot.cameras) if source.camera == "cyclopean" else [source.camera]
+        names = list(self._robot.cameras) if source.camera == CYCLOPEAN else [source.camera]
         seen = [name for name in names if (name, source.channel) in self.vision.headings]
         if not seen:
             return None
