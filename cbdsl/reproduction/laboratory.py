@@ -1,0 +1,88 @@
+"""A simulated robot, set up for the episodes of an experiment."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+
+from cbdsl.backends.backend import Backend, find_backend
+from cbdsl.checking.program import check_program
+from cbdsl.documents.document import Document
+from cbdsl.documents.program import ProgramDocument
+from cbdsl.documents.robot import RobotDocument
+from cbdsl.documents.stage import StageDocument
+from cbdsl.program.checked import CheckedProgram
+from cbdsl.robot.kinematics import Kinematics
+from cbdsl.runtime.episode import Runner
+from cbdsl.runtime.policy import Policy
+from cbdsl.yaml_text.library import Library, shipped
+
+
+@dataclass(frozen=True)
+class Laboratory:
+    """What an experiment works with.
+
+    Attributes:
+        robot: the robot document.
+        program: the checked program.
+        stage: the program's own stage.
+        kinematics: of the robot; for the experiment alone, episodes have their own.
+        backend: the simulated body.
+    """
+
+    robot: RobotDocument
+    urdf: Path
+    program: CheckedProgram
+    stage: StageDocument
+    kinematics: Kinematics
+    backend: Backend
+
+    def runner(self, policy: Policy | None = None) -> Runner:
+        """Runs episodes of the program, under its own policy or another."""
+        kinematics = Kinematics(self.robot, self.urdf)
+        return Runner(self.robot, kinematics, self.program, self.backend, policy)
+
+
+@contextmanager
+def laboratory(
+    name: str, values: Mapping[str, str] | None = None, stage: str | None = None
+) -> Iterator[Laboratory]:
+    """Set up a shipped program and its robot on the simulator.
+
+    Args:
+        name: the program.
+        values: of its parameters.
+        stage: another stage than the program's own.
+
+    Raises:
+        BackendError: the simulator cannot embody the robot.
+        ImportError: the simulator is not installed.
+    """
+    # What is shipped, not what somebody may have put into the working folder under its name.
+    library = Library(shipped())
+    program = check_program(_file(library, ProgramDocument, name), values or {}, library)
+    robot_file = _file(library, RobotDocument, program.robot)
+    robot = library.read(robot_file, RobotDocument).document
+    stage_file = _file(library, StageDocument, stage or program.stage or "")
+    urdf = robot_file.parent / robot.model
+    backend = find_backend("bullet")(robot, urdf)
+    try:
+        yield Laboratory(
+            robot=robot,
+            urdf=urdf,
+            program=program,
+            stage=library.read(stage_file, StageDocument).document,
+            kinematics=Kinematics(robot, urdf),
+            backend=backend,
+        )
+    finally:
+        backend.close()
+
+
+def _file(library: Library, kind: type[Document], name: str) -> Path:
+    file = library.find(kind, name)
+    if file is None:
+        raise LookupError(f"'{name}' is not shipped")
+    return file
