@@ -9,7 +9,9 @@ class PolicyDocument(Document):
     """A policy that can stand in for the one written in its program."""
 
     kind: Literal["policy"]
+    """Says that this document is a policy."""
     program: Name
+    """Program that it serves."""
     predicates: tuple[str, ...]
     """The controllers and programs whose predicates make up a state, in order."""
     policy: dict[str, str]

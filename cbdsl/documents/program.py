@@ -32,8 +32,11 @@ class Standoff(Section):
     """
 
     clearance: Length
+    """Distance between the tip and the surface that is seen."""
     least: Length
+    """Smallest distance between the tip and the reference."""
     most: Length
+    """Largest distance between the tip and the reference."""
 
 
 class Funnel(Section):
@@ -74,7 +77,9 @@ class Controller(Section):
     gain: Rate | None = None
     """kappa, 1/s; without it the robot's setting for the feedback's type."""
     speed: AnySpeed | None = None
+    """Largest rate of the task; without it the robot's setting for the feedback's type."""
     acceleration: AnyAcceleration | None = None
+    """Largest acceleration of the task; without it the robot's setting."""
     quiescence: Quiescence | None = None
     free_axis: Literal["x", "y", "z"] | None = None
     """Axis of the tip about which an orientation may turn freely."""
@@ -87,6 +92,7 @@ class Use(Section):
     """A program that is used as an action."""
 
     program: Name
+    """Its name."""
     with_: Annotated[dict[Name, str], Field(alias="with")] = {}
     """Values of its parameters; ``$name`` refers to this program's own."""
 
@@ -104,7 +110,9 @@ class ProgramDocument(Document):
     """A behaviour: what is wanted, and which action follows which state."""
 
     kind: Literal["program"]
+    """Says that this document is a program."""
     robot: Name
+    """Robot that it is for."""
     stage: Name | None = None
     """Training context used unless another is named."""
     parameters: dict[Name, str] = {}

@@ -28,13 +28,16 @@ class Ball(Section):
     """A sphere."""
 
     shape: Literal["ball"]
+    """Which shape it is."""
     radius: SizeSpan
+    """Radius, or the span that it is drawn from."""
 
 
 class Box(Section):
     """A cuboid; its edges lie along x, y and z while its yaw is 0."""
 
     shape: Literal["box"]
+    """Which shape it is."""
     size: tuple[SizeSpan, SizeSpan, SizeSpan]
     """Edge lengths."""
 
@@ -43,22 +46,29 @@ class Cylinder(Section):
     """A cylinder that stands upright."""
 
     shape: Literal["cylinder"]
+    """Which shape it is."""
     radius: SizeSpan
+    """Radius, or the span that it is drawn from."""
     height: SizeSpan
+    """Height, or the span that it is drawn from."""
 
 
 class Surface(Section):
     """What a thing is made of."""
 
     color: Color = (1.0, 0.0, 0.0)
+    """Red, green and blue, each from 0 to 1."""
     friction: Share = 0.8
+    """Coefficient of lateral friction."""
     rolling_friction: Share = 0.002
+    """Coefficient of rolling friction."""
 
 
 class Fixture(Surface):
     """A thing that does not move."""
 
     form: Annotated[Ball | Box | Cylinder, Field(discriminator="shape")]
+    """Its shape and size."""
     position: Point
     """Centre, in the world frame."""
 
@@ -67,14 +77,18 @@ class Thing(Surface):
     """A thing that can be touched and moved."""
 
     form: Annotated[Ball | Box | Cylinder, Field(discriminator="shape")]
+    """Its shape and size."""
     mass: MassSpan
+    """Mass, or the span that it is drawn from."""
 
 
 class Place(Section):
     """Where a thing is put: on a fixture, at a height, or in reach of a hand."""
 
     x: LengthSpan = (0.0, 0.0)
+    """Where it is along x, from the first to the last value."""
     y: LengthSpan = (0.0, 0.0)
+    """Where it is along y."""
     z: LengthSpan | None = None
     """Height of the centre."""
     on: Name | None = None
@@ -84,6 +98,7 @@ class Place(Section):
     hand: Name | None = None
     """Effector in whose reach it is put; x, y, z and yaw are then in the tip's frame."""
     yaw: AngleSpan = (0.0, 0.0)
+    """How it is turned about z."""
     held: bool = False
     """Held still by the experimenter, whatever presses against it, until it is released."""
 
@@ -143,8 +158,13 @@ class StageDocument(Document):
     """Which things are shown to a robot, where, and how."""
 
     kind: Literal["stage"]
+    """Says that this document is a stage."""
     robot: Name
+    """Robot to which things are shown."""
     fixtures: dict[Name, Fixture] = {}
+    """Things that do not move, by name."""
     things: dict[Name, Thing] = {}
+    """Things that can be touched, by name."""
     contexts: Annotated[dict[Name, Context], Field(min_length=1)]
+    """Ways in which an episode can begin, by name."""
     disturbance: Disturbance = Disturbance.model_construct()
