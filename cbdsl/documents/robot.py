@@ -209,7 +209,9 @@ class TipSurface(Section):
     """The material of the links that touch things."""
 
     links: tuple[str, ...] = ()
+    """Links of the URDF; a trailing * matches any ending."""
     friction: Share = 1.0
+    """Coefficient of lateral friction."""
     stiffness: Number | None = None
     """Contact stiffness, N/m; rigid without it."""
     damping: Number | None = None
@@ -222,11 +224,15 @@ class Simulation(Section):
     physics_rate: Rate = 240.0
     """Physics steps per second."""
     solver_iterations: PositiveCount = 20
+    """Iterations of the contact solver per physics step."""
     position_gain: Share = 0.3
+    """Gain of the simulated servos on a joint's position error."""
     velocity_gain: Share = 1.0
+    """Gain of the simulated servos on a joint's velocity error."""
     efforts: dict[str, Torque] = {}
     """Joint torques that replace the URDF's."""
     surfaces: tuple[TipSurface, ...] = ()
+    """Materials of links; the others have those of the URDF."""
     no_contact: tuple[tuple[str, ...], ...] = ()
     """Groups of links whose mutual contacts are ignored; a trailing * matches any ending."""
 
@@ -235,16 +241,19 @@ class RobotDocument(Document):
     """Everything that the framework knows about one robot."""
 
     kind: Literal["robot"]
+    """Says that this document is a robot."""
     model: str
     """URDF file, relative to this document."""
     base: str
     """Link whose frame is the world frame."""
     effectors: dict[Name, Effector]
+    """What can be moved, by name."""
     couplings: dict[str, Coupling] = {}
     """Passive joints, by name."""
     load_cells: dict[Name, dict[Name, LoadCell]] = {}
     """Load cells by hand (an effector) and finger."""
     cameras: dict[Name, Camera] = {}
+    """Cameras, by name; two of them triangulate."""
     vision: Vision = Vision.model_construct()
     contact: Contact = Contact.model_construct()
     control: Control
