@@ -11,12 +11,13 @@ from __future__ import annotations
 
 import argparse
 import json
-import math
 import os
 from collections.abc import Iterable, Mapping
 from concurrent.futures import ProcessPoolExecutor
 from dataclasses import asdict, dataclass, field
 from typing import Any
+
+from cbdsl.reproduction.interval import exact_interval
 
 LEFT = {"arm": "left_arm", "hand": "left_hand"}
 
@@ -78,27 +79,6 @@ def run_episodes(condition: Condition, seeds: Iterable[int]) -> list[dict[str, A
         rows.append(row)
     backend.close()
     return rows
-
-
-def exact_interval(hits: int, trials: int, level: float = 0.95) -> tuple[float, float]:
-    """Clopper-Pearson interval of a proportion."""
-    tail = (1 - level) / 2
-
-    def at_least(k: int, p: float) -> float:
-        return sum(
-            math.comb(trials, i) * p**i * (1 - p) ** (trials - i) for i in range(k, trials + 1)
-        )
-
-    def root(wanted: float, k: int) -> float:
-        low, high = 0.0, 1.0
-        for _ in range(60):
-            middle = (low + high) / 2
-            low, high = (middle, high) if at_least(k, middle) < wanted else (low, middle)
-        return low
-
-    lower = 0.0 if hits == 0 else root(tail, hits)
-    upper = 1.0 if hits == trials else root(1 - tail, hits + 1)
-    return lower, upper
 
 
 def summarise(condition: Condition, rows: list[dict[str, Any]]) -> dict[str, Any]:

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Mapping, Sequence
+    from collections.abc import Mapping, Sequence
 
     from cbdsl.program.checked import Action, CheckedProgram
     from cbdsl.program.controller import Controller, Reference
@@ -28,7 +28,7 @@ With = Annotated[list[str], typer.Option("--with", help="A parameter, as name=va
 @show.command("types")
 def show_types(as_json: Json = False) -> None:
     """The types of resources (Table 3.1) and the casts between them."""
-    from cbdsl.cli.terminal import print_json
+    from cbdsl.cli.terminal import print_json, print_table
     from cbdsl.types.casts import CASTS
     from cbdsl.types.resource_type import TYPES
 
@@ -49,14 +49,14 @@ def show_types(as_json: Json = False) -> None:
     if as_json:
         print_json({"types": types, "casts": casts})
     else:
-        _print_table("Types", types)
-        _print_table("Casts", casts)
+        print_table("Types", types)
+        print_table("Casts", casts)
 
 
 @show.command("resources")
 def show_resources(robot: Robot = "dexter", as_json: Json = False) -> None:
     """What programs can name on a robot."""
-    from cbdsl.cli.terminal import print_json
+    from cbdsl.cli.terminal import print_json, print_table
     from cbdsl.documents.robot import RobotDocument
     from cbdsl.robot.resources import resources
     from cbdsl.yaml_text.library import Library
@@ -76,7 +76,7 @@ def show_resources(robot: Robot = "dexter", as_json: Json = False) -> None:
     if as_json:
         print_json(rows)
     else:
-        _print_table(f"Resources of {document.name}", rows)
+        print_table(f"Resources of {document.name}", rows)
 
 
 @show.command("program")
@@ -84,7 +84,7 @@ def show_program(name: Program, with_: With = [], as_json: Json = False) -> None
     """A program's controllers, actions and policy, with everything resolved."""
     from cbdsl.checking.program import check_program
     from cbdsl.cli.assignments import read_assignments
-    from cbdsl.cli.terminal import print_json
+    from cbdsl.cli.terminal import print_json, print_table
 
     program = check_program(name, read_assignments(with_))
     data = _program(program)
@@ -94,12 +94,12 @@ def show_program(name: Program, with_: With = [], as_json: Json = False) -> None
     print(f"{program.name} on {program.robot}, stage {program.stage or 'none'}")
     print("parameters:", _pairs(program.parameters) or "none")
     print("state:", ", ".join(program.members))
-    _print_table("Controllers", [_row(c) for c in _controllers(program)])
-    _print_table("Actions, highest priority first", [_action_row(a) for a in program.actions])
+    print_table("Controllers", [_row(c) for c in _controllers(program)])
+    print_table("Actions, highest priority first", [_action_row(a) for a in program.actions])
     if program.background is not None:
         print("below every action:", program.background)
     policy = [{"state": state, "action": action} for state, action in program.policy.items()]
-    _print_table("Policy", policy)
+    print_table("Policy", policy)
 
 
 def _program(program: CheckedProgram) -> dict[str, object]:
@@ -166,24 +166,3 @@ def _reference(reference: Reference | None) -> str:
 
 def _pairs(values: Mapping[str, str]) -> str:
     return ", ".join(f"{name} = {value}" for name, value in values.items())
-
-
-def _print_table(title: str, rows: Iterable[Mapping[str, object]]) -> None:
-    from rich import box
-    from rich.table import Table
-
-    from cbdsl.cli.terminal import console
-
-    cells = list(rows)
-    table = Table(title=title, title_justify="left", box=box.SIMPLE_HEAD)
-    for heading in cells[0] if cells else ():
-        table.add_column(heading, overflow="fold")  # a name cut short names nothing
-    for row in cells:
-        table.add_row(*(_cell(value) for value in row.values()))
-    console().print(table, markup=False)
-
-
-def _cell(value: object) -> str:
-    if isinstance(value, bool):
-        return "yes" if value else ""
-    return str(value)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import sys
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -40,6 +40,26 @@ def print_diagnostics(diagnostics: Iterable[Diagnostic]) -> None:
 def print_json(data: object) -> None:
     """Print data for scripts."""
     print(json.dumps(data, indent=2, ensure_ascii=False))
+
+
+def print_table(title: str, rows: Iterable[Mapping[str, object]]) -> None:
+    """Print rows under the headings of the first."""
+    from rich import box
+    from rich.table import Table
+
+    cells = list(rows)
+    table = Table(title=title, title_justify="left", box=box.SIMPLE_HEAD)
+    for heading in cells[0] if cells else ():
+        table.add_column(heading, overflow="fold")  # a name cut short names nothing
+    for row in cells:
+        table.add_row(*(_cell(value) for value in row.values()))
+    console().print(table, markup=False)
+
+
+def _cell(value: object) -> str:
+    if isinstance(value, bool):
+        return "yes" if value else ""
+    return str(value)
 
 
 def print_problem(message: str) -> None:

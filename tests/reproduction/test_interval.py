@@ -1,0 +1,54 @@
+"""Intervals: exact for proportions, bootstrapped for means."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from cbdsl.reproduction.interval import bootstrap_interval, exact_interval
+
+
+def at_least(hits: int, trials: int, p: float) -> float:
+    return sum(
+        math.comb(trials, i) * p**i * (1 - p) ** (trials - i) for i in range(hits, trials + 1)
+    )
+
+
+@given(st.integers(1, 60).flatmap(lambda n: st.tuples(st.integers(0, n), st.just(n))))
+def test_at_the_ends_of_an_exact_interval_the_tails_are_a_fortieth(case: tuple[int, int]) -> None:
+    hits, trials = case
+    low, high = exact_interval(hits, trials)
+    assert 0 <= low <= hits / trials <= high <= 1
+    if hits:
+        assert at_least(hits, trials, low) == pytest.approx(0.025, abs=1e-6)
+    if hits < trials:
+        assert 1 - at_least(hits + 1, trials, high) == pytest.approx(0.025, abs=1e-6)
+
+
+def test_all_of_a_hundred() -> None:
+    assert exact_interval(100, 100) == pytest.approx((0.96378, 1.0), abs=1e-5)
+
+
+@pytest.mark.parametrize(("hits", "trials"), [(0, 0), (-1, 5), (6, 5)])
+def test_what_is_no_proportion_is_refused(hits: int, trials: int) -> None:
+    with pytest.raises(ValueError, match="no proportion"):
+        exact_interval(hits, trials)
+
+
+def test_bootstrapped_intervals_of_normal_samples_are_about_two_standard_errors() -> None:
+    samples = np.random.default_rng(0).normal(3.0, 2.0, 400)
+    low, high = bootstrap_interval(samples.tolist())
+    error = samples.std() / 20
+    assert low == pytest.approx(samples.mean() - 1.96 * error, abs=0.2 * error)
+    assert high == pytest.approx(samples.mean() + 1.96 * error, abs=0.2 * error)
+
+
+def test_bootstrapping_is_repeatable_and_needs_samples() -> None:
+    assert bootstrap_interval([1.0, 2.0, 4.0]) == bootstrap_interval([1.0, 2.0, 4.0])
+    assert bootstrap_interval([5.0]) == (5.0, 5.0)
+    with pytest.raises(ValueError, match="no samples"):
+        bootstrap_interval([])
