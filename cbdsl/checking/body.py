@@ -2,20 +2,25 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from typing import NamedTuple
 
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.robot.resources import CYCLOPEAN
 from cbdsl.robot.urdf import UrdfModel
 from cbdsl.types.resource import (
+    Centroid,
     EffectorConfiguration,
     FingerForces,
     FingerLoad,
     Heading,
+    Headings,
+    NetForces,
     NetLoad,
     Resource,
+    Separation,
     Source,
+    StereoPosition,
     Tip,
 )
 from cbdsl.yaml_text.reader import Loaded
@@ -43,33 +48,66 @@ class Body(NamedTuple):
         """The actuated joints that an effector moves."""
         source = resource.source
         if isinstance(source, (EffectorConfiguration, Tip)):
-            return self.document.effectors[source.effector].joints
+            return self.document.joints(source.effector)
+        if isinstance(source, (Centroid, Separation)):
+            return self.document.joints(source.group)
         return ()
 
     def influence(self, resource: Resource) -> frozenset[str] | None:
         """The actuated joints that a resource depends on, or ``None`` where nobody can tell."""
         source = resource.source
         if isinstance(source, EffectorConfiguration):
-            return frozenset(self.document.effectors[source.effector].joints)
+            return frozenset(self.document.joints(source.effector))
         if self.model is None:
             return None
         return frozenset(joint for link in self._links(source) for joint in self._above(link))
 
+    def has_tip(self, resource: Resource) -> bool:
+        """Whether an effector, or each member of a group, has a tip."""
+        source = resource.source
+        return isinstance(source, EffectorConfiguration) and all(
+            self.document.effectors[name].tip for name in self.document.members(source.effector)
+        )
+
     def _links(self, source: Source) -> list[str]:
-        """The links that carry a signal's sensors."""
+        """The links that carry a signal's sensors, or what they sense."""
         robot = self.document
-        if isinstance(source, Tip):
-            tip = robot.effectors[source.effector].tip
-            return [tip.link] if tip is not None else []
-        if isinstance(source, FingerLoad):
-            return [robot.load_cells[source.hand][source.finger].link]
-        if isinstance(source, (NetLoad, FingerForces)):
-            return [cell.link for cell in robot.load_cells[source.hand].values()]
-        if isinstance(source, Heading):
-            cyclopean = source.camera == CYCLOPEAN
-            cameras = robot.cameras if cyclopean else [source.camera]
-            return [robot.cameras[camera].link for camera in cameras]
+        match source:
+            case Tip(effector=name) | Centroid(group=name) | Separation(group=name):
+                return self._tip_links(name)
+            case FingerLoad():
+                return [robot.load_cells[source.hand][source.finger].link]
+            case NetLoad(hand=name) | FingerForces(hand=name) | NetForces(group=name):
+                return self._cell_links(robot.members(name))
+            case Heading():
+                cyclopean = source.camera == CYCLOPEAN
+                cameras = robot.cameras if cyclopean else [source.camera]
+                return [robot.cameras[c].link for c in cameras] + self._holding_links()
+            case Headings():
+                return [c.link for c in robot.cameras.values()] + self._holding_links()
+            case StereoPosition():
+                return self._holding_links()
         return []
+
+    def _tip_links(self, effector: str) -> list[str]:
+        tips = [self.document.effectors[m].tip for m in self.document.members(effector)]
+        return [tip.link for tip in tips if tip is not None]
+
+    def _cell_links(self, hands: Iterable[str]) -> list[str]:
+        return [cell.link for hand in hands for cell in self.document.load_cells[hand].values()]
+
+    def _holding_links(self) -> list[str]:
+        """What is seen moves with a tip whose hand feels that it holds it."""
+        felt = {
+            joint
+            for link in self._cell_links(self.document.load_cells)
+            for joint in self._above(link)
+        }
+        return [
+            effector.tip.link
+            for effector in self.document.effectors.values()
+            if effector.tip is not None and felt.issuperset(effector.joints)
+        ]
 
     def _above(self, link: str) -> list[str]:
         assert self.model is not None

@@ -6,7 +6,7 @@ import re
 
 from cbdsl.errors.counting import count
 from cbdsl.program.controller import AlongNormals, Literal
-from cbdsl.types.resource import FingerForces, Resource
+from cbdsl.types.resource import FingerForces, NetForces, Resource
 from cbdsl.types.resource_type import ResourceType
 from cbdsl.types.unit import QuantityError, read_quantity
 
@@ -70,7 +70,7 @@ def read_literal(
 
 
 def _along_normals(force: str, feedback: Resource) -> AlongNormals:
-    if not isinstance(feedback.source, FingerForces):
+    if not isinstance(feedback.source, (FingerForces, NetForces)):
         details = {"name": feedback.name, "feedback": feedback.type}
         raise LiteralError("CB512", dict(details))
     return AlongNormals(_quantity(force, ("force",), None))

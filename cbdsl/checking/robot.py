@@ -45,6 +45,7 @@ class _RobotCheck:
     def all(self) -> None:
         for name, effector in self._robot.effectors.items():
             self._effector(name, effector)
+        self._groups()
         self._masters()
         self._couplings()
         self._load_cells()
@@ -65,6 +66,16 @@ class _RobotCheck:
             place = self._source.place(*steps, "start")
             postures = list(effector.postures)
             self._findings.add("CB306", place, names=postures, name=effector.start, effector=name)
+
+    def _groups(self) -> None:
+        for name, group in self._robot.groups.items():
+            if name in self._robot.effectors:
+                self._findings.add("CB311", self._source.key("groups", name), name=name)
+            for i, member in enumerate(group.members):
+                steps: Steps = ("groups", name, "members", i)
+                self._known(member, self._robot.effectors, steps, "effector")
+                if member in group.members[:i]:
+                    self._findings.add("CB312", self._source.place(*steps), name=member, group=name)
 
     def _masters(self) -> None:
         masters: dict[str, str] = {}

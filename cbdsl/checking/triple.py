@@ -22,7 +22,9 @@ from cbdsl.program.controller import (
 )
 from cbdsl.types.casts import chains
 from cbdsl.types.potential import POTENTIALS, PotentialType
-from cbdsl.types.resource import FingerForces, Origin, Resource, Tip
+from cbdsl.types.resource import FingerForces, NetForces, Origin, Resource, Tip
+
+_MANIPULABILITY = "manipulability"
 
 
 class _Settings(NamedTuple):
@@ -75,6 +77,8 @@ class _Triple:
         if potential is not None:
             self._accepts(potential, feedback)
         self._options(feedback)
+        if document.potential == _MANIPULABILITY and not self._has_tip(feedback):
+            return None
         settings = self._settings(feedback)
         if effector is None or not self._moves(effector, feedback):
             return None
@@ -105,10 +109,22 @@ class _Triple:
             acceleration=settings.acceleration,
             quiescence=settings.quiescence,
             free_axis=document.free_axis,
+            manipulator=self._manipulator(),
             standoff=_standoff(document.standoff),
             funnel=_funnel(document.funnel),
             seek=self._seek(),
         )
+
+    def _manipulator(self) -> str | None:
+        is_manipulability = self._document.potential == _MANIPULABILITY
+        return self._document.manipulator or "position" if is_manipulability else None
+
+    def _has_tip(self, feedback: Resource) -> bool:
+        """Whether there is a manipulator Jacobian that a manipulability can be of."""
+        if feedback.type.name != "configuration" or self._context.body.has_tip(feedback):
+            return True
+        self._context.add("CB515", self._place("feedback"), name=feedback.name)
+        return False
 
     def _seek(self) -> Seek | None:
         seek = self._document.seek
@@ -225,7 +241,8 @@ class _Triple:
             "free_axis": feedback.type.name == "orientation" or document.free_axis is None,
             "standoff": is_position or document.standoff is None,
             "funnel": is_position or document.funnel is None,
-            "seek": isinstance(feedback.source, FingerForces) or document.seek is None,
+            "seek": isinstance(feedback.source, (FingerForces, NetForces)) or document.seek is None,
+            "manipulator": document.potential == _MANIPULABILITY or document.manipulator is None,
         }
         for key, fits in meaningful.items():
             if not fits:

@@ -36,6 +36,8 @@ class Signal:
             orientation and a homogeneous transform (4, 4) for a pose, from tip to world.
         jacobian: shape (m, n); for an orientation the angular velocity in the world frame per
             joint velocity, (3, n); for a pose linear above angular velocity, (6, n).
+        curvature: derivative of the Jacobian by the joints, shape (m, n, n), where the potential
+            needs it: ``curvature[:, i, j]`` is that of ``jacobian[:, i]`` by joint j.
 
     Raises:
         SignalError: the value or the Jacobian is not finite, or the Jacobian is no matrix.
@@ -44,6 +46,7 @@ class Signal:
     name: str
     value: Floats
     jacobian: Floats
+    curvature: Floats | None = None
 
     def __post_init__(self) -> None:
         require_finite(self.value, f"the value of {self.name}")

@@ -83,6 +83,8 @@ class Controller(Section):
     quiescence: Quiescence | None = None
     free_axis: Literal["x", "y", "z"] | None = None
     """Axis of the tip about which an orientation may turn freely."""
+    manipulator: Literal["position", "pose"] | None = None
+    """Which Jacobian of the tip a manipulability is of; of its position without it."""
     standoff: Standoff | None = None
     funnel: Funnel | None = None
     seek: Seek | None = None

@@ -52,6 +52,13 @@ class Effector(Section):
     """Posture at the start of an episode; without it, zero within the limits."""
 
 
+class Group(Section):
+    """Effectors that are moved together, such as both arms."""
+
+    members: Annotated[tuple[Name, ...], Field(min_length=2)]
+    """The effectors, in the order of the group's joints."""
+
+
 class Coupling(Section):
     """A passive joint that follows an actuated one."""
 
@@ -192,6 +199,10 @@ class Control(Section):
     """Settings by the type of the feedback."""
     stiffness: Positive = 5.0
     """Fingertip force per joint angle assumed by force -> displacement, N/rad."""
+    contact_stiffness: Positive = 100.0
+    """Force per displacement of the link that feels it assumed by force -> displacement, N/m."""
+    contact_torsion: Positive = 1.0
+    """Torque per turn of the link that feels it assumed by torque -> displacement, N m/rad."""
 
 
 class Contact(Section):
@@ -248,6 +259,8 @@ class RobotDocument(Document):
     """Link whose frame is the world frame."""
     effectors: dict[Name, Effector]
     """What can be moved, by name."""
+    groups: dict[Name, Group] = {}
+    """Effectors that programs can name together."""
     couplings: dict[str, Coupling] = {}
     """Passive joints, by name."""
     load_cells: dict[Name, dict[Name, LoadCell]] = {}
@@ -258,3 +271,12 @@ class RobotDocument(Document):
     contact: Contact = Contact.model_construct()
     control: Control
     simulation: Simulation = Simulation.model_construct()
+
+    def members(self, effector: str) -> tuple[str, ...]:
+        """The effectors of a group, or the one effector that is named itself."""
+        group = self.groups.get(effector)
+        return (effector,) if group is None else group.members
+
+    def joints(self, effector: str) -> tuple[str, ...]:
+        """The actuated joints of an effector, or of a group's members in turn."""
+        return tuple(j for name in self.members(effector) for j in self.effectors[name].joints)

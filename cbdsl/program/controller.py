@@ -85,6 +85,7 @@ class Controller:
         gain: kappa, 1/s.
         speed: largest rate of the task coordinates, or ``None``.
         acceleration: largest acceleration of the task coordinates, or ``None``.
+        manipulator: ``position`` or ``pose``, where phi is a function of that Jacobian of the tip.
     """
 
     name: str
@@ -100,6 +101,7 @@ class Controller:
     acceleration: float | None
     quiescence: Quiescence
     free_axis: str | None = None
+    manipulator: str | None = None
     standoff: Standoff | None = None
     funnel: Funnel | None = None
     seek: Seek | None = None

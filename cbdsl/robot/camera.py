@@ -62,6 +62,23 @@ def heading_jacobian(angles: Floats) -> Floats:
     )
 
 
+def sighting_jacobian(point: Floats) -> Floats:
+    """Change of the heading to a point per displacement of the point, rad/m, shape (2, 3).
+
+    Args:
+        point: in the camera frame, m, shape (3,).
+    """
+    x, y, z = point.tolist()
+    level = x * x + y * y
+    across, square = math.sqrt(level), level + z * z
+    return np.array(
+        [
+            [-y / level, x / level, 0.0],
+            [-x * z / (across * square), -y * z / (across * square), across / square],
+        ]
+    )
+
+
 def focal_scale(camera: Camera, direction_in_camera: Floats) -> float:
     """Cosine cubed of the angle off the optical axis: how much a pinhole enlarges areas there."""
     x, y, z = direction_in_camera

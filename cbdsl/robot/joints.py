@@ -29,8 +29,7 @@ class Joints:
         self.all: tuple[str, ...] = self.names + self.passive
         self.index: Mapping[str, int] = {name: i for i, name in enumerate(self.all)}
         self._effectors = {
-            name: np.array([self.index[joint] for joint in effector.joints])
-            for name, effector in robot.effectors.items()
+            name: self.pick(robot.joints(name)) for name in (*robot.effectors, *robot.groups)
         }
         #: Angles of all joints per angles of the actuated ones, shape (n + m, n).
         self.expansion: Floats = np.eye(len(self.all), len(self.names))
@@ -41,7 +40,7 @@ class Joints:
         return len(self.names)
 
     def of(self, effector: str) -> NDArray[np.intp]:
-        """Indices of an effector's joints among the actuated ones."""
+        """Indices of the joints of an effector or a group among the actuated ones."""
         return self._effectors[effector]
 
     def pick(self, joints: Sequence[str]) -> NDArray[np.intp]:

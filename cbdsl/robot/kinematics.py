@@ -15,6 +15,16 @@ from cbdsl.robot.joints import Joints
 Floats = NDArray[np.float64]
 
 
+#: The Levi-Civita symbol: ``_CROSS.dot(u)`` is the matrix that takes the product u x v from v.
+_CROSS: Floats = np.array(
+    [
+        [[0.0, 0.0, 0.0], [0.0, 0.0, -1.0], [0.0, 1.0, 0.0]],
+        [[0.0, 0.0, 1.0], [0.0, 0.0, 0.0], [-1.0, 0.0, 0.0]],
+        [[0.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 0.0]],
+    ]
+)
+
+
 @dataclass(frozen=True)
 class Frame:
     """A link's placement in the world frame.
@@ -26,6 +36,21 @@ class Frame:
 
     position: Floats
     rotation: Floats
+
+
+class _Support:
+    """The k joints that move a link.
+
+    Attributes:
+        velocities: their indices among the model's velocities, from the root outwards, shape (k,).
+        expansion: their velocities per velocity of the actuated joints, shape (k, n).
+        in_order: whether joint i is not beyond joint j, shape (k, k).
+    """
+
+    def __init__(self, velocities: NDArray[np.intp], expansion: Floats) -> None:
+        self.velocities = velocities
+        self.expansion = expansion
+        self.in_order = np.triu(np.ones((len(velocities), len(velocities)), dtype=bool))
 
 
 class Kinematics:
@@ -54,7 +79,9 @@ class Kinematics:
         self.lower: Floats = self._model.lowerPositionLimit[own]
         self.upper: Floats = self._model.upperPositionLimit[own]
         self._indices: dict[str, int] = {}
+        self._supports: dict[str, _Support] = {}
         self._frames: dict[str, Frame] = {}
+        self._full: dict[str, Floats] = {}
         self._jacobians: dict[str, Floats] = {}
 
     def update(self, positions: Floats) -> None:
@@ -66,6 +93,7 @@ class Kinematics:
         pinocchio.computeJointJacobians(self._model, self._data, turned)
         pinocchio.updateFramePlacements(self._model, self._data)
         self._frames.clear()
+        self._full.clear()
         self._jacobians.clear()
 
     def frame(self, link: str) -> Frame:
@@ -81,19 +109,71 @@ class Kinematics:
         """Linear and angular velocity of a link, world axes, per joint velocity, shape (6, n)."""
         found = self._jacobians.get(link)
         if found is None:
-            full = pinocchio.getFrameJacobian(
-                self._model,
-                self._data,
-                self._index(link),
-                pinocchio.ReferenceFrame.LOCAL_WORLD_ALIGNED,
-            )
-            found = self._jacobians[link] = full.dot(self._expansion)
+            found = self._jacobians[link] = self._full_jacobian(link).dot(self._expansion)
         return found
+
+    def curvature(self, link: str, lever: Floats) -> Floats:
+        """The derivative of a link's Jacobian by the joints.
+
+        A joint turns the axes and levers of the joints beyond it, and moves the point as it turns
+        those before it: of joints i before j, the column of either changes by the other as
+        omega_i x v_j; their axes change as omega_i x omega_j, by joint i alone.
+
+        Args:
+            link: the link.
+            lever: from the link's origin to the point that moves, world axes, m, shape (3,).
+
+        Returns:
+            Shape (6, n, n): entry (k, i, j) is the change of the Jacobian's entry (k, i) per
+            joint j, linear above angular velocity.
+        """
+        support = self._support(link)
+        full = self._full_jacobian(link)[:, support.velocities]
+        angular = full[3:]  # (3, k)
+        axes = _CROSS.dot(angular).transpose(0, 2, 1)  # (3, k, 3)
+        linear = full[:3] + axes.dot(lever)
+        moved = np.matmul(axes, linear)
+        turned = np.matmul(axes, angular)
+        own = np.concatenate(
+            (
+                np.where(support.in_order, moved, moved.transpose(0, 2, 1)),
+                np.where(support.in_order, 0.0, turned.transpose(0, 2, 1)),
+            )
+        )
+        curvature: Floats = np.matmul(support.expansion.T, np.matmul(own, support.expansion))
+        return curvature
+
+    def moving(self, link: str) -> frozenset[str]:
+        """Names of the model's joints that move a link, passive ones too."""
+        joint = self._model.frames[self._index(link)].parentJoint
+        return frozenset(self._model.names[i] for i in list(self._model.supports[joint])[1:])
 
     def joint_positions(self, joints: tuple[str, ...]) -> Floats:
         """Origins of the named joints in the world frame, m, shape (len(joints), 3)."""
         model, data = self._model, self._data
         return np.array([data.oMi[model.getJointId(name)].translation for name in joints])
+
+    def _full_jacobian(self, link: str) -> Floats:
+        """By all velocities of the model, passive joints too, shape (6, nv)."""
+        found = self._full.get(link)
+        if found is None:
+            found = self._full[link] = pinocchio.getFrameJacobian(
+                self._model,
+                self._data,
+                self._index(link),
+                pinocchio.ReferenceFrame.LOCAL_WORLD_ALIGNED,
+            )
+        return found
+
+    def _support(self, link: str) -> _Support:
+        found = self._supports.get(link)
+        if found is None:
+            joint = self._model.frames[self._index(link)].parentJoint
+            # The first entry is the world; every further one is a joint, from the root outwards.
+            joints = [self._model.joints[i] for i in list(self._model.supports[joint])[1:]]
+            velocities = np.array([j.idx_v for j in joints], dtype=np.intp)
+            found = self._supports[link] = _Support(velocities, self._expansion[velocities])
+        return found
 
     def _index(self, link: str) -> int:
         index = self._indices.get(link)

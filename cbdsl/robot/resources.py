@@ -2,19 +2,23 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 
 from cbdsl.documents.robot import Channels, LoadCell, RobotDocument
 from cbdsl.robot.channel_names import channel_names
 from cbdsl.types.resource import (
+    Centroid,
     EffectorConfiguration,
     FingerForces,
     FingerLoad,
     Heading,
+    Headings,
+    NetForces,
     NetLoad,
     Origin,
     Posture,
     Resource,
+    Separation,
     StereoPosition,
     Tip,
     UniformSample,
@@ -31,6 +35,7 @@ from cbdsl.types.resource_type import (
 )
 
 CYCLOPEAN = "cyclopean"
+CAMERAS = "cameras"
 STEREO = "stereo"
 
 _TIP_PARTS = {"position": POSITION, "orientation": ORIENTATION, "pose": POSE}
@@ -49,29 +54,61 @@ def resources(robot: RobotDocument) -> dict[str, Resource]:
     ``hand.net.force/torque/wrench``          sum over fingers     environment
     ``hand.finger_forces``                    force x fingers      environment
     ``camera.channel, cyclopean.channel``     heading              environment
+    ``cameras.channel``                       heading x 2          environment
     ``stereo.channel``                        position             triangulation
     ``effector.posture``                      configuration[n]     constant
     ``effector.uniform``                      configuration[n]     internal model
+    ``group``, ``group.posture/uniform``      configuration[n]     as of effectors
+    ``group.position``                        position x members   kinematics
+    ``group.centroid, group.separation``      position             kinematics
+    ``group.net_forces``                      force x members      environment
     ========================================  ===================  ==============
     """
     found: dict[str, Resource] = {}
-    for group in (_effectors(robot), _loads(robot), _vision(robot)):
-        found.update((resource.name, resource) for resource in group)
+    for some in (_effectors(robot), _loads(robot), _vision(robot), _groups(robot)):
+        found.update((resource.name, resource) for resource in some)
     return found
 
 
 def _effectors(robot: RobotDocument) -> Iterator[Resource]:
     for name, effector in robot.effectors.items():
-        joints = configuration(len(effector.joints))
-        source = EffectorConfiguration(name)
-        yield Resource(name, joints, Origin.PROPRIOCEPTION, source, movable=True)
-        yield Resource(f"{name}.uniform", joints, Origin.MODEL, UniformSample(name))
-        for posture in effector.postures:
-            yield Resource(f"{name}.{posture}", joints, Origin.CONSTANT, Posture(name, posture))
+        yield from _configurations(name, len(effector.joints), effector.postures)
         if effector.tip is not None:
             for part, kind in _TIP_PARTS.items():
                 tip = Tip(name, part)
                 yield Resource(f"{name}.{part}", kind, Origin.KINEMATICS, tip, movable=True)
+
+
+def _configurations(name: str, size: int, postures: Iterable[str]) -> Iterator[Resource]:
+    joints = configuration(size)
+    source = EffectorConfiguration(name)
+    yield Resource(name, joints, Origin.PROPRIOCEPTION, source, movable=True)
+    yield Resource(f"{name}.uniform", joints, Origin.MODEL, UniformSample(name))
+    for posture in postures:
+        yield Resource(f"{name}.{posture}", joints, Origin.CONSTANT, Posture(name, posture))
+
+
+def _groups(robot: RobotDocument) -> Iterator[Resource]:
+    for name, group in robot.groups.items():
+        # A group with a member that is not there has been reported, and has no resources.
+        members = [robot.effectors[m] for m in group.members if m in robot.effectors]
+        if len(members) < len(group.members):
+            continue
+        shared = [p for p in members[0].postures if all(p in m.postures for m in members)]
+        yield from _configurations(name, len(robot.joints(name)), shared)
+        if all(member.tip is not None for member in members):
+            yield from _tips(name, len(members))
+        if all(member in robot.load_cells for member in group.members):
+            forces = FORCE.times(len(members))
+            yield Resource(f"{name}.net_forces", forces, Origin.ENVIRONMENT, NetForces(name))
+
+
+def _tips(group: str, members: int) -> Iterator[Resource]:
+    known, tips = Origin.KINEMATICS, Tip(group, "position")
+    yield Resource(f"{group}.position", POSITION.times(members), known, tips, movable=True)
+    yield Resource(f"{group}.centroid", POSITION, known, Centroid(group), movable=True)
+    if members == 2:
+        yield Resource(f"{group}.separation", POSITION, known, Separation(group), movable=True)
 
 
 def _loads(robot: RobotDocument) -> Iterator[Resource]:
@@ -97,6 +134,8 @@ def _vision(robot: RobotDocument) -> Iterator[Resource]:
             source = Heading(camera, channel)
             yield Resource(f"{camera}.{name}", HEADING, Origin.ENVIRONMENT, source)
         if len(robot.cameras) == 2:
+            pair = HEADING.times(2)
+            yield Resource(f"{CAMERAS}.{name}", pair, Origin.ENVIRONMENT, Headings(channel))
             position = StereoPosition(channel)
             yield Resource(f"{STEREO}.{name}", POSITION, Origin.TRIANGULATION, position)
 

@@ -16,9 +16,16 @@ from cbdsl.control.rotation import exp
 from cbdsl.control.signal import Signal
 from cbdsl.control.task import Task
 from cbdsl.program.controller import AlongNormals, Controller, Funnel, Literal
-from cbdsl.robot.signals import Reading, Signals, transform
+from cbdsl.robot.reading import Reading, transform
+from cbdsl.robot.signals import Signals
 from cbdsl.robot.uniform import UniformSampler
-from cbdsl.types.resource import FingerForces, Origin, Tip
+from cbdsl.types.resource import (
+    EffectorConfiguration,
+    FingerForces,
+    NetForces,
+    Origin,
+    Tip,
+)
 
 Floats = NDArray[np.float64]
 Columns = NDArray[np.intp]
@@ -45,7 +52,7 @@ class ControllerRun:
         self._signals = signals
         self._period = period
         self._rng = rng
-        own = signals.joints.pick(controller.joints)
+        own = self._own = signals.joints.pick(controller.joints)
         limits = signals.kinematics
         self._potential = build(controller, limits.lower[own], limits.upper[own])
         self._task = Task(controller, period)
@@ -85,16 +92,14 @@ class ControllerRun:
             self._undefined()
             return None
         feedback = self._feedback(reference)
-        defined = feedback is not None and self._signals.defined(self.controller.feedback)
+        defined = feedback is not None and self._defines(feedback, columns)
         if not defined:
             self._undefined()
             if not self._may_seek(peers):
                 return None
         if feedback is None:
             return None
-        signal = Signal(
-            self.controller.feedback.name, feedback.value, feedback.jacobian.take(columns, axis=1)
-        )
+        signal = self._signal(feedback, columns)
         evaluation = self._potential.evaluate(signal, reference.value)
         if defined:
             self._defined(evaluation, reference, feedback.stamp)
@@ -102,6 +107,24 @@ class ControllerRun:
             raised = _raised(reference.value, feedback.value, self.controller.funnel)
             evaluation = self._potential.evaluate(signal, raised)
         return self._task.level(evaluation)
+
+    def _signal(self, feedback: Reading, columns: Columns) -> Signal:
+        curvature = feedback.curvature
+        return Signal(
+            self.controller.feedback.name,
+            feedback.value,
+            feedback.jacobian.take(columns, axis=1),
+            None if curvature is None else curvature[:, columns[:, None], columns],
+        )
+
+    def _defines(self, feedback: Reading, columns: Columns) -> bool:
+        """Whether the feedback is measured, and the effector moves it.
+
+        What is seen moves with an arm only while the arm's hand holds it.
+        """
+        if not self._signals.defined(self.controller.feedback):
+            return False
+        return bool(feedback.jacobian.take(self._own, axis=1).any())
 
     def _undefined(self) -> None:
         self.predicate = self._monitor.undefined()
@@ -143,7 +166,8 @@ class ControllerRun:
     def _flexed(self, until: float) -> bool:
         source = self.controller.feedback.source
         assert isinstance(source, FingerForces)
-        return bool(np.all(self._signals.flexion_angles(source.hand) > until))
+        joints = self._signals.touch.flexion_joints(source.hand)
+        return bool(np.all(self._signals.angles(joints) > until))
 
     def _reference(self) -> Reading | None:
         """The reference now, or ``None`` while it is undefined."""
@@ -163,19 +187,26 @@ class ControllerRun:
 
     def _feedback(self, reference: Reading) -> Reading | None:
         controller, source = self.controller, self.controller.feedback.source
-        if isinstance(controller.reference, AlongNormals) and isinstance(source, FingerForces):
-            return self._signals.normal_forces(source.hand)
+        if isinstance(source, (FingerForces, NetForces)) and isinstance(
+            controller.reference, AlongNormals
+        ):
+            return self._signals.touch.normal_forces(source)
+        if controller.manipulator is not None:
+            assert isinstance(source, EffectorConfiguration)
+            return self._signals.tips.manipulator(source.effector, controller.manipulator)
         standoff = controller.standoff
         if standoff is not None and isinstance(source, Tip):
             distance = reference.radius + standoff.clearance
-            return self._signals.tip(source, min(max(distance, standoff.least), standoff.most))
+            return self._signals.tips.tip(source, min(max(distance, standoff.least), standoff.most))
         return self._signals.read(controller.feedback)
 
 
 def _constant_reference(controller: Controller, signals: Signals) -> Reading | None:
     reference, source = controller.reference, controller.feedback.source
-    if isinstance(reference, AlongNormals) and isinstance(source, FingerForces):
-        return Reading(reference.force * signals.shares(source.hand), np.zeros((0, 0)), 0)
+    if isinstance(reference, AlongNormals):
+        assert isinstance(source, (FingerForces, NetForces))
+        shares = _shares(source, signals)
+        return Reading(reference.force * shares, np.zeros((0, 0)), 0)
     if isinstance(reference, Literal):
         values = np.array(reference.values)
         if controller.feedback.type.name == "orientation":
@@ -184,6 +215,13 @@ def _constant_reference(controller: Controller, signals: Signals) -> Reading | N
             values = transform(exp(values[3:]), values[:3])
         return Reading(values, np.zeros((0, 0)), 0)
     return None
+
+
+def _shares(source: FingerForces | NetForces, signals: Signals) -> Floats:
+    """How a force along normals is shared out among the fingers, or given to each hand."""
+    if isinstance(source, FingerForces):
+        return signals.touch.shares(source.hand)
+    return np.ones(len(signals.touch.hands(source.group)))
 
 
 def _raised(reference: Floats, position: Floats, funnel: Funnel) -> Floats:

@@ -18,16 +18,31 @@ class Origin(Enum):
 
 
 class EffectorConfiguration(NamedTuple):
-    """The joint positions of an effector."""
+    """The joint positions of an effector or a group."""
 
     effector: str
 
 
 class Tip(NamedTuple):
-    """The ``position``, ``orientation`` or ``pose`` of an effector's tip, in the world frame."""
+    """The ``position``, ``orientation`` or ``pose`` of an effector's tip, in the world frame.
+
+    Of a group: the positions of all tips.
+    """
 
     effector: str
     part: str
+
+
+class Centroid(NamedTuple):
+    """The mean position of a group's tips, in the world frame (Section 3.3.3.2)."""
+
+    group: str
+
+
+class Separation(NamedTuple):
+    """The position of the second tip of a group of two relative to the first, in world axes."""
+
+    group: str
 
 
 class FingerLoad(NamedTuple):
@@ -45,6 +60,12 @@ class NetLoad(NamedTuple):
     part: str
 
 
+class NetForces(NamedTuple):
+    """The net force of each hand of a group, in turn (Eq 3.34)."""
+
+    group: str
+
+
 class FingerForces(NamedTuple):
     """The forces of all fingers of a hand, in the order of the robot file."""
 
@@ -58,8 +79,14 @@ class Heading(NamedTuple):
     channel: str
 
 
+class Headings(NamedTuple):
+    """Where each camera sees a channel's region, camera by camera (Eq 3.14)."""
+
+    channel: str
+
+
 class StereoPosition(NamedTuple):
-    """The triangulated position of a channel's region, in the world frame."""
+    """The triangulated position of a channel's region, in the world frame (Eq 3.14)."""
 
     channel: str
 
@@ -80,10 +107,14 @@ class UniformSample(NamedTuple):
 Source = (
     EffectorConfiguration
     | Tip
+    | Centroid
+    | Separation
     | FingerLoad
     | NetLoad
+    | NetForces
     | FingerForces
     | Heading
+    | Headings
     | StereoPosition
     | Posture
     | UniformSample

@@ -73,10 +73,9 @@ CONTROLLERS = (
         "moving '{effector}' does not change '{feedback}'",
         "A controller descends its potential by moving the effector, so the feedback has to "
         "depend on the effector's joints: a heading on those that carry the camera, a force on "
-        "those of the hand and its arm. What is seen of the world moves for nobody.",
-        controller(
-            "potential: spring, reference: 0, feedback: cyclopean.motion, effector: left_arm"
-        ),
+        "those of the hand and its arm. What is seen of the world moves only with an arm whose "
+        "hand holds it.",
+        controller("potential: spring, reference: 0, feedback: right_arm.position, effector: head"),
     ),
     Entry(
         "CB509",
@@ -105,9 +104,9 @@ CONTROLLERS = (
     Entry(
         "CB512",
         "force along normals that are not there",
-        "'along normals' needs the forces of all fingers, and '{name}' is {feedback}",
-        "A reference along normals has a direction per finger, so its feedback is "
-        "`<hand>.finger_forces`.",
+        "'along normals' needs the forces of all fingers or hands, and '{name}' is {feedback}",
+        "A reference along normals has a direction per finger or palm, so its feedback is "
+        "`<hand>.finger_forces` or `<group>.net_forces`.",
         controller(
             "potential: spring, reference: 1 N along normals, feedback: right_arm.position, "
             "effector: right_arm"
@@ -118,7 +117,7 @@ CONTROLLERS = (
         "setting that means nothing here",
         "'{name}' means nothing for a feedback of type {feedback}",
         "`free_axis` is for orientations, `standoff` and `funnel` are for the position of a tip, "
-        "`seek` is for the forces of a hand's fingers.",
+        "`seek` is for the forces of fingers or hands, `manipulator` is for manipulability.",
         controller(_HEADING + ", free_axis: z"),
     ),
     Entry(
@@ -132,5 +131,13 @@ CONTROLLERS = (
             "feedback: right_hand.finger_forces, effector: right_hand, "
             "seek: {once: reach}"
         ),
+    ),
+    Entry(
+        "CB515",
+        "manipulability without a tip",
+        "'{name}' has no tip whose Jacobian a manipulability could be of",
+        "Manipulability is a function of the manipulator Jacobian, which belongs to the tip that "
+        "the robot's document gives an effector, or each member of a group.",
+        controller("potential: manipulability, feedback: head, effector: head"),
     ),
 )

@@ -102,4 +102,22 @@ ROBOTS = (
         _PATH,
         _MODEL,
     ),
+    Entry(
+        "CB311",
+        "group with the name of an effector",
+        "'{name}' is the name of an effector already",
+        "Groups and effectors are named alike in programs, so no name may mean both.",
+        robot(more="groups: {head: {members: [head, head]}}\n"),
+        _PATH,
+        _MODEL,
+    ),
+    Entry(
+        "CB312",
+        "member named twice",
+        "'{name}' is a member of group '{group}' already",
+        "A group lists each of its effectors once.",
+        robot(more="groups: {both: {members: [head, head]}}\n"),
+        _PATH,
+        _MODEL,
+    ),
 )

@@ -1,0 +1,104 @@
+"""Sight: headings to what the cameras see, and where it is (Eq 3.10, 3.14 and 3.15)."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cbdsl.documents.robot import RobotDocument
+from cbdsl.robot.camera import heading_jacobian, sighting_jacobian
+from cbdsl.robot.kinematics import Kinematics
+from cbdsl.robot.reading import Reading, stacked
+from cbdsl.robot.resources import CYCLOPEAN
+from cbdsl.robot.tips import Tips
+from cbdsl.robot.touch import Touch
+from cbdsl.robot.vision import Vision
+from cbdsl.types.resource import Heading, Headings, StereoPosition
+
+Floats = NDArray[np.float64]
+
+
+class Sight:
+    """Reads headings and positions; what a hand holds moves with the hand, all else stands still.
+
+    A seen thing counts as held while hands feel contact and it is as near to them as its radius and
+    theirs allow. It then moves with the centroid of their tips (Eq 3.42 and 3.43).
+    """
+
+    def __init__(
+        self,
+        robot: RobotDocument,
+        kinematics: Kinematics,
+        vision: Vision,
+        tips: Tips,
+        touch: Touch,
+    ) -> None:
+        self._robot = robot
+        self._kinematics = kinematics
+        self._vision = vision
+        self._tips = tips
+        self._touch = touch
+        self._still = np.zeros((3, len(kinematics.joints)))
+
+    def heading(self, source: Heading) -> Reading | None:
+        """The heading in one camera, or the mean over those that see the channel."""
+        names = list(self._robot.cameras) if source.camera == CYCLOPEAN else [source.camera]
+        found = [self._camera_heading(name, source.channel) for name in names]
+        seen = [reading for reading in found if reading is not None]
+        if not seen:
+            return None
+        return Reading(
+            np.mean([reading.value for reading in seen], axis=0),
+            np.mean([reading.jacobian for reading in seen], axis=0),
+            max(reading.stamp for reading in seen),
+        )
+
+    def headings(self, source: Headings) -> Reading | None:
+        """The headings in all cameras, or ``None`` unless all of them see the whole region."""
+        found = []
+        for camera in self._robot.cameras:
+            region = self._vision.regions.get((camera, source.channel))
+            reading = self._camera_heading(camera, source.channel)
+            if reading is None or (region is not None and region.clipped):
+                return None
+            found.append(reading)
+        return stacked(found)
+
+    def position(self, source: StereoPosition) -> Reading | None:
+        """The remembered position of a channel's region."""
+        memory = self._vision.memories[source.channel]
+        if memory.position is None:
+            return None
+        motion = self._motion(source.channel)
+        jacobian = self._still if motion is None else motion
+        return Reading(memory.position, jacobian, self._vision.images, memory.radius)
+
+    def _camera_heading(self, camera: str, channel: str) -> Reading | None:
+        angles = self._vision.headings.get((camera, channel))
+        if angles is None:
+            return None
+        link = self._robot.cameras[camera].link
+        frame = self._kinematics.frame(link)
+        turning = frame.rotation.T.dot(self._kinematics.jacobian(link)[3:])
+        jacobian = heading_jacobian(angles).dot(turning)
+        motion = self._motion(channel)
+        if motion is not None:
+            position = self._vision.memories[channel].position
+            assert position is not None
+            point = frame.rotation.T.dot(position - frame.position)
+            jacobian = jacobian + sighting_jacobian(point).dot(frame.rotation.T.dot(motion))
+        return Reading(angles, jacobian, self._vision.stamps[camera, channel])
+
+    def _motion(self, channel: str) -> Floats | None:
+        """Displacement of a held thing per joint, shape (3, n); ``None`` for what is not held."""
+        memory = self._vision.memories.get(channel)
+        if memory is None or memory.position is None:
+            return None
+        holding = [arm for hand, arm in self._touch.carriers.items() if self._touch.touching(hand)]
+        if not holding:
+            return None
+        centre = self._tips.mean([self._tips.position(arm) for arm in holding])
+        reach = memory.radius + self._robot.vision.regions.hand_radius
+        if float(np.linalg.norm(memory.position - centre.value)) > reach:
+            return None
+        return centre.jacobian

@@ -1,0 +1,179 @@
+"""Touch: what the load cells of the hands say, and how the joints change it (Eq 3.9)."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cbdsl.documents.robot import LoadCell, RobotDocument
+from cbdsl.robot.kinematics import Kinematics
+from cbdsl.robot.reading import Reading, stacked
+from cbdsl.robot.tips import Tips
+from cbdsl.types.resource import FingerForces, FingerLoad, NetForces, NetLoad
+
+Floats = NDArray[np.float64]
+
+_PARTS = {"force": slice(0, 3), "torque": slice(3, 6), "wrench": slice(0, 6)}
+
+
+class Touch:
+    """Reads the load cells; their first values are taken as zero, since they carry weight.
+
+    Where a signal's Jacobian is asked for, it is the cast force -> displacement (Eq 3.37 to 3.39):
+    what is touched is taken to be a spring of the stiffness that the robot's document states.
+    """
+
+    def __init__(self, robot: RobotDocument, kinematics: Kinematics, tips: Tips) -> None:
+        self._robot = robot
+        self._kinematics = kinematics
+        self._tips = tips
+        self._flexions = {hand: self._flexion(hand) for hand in robot.load_cells}
+        #: By link, the normal of its load cell in its own frame, of unit length.
+        self._normals = {
+            cell.link: np.array(cell.normal) / math.hypot(*cell.normal)
+            for fingers in robot.load_cells.values()
+            for cell in fingers.values()
+        }
+        #: By hand, the effector whose tip carries it.
+        self.carriers = {
+            hand: carrier
+            for hand in robot.load_cells
+            if (carrier := _carrier(robot, kinematics, hand)) is not None
+        }
+        self.reset()
+
+    def reset(self) -> None:
+        """Forget the episode before."""
+        self._tare: dict[tuple[str, str], Floats] = {}
+        self._loads: Mapping[tuple[str, str], Floats] = {}
+
+    def update(self, loads: Mapping[tuple[str, str], Floats]) -> None:
+        """Take in one tick's wrenches, N and N m in the world frame, by hand and finger."""
+        if not self._tare:
+            self._tare = dict(loads)
+        self._loads = {key: load - self._tare[key] for key, load in loads.items()}
+
+    def touching(self, hand: str) -> bool:
+        """Whether any fingertip of a hand feels more than the contact threshold."""
+        return any(self._feels(hand, finger) for finger in self._fingers(hand))
+
+    def all_touching(self, hand: str) -> bool:
+        """Whether every fingertip of a hand feels more than the contact threshold."""
+        return all(self._feels(hand, finger) for finger in self._fingers(hand))
+
+    def hands(self, name: str) -> tuple[str, ...]:
+        """The hands of a group, or the one that is named itself."""
+        return self._robot.members(name)
+
+    def flexion_joints(self, hand: str) -> list[str]:
+        """The joints that flex the fingers."""
+        return [cell.joint for cell in self._fingers(hand).values()]
+
+    def shares(self, hand: str) -> Floats:
+        """Each finger's share of a force reference, shape (fingers,)."""
+        return np.array([cell.share for cell in self._fingers(hand).values()])
+
+    def finger_load(self, source: FingerLoad) -> Reading | None:
+        """The load of one finger, or ``None`` without contact."""
+        if not self._feels(source.hand, source.finger):
+            return None
+        return self._load(source.hand, source.finger, source.part)
+
+    def net_load(self, source: NetLoad) -> Reading | None:
+        """The sum over a hand's fingers, or ``None`` without any contact."""
+        if not self.touching(source.hand):
+            return None
+        return self._net(source.hand, source.part)
+
+    def net_forces(self, source: NetForces) -> Reading | None:
+        """The net force of each hand, or ``None`` unless all of them touch something."""
+        if not all(self.touching(hand) for hand in self.hands(source.group)):
+            return None
+        return stacked([self._net(hand, "force") for hand in self.hands(source.group)])
+
+    def finger_forces(self, source: FingerForces) -> Reading | None:
+        """The force of every finger, or ``None`` unless all of them touch something."""
+        if not self.all_touching(source.hand):
+            return None
+        cells = self._fingers(source.hand)
+        forces = [self._loads[source.hand, finger][:3] for finger in cells]
+        normals = [self._normal(cell) for cell in cells.values()]
+        jacobian = np.vstack(
+            [np.outer(n, row) for n, row in zip(normals, self._flexions[source.hand], strict=True)]
+        )
+        return Reading(np.concatenate(forces), jacobian, self._tips.stamp)
+
+    def normal_forces(self, source: FingerForces | NetForces) -> Reading:
+        """Forces along normals, N: of each finger along its own, of each hand along its palm's.
+
+        Defined without contact too, as a measured zero, so that a hand can close on something.
+        A finger's force follows the joint that flexes it, a hand's follows all of its arm.
+        """
+        if isinstance(source, FingerForces):
+            return self._finger_normal_forces(source.hand)
+        return stacked([self._palm_force(hand) for hand in self.hands(source.group)])
+
+    def _finger_normal_forces(self, hand: str) -> Reading:
+        value = [
+            float(self._normal(cell).dot(self._loads[hand, finger][:3]))
+            for finger, cell in self._fingers(hand).items()
+        ]
+        return Reading(np.array(value), self._flexions[hand], self._tips.stamp)
+
+    def _palm_force(self, hand: str) -> Reading:
+        """The part of a hand's net force along its palm's normal, shape (1,)."""
+        normal, net = self._tips.normal(self.carriers[hand]), self._net(hand, "force")
+        return Reading(
+            normal[None].dot(net.value), normal[None].dot(net.jacobian), self._tips.stamp
+        )
+
+    def _net(self, hand: str, part: str) -> Reading:
+        loads = [self._load(hand, finger, part) for finger in self._fingers(hand)]
+        return Reading(
+            np.sum([load.value for load in loads], axis=0),
+            np.sum([load.jacobian for load in loads], axis=0),
+            self._tips.stamp,
+        )
+
+    def _load(self, hand: str, finger: str, part: str) -> Reading:
+        jacobian = self._kinematics.jacobian(self._fingers(hand)[finger].link)
+        control = self._robot.control
+        yielding = np.repeat((control.contact_stiffness, control.contact_torsion), 3)[:, None]
+        where = _PARTS[part]
+        value = self._loads[hand, finger][where]
+        return Reading(value, (yielding * jacobian)[where], self._tips.stamp)
+
+    def _flexion(self, hand: str) -> Floats:
+        """Forces along the fingers' normals per joint, N/rad, shape (fingers, n)."""
+        joints = self._kinematics.joints
+        rows = np.zeros((len(self._fingers(hand)), len(joints)))
+        rows[np.arange(len(rows)), joints.pick(self.flexion_joints(hand))] = 1.0
+        return rows * self._robot.control.stiffness
+
+    def _fingers(self, hand: str) -> Mapping[str, LoadCell]:
+        return self._robot.load_cells[hand]
+
+    def _feels(self, hand: str, finger: str) -> bool:
+        force = self._loads[hand, finger][:3]
+        return math.hypot(*force.tolist()) > self._robot.contact.threshold
+
+    def _normal(self, cell: LoadCell) -> Floats:
+        normal: Floats = self._kinematics.frame(cell.link).rotation.dot(self._normals[cell.link])
+        return normal
+
+
+def _carrier(robot: RobotDocument, kinematics: Kinematics, hand: str) -> str | None:
+    """The effector whose tip carries a hand: all of its joints move the fingertips."""
+    cell = next(iter(robot.load_cells[hand].values()))
+    moving = kinematics.moving(cell.link)
+    return next(
+        (
+            name
+            for name, effector in robot.effectors.items()
+            if effector.tip is not None and moving.issuperset(effector.joints)
+        ),
+        None,
+    )
