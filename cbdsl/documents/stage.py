@@ -17,6 +17,7 @@ from cbdsl.documents.document import (
     Positive,
     Section,
     Share,
+    Size,
     SizeSpan,
     SpeedSpan,
     Time,
@@ -33,6 +34,23 @@ class Ball(Section):
     """Radius, or the span that it is drawn from."""
 
 
+class Pattern(Section):
+    """Black bars printed on the middle of a box's side, upright and next to each other."""
+
+    face: Literal["-x", "+x", "-y", "+y"] = "-x"
+    """Side that is printed on: where it looks while the box's yaw is 0."""
+    height: Size
+    """Length of the bars."""
+    stripes: Annotated[tuple[Size, ...], Field(min_length=1)]
+    """Widths of bar, gap, ..., bar from left to right for whoever looks at the side."""
+
+    @model_validator(mode="after")
+    def _ends_with_a_bar(self) -> Self:
+        if len(self.stripes) % 2 == 0:
+            raise ValueError("stripes begin and end with a bar, so that their number is odd")
+        return self
+
+
 class Box(Section):
     """A cuboid; its edges lie along x, y and z while its yaw is 0."""
 
@@ -40,6 +58,18 @@ class Box(Section):
     """Which shape it is."""
     size: tuple[SizeSpan, SizeSpan, SizeSpan]
     """Edge lengths."""
+    pattern: Pattern | None = None
+    """What is printed on a side of it."""
+
+    @model_validator(mode="after")
+    def _has_room_for_the_pattern(self) -> Self:
+        if self.pattern is not None:
+            (depth, _), (width, _), (height, _) = self.size
+            across = width if self.pattern.face.endswith("x") else depth
+            # Widths that add up to the edge's length may exceed it by a rounding error.
+            if sum(self.pattern.stripes) > across + 1e-9 or self.pattern.height > height:
+                raise ValueError("the pattern is larger than the side of the box")
+        return self
 
 
 class Cylinder(Section):

@@ -76,6 +76,14 @@ class Cameras:
             name: self._disturbed(image) for name, image in zip(self._cameras, images, strict=True)
         }
 
+    def resolve(self, times: int) -> Mapping[str, Image]:
+        """What falls on every sensor, with ``times`` as many pixels each way and without noise.
+
+        For whoever wants to let a lens and a sensor of his own make an image of it.
+        """
+        views = [view.resolved(times) for view in self.views().values()]
+        return dict(zip(self._cameras, self._renderer.render(views), strict=True))
+
     def _disturbed(self, image: Image) -> Image:
         if not self._deviation:
             return image

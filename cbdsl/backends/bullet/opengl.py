@@ -11,7 +11,7 @@ import numpy as np
 import pybullet as p
 from numpy.typing import NDArray
 
-from cbdsl.backends.bullet import mesh
+from cbdsl.backends.bullet import light, mesh
 from cbdsl.backends.bullet.pose import rotations
 from cbdsl.backends.bullet.view import View
 from cbdsl.robot.observation import Image
@@ -38,9 +38,10 @@ _FRAGMENT_SHADER = """
 #version 330
 in vec3 world_normal; flat in vec3 base_color;
 out vec4 shaded;
-const vec3 light = vec3(0.30, 0.20, 0.93);
+uniform vec3 light; uniform float ambient;
 void main() {
-    shaded = vec4(base_color * (0.55 + 0.45 * max(0, dot(normalize(world_normal), light))), 1);
+    float direct = max(0, dot(normalize(world_normal), light));
+    shaded = vec4(base_color * mix(direct, 1, ambient), 1);
 }
 """
 _INSTANCE = "4f 4f 4f 4f 3f/i"
@@ -90,6 +91,8 @@ class OpenGLRenderer:
         self.name = f"opengl ({self._context.info['GL_RENDERER']})"
         self._context.enable(moderngl.DEPTH_TEST)
         self._program = self._context.program(_VERTEX_SHADER, _FRAGMENT_SHADER)
+        self._program["light"].value = light.DIRECTION
+        self._program["ambient"].value = light.AMBIENT
         self._meshes = {
             kind: self._context.buffer(triangles.astype("f4").tobytes())
             for kind, triangles in (

@@ -9,7 +9,8 @@ from typing import Any
 import numpy as np
 import pybullet as p
 
-from cbdsl.documents.stage import Ball, Box, Cylinder
+from cbdsl.backends.bullet.printed_box import create_printed_box
+from cbdsl.documents.stage import Ball, Box, Cylinder, Pattern
 
 Span = tuple[float, float]
 
@@ -28,23 +29,26 @@ class Shape:
         collision: its size, by the names that collision shapes use.
         visual: its size, by the names that visual shapes use.
         half_height: from its centre to its lowest point while it stands upright, m.
+        pattern: what is printed on it, if it is a box.
     """
 
     kind: int
     collision: Mapping[str, Any]
     visual: Mapping[str, Any]
     half_height: float
+    pattern: Pattern | None = None
 
     @classmethod
     def draw(cls, form: Ball | Box | Cylinder, rng: np.random.Generator) -> Shape:
         """A shape of this form, of a size drawn from its spans."""
         if isinstance(form, Ball):
             radius = draw(form.radius, rng)
-            size = {"radius": radius}
+            size: dict[str, Any] = {"radius": radius}
             return cls(p.GEOM_SPHERE, size, size, radius)
         if isinstance(form, Box):
             halves = [draw(span, rng) / 2 for span in form.size]
-            return cls(p.GEOM_BOX, {"halfExtents": halves}, {"halfExtents": halves}, halves[2])
+            size = {"halfExtents": halves}
+            return cls(p.GEOM_BOX, size, size, halves[2], form.pattern)
         radius, height = draw(form.radius, rng), draw(form.height, rng)
         return cls(
             p.GEOM_CYLINDER,
@@ -62,6 +66,11 @@ class Shape:
         quaternion: Sequence[float],
     ) -> int:
         """Put a body of this shape into the world; without mass it does not move."""
+        if self.pattern is not None:
+            halves = self.collision["halfExtents"]
+            return create_printed_box(
+                client, halves, self.pattern, mass, color, position, quaternion
+            )
         return int(
             p.createMultiBody(
                 mass,

@@ -7,6 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 import pybullet as p
 
+from cbdsl.backends.bullet import light
 from cbdsl.backends.bullet.view import View
 from cbdsl.robot.observation import Image
 
@@ -42,9 +43,9 @@ class TinyRenderer:
             viewMatrix=view.world_to_eye().T.ravel().tolist(),
             projectionMatrix=projection.T.ravel().tolist(),
             shadow=0,
-            lightDirection=[0.30, 0.20, 0.93],
-            lightAmbientCoeff=0.55,
-            lightDiffuseCoeff=0.45,
+            lightDirection=list(light.DIRECTION),
+            lightAmbientCoeff=light.AMBIENT,
+            lightDiffuseCoeff=1 - light.AMBIENT,
             lightSpecularCoeff=0.0,
             renderer=p.ER_TINY_RENDERER,
             physicsClientId=self._client,

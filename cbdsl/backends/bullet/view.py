@@ -26,6 +26,16 @@ class View:
     camera: Camera
     pose: Pose
 
+    def resolved(self, times: int) -> View:
+        """The same view, with ``times`` as many pixels each way."""
+        camera = self.camera
+        finer = {
+            "width": times * camera.width,
+            "height": times * camera.height,
+            "focal_length": times * camera.focal_length,
+        }
+        return View(camera.model_copy(update=finer), self.pose)
+
     def world_to_eye(self) -> Floats:
         """Homogeneous transform, shape (4, 4), to OpenGL's eye frame: x right, y up, z back."""
         axes = self.pose.rotation.T

@@ -1,0 +1,119 @@
+"""Printed boxes look as their pattern says, in every renderer, and move as plain ones do."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Any
+
+import numpy as np
+import pybullet as p
+import pytest
+
+from cbdsl.backends.backend import BackendError
+from cbdsl.backends.bullet.backend import BulletBackend
+from cbdsl.backends.bullet.pose import Pose
+from cbdsl.backends.bullet.view import View
+from cbdsl.documents.robot import Camera, RobotDocument
+from cbdsl.documents.stage import StageDocument
+from tests.backends.bullet.conftest import URDF, made_stage, with_vision
+
+CAMERA = Camera(link="left_camera", width=400, height=300, focal_length=800)
+CENTRE, EDGE, DISTANCE = np.array([3.0, 0.0, 0.0]), 0.16, 0.5
+TURNS = {"-x": 0.0, "-y": np.pi / 2, "+x": np.pi, "+y": -np.pi / 2}
+
+
+def _stage(color: tuple[float, float, float] = (1, 1, 1), **pattern: Any) -> StageDocument:
+    form: dict[str, Any] = {"shape": "box", "size": [EDGE] * 3}
+    if pattern:
+        form["pattern"] = pattern
+    thing = {"form": form, "mass": 0.3, "color": color}
+    x, y, z = CENTRE
+    context = {"things": ["box"], "place": {"x": x, "y": y, "z": z, "held": True}}
+    return made_stage(context, things={"box": thing})
+
+
+@pytest.fixture(scope="module", params=["opengl", "tiny"])
+def rendered(dexter: RobotDocument, request: pytest.FixtureRequest) -> Iterator[BulletBackend]:
+    try:
+        backend = BulletBackend(with_vision(dexter, renderer=request.param), URDF)
+    except BackendError as error:
+        pytest.skip(str(error))
+    yield backend
+    backend.close()
+
+
+def _seen(backend: BulletBackend, stage: StageDocument, face: str) -> np.ndarray:
+    """Brightness of the side ``face``, seen straight from outside, shape (300, 400)."""
+    backend.reset(stage, None, np.random.default_rng(0))
+    turned = Pose.turned(np.array([0.0, 0.0, 1.0]), TURNS[face])
+    away = turned.rotation @ np.array([-DISTANCE - EDGE / 2, 0, 0])
+    (image,) = backend._renderer.render([View(CAMERA, Pose(CENTRE + away, turned.rotation))])
+    return image.max(axis=2)
+
+
+@pytest.mark.parametrize("face", TURNS)
+def test_bars_go_from_left_to_right_at_their_widths(rendered: BulletBackend, face: str) -> None:
+    stripes = [0.01, 0.005, 0.03, 0.02, 0.005]
+    image = _seen(rendered, _stage(face=face, height=0.1, stripes=stripes), face)
+    dark = image < 100
+    columns = np.flatnonzero(np.diff(dark[150].astype(int))) + 1
+    scale = CAMERA.focal_length / DISTANCE
+    wanted = 200 + scale * (np.cumsum([0.0, *stripes]) - sum(stripes) / 2)
+    assert columns == pytest.approx(wanted, abs=1.1)
+    assert dark[:, columns[0] + 5].sum() == pytest.approx(0.1 * scale, abs=2)
+
+
+@pytest.mark.parametrize("period", [0.002, 0.006, 0.03])
+def test_stripes_have_their_period(rendered: BulletBackend, period: float) -> None:
+    count = round(0.12 / period)
+    stripes = [period / 2] * (2 * count - 1)
+    image = _seen(rendered, _stage(height=0.1, stripes=stripes), "-x").astype(float)
+    dark = (image[145:155] < 100).mean(axis=0)
+    starts = np.flatnonzero((dark[1:] > 0.5) & (dark[:-1] <= 0.5))
+    assert len(starts) == count
+    measured = (starts[-1] - starts[0]) / (count - 1)
+    assert measured == pytest.approx(CAMERA.focal_length * period / DISTANCE, rel=0.01)
+
+
+def test_only_one_side_is_printed_on(rendered: BulletBackend) -> None:
+    stage = _stage(face="-x", height=0.1, stripes=[0.1])
+    for face in TURNS:
+        dark = (_seen(rendered, stage, face) < 100).mean()
+        assert (dark > 0.1) == (face == "-x")
+
+
+def test_white_is_bright_where_the_robot_looks(rendered: BulletBackend) -> None:
+    """White in front or on top is in the brightest of ten channels, other sides are not."""
+    brightness = {face: _seen(rendered, _stage(), face)[150, 200] for face in TURNS}
+    assert brightness.pop("-x") >= 0.9 * 256
+    assert max(brightness.values()) < 0.9 * 256
+
+
+def test_a_printed_box_has_the_mass_and_inertia_of_a_plain_one(rendered: BulletBackend) -> None:
+    dynamics = []
+    for stage in (_stage(), _stage(height=0.1, stripes=[0.01] * 9)):
+        rendered.reset(stage, None, np.random.default_rng(0))
+        client, body = rendered._client, rendered._scene.bodies["box"]
+        dynamics.append(p.getDynamicsInfo(body, -1, physicsClientId=client))
+    assert dynamics[0] == dynamics[1]
+
+
+def test_a_printed_fixture_does_not_fall(rendered: BulletBackend) -> None:
+    form = {"shape": "box", "size": [EDGE] * 3, "pattern": {"height": 0.1, "stripes": [0.1]}}
+    rendered.reset(
+        made_stage({}, fixtures={"box": {"form": form, "position": [3, 0, 0]}}),
+        None,
+        np.random.default_rng(0),
+    )
+    for _ in range(5):
+        rendered.step()
+    assert rendered.truth.pose("box").position == pytest.approx(CENTRE)
+
+
+def test_finer_images_show_the_same(rendered: BulletBackend) -> None:
+    rendered.reset(_stage(color=(1, 0, 0)), None, np.random.default_rng(0))
+    coarse, fine = rendered.observe().images, rendered.cameras.resolve(3)
+    for name, image in coarse.items():
+        rows, columns, _ = image.shape
+        assert fine[name].shape == (3 * rows, 3 * columns, 3)
+        assert (fine[name][1::3, 1::3] == image).all(axis=2).mean() > 0.999

@@ -1,0 +1,39 @@
+"""What a stage document may say of a pattern on a box."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import pytest
+from pydantic import ValidationError
+
+from cbdsl.documents.stage import Box
+
+
+def _box(**pattern: Any) -> Box:
+    form = {"shape": "box", "size": ["10 cm", ["20 cm", "30 cm"], "15 cm"]}
+    return Box.model_validate({**form, "pattern": {"height": "15 cm", **pattern}})
+
+
+def test_a_pattern_has_room_on_the_smallest_box_that_can_be_drawn() -> None:
+    assert _box(face="-x", stripes=["1 cm"] * 19).pattern is not None
+    with pytest.raises(ValidationError, match="larger than the side"):
+        _box(face="-x", stripes=["1 cm"] * 21)
+
+
+@pytest.mark.parametrize("face", ["-y", "+y"])
+def test_the_sides_are_as_wide_as_the_box_is_deep(face: str) -> None:
+    assert _box(face=face, stripes=["1 cm"] * 9).pattern is not None
+    with pytest.raises(ValidationError, match="larger than the side"):
+        _box(face=face, stripes=["1 cm"] * 11)
+
+
+def test_a_pattern_is_no_higher_than_the_box() -> None:
+    with pytest.raises(ValidationError, match="larger than the side"):
+        _box(stripes=["1 cm"], height="16 cm")
+
+
+@pytest.mark.parametrize("stripes", [[], ["0 cm"], ["-1 cm"], ["10 deg"], ["1 cm", "1 cm"]])
+def test_stripes_have_widths_and_end_with_a_bar(stripes: list[str]) -> None:
+    with pytest.raises(ValidationError):
+        _box(stripes=stripes)
