@@ -47,7 +47,12 @@ def dump(document: Document) -> str:
 
 
 def write(document: Document, path: Path) -> None:
-    """Write a document in one step, so that no reader ever sees half of it.
+    """Write a document in one step; see ``write_text``."""
+    write_text(dump(document), path)
+
+
+def write_text(text: str, path: Path) -> None:
+    """Write a file in one step, so that no reader ever sees half of it.
 
     Raises:
         OSError: the file cannot be written.
@@ -55,7 +60,7 @@ def write(document: Document, path: Path) -> None:
     handle, temporary = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name}.")
     try:
         with os.fdopen(handle, "w", encoding="utf-8") as file:
-            file.write(dump(document))
+            file.write(text)
         os.chmod(temporary, 0o644)
         os.replace(temporary, path)
     except BaseException:
