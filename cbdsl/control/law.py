@@ -8,12 +8,11 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
-from cbdsl.control.row_space import Damping, RowSpace
+from cbdsl.control.inverse import Damping
+from cbdsl.control.row_space import RowSpace
+from cbdsl.control.selection import Booleans
 from cbdsl.control.signal import Floats, SignalError, require_finite
-
-Booleans = NDArray[np.bool_]
 
 # Bounds are this much wider, rad, so that rounding never counts as passing one.
 _SLACK = 1e-12
@@ -79,23 +78,25 @@ class Step:
         displacement: of the joints, rad, shape (n,).
         locked: joints that a limit held back, shape (n,).
         levels: what was wanted, highest priority first.
-        singular_values: of what was left to each level, largest first.
+        spaces: what each level had to leave alone.
     """
 
     displacement: Floats
     locked: Booleans
     levels: tuple[Level, ...]
-    singular_values: tuple[Floats, ...]
+    spaces: tuple[RowSpace, ...]
 
     @cached_property
     def reports(self) -> tuple[LevelReport, ...]:
         """Explains each level, highest priority first."""
         return tuple(
-            self._report(level, values)
-            for level, values in zip(self.levels, self.singular_values, strict=True)
+            self._report(level, space)
+            for level, space in zip(self.levels, self.spaces, strict=True)
         )
 
-    def _report(self, level: Level, values: Floats) -> LevelReport:
+    def _report(self, level: Level, space: RowSpace) -> LevelReport:
+        size = float(np.linalg.norm(level.jacobian))
+        values = space.singular_values(level.jacobian, size)
         achieved = level.jacobian @ self.displacement
         wanted = float(level.velocity @ level.velocity)
         share = float(level.velocity @ achieved) / wanted if wanted else 1.0
@@ -147,13 +148,13 @@ class Law:
         composition = _Composition(
             lowest, highest, self._settings.joint_step, self._damping, self._nothing
         )
-        values = tuple([composition.add(level) for level in levels])
+        spaces = tuple([composition.add(level) for level in levels])
         locked = composition.locked
         return Step(
             composition.displacement(),
             np.zeros(len(q), dtype=bool) if locked is None else locked,
             tuple(levels),
-            values,
+            spaces,
         )
 
 
@@ -185,18 +186,18 @@ class _Composition:
         """The displacement of all joints, within limits and the largest step."""
         return np.minimum(np.maximum(self._sum, self._lowest), self._highest)
 
-    def add(self, level: Level) -> Floats:
-        """Compose one more level below the others; returns the singular values left to it.
+    def add(self, level: Level) -> RowSpace:
+        """Compose one more level below the others; returns what it had to leave alone.
 
         Every pass locks a joint or is the last, so there are at most n + 1.
         """
         rows, size = level.jacobian, _size(level, len(self._sum))
         while True:
-            decomposition = self._taken.decompose(rows, size)
-            if not len(decomposition.values):
-                return decomposition.values
-            missing = level.velocity - rows.dot(self._sum)
-            change = decomposition.displacement(missing, self._damping)
+            above = self._taken
+            inverse = above.inverse(rows, size, self._damping)
+            if inverse is None:
+                return above
+            change = inverse.displacement(level.velocity - rows.dot(self._sum))
             if self.locked is not None:
                 change[self.locked] = 0.0  # not rounding, which could look like passing a bound
             target = self._sum + change
@@ -208,8 +209,8 @@ class _Composition:
                 break
             self._lock(stopped)
         self._sum = target
-        self._taken = self._taken.extended(decomposition)
-        return decomposition.values
+        self._taken = above.extended(inverse)
+        return above
 
     def _exceeds(self, target: Floats) -> Booleans:
         """Joints that would pass a bound, or not come back from beyond a limit."""
@@ -228,7 +229,9 @@ class _Composition:
         self.locked = joints if self.locked is None else self.locked | joints
         self._sum = np.where(joints, self.displacement(), self._sum)
         rows = np.eye(len(joints))[joints]
-        self._taken = self._taken.extended(self._taken.decompose(rows, float(len(rows)) ** 0.5))
+        inverse = self._taken.inverse(rows, float(len(rows)) ** 0.5, self._damping)
+        if inverse is not None:
+            self._taken = self._taken.extended(inverse)
 
 
 def _size(level: Level, joints: int) -> float:
