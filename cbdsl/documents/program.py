@@ -94,7 +94,7 @@ class Use(Section):
     """A program that is used as an action."""
 
     program: Name
-    """Its name."""
+    """Name of the program."""
     with_: Annotated[dict[Name, str], Field(alias="with")] = {}
     """Values of its parameters; ``$name`` refers to this program's own."""
 

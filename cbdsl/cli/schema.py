@@ -1,0 +1,69 @@
+"""``cb schema``: JSON Schemas of documents, for editors and for CI."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+if TYPE_CHECKING:
+    from cbdsl.documents.document import Document
+
+Kind = Annotated[
+    str | None, typer.Argument(help="A kind of document, such as program [every kind].")
+]
+Write = Annotated[
+    Path | None,
+    typer.Option("--write", help="Folder to write <kind>.schema.json to, instead of printing."),
+]
+
+
+def schema(kind: Kind = None, write: Write = None) -> None:
+    """Print the JSON Schema of a kind of document, or write it for editors and CI.
+
+    Editors that know YAML complete and check a document whose first line is
+    "# yaml-language-server: $schema=" and the path of its schema; cb new writes that line.
+
+    Without a kind, a JSON object with the schema of every kind is printed.
+    """
+    from cbdsl.documents.json_schema import json_schema, json_text
+
+    kinds = _kinds(kind)
+    if write is not None:
+        _write(kinds, write)
+    elif kind is not None:
+        print(json_text(json_schema(kinds[kind])), end="")
+    else:
+        schemas = {name: json_schema(model) for name, model in kinds.items()}
+        print(json_text(schemas), end="")
+
+
+def _kinds(kind: str | None) -> dict[str, type[Document]]:
+    """The models of the kinds that are meant, by name."""
+    from cbdsl.errors.errors import UsageError
+    from cbdsl.errors.nearest import nearest_name
+    from cbdsl.yaml_text.reader import KINDS
+
+    if kind is None:
+        return KINDS
+    if kind in KINDS:
+        return {kind: KINDS[kind]}
+    nearest = nearest_name(kind, KINDS)
+    hint = f"; did you mean '{nearest}'?" if nearest else ""
+    raise UsageError(f"there is no kind of document '{kind}'{hint} (known: {', '.join(KINDS)})")
+
+
+def _write(kinds: dict[str, type[Document]], folder: Path) -> None:
+    from cbdsl.documents.json_schema import json_schema, json_text, schema_file
+    from cbdsl.errors.errors import UsageError
+    from cbdsl.yaml_text.writer import write_text
+
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        for name, model in kinds.items():
+            file = folder / schema_file(name)
+            write_text(json_text(json_schema(model)), file)
+            print(f"wrote {file}")
+    except OSError as error:
+        raise UsageError(f"--write {folder}: {error.strerror or error}") from error
