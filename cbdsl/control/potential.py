@@ -5,6 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Protocol
 
+import numpy as np
+
 from cbdsl.control.signal import Floats, Signal
 
 
@@ -14,11 +16,13 @@ class Evaluation:
 
     The gradient of phi by the joints is ``-jacobian.T @ residual`` wherever phi is half the
     residual's square, which keeps the rows, and with them the priority, at the goal where the
-    gradient itself vanishes.
+    gradient itself vanishes. The one task coordinate of any other potential is phi itself, and
+    its Jacobian is the gradient.
 
     Attributes:
         phi: the potential.
-        residual: error in task coordinates; moving the task by it brings phi to 0, shape (k,).
+        residual: error in task coordinates; moving the task by it brings phi to 0 where that is
+            its minimum, shape (k,).
         jacobian: task coordinates per joint, shape (k, n).
         step: displacement of the task coordinates for a gain of 1, shape (k,): the Newton step
             towards phi = 0 (Eq 3.18) where the minimum is known to be 0, else along the gradient.
@@ -51,3 +55,19 @@ def half_square(residual: Floats, jacobian: Floats) -> Evaluation:
     """The evaluation of phi = residual . residual / 2, whose Newton step is half the residual."""
     half = 0.5 * residual
     return Evaluation(float(residual.dot(half)), residual, jacobian, half)
+
+
+def newton(phi: float, gradient: Floats) -> Evaluation:
+    """The evaluation of a phi without residual whose minimum is 0, by its gradient, shape (n,)."""
+    towards_zero = np.array([-phi])
+    return Evaluation(phi, towards_zero, gradient[None], towards_zero)
+
+
+def gradient_descent(phi: float, gradient: Floats) -> Evaluation:
+    """The evaluation of a phi of unknown minimum, by its gradient, shape (n,).
+
+    Newton's step would lead to phi = 0, wherever the minimum is. This one makes the shortest
+    displacement of the joints equal to the negative gradient.
+    """
+    downhill = np.array([-gradient.dot(gradient)])
+    return Evaluation(phi, downhill, gradient[None], downhill)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from cbdsl.control.body import Body
 from cbdsl.control.potential import Evaluation, half_square
 from cbdsl.control.signal import Floats, Signal, SignalError
 from cbdsl.program.controller import Controller
@@ -31,9 +32,9 @@ class Range:
         self._angle_per_joint = np.pi / span
 
     @classmethod
-    def build(cls, controller: Controller, lower: Floats, upper: Floats) -> Range:
+    def build(cls, controller: Controller, body: Body) -> Range:
         """The range potential of a checked controller between its joints' limits."""
-        return cls(lower, upper)
+        return cls(body.lower, body.upper)
 
     def evaluate(self, signal: Signal, reference: Floats | None) -> Evaluation:
         """See ``Potential.evaluate``; the reference plays no part."""

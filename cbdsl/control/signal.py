@@ -27,6 +27,19 @@ def require_finite(values: Floats, what: str) -> None:
 
 
 @dataclass(frozen=True)
+class Obstacle:
+    """A ball that a position must keep away from.
+
+    Attributes:
+        centre: in the feedback's frame, m, shape (3,).
+        radius: m.
+    """
+
+    centre: Floats
+    radius: float
+
+
+@dataclass(frozen=True)
 class Signal:
     """The value of a resource in one tick, and its sensitivity to the composition's n joints.
 
@@ -53,3 +66,14 @@ class Signal:
         require_finite(self.jacobian, f"the Jacobian of {self.name}")
         if self.jacobian.ndim != 2:
             raise SignalError(f"the Jacobian of {self.name} has shape {self.jacobian.shape}")
+        if self.curvature is not None:
+            self._check_curvature(self.curvature)
+
+    def _check_curvature(self, curvature: Floats) -> None:
+        require_finite(curvature, f"the curvature of {self.name}")
+        rows, joints = self.jacobian.shape
+        if curvature.shape != (rows, joints, joints):
+            raise SignalError(
+                f"the curvature of {self.name} has shape {curvature.shape}, "
+                f"but its Jacobian has shape {self.jacobian.shape}"
+            )

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from cbdsl.control.body import Body
 from cbdsl.control.potential import Evaluation, half_square
 from cbdsl.control.rotation import align, log
 from cbdsl.control.signal import Floats, Signal, SignalError, require_finite
@@ -35,8 +36,8 @@ class Spring:
         self._matrix = {ORIENTATION.name: (3, 3), POSE.name: (4, 4)}.get(kind.name)
 
     @classmethod
-    def build(cls, controller: Controller, lower: Floats, upper: Floats) -> Spring:
-        """The spring of a checked controller; joint limits do not matter to it."""
+    def build(cls, controller: Controller, body: Body) -> Spring:
+        """The spring of a checked controller; the body does not matter to it."""
         along_normals = isinstance(controller.reference, AlongNormals)
         return cls(controller.feedback.type, controller.free_axis, along_normals)
 

@@ -8,6 +8,7 @@ from collections.abc import Mapping
 import numpy as np
 from numpy.typing import NDArray
 
+from cbdsl.control.body import Body
 from cbdsl.control.law import Level
 from cbdsl.control.potential import Evaluation
 from cbdsl.control.predicate import QuiescenceMonitor
@@ -54,7 +55,7 @@ class ControllerRun:
         self._rng = rng
         own = self._own = signals.joints.pick(controller.joints)
         limits = signals.kinematics
-        self._potential = build(controller, limits.lower[own], limits.upper[own])
+        self._potential = build(controller, Body(limits.lower[own], limits.upper[own]))
         self._task = Task(controller, period)
         quiescence = controller.quiescence
         self._monitor = QuiescenceMonitor(quiescence.rate, quiescence.window)

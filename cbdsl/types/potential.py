@@ -1,6 +1,39 @@
 """What the type checker knows of each artificial potential (Omega_phi, Eq 3.7)."""
 
+from enum import Enum
 from typing import NamedTuple
+
+
+class Condition(Enum):
+    """Whether a potential meets a condition."""
+
+    MET = "met"
+    ROBOT = "depends on the robot"
+    NOT_MET = "not met"
+
+    def __str__(self) -> str:
+        return self.value
+
+
+class Navigation(NamedTuple):
+    """Conditions of a navigation function (Koditschek and Rimon 1990; Section 3.1).
+
+    They are those of phi as a function of its feedback, on the named domain; what the joints make
+    of the feedback is another matter.
+
+    Attributes:
+        analytic: infinitely differentiable.
+        polar: its gradient leads to one minimum.
+        admissible: its gradient is bounded.
+        morse: its Hessian is regular wherever its gradient vanishes.
+        domain: the feedback that this is said of, as a clause.
+    """
+
+    analytic: Condition
+    polar: Condition
+    admissible: Condition
+    morse: Condition
+    domain: str
 
 
 class PotentialType(NamedTuple):
@@ -13,6 +46,9 @@ class PotentialType(NamedTuple):
         accepts: names of the resource types it is defined on.
         reference: whether it compares its feedback with a reference.
         zero_minimum: whether its minimum is known to be 0, so that a Newton step applies.
+        residual: whether it is half the square of a residual; otherwise it has a gradient only.
+        navigation: which conditions of a navigation function it meets.
+        factors: how many signals of such a type make up its feedback; ``None`` for any number.
     """
 
     name: str
@@ -21,7 +57,12 @@ class PotentialType(NamedTuple):
     accepts: frozenset[str]
     reference: bool
     zero_minimum: bool
+    residual: bool
+    navigation: Navigation
+    factors: int | None = None
 
+
+_MET, _ROBOT, _NOT_MET = Condition.MET, Condition.ROBOT, Condition.NOT_MET
 
 POTENTIALS: dict[str, PotentialType] = {
     potential.name: potential
@@ -44,6 +85,10 @@ POTENTIALS: dict[str, PotentialType] = {
             ),
             reference=True,
             zero_minimum=True,
+            residual=True,
+            navigation=Navigation(
+                _MET, _MET, _MET, _MET, "bounded errors, turned by less than half a turn"
+            ),
         ),
         PotentialType(
             "range",
@@ -52,6 +97,31 @@ POTENTIALS: dict[str, PotentialType] = {
             frozenset({"configuration"}),
             reference=False,
             zero_minimum=True,
+            residual=True,
+            navigation=Navigation(_MET, _MET, _MET, _MET, "between the joint limits"),
+        ),
+        PotentialType(
+            "manipulability",
+            "φ_m",
+            "Eq 3.5",
+            frozenset({"configuration"}),
+            reference=False,
+            zero_minimum=False,
+            residual=False,
+            navigation=Navigation(_MET, _ROBOT, _MET, _ROBOT, "postures that are not singular"),
+        ),
+        PotentialType(
+            "localizability",
+            "φ_l",
+            "Eq 3.6",
+            frozenset({"heading"}),
+            reference=False,
+            zero_minimum=True,
+            residual=False,
+            navigation=Navigation(
+                _MET, _NOT_MET, _NOT_MET, _NOT_MET, "lines of sight that meet before the cameras"
+            ),
+            factors=2,
         ),
     )
 }

@@ -1,0 +1,111 @@
+"""The measure of localizability (Section 3.1.3 c, Eq 3.6)."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from cbdsl.control.body import Body
+from cbdsl.control.potential import Evaluation, newton
+from cbdsl.control.signal import Floats, Signal, SignalError
+from cbdsl.program.controller import Controller
+from cbdsl.robot.camera import direction
+from cbdsl.robot.kinematics import Frame
+from cbdsl.robot.stereo import Ray, triangulate
+
+
+class Localizability:
+    """phi = 1 / sqrt(det(J^T J)), with J the sensitivity of two headings to displacements.
+
+    The headings are those of the source, one angle each (SO(2), Table 3.1): the angles at the two
+    cameras in the plane through both and the seen point. J is their derivative by displacements
+    of the point in that plane, 2 x 2. With the point's distances r_l and r_r from the cameras and
+    d from the baseline b, phi = (r_l r_r)^2 / (b d), in m^2/rad^2. It falls to 0 as the point
+    comes near a camera. (Printed is the inverse Jacobian, with which phi would rise instead.)
+
+    The feedback has azimuth and elevation of both cameras. They are a function of the point, the
+    middle between the lines of sight where these come nearest to each other.
+
+    Args:
+        cameras: the left and the right camera, in one frame that moves with them.
+
+    Raises:
+        ValueError: there are not two cameras, or they are in the same place.
+    """
+
+    def __init__(self, cameras: tuple[Frame, ...]) -> None:
+        if len(cameras) != 2:
+            raise ValueError("localizability needs two cameras that keep their distance")
+        self._cameras = cameras
+        baseline = cameras[1].position - cameras[0].position
+        self._baseline = math.sqrt(baseline.dot(baseline))
+        if not self._baseline > 0.0:
+            raise ValueError("localizability needs two cameras with a distance between them")
+        self._along = baseline / self._baseline
+
+    @classmethod
+    def build(cls, controller: Controller, body: Body) -> Localizability:
+        """The localizability of a checked controller as the body's cameras see."""
+        return cls(body.cameras)
+
+    def evaluate(self, signal: Signal, reference: Floats | None) -> Evaluation:
+        """See ``Potential.evaluate``; the reference plays no part.
+
+        Args:
+            signal: azimuth and elevation in the left, then in the right camera, rad.
+            reference: not used.
+        """
+        if signal.value.shape != (4,):
+            raise SignalError(
+                f"localizability needs two headings, but {signal.name} "
+                f"has shape {signal.value.shape}"
+            )
+        angles = signal.value.reshape(2, 2)
+        rays = [
+            Ray(camera.position, camera.rotation.dot(direction(heading)))
+            for camera, heading in zip(self._cameras, angles, strict=True)
+        ]
+        crossing = triangulate(*rays)
+        if crossing is None:
+            raise SignalError(
+                f"the lines of sight of {signal.name} do not meet in front of both cameras"
+            )
+        phi, by_point = self._potential(crossing.position)
+        by_heading = by_point.dot(self._point_per_heading(crossing.position, rays, angles))
+        return newton(phi, by_heading.dot(signal.jacobian))
+
+    def _potential(self, point: Floats) -> tuple[float, Floats]:
+        """phi and its gradient by the point, shape (3,)."""
+        left, right = (point - camera.position for camera in self._cameras)
+        across = left - self._along.dot(left) * self._along
+        left_square, right_square = float(left.dot(left)), float(right.dot(right))
+        height_square = float(across.dot(across))
+        phi = left_square * right_square / (self._baseline * math.sqrt(height_square))
+        logarithmic = 2 * left / left_square + 2 * right / right_square - across / height_square
+        return phi, phi * logarithmic
+
+    def _point_per_heading(self, point: Floats, rays: list[Ray], angles: Floats) -> Floats:
+        """Displacement of the triangulated point per change of the headings, m/rad, (3, 4).
+
+        The point minimises the sum of its squared distances from both lines, with the normal
+        equations sum_c (I - u u^T) (x - o) = 0 in their origins o and directions u; this is
+        their derivative.
+        """
+        normal = 2.0 * np.eye(3)
+        columns = []
+        for ray, camera, heading in zip(rays, self._cameras, angles, strict=True):
+            u, sight = ray.direction, point - ray.origin
+            normal -= np.outer(u, u)
+            turned = camera.rotation.dot(_direction_jacobian(heading))
+            columns.append(u.dot(sight) * turned + np.outer(u, sight.dot(turned)))
+        jacobian: Floats = np.linalg.solve(normal, np.hstack(columns))
+        return jacobian
+
+
+def _direction_jacobian(heading: Floats) -> Floats:
+    """Change of the unit vector with a heading per azimuth and elevation, shape (3, 2)."""
+    azimuth, elevation = heading.tolist()
+    level, up = math.cos(elevation), math.sin(elevation)
+    forward, left = math.cos(azimuth), math.sin(azimuth)
+    return np.array([[-level * left, -up * forward], [level * forward, -up * left], [0.0, level]])
