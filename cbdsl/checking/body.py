@@ -62,6 +62,15 @@ class Body(NamedTuple):
             return None
         return frozenset(joint for link in self._links(source) for joint in self._above(link))
 
+    def sensing(self, resource: Resource) -> frozenset[str] | None:
+        """The joints that move the cameras which see a resource; ``None`` if nothing sees it."""
+        if self.model is None or not isinstance(
+            resource.source, (Heading, Headings, StereoPosition)
+        ):
+            return None
+        links = self._camera_links(resource.source)
+        return frozenset(joint for link in links for joint in self._above(link))
+
     def has_tip(self, resource: Resource) -> bool:
         """Whether an effector, or each member of a group, has a tip."""
         source = resource.source
@@ -79,15 +88,17 @@ class Body(NamedTuple):
                 return [robot.load_cells[source.hand][source.finger].link]
             case NetLoad(hand=name) | FingerForces(hand=name) | NetForces(group=name):
                 return self._cell_links(robot.members(name))
-            case Heading():
-                cyclopean = source.camera == CYCLOPEAN
-                cameras = robot.cameras if cyclopean else [source.camera]
-                return [robot.cameras[c].link for c in cameras] + self._holding_links()
-            case Headings():
-                return [c.link for c in robot.cameras.values()] + self._holding_links()
+            case Heading() | Headings():
+                return self._camera_links(source) + self._holding_links()
             case StereoPosition():
                 return self._holding_links()
         return []
+
+    def _camera_links(self, source: Source) -> list[str]:
+        cameras = self.document.cameras
+        if isinstance(source, Heading) and source.camera != CYCLOPEAN:
+            return [cameras[source.camera].link]
+        return [camera.link for camera in cameras.values()]
 
     def _tip_links(self, effector: str) -> list[str]:
         tips = [self.document.effectors[m].tip for m in self.document.members(effector)]

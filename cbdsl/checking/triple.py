@@ -20,7 +20,7 @@ from cbdsl.program.controller import (
     Seek,
     Standoff,
 )
-from cbdsl.types.casts import chains
+from cbdsl.types.casts import Cast, chains, held_chain
 from cbdsl.types.potential import POTENTIALS, PotentialType
 from cbdsl.types.resource import FingerForces, NetForces, Origin, Resource, Tip
 
@@ -102,7 +102,7 @@ class _Triple:
             reference=reference,
             effector=effector,
             joints=self._context.body.effector_joints(effector),
-            chain=_chain(feedback, effector),
+            chain=self._chain(feedback, effector),
             rewarded=feedback.origin is Origin.ENVIRONMENT,
             gain=settings.gain,
             speed=settings.speed,
@@ -114,6 +114,14 @@ class _Triple:
             funnel=_funnel(document.funnel),
             seek=self._seek(),
         )
+
+    def _chain(self, feedback: Resource, effector: Resource) -> tuple[str, ...]:
+        """How a displacement of the feedback becomes one of the effector, for people."""
+        body = self._context.body
+        sensed = body.sensing(feedback)
+        if sensed is not None and sensed.isdisjoint(body.effector_joints(effector)):
+            return _spelled(held_chain(feedback.type, effector.type), feedback, effector)
+        return _spelled(chains(feedback.type, effector.type)[0], feedback, effector)
 
     def _manipulator(self) -> str | None:
         is_manipulability = self._document.potential == _MANIPULABILITY
@@ -291,9 +299,8 @@ def _similar(name: str, names: list[str]) -> list[str]:
     return siblings or list(dict.fromkeys(known.split(".")[0] for known in names))
 
 
-def _chain(feedback: Resource, effector: Resource) -> tuple[str, ...]:
+def _spelled(chain: tuple[Cast, ...], feedback: Resource, effector: Resource) -> tuple[str, ...]:
     """Types and casts in turn, from the feedback's type to the effector's."""
-    chain = chains(feedback.type, effector.type)[0]
     steps = [str(feedback.type)]
     for cast in chain:
         is_last = cast is chain[-1]

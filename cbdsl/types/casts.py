@@ -8,7 +8,7 @@ of a transformation, or through its pseudoinverse.
 from collections import deque
 from typing import NamedTuple
 
-from cbdsl.types.resource_type import ResourceType
+from cbdsl.types.resource_type import POSITION, ResourceType
 
 
 class Cast(NamedTuple):
@@ -53,6 +53,17 @@ CASTS: tuple[Cast, ...] = (
         for load in ("force", "torque", "wrench")
     ),
 )
+
+#: How something that a hand holds moves with the hand; between the chains to and from its position.
+RIGID_HOLD = Cast("rigid hold", "position", "position", "Eq 3.42", value=False)
+_SIGHTING = Cast("inverse sighting Jacobian", "heading", "position", "section 3.2.2", value=False)
+
+
+def held_chain(start: ResourceType, goal: ResourceType) -> tuple[Cast, ...]:
+    """The chain from what is seen of a held thing to the effector that holds it."""
+    is_single = start.name == "heading" and start.factors == 1
+    seen = (_SIGHTING,) if is_single else chains(start, POSITION)[0]
+    return (*seen, RIGID_HOLD, *chains(POSITION, goal)[0])
 
 
 def chains(start: ResourceType, goal: ResourceType) -> list[tuple[Cast, ...]]:

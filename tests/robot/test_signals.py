@@ -6,7 +6,7 @@ from cbdsl.robot.kinematics import Kinematics
 from cbdsl.robot.observation import Observation
 from cbdsl.robot.resources import resources
 from cbdsl.robot.signals import SensorError, Signals
-from cbdsl.types.resource import Origin, Tip
+from cbdsl.types.resource import NetForces, Origin, Tip
 
 STEP = 1e-6
 
@@ -49,7 +49,19 @@ def test_every_resource_can_be_read_and_fits_its_type(
     assert defined > 40
 
 
-@pytest.mark.parametrize("name", ["right_arm", "left_hand", "right_arm.position", "head"])
+@pytest.mark.parametrize(
+    "name",
+    [
+        "right_arm",
+        "left_hand",
+        "right_arm.position",
+        "head",
+        "arms",
+        "arms.position",
+        "arms.centroid",
+        "arms.separation",
+    ],
+)
 def test_jacobians_of_moved_resources_by_finite_differences(
     dexter: RobotDocument, signals: Signals, posture: np.ndarray, name: str
 ) -> None:
@@ -65,13 +77,66 @@ def test_jacobians_of_moved_resources_by_finite_differences(
         assert here.jacobian[:, column] == pytest.approx(slope, abs=1e-4)
 
 
+@pytest.mark.parametrize("effector", ["left_arm", "right_arm", "arms"])
+@pytest.mark.parametrize("part", ["position", "pose"])
+def test_curvature_by_finite_differences(
+    dexter: RobotDocument, signals: Signals, posture: np.ndarray, effector: str, part: str
+) -> None:
+    signals.update(observe(dexter, posture))
+    here = signals.tips.manipulator(effector, part)
+    assert here.curvature is not None
+    for column in range(len(posture)):
+        signals.update(observe(dexter, posture + STEP * np.eye(len(posture))[column]))
+        there = signals.tips.manipulator(effector, part)
+        slope = (there.jacobian - here.jacobian) / STEP
+        assert here.curvature[:, :, column] == pytest.approx(slope, abs=1e-4)
+
+
+def test_a_load_follows_the_displacement_of_what_feels_it(
+    dexter: RobotDocument, signals: Signals, posture: np.ndarray
+) -> None:
+    """Force -> displacement (Eq 3.37): the contact is a spring between link and world."""
+    named = resources(dexter)
+    signals.update(observe(dexter, posture))
+    signals.update(observe(dexter, posture, force=2.0))
+    finger = signals.read(named["left_hand.finger_1.wrench"])
+    assert finger is not None
+    moved = signals.kinematics.jacobian(dexter.load_cells["left_hand"]["finger_1"].link)
+    stiffness = dexter.control.contact_stiffness
+    assert finger.jacobian[:3] == pytest.approx(stiffness * moved[:3])
+    assert finger.jacobian[3:] == pytest.approx(dexter.control.contact_torsion * moved[3:])
+    net = signals.read(named["left_hand.net.force"])
+    fingers = [signals.read(named[f"left_hand.finger_{i}.force"]) for i in (1, 2, 3)]
+    assert net is not None
+    assert net.jacobian == pytest.approx(sum(f.jacobian for f in fingers if f is not None))
+    both = signals.read(named["hands.net_forces"])
+    assert both is not None
+    assert both.value[:3] == pytest.approx(net.value)
+
+
+def test_hands_know_the_arms_that_carry_them(signals: Signals) -> None:
+    assert signals.touch.carriers == {"left_hand": "left_arm", "right_hand": "right_arm"}
+
+
+def test_a_hand_presses_along_its_palms_normal(
+    dexter: RobotDocument, signals: Signals, posture: np.ndarray
+) -> None:
+    source = resources(dexter)["hands.net_forces"].source
+    assert isinstance(source, NetForces)
+    signals.update(observe(dexter, posture))
+    assert signals.touch.normal_forces(source).value == pytest.approx([0, 0])
+    signals.update(observe(dexter, posture, force=1.0))
+    down = [float(-signals.tips.normal(arm)[2]) for arm in ("left_arm", "right_arm")]
+    assert signals.touch.normal_forces(source).value == pytest.approx(3.0 * np.array(down))
+
+
 def test_a_standoff_moves_the_control_point_along_the_tips_normal(
     dexter: RobotDocument, signals: Signals, posture: np.ndarray
 ) -> None:
     source = resources(dexter)["left_arm.position"].source
     assert isinstance(source, Tip)
     signals.update(observe(dexter, posture))
-    near, far = signals.tip(source, 0.0), signals.tip(source, 0.1)
+    near, far = signals.tips.tip(source, 0.0), signals.tips.tip(source, 0.1)
     normal = signals.kinematics.frame("left_palm").rotation[:, 2]
     assert far.value - near.value == pytest.approx(0.1 * normal)
 
@@ -93,7 +158,7 @@ def test_what_load_cells_read_at_first_is_zero(
     dexter: RobotDocument, signals: Signals, posture: np.ndarray
 ) -> None:
     signals.update(observe(dexter, posture, force=0.5))
-    assert not signals.in_contact("right_hand")
+    assert not signals.touch.touching("right_hand")
     signals.update(observe(dexter, posture, force=2.5))
     force = signals.read(resources(dexter)["right_hand.finger_2.force"])
     assert force is not None

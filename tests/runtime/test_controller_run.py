@@ -117,7 +117,7 @@ def test_a_funnel_leads_to_its_reference_from_above(
     assert funnel is not None
     source = approach.feedback.source
     assert isinstance(source, Tip)
-    here = signals.tip(source, 0.0).value
+    here = signals.tips.tip(source, 0.0).value
     signals.vision.memories["sat_10"].position = here + np.array([lateral, 0, -0.05])
     run = start(approach)
     velocity = evaluate(run)
@@ -215,7 +215,7 @@ def test_it_has_settled_within_a_share_of_its_reference(
     """Fingers that feel ``share`` of what they are to feel miss ``1 - share`` of it."""
     touch = reachtouch.primitives["touch"].lead
     run = start(touch)
-    forces = 2.0 * share * signals.shares("right_hand")
+    forces = 2.0 * share * signals.touch.shares("right_hand")
     cells = dexter.load_cells["right_hand"].items()
     for force, (finger, cell) in zip(forces, cells, strict=True):
         normal = signals.kinematics.frame(cell.link).rotation @ np.array(cell.normal)

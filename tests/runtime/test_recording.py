@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from cbdsl.robot.kinematics import Kinematics
-from cbdsl.robot.signals import Reading
+from cbdsl.robot.reading import Reading
 from cbdsl.runtime.episode import Tick, resources_of
 from cbdsl.runtime.recording import Recording, require_writable
 from cbdsl.types.resource import Origin

@@ -7,9 +7,14 @@ SEARCH = "{potential: spring, reference: head.uniform, feedback: head, effector:
 TRACK = "{potential: spring, reference: [0 rad, 0 rad], feedback: cyclopean.motion, effector: head}"
 URDF = """<robot name="example">
   <link name="base"/>
+  <link name="neck"/>
   <link name="eye"/>
   <joint name="pan" type="revolute">
-    <parent link="base"/><child link="eye"/>
+    <parent link="base"/><child link="neck"/>
+    <limit lower="-1" upper="1"/>
+  </joint>
+  <joint name="tilt" type="revolute">
+    <parent link="neck"/><child link="eye"/>
     <limit lower="-1" upper="1"/>
   </joint>
 </robot>

@@ -7,6 +7,7 @@ from cbdsl.errors.entry import Entry
 
 _PATH = "robots/example.yaml"
 _MODEL = {"robots/example.urdf": URDF}
+_TWO = "  neck: {joints: [pan]}\n  eye: {joints: [tilt]}\n"
 
 ROBOTS = (
     Entry(
@@ -107,7 +108,7 @@ ROBOTS = (
         "group with the name of an effector",
         "'{name}' is the name of an effector already",
         "Groups and effectors are named alike in programs, so no name may mean both.",
-        robot(more="groups: {head: {members: [head, head]}}\n"),
+        robot(_TWO, more="groups: {eye: {members: [neck, eye]}}\n"),
         _PATH,
         _MODEL,
     ),
@@ -116,7 +117,7 @@ ROBOTS = (
         "member named twice",
         "'{name}' is a member of group '{group}' already",
         "A group lists each of its effectors once.",
-        robot(more="groups: {both: {members: [head, head]}}\n"),
+        robot(_TWO, more="groups: {head: {members: [neck, eye, neck]}}\n"),
         _PATH,
         _MODEL,
     ),
