@@ -158,16 +158,17 @@ def _write(
     import json
 
     from cbdsl.reproduction.registry import EXPERIMENTS
-    from cbdsl.reproduction.report import page, replace, section
+    from cbdsl.reproduction.report import page, section
+    from cbdsl.yaml_text.writer import write_text
 
     if out.suffix == ".json":
-        replace(out, json.dumps(found, indent=1, ensure_ascii=False) + "\n")
+        write_text(json.dumps(found, indent=1, ensure_ascii=False) + "\n", out)
         return
     pictures = out.with_suffix("")
     if outcome.charts:
         pictures.mkdir(exist_ok=True)
     for chart in outcome.charts:
-        replace(pictures / f"{chart.name}.svg", chart.svg())
+        write_text(chart.svg(), pictures / f"{chart.name}.svg")
     before = out.read_text(encoding="utf-8") if out.exists() else ""
     new = {experiment.name: section(experiment, seed, outcome, pictures.name)}
-    replace(out, page(before, new, EXPERIMENTS))
+    write_text(page(before, new, EXPERIMENTS), out)

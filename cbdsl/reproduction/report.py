@@ -3,11 +3,8 @@
 from __future__ import annotations
 
 import math
-import os
 import re
-import tempfile
 from collections.abc import Iterable, Mapping
-from pathlib import Path
 
 from cbdsl.reproduction.experiment import Experiment, Outcome
 from cbdsl.reproduction.quantity import Quantity
@@ -95,23 +92,6 @@ def page(before: str, sections: Mapping[str, str], order: Iterable[str]) -> str:
     }
     kept.update(sections)
     return "\n".join([_HEADER, *(kept[name] for name in order if name in kept)])
-
-
-def replace(path: Path, text: str) -> None:
-    """Write a file in one step, so that no reader ever sees half of it.
-
-    Raises:
-        OSError: it cannot be written.
-    """
-    handle, temporary = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name}.")
-    try:
-        with os.fdopen(handle, "w", encoding="utf-8") as file:
-            file.write(text)
-        os.chmod(temporary, 0o644)
-        os.replace(temporary, path)
-    except BaseException:
-        os.unlink(temporary)
-        raise
 
 
 def _quantity(quantity: Quantity) -> dict[str, object]:
