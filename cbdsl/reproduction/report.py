@@ -85,7 +85,7 @@ def page(before: str, sections: Mapping[str, str], order: Iterable[str]) -> str:
         order: of all experiments; sections of any others are left out.
     """
     marks = list(_SECTION.finditer(before))
-    ends = [mark.start() for mark in marks[1:]] + [len(before)]
+    ends = [mark.start() for mark in marks[1:]] + [len(before)] * bool(marks)
     kept = {
         mark[1]: before[mark.start() : end].rstrip() + "\n"
         for mark, end in zip(marks, ends, strict=True)

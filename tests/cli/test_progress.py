@@ -1,0 +1,37 @@
+"""Progress: silent while short, then how much is left."""
+
+from __future__ import annotations
+
+import pytest
+
+from cbdsl.cli import progress
+
+
+@pytest.fixture
+def clock(monkeypatch: pytest.MonkeyPatch) -> list[float]:
+    """The time, s."""
+    now = [100.0]
+    monkeypatch.setattr(progress.time, "monotonic", lambda: now[0])
+    return now
+
+
+def test_what_is_short_says_nothing(clock: list[float], capsys: pytest.CaptureFixture[str]) -> None:
+    with progress.Progress("work") as told:
+        clock[0] += 1.9
+        told.note(1, 2)
+    assert capsys.readouterr().err == ""
+
+
+def test_what_takes_longer_says_what_is_left(
+    clock: list[float], capsys: pytest.CaptureFixture[str]
+) -> None:
+    with progress.Progress("work") as told:
+        clock[0] += 30
+        told.note(1, 4)
+        told.note(2, 4)  # right after it
+        clock[0] += 30
+        told.note(3, 4)
+    assert capsys.readouterr().err.splitlines() == [
+        "work: 1 of 4, about 1 min 30 s left",
+        "work: 3 of 4, about 0 min 20 s left",
+    ]

@@ -1,0 +1,135 @@
+"""``cb reproduce``: which experiments there are, what a run prints and writes, and wrong calls."""
+
+from __future__ import annotations
+
+import json
+import math
+import sys
+import types
+import xml.etree.ElementTree as ET
+from pathlib import Path
+
+import pytest
+
+from cbdsl.cli import main as command
+from cbdsl.reproduction import registry
+from cbdsl.reproduction.chart import Chart, Line
+from cbdsl.reproduction.experiment import Experiment, Outcome, Settings
+from cbdsl.reproduction.quantity import Quantity, above
+
+TOY = Experiment("toy-1", "A toy", "Section 0", "toy")
+OTHER = Experiment("toy-2", "Another toy", "Section 0.1", "toy")
+
+
+def cb(monkeypatch: pytest.MonkeyPatch, *arguments: str) -> int:
+    """Run ``cb reproduce`` in this process; its exit code."""
+    monkeypatch.setattr(sys, "argv", ["cb", "reproduce", *arguments])
+    try:
+        command.main()
+    except SystemExit as end:
+        return int(end.code or 0)
+    return 0
+
+
+@pytest.fixture
+def toys(monkeypatch: pytest.MonkeyPatch) -> list[Settings]:
+    """Two experiments that take no time; what they were run with."""
+    ran: list[Settings] = []
+
+    def run(settings: Settings) -> Outcome:
+        ran.append(settings)
+        settings.progress(1, 2)
+        chart = Chart("curve", "A curve", "t, s", "phi", (Line("one", (0.0, 1.0), (1.0, 0.0)),))
+        share = Quantity("share", "%", "most", 75.0, above(50), interval=(70.0, 80.0), note="a | b")
+        unknown = Quantity("unknown", "", "some", math.nan, above(0))
+        return Outcome((share, unknown), (chart,), (f"Seed {settings.seed}.",))
+
+    module = types.ModuleType("cbdsl.reproduction.toy")
+    module.run = run  # type: ignore[attr-defined]
+    monkeypatch.setitem(sys.modules, module.__name__, module)
+    monkeypatch.setattr(registry, "EXPERIMENTS", {each.name: each for each in (TOY, OTHER)})
+    return ran
+
+
+def test_the_list(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
+    assert cb(monkeypatch, "--list") == 0
+    printed = capsys.readouterr().out
+    assert cb(monkeypatch, "--list", "--json") == 0
+    rows = json.loads(capsys.readouterr().out)
+    assert [row["experiment"] for row in rows] == list(registry.EXPERIMENTS)
+    assert rows
+    for row in rows:
+        assert set(row.values()) <= {
+            cell for line in printed.splitlines() for cell in line.split("\t")
+        }
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (("toy-11",), "did you mean 'toy-1'? (known: toy-1, toy-2, all)"),
+        ((), "--list"),
+        (("toy-1", "--out", "x.txt"), ".md or .json"),
+        (("toy-1", "--out", "none/x.md"), "no folder none"),
+        (("toy-1", "--out", "folder.md"), "cannot be written"),
+    ],
+)
+def test_wrong_calls(
+    arguments: tuple[str, ...],
+    message: str,
+    toys: list[Settings],
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "folder.md").mkdir()
+    assert cb(monkeypatch, *arguments) == 2
+    assert message in capsys.readouterr().err
+    assert not toys
+
+
+def test_lines_for_pipes_say_all(
+    toys: list[Settings], monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert cb(monkeypatch, "toy-1", "--seed", "7", "--quick") == 0
+    heading, share, unknown, note, *_ = capsys.readouterr().out.splitlines()
+    assert "toy-1" in heading and "Section 0" in heading
+    assert share.split("\t")[1:5] == ["most", "75 [70, 80] %", "> 50", "reproduced"]
+    assert unknown.split("\t")[2:5] == ["none", "> 0", "missed"]
+    assert note == "Seed 7."
+    assert [(each.seed, each.quick) for each in toys] == [(7, True)]
+
+
+def test_json_of_all(
+    toys: list[Settings], monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert cb(monkeypatch, "all", "--json") == 0
+    first, second = json.loads(capsys.readouterr().out)
+    assert (first["experiment"], second["experiment"]) == ("toy-1", "toy-2")
+    assert [row["ours"] for row in first["quantities"]] == [75.0, None]
+    assert first["charts"][0]["lines"] == {"one": [[0.0, 1.0], [1.0, 0.0]]}
+
+
+def test_a_page_is_renewed_section_by_section(
+    toys: list[Settings], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    page = tmp_path / "page.md"
+    assert cb(monkeypatch, "toy-2", "--out", str(page), "--seed", "2") == 0
+    assert cb(monkeypatch, "toy-1", "--out", str(page), "--seed", "1") == 0
+    both = page.read_text("utf-8")
+    assert both.index("## toy-1: A toy") < both.index("## toy-2: Another toy")
+    assert "Seed 2." in both and "| a \\| b |" in both
+    ET.parse(tmp_path / "page" / "curve.svg")
+    assert cb(monkeypatch, "toy-1", "--out", str(page), "--seed", "1") == 0
+    assert page.read_text("utf-8") == both
+    assert cb(monkeypatch, "toy-1", "--out", str(page), "--seed", "3") == 0
+    assert page.read_text("utf-8") == both.replace("Seed 1.", "Seed 3.").replace(
+        "--seed 1", "--seed 3"
+    )
+
+
+def test_a_json_file(toys: list[Settings], tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    assert cb(monkeypatch, "all", "--out", str(tmp_path / "all.json")) == 0
+    rows = json.loads((tmp_path / "all.json").read_text("utf-8"))
+    assert [row["experiment"] for row in rows] == ["toy-1", "toy-2"]

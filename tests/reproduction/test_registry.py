@@ -1,0 +1,44 @@
+"""Every module that measures is registered, and every experiment says where the source has it."""
+
+from __future__ import annotations
+
+import re
+import subprocess
+import sys
+from importlib import import_module
+from pathlib import Path
+
+import pytest
+
+import cbdsl.reproduction
+from cbdsl.reproduction.experiment import Experiment
+from cbdsl.reproduction.registry import EXPERIMENTS
+
+ALL = [pytest.param(each, id=each.name) for each in EXPERIMENTS.values()]
+
+
+def test_every_experiment_is_registered_once() -> None:
+    (folder,) = map(Path, cbdsl.reproduction.__path__)
+    measuring = {
+        file.stem
+        for file in folder.glob("*.py")
+        if re.search(r"^def run\(settings: Settings\) -> Outcome:", file.read_text("utf-8"), re.M)
+    }
+    modules = [each.module for each in EXPERIMENTS.values()]
+    assert sorted(modules) == sorted(measuring)
+
+
+@pytest.mark.parametrize("experiment", ALL)
+def test_an_experiment_says_where_the_source_has_it(experiment: Experiment) -> None:
+    assert re.fullmatch(r"[a-z0-9.-]+", experiment.name)
+    assert re.search(r"\b(Section|Sections|Table|Figure|Equation)s? [0-9]", experiment.section)
+    assert experiment.title
+    assert callable(import_module(f"cbdsl.reproduction.{experiment.module}").run)
+
+
+def test_the_list_of_experiments_imports_nothing_heavy() -> None:
+    script = (
+        "import sys\nimport cbdsl.reproduction.registry\n"
+        "sys.exit(any(name in sys.modules for name in ('numpy', 'pybullet', 'pinocchio')))"
+    )
+    assert subprocess.run([sys.executable, "-c", script]).returncode == 0
