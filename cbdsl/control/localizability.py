@@ -61,19 +61,23 @@ class Localizability:
                 f"localizability needs two headings, but {signal.name} "
                 f"has shape {signal.value.shape}"
             )
-        angles = signal.value.reshape(2, 2)
-        rays = [
+        headings = signal.value[:2], signal.value[2:]
+        left, right = (
             Ray(camera.position, camera.rotation.dot(direction(heading)))
-            for camera, heading in zip(self._cameras, angles, strict=True)
-        ]
-        crossing = triangulate(*rays)
+            for camera, heading in zip(self._cameras, headings, strict=True)
+        )
+        crossing = triangulate(left, right)
         if crossing is None:
             raise SignalError(
                 f"the lines of sight of {signal.name} do not meet in front of both cameras"
             )
         phi, by_point = self._potential(crossing.position)
-        by_heading = by_point.dot(self._point_per_heading(crossing.position, rays, angles))
-        return newton(phi, by_heading.dot(signal.jacobian))
+        turns = _by_turns(by_point, crossing.position, left, right)
+        by_heading = [
+            camera.rotation.T.dot(turn).dot(_direction_jacobian(heading))
+            for camera, turn, heading in zip(self._cameras, turns, headings, strict=True)
+        ]
+        return newton(phi, np.concatenate(by_heading).dot(signal.jacobian))
 
     def _potential(self, point: Floats) -> tuple[float, Floats]:
         """phi and its gradient by the point, shape (3,)."""
@@ -85,22 +89,26 @@ class Localizability:
         logarithmic = 2 * left / left_square + 2 * right / right_square - across / height_square
         return phi, phi * logarithmic
 
-    def _point_per_heading(self, point: Floats, rays: list[Ray], angles: Floats) -> Floats:
-        """Displacement of the triangulated point per change of the headings, m/rad, (3, 4).
 
-        The point minimises the sum of its squared distances from both lines, with the normal
-        equations sum_c (I - u u^T) (x - o) = 0 in their origins o and directions u; this is
-        their derivative.
-        """
-        normal = 2.0 * np.eye(3)
-        columns = []
-        for ray, camera, heading in zip(rays, self._cameras, angles, strict=True):
-            u, sight = ray.direction, point - ray.origin
-            normal -= np.outer(u, u)
-            turned = camera.rotation.dot(_direction_jacobian(heading))
-            columns.append(u.dot(sight) * turned + np.outer(u, sight.dot(turned)))
-        jacobian: Floats = np.linalg.solve(normal, np.hstack(columns))
-        return jacobian
+def _by_turns(by_point: Floats, point: Floats, left: Ray, right: Ray) -> tuple[Floats, Floats]:
+    """A gradient by the directions of the lines of sight, from that by the triangulated point.
+
+    The point x minimises the sum of its squared distances from both lines: with their origins o
+    and directions u, A x = sum (I - u u^T) o, where A = sum (I - u u^T). A change du of one
+    direction moves it by A^-1 ((u . s) du + u (du . s)), s = x - o. The gradient g enters by
+    y = A^-1 g, which is (g + a u_l + b u_r) / 2, where a = y . u_l and b = y . u_r.
+    """
+    cosine = left.direction.dot(right.direction)
+    along_left, along_right = by_point.dot(left.direction), by_point.dot(right.direction)
+    sine_square = 1.0 - cosine * cosine
+    a = (along_left + cosine * along_right) / sine_square
+    b = (along_right + cosine * along_left) / sine_square
+    y = 0.5 * (by_point + a * left.direction + b * right.direction)
+    to_left, to_right = point - left.origin, point - right.origin
+    return (
+        left.direction.dot(to_left) * y + a * to_left,
+        right.direction.dot(to_right) * y + b * to_right,
+    )
 
 
 def _direction_jacobian(heading: Floats) -> Floats:
