@@ -71,6 +71,11 @@ class Body(NamedTuple):
         links = self._camera_links(resource.source)
         return frozenset(joint for link in links for joint in self._above(link))
 
+    def has_rigid_cameras(self) -> bool:
+        """Whether no joint moves one camera and not the others, as far as the model tells."""
+        links = [camera.link for camera in self.document.cameras.values()]
+        return self.model is None or len({frozenset(self._above(link)) for link in links}) <= 1
+
     def has_tip(self, resource: Resource) -> bool:
         """Whether an effector, or each member of a group, has a tip."""
         source = resource.source

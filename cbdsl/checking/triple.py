@@ -22,7 +22,7 @@ from cbdsl.program.controller import (
 )
 from cbdsl.types.casts import Cast, chains, held_chain
 from cbdsl.types.potential import POTENTIALS, PotentialType
-from cbdsl.types.resource import FingerForces, NetForces, Origin, Resource, Tip
+from cbdsl.types.resource import FingerForces, Headings, NetForces, Origin, Resource, Tip
 
 _MANIPULABILITY = "manipulability"
 
@@ -79,6 +79,8 @@ class _Triple:
         self._options(feedback)
         if document.potential == _MANIPULABILITY and not self._has_tip(feedback):
             return None
+        if isinstance(feedback.source, Headings) and not self._has_rigid_cameras():
+            return None
         settings = self._settings(feedback)
         if effector is None or not self._moves(effector, feedback):
             return None
@@ -132,6 +134,13 @@ class _Triple:
         if feedback.type.name != "configuration" or self._context.body.has_tip(feedback):
             return True
         self._context.add("CB515", self._place("feedback"), name=feedback.name)
+        return False
+
+    def _has_rigid_cameras(self) -> bool:
+        """Whether two headings tell where something is, with no joint between the cameras."""
+        if self._context.body.has_rigid_cameras():
+            return True
+        self._context.add("CB516", self._place("feedback"), robot=self._context.body.document.name)
         return False
 
     def _seek(self) -> Seek | None:
@@ -212,7 +221,8 @@ class _Triple:
         return potential.reference != (reference is not None)
 
     def _accepts(self, potential: PotentialType, feedback: Resource) -> None:
-        if feedback.type.name not in potential.accepts:
+        factors = potential.factors or feedback.type.factors
+        if feedback.type.name not in potential.accepts or feedback.type.factors != factors:
             self._context.add(
                 "CB503",
                 self._place("feedback"),

@@ -10,6 +10,7 @@ from cbdsl.control.law import Level
 from cbdsl.control.potential import Evaluation
 from cbdsl.control.signal import Floats, require_finite
 from cbdsl.program.controller import Controller
+from cbdsl.types.potential import POTENTIALS
 
 _FORCES = frozenset({"force", "torque", "wrench"})
 
@@ -18,8 +19,8 @@ class Task:
     """The rate kappa * step of a controller's task coordinates, within its speed and acceleration.
 
     The speed bounds the largest component of a configuration, in rad/s, and the norm of anything
-    else. Forces move only as fast as the joints that exert them: their speed is one of the joints,
-    rad/s, and bounds every force of a product by itself.
+    else. Forces, and potentials without a residual, move only as fast as the joints that move them:
+    their speed is one of the joints, rad/s, and bounds every force of a product by itself.
 
     Where there is an acceleration, the task brakes in time to stop at its goal.
 
@@ -34,6 +35,9 @@ class Task:
         self._speed = controller.speed
         self._acceleration = controller.acceleration
         self._kind = controller.feedback.type
+        forces = self._kind.name in _FORCES
+        self._by_joints = forces or not POTENTIALS[controller.potential].residual
+        self._factors = self._kind.factors if forces else 1
         self._period = period
         self.reset()
 
@@ -58,9 +62,9 @@ class Task:
         return Level(self._name, evaluation.jacobian, rate * self._period)
 
     def _within_speed(self, rate: Floats, jacobian: Floats, speed: float) -> Floats:
-        if self._kind.name in _FORCES:
-            rates = rate.reshape(self._kind.factors, -1)  # (factors, components)
-            stiffness = _norms(jacobian.reshape(self._kind.factors, -1))
+        if self._by_joints:
+            rates = rate.reshape(self._factors, -1)  # (factors, components)
+            stiffness = _norms(jacobian.reshape(self._factors, -1))
             norms = _norms(rates)
             shares = np.minimum(1.0, speed * stiffness / np.maximum(norms, 1e-300))
             bounded: Floats = (rates * shares[:, None]).ravel()

@@ -83,6 +83,7 @@ class Kinematics:
         self._frames: dict[str, Frame] = {}
         self._full: dict[str, Floats] = {}
         self._jacobians: dict[str, Floats] = {}
+        self.update(np.minimum(np.maximum(0.0, self.lower), self.upper))
 
     def update(self, positions: Floats) -> None:
         """Set the actuated joint positions, rad, shape (n,)."""

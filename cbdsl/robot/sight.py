@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 from numpy.typing import NDArray
 
 from cbdsl.documents.robot import RobotDocument
-from cbdsl.robot.camera import heading_jacobian, sighting_jacobian
-from cbdsl.robot.kinematics import Kinematics
+from cbdsl.robot.camera import direction, heading_jacobian, sighting_jacobian
+from cbdsl.robot.kinematics import Frame, Kinematics
 from cbdsl.robot.reading import Reading, stacked
 from cbdsl.robot.resources import CYCLOPEAN
+from cbdsl.robot.stereo import Ray, triangulate
 from cbdsl.robot.tips import Tips
 from cbdsl.robot.touch import Touch
 from cbdsl.robot.vision import Vision
@@ -54,7 +57,7 @@ class Sight:
         )
 
     def headings(self, source: Headings) -> Reading | None:
-        """The headings in all cameras, or ``None`` unless all of them see the whole region."""
+        """The headings in both cameras, or ``None`` unless both see the same whole region."""
         found = []
         for camera in self._robot.cameras:
             region = self._vision.regions.get((camera, source.channel))
@@ -62,7 +65,7 @@ class Sight:
             if reading is None or (region is not None and region.clipped):
                 return None
             found.append(reading)
-        return stacked(found)
+        return stacked(found) if self._meet(found) else None
 
     def position(self, source: StereoPosition) -> Reading | None:
         """The remembered position of a channel's region."""
@@ -72,6 +75,26 @@ class Sight:
         motion = self._motion(source.channel)
         jacobian = self._still if motion is None else motion
         return Reading(memory.position, jacobian, self._vision.images, memory.radius)
+
+    def cameras(self) -> tuple[Frame, ...]:
+        """The cameras' frames in that of the first, which moves with them."""
+        frames = [self._kinematics.frame(camera.link) for camera in self._robot.cameras.values()]
+        first = frames[0]
+        return tuple(
+            Frame(
+                first.rotation.T.dot(frame.position - first.position),
+                first.rotation.T.dot(frame.rotation),
+            )
+            for frame in frames
+        )
+
+    def _meet(self, headings: Sequence[Reading]) -> bool:
+        """Whether the lines of sight meet in front of the cameras."""
+        left, right = (
+            Ray(frame.position, frame.rotation.dot(direction(reading.value)))
+            for frame, reading in zip(self.cameras(), headings, strict=True)
+        )
+        return triangulate(left, right) is not None
 
     def _camera_heading(self, camera: str, channel: str) -> Reading | None:
         angles = self._vision.headings.get((camera, channel))

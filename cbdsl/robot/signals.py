@@ -63,7 +63,7 @@ class Signals:
         self.vision = Vision(robot, kinematics, channels)
         self.tips = Tips(robot, kinematics)
         self.touch = Touch(robot, kinematics, self.tips)
-        sight = Sight(robot, kinematics, self.vision, self.tips, self.touch)
+        self.sight = Sight(robot, kinematics, self.vision, self.tips, self.touch)
         self._readers: dict[type, Callable[[Any], Reading | None]] = {
             EffectorConfiguration: self._configuration,
             Posture: self._posture,
@@ -74,9 +74,9 @@ class Signals:
             NetLoad: self.touch.net_load,
             NetForces: self.touch.net_forces,
             FingerForces: self.touch.finger_forces,
-            Heading: sight.heading,
-            Headings: sight.headings,
-            StereoPosition: sight.position,
+            Heading: self.sight.heading,
+            Headings: self.sight.headings,
+            StereoPosition: self.sight.position,
         }
         self.reset()
 

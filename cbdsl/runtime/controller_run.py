@@ -23,6 +23,7 @@ from cbdsl.robot.uniform import UniformSampler
 from cbdsl.types.resource import (
     EffectorConfiguration,
     FingerForces,
+    Headings,
     NetForces,
     Origin,
     Tip,
@@ -55,7 +56,10 @@ class ControllerRun:
         self._rng = rng
         own = self._own = signals.joints.pick(controller.joints)
         limits = signals.kinematics
-        self._potential = build(controller, Body(limits.lower[own], limits.upper[own]))
+        cameras = (
+            signals.sight.cameras() if isinstance(controller.feedback.source, Headings) else ()
+        )
+        self._potential = build(controller, Body(limits.lower[own], limits.upper[own], cameras))
         self._task = Task(controller, period)
         quiescence = controller.quiescence
         self._monitor = QuiescenceMonitor(quiescence.rate, quiescence.window)

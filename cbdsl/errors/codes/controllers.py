@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from cbdsl.errors.codes.example import controller
+from cbdsl.errors.codes.example import HEAD, URDF, controller, robot
 from cbdsl.errors.entry import Entry
 
 _HEADING = "potential: spring, reference: 0, feedback: cyclopean.motion, effector: head"
@@ -139,5 +139,23 @@ CONTROLLERS = (
         "Manipulability is a function of the manipulator Jacobian, which belongs to the tip that "
         "the robot's document gives an effector, or each member of a group.",
         controller("potential: manipulability, feedback: head, effector: head"),
+    ),
+    Entry(
+        "CB516",
+        "cameras that move apart",
+        "the headings in both cameras of '{robot}' cannot be compared: a joint moves one of them",
+        "The headings of two cameras give a position only where the cameras keep their distance "
+        "and directions to each other.",
+        f"{HEAD.replace('dexter', 'example')}controllers:\n  look: {{potential: localizability, "
+        "feedback: cameras.motion, effector: head}\nactions: [look]\n",
+        beside={
+            "robots/example.urdf": URDF,
+            "robots/example.yaml": robot(
+                "  head: {joints: [pan, tilt]}\n",
+                "cameras:\n"
+                "  left: {link: neck, width: 320, height: 240, focal_length: 400}\n"
+                "  right: {link: eye, width: 320, height: 240, focal_length: 400}\n",
+            ),
+        },
     ),
 )
