@@ -2,28 +2,38 @@
 
 from __future__ import annotations
 
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-Code = Annotated[str, typer.Argument(help="Code of a finding, such as CB504.")]
+if TYPE_CHECKING:
+    from cbdsl.errors.entry import Entry
+
+Code = Annotated[str | None, typer.Argument(help="Code of a finding, such as CB504.")]
+All = Annotated[bool, typer.Option("--all", help="Every code there is.")]
+Markdown = Annotated[bool, typer.Option("--markdown", help="Print a page of documentation.")]
 
 
-def explain(code: Code) -> None:
-    """What a finding means, why it is a fault, and an example that has it."""
-    import textwrap
+def explain(code: Code = None, every: All = False, markdown: Markdown = False) -> None:
+    """What a finding means, why it is a fault, and an example with and without it."""
+    from cbdsl.cli.explanation import explanation, page
 
+    entries = _entries(code, every)
+    print(page(entries) if markdown else "\n\n".join(explanation(entry) for entry in entries))
+
+
+def _entries(code: str | None, every: bool) -> list[Entry]:
     from cbdsl.errors.catalogue import CATALOGUE
     from cbdsl.errors.errors import UsageError
     from cbdsl.errors.nearest import nearest_name
 
+    if every != (code is None):
+        raise UsageError("explain wants a code such as CB504, or --all")
+    if code is None:
+        return sorted(CATALOGUE.values(), key=lambda entry: entry.code)
     entry = CATALOGUE.get(code.upper())
     if entry is None:
         nearest = nearest_name(code.upper(), CATALOGUE)
         hint = f"; did you mean {nearest}?" if nearest else ""
         raise UsageError(f"there is no finding {code}{hint}")
-    print(f"{entry.code}: {entry.title}\n")
-    print(textwrap.fill(entry.explanation, 88))
-    if isinstance(entry.example, str):
-        print(f"\nFor example, in {entry.path}:\n")
-        print(textwrap.indent(entry.example, "    ").rstrip())
+    return [entry]

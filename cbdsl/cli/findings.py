@@ -2,51 +2,100 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping
+import sys
+from collections import Counter
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from functools import cache
+from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
+    from cbdsl.cli.report import Report
     from cbdsl.errors.diagnostic import Diagnostic
+    from cbdsl.yaml_text.library import Library
+
+#: Where each format is written: a module of this package, and its function of a report.
+FORMATS = {
+    "text": ("text_format", "text"),
+    "json": ("json_format", "json_report"),
+    "github": ("github_format", "github"),
+    "sarif": ("sarif_format", "sarif"),
+}
+#: The path that stands for the standard input, and what that is called unless a name is given.
+STANDARD_INPUT, STANDARD_INPUT_NAME = "-", "stdin.yaml"
+
+# More findings in one document have few causes, which the first ones show.
+_MOST_PER_FILE = 200
 
 
-def check_paths(paths: Iterable[str], values: Mapping[str, str], as_json: bool = False) -> int:
+def check_paths(
+    paths: Iterable[str],
+    values: Mapping[str, str],
+    form: str = "text",
+    strict: bool = False,
+    stdin_name: str = STANDARD_INPUT_NAME,
+) -> int:
     """Check documents and folders of documents, and print what was found.
 
     Args:
-        paths: files and folders.
+        paths: files and folders; ``-`` is the standard input.
         values: values of programs' parameters.
-        as_json: whether to print for scripts.
+        form: a key of ``FORMATS``.
+        strict: whether a warning counts as an error.
+        stdin_name: the file that the standard input stands for.
 
     Returns:
         The exit code: 0 without errors, 1 with errors.
 
     Raises:
-        UsageError: a folder holds no documents.
+        UsageError: a folder holds no documents, or there is no such format.
     """
+    write = _writer(form)
+    report = _examine(paths, values, Path(stdin_name))
+    written = write(report)
+    if written:
+        print(written)
+    return 1 if report.errors or (strict and report.warnings) else 0
+
+
+def _writer(form: str) -> Callable[[Report], str]:
+    from cbdsl.errors.errors import UsageError
+
+    if form not in FORMATS:
+        raise UsageError(f"there is no format '{form}' (known: {', '.join(FORMATS)})")
+    module, function = FORMATS[form]
+    writer: Callable[[Report], str] = getattr(import_module(f"cbdsl.cli.{module}"), function)
+    return writer
+
+
+def _examine(paths: Iterable[str], values: Mapping[str, str], stdin: Path) -> Report:
     from cbdsl.checking.document import check_document
     from cbdsl.checking.session import Session
-    from cbdsl.errors.counting import count
+    from cbdsl.cli.ignores import heed_ignores
+    from cbdsl.cli.report import Report
+    from cbdsl.yaml_text.library import Library
 
-    session = Session()
-    files = [file for path in paths for file in _documents(Path(path))]
+    words = list(paths)
+    given = {stdin: sys.stdin.buffer.read()} if STANDARD_INPUT in words else {}
+    files = [file for word in words for file in _documents(word, stdin)]
+    session = Session(Library(given=given))
     # A robot's findings come with every program on it: each is told once.
     found: dict[Diagnostic, None] = {}
     for file in files:
         found.update(dict.fromkeys(check_document(file, values, session)))
-    if found or as_json:
-        _tell(found, as_json)
-    else:
-        print(f"{count(len(files), 'document')}, no findings")
-    return 1 if any(diagnostic.is_error for diagnostic in found) else 0
+    findings = heed_ignores(found, files, session.library)
+    told = _first_of_each_file(findings)
+    return Report(told, len(files), len(findings) - len(told), _texts(session.library))
 
 
-def _documents(path: Path) -> Iterator[Path]:
+def _documents(word: str, stdin: Path) -> Iterator[Path]:
     """The file itself, or all documents below a folder."""
     from cbdsl.errors.errors import UsageError
 
-    if not path.is_dir():
-        yield path
+    path = Path(word)
+    if word == STANDARD_INPUT or not path.is_dir():
+        yield stdin if word == STANDARD_INPUT else path
         return
     files = sorted(file for file in path.rglob("*") if file.suffix in (".yaml", ".yml"))
     if not files:
@@ -54,24 +103,25 @@ def _documents(path: Path) -> Iterator[Path]:
     yield from files
 
 
-def _tell(found: Iterable[Diagnostic], as_json: bool) -> None:
-    from cbdsl.cli.terminal import print_diagnostics, print_json
+def _first_of_each_file(findings: Iterable[Diagnostic]) -> tuple[Diagnostic, ...]:
+    told: Counter[str] = Counter()
+    first = []
+    for diagnostic in findings:
+        told[diagnostic.place.file] += 1
+        if told[diagnostic.place.file] <= _MOST_PER_FILE:
+            first.append(diagnostic)
+    return tuple(first)
 
-    if as_json:
-        print_json([_plain(diagnostic) for diagnostic in found])
-    else:
-        print_diagnostics(found)
 
+def _texts(library: Library) -> Callable[[str], str | None]:
+    """The text of a file for snippets, or ``None`` where it has none; each is read once."""
+    from cbdsl.errors.errors import DiagnosticsError
 
-def _plain(value: object) -> object:
-    """A diagnostic as JSON has it: places and the like become objects."""
-    from enum import Enum
+    @cache
+    def text_of(file: str) -> str | None:
+        try:
+            return library.text(Path(file))
+        except DiagnosticsError:
+            return None
 
-    if isinstance(value, Enum):
-        return value.value
-    if not isinstance(value, tuple):
-        return value
-    named = getattr(value, "_asdict", None)
-    if named is None:
-        return [_plain(part) for part in value]
-    return {key: _plain(part) for key, part in named().items()}
+    return text_of

@@ -9,9 +9,9 @@ from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from cbdsl.errors.counting import count
+from cbdsl.cli.report import Report
+from cbdsl.cli.text_format import text
 from cbdsl.errors.diagnostic import Diagnostic
-from cbdsl.errors.rendering import render
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -29,12 +29,8 @@ def console() -> Console:
 
 def print_diagnostics(diagnostics: Iterable[Diagnostic]) -> None:
     """Print findings with snippets, and how many there are."""
-    found = list(diagnostics)
-    for diagnostic in found:
-        print(render(diagnostic, _text(diagnostic.place.file)))
-    errors = sum(diagnostic.is_error for diagnostic in found)
-    numbers = {"error": errors, "warning": len(found) - errors}
-    print(", ".join(count(number, noun) for noun, number in numbers.items() if number))
+    found = tuple(diagnostics)
+    print(text(Report(found, documents=0, left_out=0, text_of=_text)))
 
 
 def print_json(data: object) -> None:

@@ -6,16 +6,35 @@ from typing import Annotated
 
 import typer
 
+from cbdsl.cli.findings import STANDARD_INPUT_NAME
+
 # Texts instead of paths: typer's conversion of paths costs a tenth of the whole command.
-Paths = Annotated[list[str], typer.Argument(help="Documents, or folders of documents.")]
+Paths = Annotated[
+    list[str],
+    typer.Argument(help="Documents, folders of documents, or - for the standard input."),
+]
 With = Annotated[
     list[str],
     typer.Option("--with", help="A parameter of a program, as arm=left_arm; may be repeated."),
 ]
-Json = Annotated[bool, typer.Option("--json", help="Print the findings as JSON.")]
+Form = Annotated[
+    str, typer.Option("--format", help="How findings are printed: text, json, github or sarif.")
+]
+Json = Annotated[bool, typer.Option("--json", help="The same as --format json.")]
+Strict = Annotated[bool, typer.Option("--strict", help="Exit with 1 for warnings, too.")]
+StdinName = Annotated[
+    str, typer.Option("--stdin-name", help="The file that the standard input stands for.")
+]
 
 
-def validate(paths: Paths, with_: With = [], as_json: Json = False) -> None:  # noqa: B006 (typer)
+def validate(
+    paths: Paths,
+    with_: With = [],  # noqa: B006 (typer)
+    form: Form = "text",
+    as_json: Json = False,
+    strict: Strict = False,
+    stdin_name: StdinName = STANDARD_INPUT_NAME,
+) -> None:
     """Check documents without running them.
 
     Exit 0 without errors, 1 with errors, 2 for a wrong call.
@@ -23,4 +42,5 @@ def validate(paths: Paths, with_: With = [], as_json: Json = False) -> None:  # 
     from cbdsl.cli.assignments import read_assignments
     from cbdsl.cli.findings import check_paths
 
-    raise typer.Exit(check_paths(paths, read_assignments(with_), as_json))
+    values = read_assignments(with_)
+    raise typer.Exit(check_paths(paths, values, "json" if as_json else form, strict, stdin_name))

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from cbdsl.errors.codes.compositions import COMPOSITIONS
 from cbdsl.errors.codes.controllers import CONTROLLERS
+from cbdsl.errors.codes.ignores import IGNORES
 from cbdsl.errors.codes.programs import PROGRAMS
 from cbdsl.errors.codes.reading import READING
 from cbdsl.errors.codes.robots import ROBOTS
@@ -23,6 +24,7 @@ CATALOGUE: dict[str, Entry] = {
         CONTROLLERS,
         PROGRAMS,
         UNUSED,
+        IGNORES,
     )
     for entry in subject
 }

@@ -3,6 +3,8 @@
 from enum import Enum
 from typing import NamedTuple
 
+from cbdsl.errors.nearest import nearest_name
+
 
 class Severity(Enum):
     """Errors keep a document from being used; warnings do not."""
@@ -46,7 +48,8 @@ class Diagnostic(NamedTuple):
         place: where.
         severity: whether the document can still be used.
         allowed: names that would have been right, possibly shortened.
-        nearest: the one that was probably meant.
+        given: the name that was written instead.
+        candidates: what its ``nearest`` is chosen from, where that is not ``allowed``.
         related: other places that the message speaks of.
     """
 
@@ -55,8 +58,14 @@ class Diagnostic(NamedTuple):
     place: Place
     severity: Severity = Severity.ERROR
     allowed: tuple[str, ...] = ()
-    nearest: str | None = None
+    given: str = ""
+    candidates: tuple[str, ...] = ()
     related: tuple[Related, ...] = ()
+
+    @property
+    def nearest(self) -> str | None:
+        """The name that was probably meant; looked for only when somebody wants to know."""
+        return nearest_name(self.given, self.candidates or self.allowed)
 
     @property
     def is_error(self) -> bool:

@@ -1,13 +1,16 @@
 """An entry of the catalogue of diagnostics."""
 
+from __future__ import annotations
+
 from collections.abc import Mapping
+from dataclasses import dataclass, field
 from types import MappingProxyType
-from typing import NamedTuple
 
 from cbdsl.errors.diagnostic import Severity
 
 
-class Entry(NamedTuple):
+@dataclass(frozen=True)
+class Entry:
     """What there is to say about one code.
 
     Attributes:
@@ -15,17 +18,19 @@ class Entry(NamedTuple):
         title: the fault in a few words.
         message: what a diagnostic says; the names in braces are filled in.
         explanation: why it is a fault, and the way out.
-        example: the text of a document that has the fault; ``None``: a file that does not exist.
-        path: where the example is, relative to a folder of documents.
-        beside: other files that the example needs, by path.
+        bad: the text of a document that has the fault; ``None``: a file that does not exist.
+        path: where the examples are, relative to a folder of documents.
+        beside: other files that the examples need, by path.
         severity: whether the document can still be used.
+        good: the text of the same document without the fault.
     """
 
     code: str
     title: str
     message: str
     explanation: str
-    example: str | bytes | None
+    bad: str | bytes | None
     path: str = "programs/example.yaml"
-    beside: Mapping[str, str] = MappingProxyType({})
+    beside: Mapping[str, str] = field(default_factory=lambda: MappingProxyType({}))
     severity: Severity = Severity.ERROR
+    good: str | None = field(default=None, kw_only=True)

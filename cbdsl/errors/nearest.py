@@ -4,10 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
+# Nobody names anything at greater length, and comparing takes the square of it.
+_LONGEST = 60
+
 
 def nearest_name(name: str, names: Iterable[str]) -> str | None:
     """The most similar of ``names``, or ``None`` where none is similar."""
     from difflib import get_close_matches  # only a fault needs it
 
-    matches = get_close_matches(name, list(names), n=1)
+    known = [known for known in names if len(known) <= _LONGEST]
+    matches = get_close_matches(name, known, n=1) if len(name) <= _LONGEST else []
     return matches[0] if matches else None

@@ -2,33 +2,70 @@
 
 from __future__ import annotations
 
+from functools import lru_cache
+
 from cbdsl.errors.diagnostic import Diagnostic, Place
+from cbdsl.errors.legible import UNSEEN
+from cbdsl.errors.lines import lines_of
 
 # No section of a document has more keys.
 _MOST_ALLOWED = 16
+# Of a longer line only what surrounds the fault is shown.
+_MOST_COLUMNS = 160
+_BEFORE = 40
+
+_RESET, _BOLD, _RED, _YELLOW, _CYAN = "\033[0m", "\033[1m", "\033[1;31m", "\033[1;33m", "\033[36m"
 
 
-def render(diagnostic: Diagnostic, source: str | None = None) -> str:
+def render(diagnostic: Diagnostic, source: str | None = None, color: bool = False) -> str:
     """A diagnostic as several lines of text.
 
     Args:
         diagnostic: the finding.
         source: text of its file, for the snippet; without it there is none.
+        color: whether to mark parts with a terminal's escape sequences.
     """
+    tint = _RED if diagnostic.is_error else _YELLOW
     mark = "" if diagnostic.is_error else " (warning)"
-    head = f"{diagnostic.place}: {diagnostic.code}{mark} {diagnostic.message}"
-    return "\n".join([head, *_snippet(diagnostic.place, source), *_hints(diagnostic)])
+    place = _paint(str(diagnostic.place), _BOLD, color)
+    code = _paint(f"{diagnostic.code}{mark}", tint, color)
+    snippet = _snippet(diagnostic.place, source, tint if color else "")
+    hints = [_paint(hint, _CYAN, color) for hint in _hints(diagnostic)]
+    return "\n".join([f"{place}: {code} {diagnostic.message}", *snippet, *hints])
 
 
-def _snippet(place: Place, source: str | None) -> list[str]:
-    lines = (source or "").split("\n")
+def _paint(text: str, tint: str, color: bool) -> str:
+    return f"{tint}{text}{_RESET}" if color else text
+
+
+@lru_cache(maxsize=2)
+def _lines(source: str) -> list[str]:
+    """The lines of a text, split once for all its findings."""
+    return lines_of(source)
+
+
+def _snippet(place: Place, source: str | None, tint: str) -> list[str]:
+    lines = _lines(source or "")
     if place.line > len(lines) or not lines[place.line - 1].strip():
         return []
-    line = lines[place.line - 1].rstrip("\r")
+    # A terminal obeys some of the characters that a damaged file may hold.
+    line = UNSEEN.sub(lambda unseen: "\t" if unseen[0] == "\t" else "\ufffd", lines[place.line - 1])
+    line, column = _window(line, place.column)
     # Tabs stay tabs, so that the caret stands under its character.
-    indent = "".join("\t" if c == "\t" else " " for c in line[: place.column - 1])
-    caret = "^" * max(1, min(place.end_column, len(line) + 1) - place.column)
+    indent = "".join("\t" if c == "\t" else " " for c in line[: column - 1])
+    width = max(1, min(place.end_column - place.column, len(line) + 1 - column))
+    caret = _paint("^" * width, tint, bool(tint))
     return [f"{place.line:>5} | {line}", f"      | {indent}{caret}"]
+
+
+def _window(line: str, column: int) -> tuple[str, int]:
+    """What is shown of a line, and where in it the column then is."""
+    if len(line) <= _MOST_COLUMNS:
+        return line, column
+    start = max(0, column - 1 - _BEFORE)
+    end = start + _MOST_COLUMNS
+    before, after = "…" if start else "", "…" if end < len(line) else ""
+    return f"{before}{line[start:end]}{after}", column - start + len(before)
 
 
 def _hints(diagnostic: Diagnostic) -> list[str]:

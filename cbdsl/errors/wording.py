@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 
 from cbdsl.errors.diagnostic import Diagnostic, Place, Related
-from cbdsl.errors.nearest import nearest_name
+from cbdsl.errors.legible import legible
 
 
 def diagnostic(
@@ -30,13 +30,13 @@ def diagnostic(
     from cbdsl.errors.catalogue import CATALOGUE  # only a fault needs it
 
     entry = CATALOGUE[code]
-    given = str(details.get("name", details.get("key", "")))
     return Diagnostic(
         code=code,
-        message=entry.message.format(**details),
+        message=legible(entry.message.format(**details)),
         place=place,
         severity=entry.severity,
         allowed=tuple(names),
-        nearest=nearest_name(given, candidates or names),
-        related=tuple(Related(where, message) for where, message in related),
+        given=str(details.get("name", details.get("key", ""))),
+        candidates=tuple(candidates),
+        related=tuple(Related(where, legible(message)) for where, message in related),
     )

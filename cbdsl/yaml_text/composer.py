@@ -14,16 +14,21 @@ import yaml
 
 from cbdsl.errors.diagnostic import Diagnostic, Place
 from cbdsl.errors.errors import DiagnosticsError
+from cbdsl.errors.lines import lines_of
 from cbdsl.errors.wording import diagnostic
 from cbdsl.yaml_text.node import Node
 from cbdsl.yaml_text.scalar import Scalar, ScalarError, resolve
 
 DEEPEST = 64
-MOST_NODES = 100_000
+MOST_NODES = 20_000
+MOST_ENTRIES = 2_000
+MOST_CHARACTERS = 256_000
 
-_LOADER: Any = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
+LOADER: Any = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
 # What YAML 1.2 excludes (5.1); C1 controls but NEL, and what is no character at all.
 _CONTROL = re.compile(r"[\x00-\x08\x0b\x0c\x0e-\x1f\x7f-\x84\x86-\x9f\ud800-\udfff\ufffe\uffff]")
+# Characters of no width, byte order marks, and those that turn the direction of writing.
+_INVISIBLE = re.compile(r"[\u200b\u200e\u200f\u202a-\u202e\u2060\u2066-\u2069\ufeff]")
 
 
 def compose(text: str, file: str) -> Node:
@@ -32,17 +37,27 @@ def compose(text: str, file: str) -> Node:
     Raises:
         DiagnosticsError: with every finding up to the first one that hides the rest.
     """
+    if len(text) > MOST_CHARACTERS:
+        bound = f"{MOST_CHARACTERS} characters"
+        raise DiagnosticsError([diagnostic("CB108", Place(file), bound=bound)])
     control = _CONTROL.search(text)
     if control:
-        line = text.count("\n", 0, control.start()) + 1
-        column = control.start() - text.rfind("\n", 0, control.start())
-        place = Place(file, line, column, column + 1)
-        raise DiagnosticsError([diagnostic("CB103", place, character=f"U+{ord(control[0]):04X}")])
+        raise DiagnosticsError([_unseen("CB103", control, file)])
     composer = _Composer(text, file)
+    # One stands for all: they tend to come in swarms.
+    composer.findings += [_unseen("CB118", m, file) for m in [_INVISIBLE.search(text)] if m]
     root = composer.document()
     if composer.findings:
         raise DiagnosticsError(composer.findings)
     return root
+
+
+def _unseen(code: str, match: re.Match[str], file: str) -> Diagnostic:
+    """A finding about a character that no editor shows."""
+    line = match.string.count("\n", 0, match.start()) + 1
+    column = match.start() - match.string.rfind("\n", 0, match.start())
+    place = Place(file, line, column, column + 1)
+    return diagnostic(code, place, character=f"U+{ord(match[0]):04X}")
 
 
 class _Composer:
@@ -52,7 +67,7 @@ class _Composer:
         self.findings: list[Diagnostic] = []
         self._text = text
         self._file = file
-        self._loader = _LOADER(text)
+        self._loader = LOADER(text)
         self._anchors: dict[str, Node] = {}
         self._nodes = 0
 
@@ -82,7 +97,7 @@ class _Composer:
             if event.anchor:
                 self._anchors[event.anchor] = node
         if depth + node.height > DEEPEST:
-            raise self._fatal("CB108", place, bound=f"{DEEPEST} levels deep")
+            raise self._fatal("CB119", place, bound=DEEPEST)
         return node
 
     def _alias(self, event: Any, place: Place) -> Node:
@@ -99,7 +114,7 @@ class _Composer:
         if isinstance(event, yaml.ScalarEvent):
             return Node(place, self._scalar(event, place))
         if depth > DEEPEST:
-            raise self._fatal("CB108", place, bound=f"{DEEPEST} levels deep")
+            raise self._fatal("CB119", place, bound=DEEPEST)
         node = Node(place, None)
         if isinstance(event, yaml.SequenceStartEvent):
             node.value = list(self._items(depth))
@@ -121,13 +136,17 @@ class _Composer:
             return text
 
     def _items(self, depth: int) -> Iterator[Node]:
+        entries = 0
         while not isinstance(event := self._next(), yaml.SequenceEndEvent):
             yield self._node(event, depth + 1)
+            entries = self._one_more(entries, event)
 
     def _fill(self, node: Node, depth: int) -> None:
         values: dict[str, Node] = {}
+        entries = 0
         while not isinstance(event := self._next(), yaml.MappingEndEvent):
             place = self._place(event)
+            entries = self._one_more(entries, event)
             # A key is its text as written: 10 and X- are both patterns of a state.
             key = event.value if isinstance(event, yaml.ScalarEvent) else None
             if key is None:
@@ -140,6 +159,13 @@ class _Composer:
             elif key is not None:
                 values[key], node.keys[key] = value, place
         node.value = values
+
+    def _one_more(self, entries: int, event: Any) -> int:
+        """The entries of a list or mapping with the one that begins here."""
+        if entries == MOST_ENTRIES:
+            bound = f"{MOST_ENTRIES} entries of one list or mapping"
+            raise self._fatal("CB108", self._place(event), bound=bound)
+        return entries + 1
 
     def _count(self, nodes: int, place: Place) -> None:
         self._nodes += nodes
@@ -166,8 +192,8 @@ class _Composer:
         mark = lost or error.problem_mark or error.context_mark
         line, column = (mark.line + 1, mark.column + 1) if mark else (1, 1)
         if self._is_tab(line, column):
-            problem = "a tab; lines are indented with spaces"
-        elif "scanning an alias" in (error.context or ""):
+            return self._fatal("CB117", Place(self._file, line, column, column + 1))
+        if "scanning an alias" in (error.context or ""):
             problem = "'*' is followed by no name; text that begins with it is quoted, as in \"**\""
         related = []
         if error.problem and error.context and error.context_mark and not lost:
@@ -178,5 +204,5 @@ class _Composer:
         return self._fatal("CB104", place, related=related, problem=problem)
 
     def _is_tab(self, line: int, column: int) -> bool:
-        rows = self._text.split("\n")
+        rows = lines_of(self._text)
         return line <= len(rows) and rows[line - 1][column - 1 : column] == "\t"

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
+from functools import cache
 from typing import Any, NamedTuple, get_args
 
 from pydantic import BaseModel
@@ -53,16 +54,12 @@ def faults(
 ) -> list[Diagnostic]:
     """One diagnostic for each value that is wrong, however many ways of a union it failed."""
     found = [_Fault(_path(error, source), error) for error in errors]
+    enclosing = {fault.path[:depth] for fault in found for depth in range(len(fault.path))}
     by_path: dict[tuple[Step, ...], list[_Fault]] = {}
     for fault in found:
-        if not (fault.is_wrong_kind and _has_deeper(fault, found)):
+        if not (fault.is_wrong_kind and fault.path in enclosing):
             by_path.setdefault(fault.path, []).append(fault)
     return [_diagnose(path, same, source, model) for path, same in by_path.items()]
-
-
-def _has_deeper(fault: _Fault, faults: Iterable[_Fault]) -> bool:
-    depth = len(fault.path)
-    return any(len(f.path) > depth and f.path[:depth] == fault.path for f in faults)
 
 
 def _path(error: ErrorDetails, source: SourceMap) -> tuple[Step, ...]:
@@ -103,7 +100,7 @@ def _special(
             place = source.key(*path[:-1])
             return diagnostic("CB203", place, key=name)
         case "extra_forbidden":
-            keys = sorted(_keys(model, error["loc"][:-1]))
+            keys = _keys(model, error["loc"][:-1])
             return diagnostic("CB202", source.key(*path), names=keys, key=name)
         case "literal_error" | "union_tag_invalid":
             expected = str(context.get("expected") or context.get("expected_tags"))
@@ -120,8 +117,9 @@ def _special(
     return diagnostic("CB208", source.place(*path), problem=problem)
 
 
-def _keys(model: type[BaseModel], steps: Iterable[Step]) -> set[str]:
-    """Keys that the section at a path may have."""
+@cache
+def _keys(model: type[BaseModel], steps: tuple[Step, ...]) -> tuple[str, ...]:
+    """Keys that the section at a path may have, sorted."""
     models: list[type[BaseModel]] = [model]
     for step in steps:
         below = [
@@ -132,7 +130,8 @@ def _keys(model: type[BaseModel], steps: Iterable[Step]) -> set[str]:
         ]
         inside = [m for annotation in below for m in _models(annotation)]
         models = inside or [m for m in models if _is_tagged(m, step)] or models
-    return {f.alias or name for section in models for name, f in section.model_fields.items()}
+    keys = {f.alias or name for section in models for name, f in section.model_fields.items()}
+    return tuple(sorted(keys))
 
 
 def _is_tagged(model: type[BaseModel], step: Step) -> bool:

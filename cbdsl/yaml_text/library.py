@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any, TypeVar
 
@@ -14,7 +14,7 @@ from cbdsl.documents.robot import RobotDocument
 from cbdsl.documents.stage import StageDocument
 from cbdsl.errors.errors import UsageError
 from cbdsl.errors.nearest import nearest_name
-from cbdsl.yaml_text.reader import Loaded, read
+from cbdsl.yaml_text.reader import Loaded, decode, read, read_text
 
 FOLDERS: dict[type[Document], str] = {
     RobotDocument: "robots",
@@ -42,8 +42,15 @@ class Library:
         here: the folder that is searched after those of the naming document.
     """
 
-    def __init__(self, here: Path | None = None) -> None:
+    def __init__(self, here: Path | None = None, given: Mapping[Path, bytes] | None = None) -> None:
+        """Start with nothing read.
+
+        Args:
+            here: the folder; without it the working folder.
+            given: what stands in for the bytes of files, such as what an editor has not saved.
+        """
         self.here = here or Path.cwd()
+        self._given = {path.resolve(): data for path, data in (given or {}).items()}
         self._read: dict[Path, Loaded[Any]] = {}
         self._found: dict[tuple[type[Document], str, Path | None], Path] = {}
 
@@ -83,6 +90,15 @@ class Library:
             found |= {path.stem for path in siblings if _is_of(kind, path)}
         return sorted(found)
 
+    def text(self, path: Path) -> str:
+        """The text of a file.
+
+        Raises:
+            DiagnosticsError: it cannot be read, or is not UTF-8.
+        """
+        given = self._given.get(path.resolve())
+        return read_text(path) if given is None else decode(given, str(path))
+
     def read(self, path: Path, kind: type[D]) -> Loaded[D]:
         """Read a file, or remember it.
 
@@ -91,7 +107,7 @@ class Library:
         """
         key = path.resolve()
         if key not in self._read or not isinstance(self._read[key].document, kind):
-            self._read[key] = read(path, kind)
+            self._read[key] = read(path, kind, self.text(path))
         loaded: Loaded[D] = self._read[key]
         return loaded
 

@@ -14,6 +14,7 @@ from cbdsl.documents.robot import RobotDocument
 from cbdsl.documents.stage import StageDocument
 from cbdsl.errors.diagnostic import Place
 from cbdsl.errors.errors import DiagnosticsError
+from cbdsl.errors.lines import lines_of
 from cbdsl.errors.wording import diagnostic
 from cbdsl.yaml_text.composer import compose
 from cbdsl.yaml_text.faults import describe, faults
@@ -52,13 +53,18 @@ def read_document(path: Path) -> Loaded[Document]:
     return _load(source, _model(source))
 
 
-def read(path: Path, kind: type[D]) -> Loaded[D]:
+def read(path: Path, kind: type[D], text: str | None = None) -> Loaded[D]:
     """Read a document of one kind.
+
+    Args:
+        path: its file.
+        kind: the kind that it has to be of.
+        text: what stands in for the file's text.
 
     Raises:
         DiagnosticsError: as ``read_document``, or where the document is of another kind.
     """
-    source = _source(path)
+    source = _source(path, text)
     model = _model(source)
     if not issubclass(model, kind):
         wanted = next(name for name, known in KINDS.items() if known is kind)
@@ -78,18 +84,27 @@ def read_text(path: Path) -> str:
     except OSError as error:
         reason = error.strerror or str(error)
         raise _error("CB101", Place(str(path)), reason=reason) from None
+    return decode(data, str(path))
+
+
+def decode(data: bytes, file: str) -> str:
+    """The text that bytes hold; a byte order mark at its start is left out.
+
+    Raises:
+        DiagnosticsError: they are not UTF-8.
+    """
     try:
         return data.decode("utf-8-sig")
     except UnicodeDecodeError as error:
         line = data.count(b"\n", 0, error.start) + 1
         column = error.start - data.rfind(b"\n", 0, error.start)
-        place = Place(str(path), line, column, column + 1)
+        place = Place(file, line, column, column + 1)
         raise _error("CB102", place, byte=f"0x{data[error.start]:02X}") from None
 
 
-def _source(path: Path) -> SourceMap:
-    text = read_text(path)
-    return SourceMap(path, text, compose(text, str(path)))
+def _source(path: Path, text: str | None = None) -> SourceMap:
+    text = read_text(path) if text is None else text
+    return SourceMap(path, lines_of(text), compose(text, str(path)))
 
 
 def _model(source: SourceMap) -> type[Document]:

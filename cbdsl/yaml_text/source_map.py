@@ -13,14 +13,14 @@ Step = str | int
 
 
 class SourceMap(NamedTuple):
-    """A document's file, text and places.
+    """A document's file, lines and places.
 
     Paths into the document are sequences of keys and indices. Steps that the text does not have,
     such as the tags that unions add, are passed over.
     """
 
     path: Path
-    text: str
+    lines: Sequence[str]
     root: Node
 
     def place(self, *steps: Step) -> Place:
@@ -36,7 +36,7 @@ class SourceMap(NamedTuple):
         """Where a stretch of a text value stands; columns within it from 1, ``end`` exclusive."""
         node = self.node(steps)
         place, value = node.place, node.value
-        line = self.text.split("\n")[place.line - 1]
+        line = self.lines[place.line - 1]
         written = line[place.column - 1 : place.end_column - 1]
         offset = written.find(value) if isinstance(value, str) else -1
         if offset < 0:

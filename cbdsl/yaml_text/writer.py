@@ -23,7 +23,7 @@ class _Dumper(yaml.SafeDumper):
             ("tag:yaml.org,2002:bool", scalar.BOOLEAN),
             ("tag:yaml.org,2002:int", scalar.INTEGER),
             ("tag:yaml.org,2002:float", scalar.FLOAT),
-            ("tag:yaml.org,2002:float", scalar.NOT_FINITE),
+            *(("tag:yaml.org,2002:float", refused) for refused in scalar.REFUSED),
         ]
     }
 

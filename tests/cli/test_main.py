@@ -69,15 +69,6 @@ def test_warnings_exit_with_0(monkeypatch: pytest.MonkeyPatch) -> None:
     assert cb(monkeypatch, "validate", str(BAD / "programs" / "unused_controller.yaml")) == 0
 
 
-def test_findings_as_json(
-    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
-    assert cb(monkeypatch, "validate", "--json", str(BAD / "programs" / "type_clash.yaml")) == 1
-    (finding,) = json.loads(capsys.readouterr().out)
-    assert (finding["code"], finding["severity"]) == ("CB504", "error")
-    assert (finding["place"]["line"], len(finding["related"])) == (8, 1)
-
-
 @pytest.mark.parametrize(
     "arguments",
     [

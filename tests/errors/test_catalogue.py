@@ -24,10 +24,10 @@ def write_example(entry: Entry, folder: Path) -> Path:
         beside.parent.mkdir(parents=True, exist_ok=True)
         beside.write_text(text, encoding="utf-8")
     path.parent.mkdir(parents=True, exist_ok=True)
-    if isinstance(entry.example, bytes):
-        path.write_bytes(entry.example)
-    elif entry.example is not None:
-        path.write_text(entry.example, encoding="utf-8")
+    if isinstance(entry.bad, bytes):
+        path.write_bytes(entry.bad)
+    elif entry.bad is not None:
+        path.write_text(entry.bad, encoding="utf-8")
     return path
 
 

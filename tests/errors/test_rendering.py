@@ -2,8 +2,14 @@
 
 from __future__ import annotations
 
+import re
+
+from hypothesis import given
+from hypothesis import strategies as st
+
 from cbdsl.errors.diagnostic import Diagnostic, Place, Related, Severity
 from cbdsl.errors.rendering import render
+from cbdsl.errors.wording import diagnostic
 
 PLACE = Place("a.yaml", 2, 9, 13)
 
@@ -29,8 +35,8 @@ def test_hints_follow() -> None:
         PLACE,
         Severity.WARNING,
         tuple(f"n{i}" for i in range(18)),
-        "n1",
-        (Related(PLACE, "here"),),
+        "n1x",
+        related=(Related(PLACE, "here"),),
     )
     assert render(diagnostic).split("\n") == [
         "a.yaml:2:9: CB701 (warning) m",
@@ -42,3 +48,25 @@ def test_hints_follow() -> None:
 
 def test_a_place_beyond_the_text_has_no_snippet() -> None:
     assert "\n" not in render(Diagnostic("CB404", "m", PLACE), "one line")
+
+
+def test_of_a_long_line_only_the_surroundings_of_the_fault_are_shown() -> None:
+    line = "x" * 1000 + "BAD" + "y" * 1000
+    _, shown, caret = render(Diagnostic("CB404", "m", Place("a", 1, 1001, 1004)), line).split("\n")
+    assert len(shown) < 200
+    assert shown[caret.index("^") : caret.rindex("^") + 1] == "BAD"
+
+
+@given(st.text(max_size=30), st.text(max_size=30))
+def test_no_text_reaches_the_terminal_as_a_command(name: str, line: str) -> None:
+    found = diagnostic("CB404", Place("a", 1, 1, 2), name=name)
+    printed = render(found, line)
+    assert all(c == "\n" or c == "\t" or ord(c) >= 32 for c in printed)
+    assert "\x7f" not in printed and "\u202e" not in printed and "\x9b" not in printed
+
+
+def test_color_adds_only_escape_sequences() -> None:
+    found = Diagnostic("CB404", "no 'trak'", PLACE, allowed=("track",), given="trak")
+    text = "one\nactions: trak, x\n"
+    painted = render(found, text, color=True)
+    assert re.sub(r"\033\[[\d;]*m", "", painted) == render(found, text) != painted

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 
 import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
+from cbdsl.checking.document import check_document
 from cbdsl.documents.program import ProgramDocument
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.errors.errors import DiagnosticsError
@@ -54,7 +56,7 @@ def test_any_edit_of_a_program_is_a_document_or_findings(
 def test_depth_is_bounded(tmp_path: Path, opening: str, depth: int) -> None:
     path = tmp_path / "deep.yaml"
     path.write_text(opening * depth, encoding="utf-8")
-    assert codes(path)[-1] in ("CB104", "CB108")
+    assert codes(path)[-1] in ("CB104", "CB108", "CB119")
 
 
 def test_aliases_are_bounded(tmp_path: Path) -> None:
@@ -91,11 +93,61 @@ def test_a_byte_order_mark_and_windows_lines_are_no_fault(tmp_path: Path) -> Non
 def test_numbers_and_keys_are_what_they_look_like(tmp_path: Path) -> None:
     path = tmp_path / "program.yaml"
     path.write_text(
-        "cbdsl: 1\nkind: program\nname: no\nrobot: yes\ncontrollers: {}\nactions: [a]\n"
+        "cbdsl: 1\nkind: program\nname: y\nrobot: n\ncontrollers: {}\nactions: [a]\n"
         "policy: {11: a, 10: a, 0: a, null: a}\nlimits: {transition_time: 1e-3}\n",
         encoding="utf-8",
     )
     document = read(path, ProgramDocument).document
-    assert (document.name, document.robot) == ("no", "yes")
+    assert (document.name, document.robot) == ("y", "n")
     assert list(document.policy) == ["11", "10", "0", "null"]
     assert document.limits.transition_time == 1e-3
+
+
+@pytest.mark.parametrize(
+    ("text", "code"),
+    [
+        *((word, "CB114") for word in ("NO", "yes", "On", "off")),
+        *((time, "CB115") for time in ("12:30:45", "1:30", "190:20:30.15")),
+        *((number, "CB116") for number in ("0x1F", "0o17", "0b101", "1_000", "-1_0.5")),
+        *((number, "CB110") for number in ("0755", "-012")),
+        *((number, "CB109") for number in (".inf", "-.INF", ".NaN")),
+        *((number, "CB120") for number in ("9007199254740993", "9" * 5000, "1e999", "1e-999")),
+    ],
+)
+def test_what_yaml_1_1_reads_otherwise_is_refused_unless_quoted(
+    tmp_path: Path, text: str, code: str
+) -> None:
+    path = tmp_path / "trap.yaml"
+    path.write_text(f"description: {text}\n", encoding="utf-8")
+    assert codes(path) == [code]
+    path.write_text(f'description: "{text}"\nkind: policy\n', encoding="utf-8")
+    assert code not in codes(path)
+
+
+@pytest.mark.parametrize("text", ["1e-3", "0.0", "0e0", "9007199254740992", "y", "n", "a:b", "_1"])
+def test_what_every_reader_reads_alike_is_no_fault(tmp_path: Path, text: str) -> None:
+    path = tmp_path / "sound.yaml"
+    path.write_text(f"description: {text}\n", encoding="utf-8")
+    assert codes(path) == ["CB203"]  # there is no kind
+
+
+@pytest.mark.parametrize("line_break", ["\r", "\x85", "\u2028", "\r\n"])
+def test_lines_are_counted_as_the_parser_counts_them(tmp_path: Path, line_break: str) -> None:
+    path = tmp_path / "breaks.yaml"
+    text = (
+        SEARCHTRACK.read_text("utf-8")
+        .replace("actions: [", "actions: [trak ◁ , ")
+        .replace("\n", line_break)
+    )
+    path.write_bytes(text.encode("utf-8"))
+    places = [d.place for d in check_document(path)]
+    written = re.split("\r\n|[\n\r\x85\u2028]", text)
+    assert places
+    assert all(place.line <= len(written) for place in places)
+
+
+def test_a_document_has_an_upper_size(tmp_path: Path) -> None:
+    path = tmp_path / "large.yaml"
+    for text in ("#" * 1_000_000, "[" + "a," * 30_000 + "]", "a: [" + "1," * 2001 + "]"):
+        path.write_text(text, encoding="utf-8")
+        assert codes(path) == ["CB108"]

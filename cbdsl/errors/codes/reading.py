@@ -15,13 +15,15 @@ READING = (
         "this file cannot be read: {reason}",
         "The file does not exist, is a directory, or may not be read by this user.",
         None,
+        good=_TRACKING,
     ),
     Entry(
         "CB102",
         "not UTF-8",
         "byte {byte} is not UTF-8",
         "Documents are text in UTF-8. Save the file in that encoding.",
-        b"cbdsl: 1\nkind: program\nname: caf\xe9\n",
+        _TRACKING.replace("name: example", "name: example # café").encode("latin-1"),
+        good=_TRACKING.replace("name: example", "name: example # café"),
     ),
     Entry(
         "CB103",
@@ -29,6 +31,7 @@ READING = (
         "{character} is a control character, which no document may hold",
         "Control characters mean that this is a binary file or a damaged one.",
         b"\x7fELF\x02\x01\x01\x00\x00",
+        good=_TRACKING,
     ),
     Entry(
         "CB104",
@@ -37,7 +40,8 @@ READING = (
         "The text breaks the rules of YAML. Often a bracket or a quote is not closed, or lines "
         "of one mapping are not indented alike. Quote keys and values that begin with `*`, `@`, "
         "`%` or a bracket.",
-        HEAD + "controllers: {track: [\n",
+        _TRACKING.replace("[track]", "[track"),
+        good=_TRACKING,
     ),
     Entry(
         "CB105",
@@ -45,6 +49,7 @@ READING = (
         "this file holds no document",
         "Every document begins with `cbdsl: 1` and its `kind`.",
         "# nothing but a comment\n",
+        good=_TRACKING,
     ),
     Entry(
         "CB106",
@@ -52,21 +57,25 @@ READING = (
         "a second document begins here; a file holds one",
         "Documents are found by their file's name, so each has a file of its own.",
         _TRACKING + "---\n" + _TRACKING,
+        good=_TRACKING,
     ),
     Entry(
         "CB107",
         "key written twice",
         "the key '{key}' is written twice",
         "YAML readers silently keep the last of two values, which hides mistakes.",
-        HEAD + "robot: dexter\n",
+        program("actions: [track]\nrobot: dexter\n"),
+        good=_TRACKING,
     ),
     Entry(
         "CB108",
         "too large",
         "this document is larger than {bound}",
-        "Aliases are written out before a document is read, so a few lines can stand for "
-        "billions of values. A document may have 100000 values and 64 levels of nesting.",
+        "A document may have 256000 characters, 20000 values, and 2000 entries in one list or "
+        "mapping. Aliases are written out before they are counted, so a few lines can stand for "
+        "billions of values.",
         "l0: &l0 [a, a, a, a, a, a, a, a, a, a]\n" + _BOMB,
+        good=_TRACKING + "description: &text a few words\n",
     ),
     Entry(
         "CB109",
@@ -74,6 +83,7 @@ READING = (
         "'{text}' is not a finite number",
         "No quantity of a robot is infinite or undefined. Leave a limit out to have none.",
         program("actions: [track]\nlimits: {transition_time: .inf}\n"),
+        good=program("actions: [track]\nlimits: {transition_time: 60 s}\n"),
     ),
     Entry(
         "CB110",
@@ -81,6 +91,7 @@ READING = (
         "'{text}' reads as an octal number in some readers and as a decimal one in others",
         "Write the decimal number without the zero in front, or put a name in quotes.",
         program("actions: [track]\nlimits: {transitions: 0100}\n"),
+        good=program("actions: [track]\nlimits: {transitions: 100}\n"),
     ),
     Entry(
         "CB111",
@@ -89,6 +100,7 @@ READING = (
         "`*name` repeats the value that was marked `&name` earlier. Text that begins with `*`, "
         "such as a state of any predicates, has to be quoted. A value cannot contain itself.",
         program("actions: [track]\ndescription: *missing\n"),
+        good=program('actions: [track]\ndescription: "*missing"\n'),
     ),
     Entry(
         "CB112",
@@ -96,12 +108,76 @@ READING = (
         "'{tag}' is a tag, and documents have none",
         "Types follow from the kind of document, never from tags in the text.",
         program("actions: [track]\ndescription: !!python/name:os.system x\n"),
+        good=program("actions: [track]\ndescription: x\n"),
     ),
     Entry(
         "CB113",
         "key that is no text",
         "this key is a list or a mapping; keys are text",
         "Quote a key that begins with a bracket or a brace.",
-        HEAD + "? [a, b]\n: 1\n",
+        program("actions: [track]\npolicy: {[X]: track}\n"),
+        good=program('actions: [track]\npolicy: {"X": track}\n'),
+    ),
+    Entry(
+        "CB114",
+        "word that some readers take for true or false",
+        "'{text}' is true or false to some readers of YAML and text to others",
+        "In YAML 1.1 `NO` is false, and a country is lost. Write `true` or `false`, or quotes "
+        "where the word is meant.",
+        program("actions: [track]\ndescription: NO\n"),
+        good=program('actions: [track]\ndescription: "NO"\n'),
+    ),
+    Entry(
+        "CB115",
+        "number in base 60",
+        "'{text}' is a number in base 60 to some readers of YAML and text to others",
+        "In YAML 1.1 `12:30:45` is 45045. Write the number with its unit, or quotes where text is "
+        "meant.",
+        program("actions: [track]\nlimits: {transition_time: 1:30}\n"),
+        good=program("actions: [track]\nlimits: {transition_time: 90 s}\n"),
+    ),
+    Entry(
+        "CB116",
+        "number of another base, or with '_'",
+        "'{text}' is a number to some readers of YAML and text to others",
+        "Write decimal digits and nothing between them, or quotes where text is meant.",
+        program("actions: [track]\nlimits: {transitions: 1_000}\n"),
+        good=program("actions: [track]\nlimits: {transitions: 1000}\n"),
+    ),
+    Entry(
+        "CB117",
+        "tab where spaces are wanted",
+        "a tab; lines are indented with spaces",
+        "YAML forbids tabs in front of a line, because they are as wide as each editor likes.",
+        program("actions: [track]\nlimits:\n\ttransitions: 100\n"),
+        good=program("actions: [track]\nlimits:\n  transitions: 100\n"),
+    ),
+    Entry(
+        "CB118",
+        "invisible character",
+        "{character} is invisible; this and others like it have to go",
+        "Characters without width, byte order marks within a text, and those that turn the "
+        "direction of writing make names differ that look the same. They come from web pages and "
+        "from files that were joined.",
+        program("actions: [track\u200b]\n"),
+        good=_TRACKING,
+    ),
+    Entry(
+        "CB119",
+        "nested too deeply",
+        "this is nested more than {bound} levels deep",
+        "No document needs a fraction of it: brackets are not closed, or the text was made to "
+        "exhaust its reader.",
+        HEAD + "controllers: " + "[" * 70 + "]" * 70 + "\n",
+        good=_TRACKING,
+    ),
+    Entry(
+        "CB120",
+        "number that a computer does not hold",
+        "'{text}' has more digits, or is larger or smaller, than numbers are kept with",
+        "Numbers are 64-bit floats: integers are exact up to 2**53, and sizes go from 1e-308 to "
+        "1e308. Write fewer digits, or quotes where text is meant.",
+        program("actions: [track]\nlimits: {transitions: 100000000000000000000}\n"),
+        good=program("actions: [track]\nlimits: {transitions: 100}\n"),
     ),
 )

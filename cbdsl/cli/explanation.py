@@ -1,0 +1,58 @@
+"""An entry of the catalogue as text, and the catalogue as a page of documentation."""
+
+from __future__ import annotations
+
+import textwrap
+from collections.abc import Iterable, Iterator
+from difflib import unified_diff
+
+from cbdsl.errors.entry import Entry
+
+_HEAD = """\
+# Findings
+
+What `cb validate` can find, by code. `cb explain CODE` prints the same in a terminal. Each example
+is a whole document: without the lines marked `+` it has the finding, without those marked `-` it
+has none. This page is written by `cb explain --all --markdown`.
+"""
+
+
+def explanation(entry: Entry) -> str:
+    """What a person reads in a terminal."""
+    parts = [f"{entry.code}: {entry.title}", textwrap.fill(entry.explanation, 88)]
+    example = "\n".join(_difference(entry))
+    if example:
+        parts.append(f"For example, {entry.path}, with (-) and without (+) it:")
+        parts.append(textwrap.indent(example, "    "))
+    return "\n\n".join(parts)
+
+
+def page(entries: Iterable[Entry]) -> str:
+    """A page of Markdown with a section for each entry."""
+    return "\n".join([_HEAD, *(_section(entry) for entry in entries)]).rstrip("\n")
+
+
+def _section(entry: Entry) -> str:
+    kind = "" if entry.severity.value == "error" else " (warning)"
+    example = "\n".join(_difference(entry))
+    block = f"\n```diff\n{example}\n```\n" if example else ""
+    return (
+        f"## {entry.code}: {entry.title}{kind}\n\n{textwrap.fill(entry.explanation, 100)}\n{block}"
+    )
+
+
+def _difference(entry: Entry) -> Iterator[str]:
+    """The lines of both examples; none where the bad one is no file at all."""
+    if entry.bad is None or entry.good is None:
+        return
+    text = entry.bad if isinstance(entry.bad, str) else entry.bad.decode("utf-8", "replace")
+    bad, good = _shown(text), _shown(entry.good)
+    lines = unified_diff(bad, good, lineterm="", n=len(bad) + len(good))
+    for number, line in enumerate(lines):
+        if number > 2:  # behind the names of the two files and the numbers of their lines
+            yield line.rstrip() if line.startswith(" ") else line
+
+
+def _shown(text: str) -> list[str]:
+    """The lines of an example, with what cannot be seen made visible."""
+    return [line.replace("\t", "→") for line in text.splitlines()]

@@ -1,0 +1,48 @@
+"""Findings as GitHub shows them beside the lines of a pull request: workflow commands."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from cbdsl.cli.report import Report
+from cbdsl.errors.diagnostic import Diagnostic
+
+# What a workflow command may not hold as it is; the sign of the escapes comes first.
+_IN_MESSAGES = {"%": "%25", "\r": "%0D", "\n": "%0A"}
+_IN_PROPERTIES = {**_IN_MESSAGES, ":": "%3A", ",": "%2C"}
+
+
+def github(report: Report) -> str:
+    """One line per finding."""
+    return "\n".join(_annotation(diagnostic) for diagnostic in report.findings)
+
+
+def _annotation(diagnostic: Diagnostic) -> str:
+    place = diagnostic.place
+    properties = {
+        "file": Path(place.file).as_posix(),
+        "line": place.line,
+        "col": place.column,
+        "endLine": place.line,
+        "endColumn": place.end_column,
+        "title": diagnostic.code,
+    }
+    written = ",".join(
+        f"{key}={_escaped(str(value), _IN_PROPERTIES)}" for key, value in properties.items()
+    )
+    return (
+        f"::{diagnostic.severity.value} {written}::{_escaped(_message(diagnostic), _IN_MESSAGES)}"
+    )
+
+
+def _message(diagnostic: Diagnostic) -> str:
+    """The message, the name that was probably meant, and the places that it speaks of."""
+    meant = [f"did you mean '{diagnostic.nearest}'?"] if diagnostic.nearest else []
+    related = [f"{related.place}: {related.message}" for related in diagnostic.related]
+    return "\n".join([diagnostic.message, *meant, *related])
+
+
+def _escaped(text: str, escapes: dict[str, str]) -> str:
+    for character, escape in escapes.items():
+        text = text.replace(character, escape)
+    return text

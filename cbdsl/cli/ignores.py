@@ -1,0 +1,61 @@
+"""Findings without those that comments silence, and what is wrong with such comments."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from cbdsl.errors.diagnostic import Diagnostic
+    from cbdsl.yaml_text.ignores import Ignore
+    from cbdsl.yaml_text.library import Library
+
+
+def heed_ignores(
+    found: Iterable[Diagnostic], files: Iterable[Path], library: Library
+) -> list[Diagnostic]:
+    """Take away what is ignored, and add findings about ignores, by place.
+
+    Args:
+        found: findings in some files and in what they refer to.
+        files: the files that were checked for themselves; only there an ignore can be idle.
+        library: where their texts are.
+    """
+    findings = list(found)
+    own = {str(file): file for file in files}
+    texts = {**{d.place.file: Path(d.place.file) for d in findings}, **own}
+    ignores = {file: _ignores(path, library) for file, path in texts.items()}
+    silenced = {d for d in findings if _silencing(d, ignores[d.place.file])}
+    hits = {id(ignore) for d in silenced for ignore in _silencing(d, ignores[d.place.file])}
+    kept = [diagnostic for diagnostic in findings if diagnostic not in silenced]
+    faults = [f for file in own for ignore in ignores[file] for f in _faults(ignore, hits)]
+    return sorted([*kept, *faults], key=lambda diagnostic: (diagnostic.place, diagnostic.code))
+
+
+def _ignores(path: Path, library: Library) -> list[Ignore]:
+    from cbdsl.errors.errors import DiagnosticsError
+    from cbdsl.yaml_text.ignores import read_ignores
+
+    try:
+        return read_ignores(library.text(path), str(path))
+    except DiagnosticsError:
+        return []  # it cannot be read, which is a finding already
+
+
+def _silencing(diagnostic: Diagnostic, ignores: Iterable[Ignore]) -> list[Ignore]:
+    key = diagnostic.place.line, diagnostic.code
+    return [ignore for ignore in ignores if (ignore.line, ignore.code) == key]
+
+
+def _faults(ignore: Ignore, hits: set[int]) -> Iterator[Diagnostic]:
+    from cbdsl.errors.catalogue import CATALOGUE
+    from cbdsl.errors.wording import diagnostic
+
+    if ignore.code not in CATALOGUE:
+        yield diagnostic("CB803", ignore.place, candidates=list(CATALOGUE), name=ignore.code)
+        return
+    if id(ignore) not in hits:
+        yield diagnostic("CB801", ignore.place, ignored=ignore.code)
+    if not ignore.reason:
+        yield diagnostic("CB802", ignore.place, ignored=ignore.code)

@@ -1,0 +1,41 @@
+"""Findings for scripts; ``docs/ci.md`` documents every key."""
+
+from __future__ import annotations
+
+import json
+from typing import Any
+
+from cbdsl.cli.report import Report
+from cbdsl.errors.diagnostic import Diagnostic, Place
+
+#: Grows when a key changes its meaning or goes; new keys may come without it.
+VERSION = 1
+
+
+def json_report(report: Report) -> str:
+    """One object: the version of this format, how much was found, and every finding."""
+    data = {
+        "version": VERSION,
+        "documents": report.documents,
+        "errors": report.errors,
+        "warnings": report.warnings,
+        "left_out": report.left_out,
+        "findings": [_finding(diagnostic) for diagnostic in report.findings],
+    }
+    return json.dumps(data, indent=2, ensure_ascii=False)
+
+
+def _finding(diagnostic: Diagnostic) -> dict[str, Any]:
+    return {
+        "code": diagnostic.code,
+        "severity": diagnostic.severity.value,
+        "message": diagnostic.message,
+        "place": _place(diagnostic.place),
+        "nearest": diagnostic.nearest,
+        "allowed": list(diagnostic.allowed),
+        "related": [{"place": _place(r.place), "message": r.message} for r in diagnostic.related],
+    }
+
+
+def _place(place: Place) -> dict[str, Any]:
+    return place._asdict()

@@ -1,0 +1,82 @@
+"""Findings in SARIF 2.1.0, the OASIS standard for the results of static analysis."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Sequence
+from importlib.metadata import version
+from pathlib import Path
+from typing import Any
+from urllib.parse import quote
+
+from cbdsl.cli.report import Report
+from cbdsl.errors.catalogue import CATALOGUE
+from cbdsl.errors.diagnostic import Diagnostic, Place
+from cbdsl.errors.entry import Entry
+
+_SCHEMA = (
+    "https://docs.oasis-open.org/sarif/sarif/v2.1.0/errata01/os/schemas/sarif-schema-2.1.0.json"
+)
+
+
+def sarif(report: Report) -> str:
+    """One run; its rules are the entries of the catalogue that were found."""
+    codes = sorted({diagnostic.code for diagnostic in report.findings})
+    driver = {
+        "name": "cbdsl",
+        "version": version("cbdsl"),
+        "rules": [_rule(CATALOGUE[code]) for code in codes],
+    }
+    run = {
+        "tool": {"driver": driver},
+        "columnKind": "unicodeCodePoints",
+        "results": [_result(diagnostic, codes) for diagnostic in report.findings],
+    }
+    log = {"$schema": _SCHEMA, "version": "2.1.0", "runs": [run]}
+    return json.dumps(log, indent=2, ensure_ascii=False)
+
+
+def _rule(entry: Entry) -> dict[str, Any]:
+    return {
+        "id": entry.code,
+        "shortDescription": {"text": entry.title},
+        "fullDescription": {"text": entry.explanation},
+        "help": {"text": entry.explanation, "markdown": entry.explanation},
+        "defaultConfiguration": {"level": entry.severity.value},
+    }
+
+
+def _result(diagnostic: Diagnostic, codes: Sequence[str]) -> dict[str, Any]:
+    meant = f"; did you mean '{diagnostic.nearest}'?" if diagnostic.nearest else ""
+    result: dict[str, Any] = {
+        "ruleId": diagnostic.code,
+        "ruleIndex": codes.index(diagnostic.code),
+        "level": diagnostic.severity.value,
+        "message": {"text": diagnostic.message + meant},
+        "locations": [_location(diagnostic.place)],
+    }
+    related = [
+        {"id": i, **_location(other.place), "message": {"text": other.message}}
+        for i, other in enumerate(diagnostic.related)
+    ]
+    return {**result, "relatedLocations": related} if related else result
+
+
+def _location(place: Place) -> dict[str, Any]:
+    region = {
+        "startLine": place.line,
+        "startColumn": place.column,
+        "endColumn": place.end_column,
+    }
+    return {
+        "physicalLocation": {
+            "artifactLocation": {"uri": _uri(place.file)},
+            "region": region,
+        }
+    }
+
+
+def _uri(file: str) -> str:
+    """A path as a URI: relative where the path is."""
+    path = Path(file)
+    return path.as_uri() if path.is_absolute() else quote(path.as_posix())

@@ -1,0 +1,18 @@
+"""Texts from documents as messages may quote them."""
+
+from __future__ import annotations
+
+import re
+
+#: Characters that move a terminal's cursor, break a line, or show nothing at all.
+UNSEEN = re.compile(
+    "[\x00-\x1f\x7f-\x9f\u200b\u200e\u200f\u2028-\u202e\u2060\u2066-\u2069\ufeff\ud800-\udfff]"
+)
+_LONGEST = 400
+
+
+def legible(text: str) -> str:
+    """A text on one line, with unseen characters written as escapes, and no longer than a page."""
+    if len(text) > _LONGEST:
+        text = f"{text[: _LONGEST // 2]} … {text[-_LONGEST // 4 :]}"
+    return UNSEEN.sub(lambda unseen: unseen[0].encode("unicode_escape").decode(), text)

@@ -1,0 +1,89 @@
+"""Comments that silence a finding: ``# cb: ignore CB701 kept for the demonstration``."""
+
+from __future__ import annotations
+
+import re
+from bisect import bisect_right
+from collections.abc import Iterator
+from typing import Any, NamedTuple
+
+import yaml
+
+from cbdsl.errors.diagnostic import Place
+from cbdsl.errors.lines import lines_of
+from cbdsl.yaml_text.composer import LOADER
+
+_MARK = "cb: ignore"
+_IGNORE = re.compile(r"(?:^|(?<=\s))#\s*cb: ignore\b[ \t]*(?P<code>\w*)[ \t]*(?P<reason>.*?)\s*$")
+_COMMENT = re.compile(r"\s*(?:#|$)")
+
+
+class Ignore(NamedTuple):
+    """One such comment.
+
+    Attributes:
+        code: the finding that it silences, as written.
+        reason: why; empty where nothing is said.
+        place: where it stands.
+        line: where the finding has to be, from 1.
+    """
+
+    code: str
+    reason: str
+    place: Place
+    line: int
+
+
+def read_ignores(text: str, file: str) -> list[Ignore]:
+    """The comments of a text that silence findings.
+
+    One behind a value is for its own line, one on a line of its own for the next line that is
+    neither empty nor a comment.
+    """
+    if _MARK not in text:
+        return []
+    lines, quoted = lines_of(text), _Scalars(text)
+    found = []
+    for number, line in enumerate(lines, 1):
+        match = _IGNORE.search(line)
+        if match and not quoted.hold(number, match.start()):
+            place = Place(file, number, match.start() + 1, match.end() + 1)
+            target = number if line[: match.start()].strip() else _next_line(lines, number)
+            found.append(Ignore(match["code"], match["reason"], place, target))
+    return found
+
+
+def _next_line(lines: list[str], number: int) -> int:
+    below = range(number, len(lines))
+    return next((i + 1 for i in below if not _COMMENT.match(lines[i])), number)
+
+
+class _Scalars:
+    """Where the texts of a document are, in which a ``#`` begins no comment."""
+
+    def __init__(self, text: str) -> None:
+        spans = [(_position(e.start_mark), _position(e.end_mark)) for e in _scalars(text)]
+        self._starts = [start for start, _ in spans]
+        self._ends = [end for _, end in spans]
+
+    def hold(self, line: int, column: int) -> bool:
+        """Whether a character is part of a text; lines from 1, columns from 0."""
+        position = (line - 1, column)
+        i = bisect_right(self._starts, position) - 1
+        return i >= 0 and position < self._ends[i]
+
+
+def _position(mark: Any) -> tuple[int, int]:
+    return mark.line, mark.column
+
+
+def _scalars(text: str) -> Iterator[Any]:
+    """The scalars of a YAML text, up to where it stops being one."""
+    loader = LOADER(text)
+    try:
+        while loader.check_event():
+            event = loader.get_event()
+            if isinstance(event, yaml.ScalarEvent):
+                yield event
+    except yaml.YAMLError:
+        return
