@@ -11,6 +11,14 @@ class UrdfError(ValueError):
     """A URDF model cannot be read; the message says why."""
 
 
+class Mimic(NamedTuple):
+    """What a passive joint follows: ``ratio`` times the position of another, plus ``offset``."""
+
+    joint: str
+    ratio: float
+    offset: float
+
+
 class UrdfJoint(NamedTuple):
     """A joint of the model; limits in rad, or m where it slides.
 
@@ -23,6 +31,8 @@ class UrdfJoint(NamedTuple):
     revolute: bool
     lower: float
     upper: float
+    fixed: bool = False
+    mimic: Mimic | None = None
 
 
 class UrdfModel(NamedTuple):
@@ -97,7 +107,16 @@ def _joint(element: ElementTree.Element, links: frozenset[str]) -> UrdfJoint:
         revolute=kind == "revolute",
         lower=-math.inf if lower is None else lower,
         upper=math.inf if upper is None else upper,
+        fixed=kind == "fixed",
+        mimic=_mimic(element.find("mimic")),
     )
+
+
+def _mimic(element: ElementTree.Element | None) -> Mimic | None:
+    if element is None:
+        return None
+    ratio, offset = element.get("multiplier", "1"), element.get("offset", "0")
+    return Mimic(element.get("joint", ""), float(ratio), float(offset))
 
 
 def _limit(limit: ElementTree.Element | None, key: str) -> float | None:

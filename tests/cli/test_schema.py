@@ -56,8 +56,8 @@ def test_one_schema_or_all_are_printed(
 def test_wrong_calls_exit_with_2(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    assert cb(monkeypatch, "schema", "progam") == 2
-    assert "did you mean 'program'?" in capsys.readouterr().err
+    assert cb(monkeypatch, "schema", "robo") == 2
+    assert "did you mean 'robot'?" in capsys.readouterr().err
     (tmp_path / "file").touch()
     assert cb(monkeypatch, "schema", "--write", str(tmp_path / "file" / "below")) == 2
     assert "Traceback" not in capsys.readouterr().err

@@ -1,0 +1,115 @@
+"""Chains: the unbranched rows of actuated joints that a model suggests as effectors."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+from itertools import takewhile
+from typing import NamedTuple
+
+from cbdsl.robot.urdf import UrdfJoint, UrdfModel
+
+
+class Chain(NamedTuple):
+    """Joints that move one another's links.
+
+    Attributes:
+        name: a name that programs can use, distinct among the chains of a model.
+        joints: actuated joints, from the root outwards.
+        tip: the link at its end, past what is fixed to the last joint's.
+    """
+
+    name: str
+    joints: tuple[UrdfJoint, ...]
+    tip: str
+
+
+def root(model: UrdfModel) -> str:
+    """The link that no joint moves; the first by name where there are several."""
+    return min(model.links - {joint.child for joint in model.joints.values()}, default="")
+
+
+def chains(model: UrdfModel) -> list[Chain]:
+    """All chains of a model, from the root outwards; they part where several branches move."""
+    found = list(_chains(_branches(model), root(model), ()))
+    if len(found) == 1 and len(found[0].joints) > 2:
+        return [found[0]._replace(name="arm")]
+    named: dict[str, Chain] = {}
+    for chain in found:
+        name = _distinct(chain.name, named)
+        named[name] = chain._replace(name=name)
+    return list(named.values())
+
+
+_Branches = dict[str, list[UrdfJoint]]
+
+
+def _branches(model: UrdfModel) -> _Branches:
+    """Joints by the link that they leave from."""
+    branches: _Branches = {}
+    for joint in model.joints.values():
+        branches.setdefault(joint.parent, []).append(joint)
+    return branches
+
+
+def _chains(
+    branches: _Branches, link: str, joints: tuple[UrdfJoint, ...], depth: int = 0
+) -> Iterator[Chain]:
+    """The chain that has come to a link with some joints, and those beyond it."""
+    leaving = branches.get(link, []) if depth < _DEEPEST else []
+    moving = [joint for joint in leaving if _moves(branches, joint)]
+    only = moving[0] if len(moving) == 1 else None
+    if only is None and joints and not moving:
+        link = _end(branches, link)
+    if only is not None and (only.fixed or _actuated(only)):
+        more = (only,) if _actuated(only) else ()
+        yield from _chains(branches, only.child, joints + more, depth + 1)
+        return
+    if joints:
+        yield Chain(_name(joints), joints, link)
+    for joint in moving:
+        own = (joint,) if _actuated(joint) else ()
+        yield from _chains(branches, joint.child, own, depth + 1)
+
+
+_DEEPEST = 200  # joints in a row: bounds the walk where a model has a loop
+
+
+def _actuated(joint: UrdfJoint) -> bool:
+    return joint.revolute and joint.mimic is None and joint.lower <= joint.upper
+
+
+def _moves(branches: _Branches, joint: UrdfJoint, depth: int = 0) -> bool:
+    """Whether a joint, or one beyond it, moves at all."""
+    return not joint.fixed or (
+        depth < _DEEPEST
+        and any(_moves(branches, beyond, depth + 1) for beyond in branches.get(joint.child, []))
+    )
+
+
+def _end(branches: _Branches, link: str) -> str:
+    """The last link that is fixed to another in a row."""
+    for _ in range(_DEEPEST):
+        leaving = branches.get(link, [])
+        if len(leaving) != 1:
+            break
+        link = leaving[0].child
+    return link
+
+
+def _name(joints: tuple[UrdfJoint, ...]) -> str:
+    """What the names of its joints have in common."""
+    names = [joint.name for joint in joints]
+    alike = takewhile(lambda letters: len(set(letters)) == 1, zip(*names, strict=False))
+    common = "".join(letters[0] for letters in alike)
+    name = re.sub(r"\W+", "_", common, flags=re.ASCII).strip("_")
+    name = re.sub(r"_?(joint|motor)$", "", name)
+    return name if re.match(r"[A-Za-z]", name) else "chain"
+
+
+def _distinct(name: str, taken: dict[str, Chain]) -> str:
+    number = 2
+    distinct = name
+    while distinct in taken:
+        distinct, number = f"{name}_{number}", number + 1
+    return distinct

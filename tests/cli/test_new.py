@@ -1,0 +1,102 @@
+"""``cb new``: what it writes has no findings, and is never written over something."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from cbdsl.checking.document import check_document
+from cbdsl.checking.program import check_program
+from cbdsl.checking.session import Session
+from cbdsl.documents.robot import RobotDocument
+from cbdsl.yaml_text.library import Library
+from tests.cli.test_main import cb
+from tests.robot.test_chains import MODELS
+
+
+@pytest.fixture(autouse=True)
+def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
+@pytest.mark.parametrize("model", MODELS, ids=lambda path: path.stem)
+def test_robots_of_any_model_and_their_programs_and_stages_are_clean(
+    model: Path, folder: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    assert cb(monkeypatch, "new", "robot", "fresh", "--urdf", str(model)) == 0
+    assert cb(monkeypatch, "new", "stage", "desk", "--robot", "fresh") == 0
+    assert cb(monkeypatch, "new", "program", "move", "--robot", "fresh") == 0
+    session = Session(Library(folder))
+    assert [
+        found for path in folder.rglob("*.yaml") for found in check_document(path, session=session)
+    ] == []
+    program = check_program(folder / "programs" / "move.yaml", {}, Library(folder))
+    assert (program.robot, program.stage) == ("fresh", "desk")
+
+
+def test_the_model_is_found_and_postures_are_within_its_limits(
+    folder: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    joint = '<joint name="{}" type="revolute"><parent link="{}"/><child link="{}"/>{}</joint>'
+    limits = '<limit lower="1" upper="3"/>', '<limit lower="-1" upper="3"/>'
+    model = folder / "two words.urdf"
+    model.write_text(
+        f'<robot><link name="a"/><link name="b"/><link name="c"/>'
+        f"{joint.format('0', 'a', 'b', limits[0])}{joint.format('no', 'b', 'c', limits[1])}</robot>"
+    )
+    there = folder / "deep" / "down"
+    assert cb(monkeypatch, "new", "robot", "r", "--urdf", str(model), "--to", str(there)) == 0
+    robot = Library(folder).read(there / "r.yaml", RobotDocument).document
+    assert (there / robot.model).resolve() == model.resolve()
+    (effector,) = robot.effectors.values()
+    assert (effector.joints, effector.postures) == (("0", "no"), {"ready": (2.0, 0.0)})
+
+
+def test_the_first_line_names_a_schema_that_is_there(
+    folder: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    for kind in ("program", "stage"):
+        assert cb(monkeypatch, "new", kind, "fresh") == 0
+    assert cb(monkeypatch, "schema", "--write", str(folder / "schemas")) == 0
+    assert cb(monkeypatch, "new", "program", "later") == 0
+    for path in folder.rglob("*.yaml"):
+        first = path.read_text("utf-8").splitlines()[0]
+        assert (path.parent / first.partition("$schema=")[2]).is_file(), first
+    later = (folder / "programs" / "later.yaml").read_text("utf-8")
+    assert "$schema=../schemas/program.schema.json\n" in later
+
+
+def test_what_is_there_stays_unless_forced(
+    folder: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    path = folder / "programs" / "mine.yaml"
+    path.parent.mkdir()
+    path.write_text("precious", "utf-8")
+    assert cb(monkeypatch, "new", "program", "mine") == 2
+    assert "--force" in capsys.readouterr().err and path.read_text("utf-8") == "precious"
+    assert cb(monkeypatch, "new", "program", "mine", "--force") == 0
+    assert check_document(path) == []
+
+
+@pytest.mark.parametrize(
+    "arguments",
+    [
+        ("program", "no-name"),
+        ("program", "p", "--robot", "dextr"),
+        ("robot", "r", "--urdf", "nowhere.urdf"),
+        ("robot", "r"),
+        ("stage", "s", "--to", "file/below"),
+    ],
+)
+def test_wrong_calls_write_nothing_and_exit_with_2(
+    arguments: tuple[str, ...],
+    folder: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    (folder / "file").touch()
+    assert cb(monkeypatch, "new", *arguments) == 2
+    assert "Traceback" not in capsys.readouterr().err
+    assert list(folder.rglob("*.yaml")) == []

@@ -1,0 +1,88 @@
+"""Chains of actuated joints, in the models that PyBullet and this package ship."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pybullet_data
+import pytest
+
+from cbdsl.robot.chains import chains, root
+from cbdsl.robot.urdf import UrdfError, UrdfModel, read_urdf
+from cbdsl.yaml_text.library import shipped
+
+
+def readable_models() -> list[Path]:
+    found = []
+    folders = (Path(pybullet_data.getDataPath()), shipped() / "robots")
+    for path in sorted(file for folder in folders for file in folder.rglob("*.urdf")):
+        try:
+            model = read_urdf(path)
+        except UrdfError:
+            continue
+        if chains(model):
+            found.append(path)
+    return found
+
+
+MODELS = readable_models()
+
+
+def read(name: str) -> UrdfModel:
+    return read_urdf(next(path for path in MODELS if str(path).endswith(name)))
+
+
+@pytest.mark.parametrize("path", MODELS, ids=lambda path: path.stem)
+def test_chains_are_disjoint_rows_of_revolute_joints(path: Path) -> None:
+    model = read_urdf(path)
+    found = chains(model)
+    joints = [joint.name for chain in found for joint in chain.joints]
+    assert len(set(joints)) == len(joints) and set(joints) <= set(model.revolute)
+    assert len({chain.name for chain in found}) == len(found)
+    for chain in found:
+        row = [joint.name for joint in chain.joints]
+        above = list(model.above(chain.tip))
+        assert list(reversed(above))[-len(row) :] == row
+    assert root(model) not in {joint.child for joint in model.joints.values()}
+
+
+def test_every_joint_that_is_actuated_is_in_a_chain() -> None:
+    for path in MODELS:
+        model = read_urdf(path)
+        mimics = {joint.name for joint in model.joints.values() if joint.mimic}
+        empty = {joint.name for joint in model.joints.values() if joint.lower > joint.upper}
+        joints = {joint.name for chain in chains(model) for joint in chain.joints}
+        assert joints == set(model.revolute) - mimics - empty, path
+
+
+@pytest.mark.parametrize(
+    ("name", "tip"), [("kuka_iiwa/model.urdf", "lbr_iiwa_link_7"), ("panda.urdf", "panda_hand")]
+)
+def test_an_arm_ends_where_its_hand_begins(name: str, tip: str) -> None:
+    (arm,) = chains(read(name))
+    assert (arm.name, len(arm.joints), arm.tip) == ("arm", 7, tip)
+
+
+def test_legs_are_named_by_what_their_joints_share() -> None:
+    legs = chains(read("a1.urdf"))
+    assert {leg.name: len(leg.joints) for leg in legs} == dict.fromkeys(("FR", "FL", "RR", "RL"), 3)
+
+
+def test_joints_that_follow_others_are_not_actuated() -> None:
+    model = read("xarm6_with_gripper.urdf")
+    gripper = chains(model)[-1]
+    assert [joint.name for joint in gripper.joints] == ["drive_joint"]
+    followers = [joint.mimic.joint for joint in model.joints.values() if joint.mimic]
+    assert set(followers) == {"drive_joint"}
+
+
+def test_a_loop_of_joints_is_no_endless_walk(tmp_path: Path) -> None:
+    joint = (
+        '<joint name="{}" type="revolute"><parent link="{}"/><child link="{}"/>'
+        '<limit lower="-1" upper="1"/></joint>'
+    )
+    joints = [joint.format("in", "a", "b"), joint.format("to", "b", "c")]
+    path = tmp_path / "loop.urdf"
+    links = "".join(f'<link name="{name}"/>' for name in "abc")
+    path.write_text(f"<robot>{links}{''.join(joints)}{joint.format('back', 'c', 'b')}</robot>")
+    assert all(chain.joints for chain in chains(read_urdf(path)))
