@@ -10,33 +10,41 @@ import pytest
 
 from cbdsl.checking.document import check_document
 from cbdsl.checking.session import Session
+from cbdsl.cli.ignores import heed_ignores
 from cbdsl.errors.catalogue import CATALOGUE
+from cbdsl.errors.diagnostic import Diagnostic
 from cbdsl.errors.entry import Entry
 from cbdsl.yaml_text.library import Library
 
 SOURCES = Path(__file__).resolve().parents[2] / "cbdsl"
 
 
-def write_example(entry: Entry, folder: Path) -> Path:
-    path = folder / entry.path
+def findings(entry: Entry, example: str | bytes | None, folder: Path) -> list[Diagnostic]:
+    """What is found in one of an entry's examples."""
     for name, text in entry.beside.items():
         beside = folder / name
         beside.parent.mkdir(parents=True, exist_ok=True)
         beside.write_text(text, encoding="utf-8")
+    path = folder / entry.path
     path.parent.mkdir(parents=True, exist_ok=True)
-    if isinstance(entry.bad, bytes):
-        path.write_bytes(entry.bad)
-    elif entry.bad is not None:
-        path.write_text(entry.bad, encoding="utf-8")
-    return path
+    if example is not None:
+        path.write_bytes(example if isinstance(example, bytes) else example.encode("utf-8"))
+    library = Library(folder)
+    found = check_document(path, session=Session(library))
+    return heed_ignores(found, [path], library)
 
 
 @pytest.mark.parametrize("entry", CATALOGUE.values(), ids=CATALOGUE)
-def test_example_has_exactly_this_fault(entry: Entry, tmp_path: Path) -> None:
-    path = write_example(entry, tmp_path)
-    found = check_document(path, session=Session(Library(tmp_path)))
+def test_bad_example_has_exactly_this_fault(entry: Entry, tmp_path: Path) -> None:
+    found = findings(entry, entry.bad, tmp_path)
     assert {diagnostic.code for diagnostic in found} == {entry.code}
     assert all(diagnostic.severity is entry.severity for diagnostic in found)
+
+
+@pytest.mark.parametrize("entry", CATALOGUE.values(), ids=CATALOGUE)
+def test_good_example_has_no_fault(entry: Entry, tmp_path: Path) -> None:
+    assert entry.good is not None
+    assert findings(entry, entry.good, tmp_path) == []
 
 
 @pytest.mark.parametrize("entry", CATALOGUE.values(), ids=CATALOGUE)

@@ -16,6 +16,7 @@ COMPOSITIONS = (
         "priority. `<|` is accepted for `◁`. A controller with parameters is called with "
         "arguments, as in `reach(sat_10, right_arm)`.",
         program("actions: [track, track ◁ ]\n"),
+        good=program("actions: [track]\n"),
     ),
     Entry(
         "CB402",
@@ -23,6 +24,9 @@ COMPOSITIONS = (
         "there is no parameter '{name}'",
         "`$name` stands for the value of a parameter of the program or of the controller.",
         controller("potential: spring, reference: 0, feedback: cyclopean.$feature, effector: head"),
+        good=controller(
+            "potential: spring, reference: 0, feedback: cyclopean.motion, effector: head"
+        ),
     ),
     Entry(
         "CB403",
@@ -31,6 +35,7 @@ COMPOSITIONS = (
         "A call binds each of a controller's `parameters` in order. Programs and compositions "
         "take none; a program's parameters are set under `use`.",
         program("actions: [track(motion)]\n"),
+        good=program("actions: [track]\n"),
     ),
     Entry(
         "CB404",
@@ -38,6 +43,7 @@ COMPOSITIONS = (
         "there is no controller or program '{name}'",
         "A composition names entries of `controllers`; an action can also be an entry of `use`.",
         program("actions: [trak]\n"),
+        good=program("actions: [track]\n"),
     ),
     Entry(
         "CB405",
@@ -45,6 +51,7 @@ COMPOSITIONS = (
         "'{name}' is made of itself: {cycle}",
         "A composition that contains itself never ends.",
         _TWO + "  look: search ◁ watch\n  watch: look ◁ track\nactions: [watch, search, track]\n",
+        good=_TWO + "  watch: search ◁ track\nactions: [watch, search, track]\n",
     ),
     Entry(
         "CB406",
@@ -52,11 +59,11 @@ COMPOSITIONS = (
         "'{name}' is a program, and a program cannot be composed",
         "A program chooses its own actions over time, so it has no single control law whose "
         "nullspace a controller could use. Make it an action by itself.",
-        f"{HEAD}use:\n  looking: {{program: looking}}\ncontrollers:\n  track: {TRACK}\n"
-        "actions: [track, looking, track ◁ looking]\n",
+        program("actions: [track, looking, track ◁ looking]\nuse: {looking: {program: looking}}\n"),
         beside={
             "programs/looking.yaml": program("actions: [track]\n").replace("example", "looking")
         },
+        good=program("actions: [track, looking]\nuse: {looking: {program: looking}}\n"),
     ),
     Entry(
         "CB407",
@@ -64,5 +71,6 @@ COMPOSITIONS = (
         "'{name}' occurs twice in this composition",
         "The second occurrence has nothing left to do in the nullspace of the first.",
         _TWO + "actions: [search, track, track ◁ search ◁ track]\n",
+        good=_TWO + "actions: [search, track, search ◁ track]\n",
     ),
 )

@@ -16,6 +16,9 @@ CONTROLLERS = (
         "`right_hand.finger_1.force`, `left.hue_4`, `stereo.hue_4`. `cb show resources` lists "
         "them with their types.",
         controller("potential: spring, reference: 0, feedback: cyclopean.moton, effector: head"),
+        good=controller(
+            "potential: spring, reference: 0, feedback: cyclopean.motion, effector: head"
+        ),
     ),
     Entry(
         "CB502",
@@ -23,6 +26,9 @@ CONTROLLERS = (
         "there is no potential '{name}'",
         "The potentials are the artificial potential functions of the control basis.",
         controller("potential: sprong, reference: 0, feedback: cyclopean.motion, effector: head"),
+        good=controller(
+            "potential: spring, reference: 0, feedback: cyclopean.motion, effector: head"
+        ),
     ),
     Entry(
         "CB503",
@@ -31,16 +37,21 @@ CONTROLLERS = (
         "Each potential is a function of certain types only; joint limits, for example, mean "
         "nothing to a force.",
         controller("potential: range, feedback: cyclopean.motion, effector: head"),
+        good=controller("potential: range, feedback: head, effector: head"),
     ),
     Entry(
         "CB504",
         "reference and feedback of different types",
-        "the reference '{reference}' is {reference_type}, the feedback '{feedback}' is "
-        "{feedback_type}",
+        "types differ: the reference '{reference}' is of type {reference_type}, the feedback "
+        "'{feedback}' of type {feedback_type}",
         "Types are nominal: a force is not a position, although both have three components, "
         "and the configurations of two effectors with different joints cannot be compared.",
         controller(
             "potential: spring, reference: stereo.motion, feedback: right_arm, effector: right_arm"
+        ),
+        good=controller(
+            "potential: spring, reference: stereo.motion, feedback: right_arm.position, "
+            "effector: right_arm"
         ),
     ),
     Entry(
@@ -49,6 +60,7 @@ CONTROLLERS = (
         "{found} given for {feedback}, which has {wanted}",
         "A reference literal has one number per component of the feedback, or is a single 0.",
         controller("potential: spring, reference: [0, 0, 0], feedback: head, effector: head"),
+        good=controller("potential: spring, reference: [0, 0], feedback: head, effector: head"),
     ),
     Entry(
         "CB506",
@@ -56,6 +68,9 @@ CONTROLLERS = (
         "{problem}",
         "The quantity has the unit of another type than the controller's feedback.",
         controller("potential: spring, reference: [0 cm, 0 cm], feedback: head, effector: head"),
+        good=controller(
+            "potential: spring, reference: [0 deg, 0 deg], feedback: head, effector: head"
+        ),
     ),
     Entry(
         "CB507",
@@ -65,6 +80,9 @@ CONTROLLERS = (
         "move through the Jacobian of the forward kinematics (Eq 3.17).",
         controller(
             "potential: spring, reference: 0, feedback: cyclopean.motion, effector: stereo.motion"
+        ),
+        good=controller(
+            "potential: spring, reference: 0, feedback: cyclopean.motion, effector: head"
         ),
     ),
     Entry(
@@ -76,6 +94,9 @@ CONTROLLERS = (
         "those of the hand and its arm. What is seen of the world moves only with an arm whose "
         "hand holds it.",
         controller("potential: spring, reference: 0, feedback: right_arm.position, effector: head"),
+        good=controller(
+            "potential: spring, reference: 0, feedback: cyclopean.motion, effector: head"
+        ),
     ),
     Entry(
         "CB509",
@@ -83,6 +104,9 @@ CONTROLLERS = (
         "the potential '{potential}' needs a reference",
         "This potential is a function of the difference between reference and feedback.",
         controller("potential: spring, feedback: cyclopean.motion, effector: head"),
+        good=controller(
+            "potential: spring, reference: 0, feedback: cyclopean.motion, effector: head"
+        ),
     ),
     Entry(
         "CB510",
@@ -90,6 +114,7 @@ CONTROLLERS = (
         "the potential '{potential}' takes no reference",
         "This potential is a function of the feedback alone.",
         controller("potential: range, reference: 0, feedback: head, effector: head"),
+        good=controller("potential: range, feedback: head, effector: head"),
     ),
     Entry(
         "CB511",
@@ -99,6 +124,10 @@ CONTROLLERS = (
         "the controller has its own.",
         controller(
             "potential: spring, reference: 0, feedback: right_hand.net.torque, effector: right_hand"
+        ),
+        good=controller(
+            "potential: spring, reference: 0, feedback: right_hand.net.torque, "
+            "effector: right_hand, gain: 1 /s, quiescence: {rate: 0.1, window: 1 s}"
         ),
     ),
     Entry(
@@ -111,6 +140,10 @@ CONTROLLERS = (
             "potential: spring, reference: 1 N along normals, feedback: right_arm.position, "
             "effector: right_arm"
         ),
+        good=controller(
+            "potential: spring, reference: 1 N along normals, feedback: right_hand.finger_forces, "
+            "effector: right_hand"
+        ),
     ),
     Entry(
         "CB513",
@@ -119,6 +152,7 @@ CONTROLLERS = (
         "`free_axis` is for orientations, `standoff` and `funnel` are for the position of a tip, "
         "`seek` is for the forces of fingers or hands, `manipulator` is for manipulability.",
         controller(_HEADING + ", free_axis: z"),
+        good=controller(_HEADING),
     ),
     Entry(
         "CB514",
@@ -131,6 +165,11 @@ CONTROLLERS = (
             "feedback: right_hand.finger_forces, effector: right_hand, "
             "seek: {once: reach}"
         ),
+        good=controller(
+            "potential: spring, reference: 1 N along normals, "
+            "feedback: right_hand.finger_forces, effector: right_hand, "
+            "seek: {until: 1 rad}"
+        ),
     ),
     Entry(
         "CB515",
@@ -139,6 +178,7 @@ CONTROLLERS = (
         "Manipulability is a function of the manipulator Jacobian, which belongs to the tip that "
         "the robot's document gives an effector, or each member of a group.",
         controller("potential: manipulability, feedback: head, effector: head"),
+        good=controller("potential: manipulability, feedback: right_arm, effector: right_arm"),
     ),
     Entry(
         "CB516",
@@ -157,5 +197,8 @@ CONTROLLERS = (
                 "  right: {link: eye, width: 320, height: 240, focal_length: 400}\n",
             ),
         },
+        good=f"{HEAD.replace('dexter', 'example')}controllers:\n  look: {{potential: spring, "
+        "reference: 0, feedback: left.motion, effector: head, gain: 8 /s, "
+        "quiescence: {rate: 1e-3, window: 0.5 s}}\nactions: [look]\n",
     ),
 )

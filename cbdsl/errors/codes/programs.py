@@ -20,6 +20,7 @@ PROGRAMS = (
         "there is no robot '{name}'",
         "A robot is `robots/<name>.yaml`, next to this document, here, or shipped.",
         program("actions: [track]\n", head=HEAD.replace("dexter", "dextre")),
+        good=program("actions: [track]\n"),
     ),
     Entry(
         "CB602",
@@ -27,6 +28,7 @@ PROGRAMS = (
         "there is no stage '{name}'",
         "A stage is `programs/stages/<name>.yaml`, next to this document, here, or shipped.",
         program("stage: tabel\nactions: [track]\n"),
+        good=program("stage: table_right\nactions: [track]\n"),
     ),
     Entry(
         "CB603",
@@ -35,6 +37,7 @@ PROGRAMS = (
         "Resources, joints and places differ from robot to robot.",
         program("stage: other\nactions: [track]\n"),
         beside={"programs/stages/other.yaml": _OTHER_STAGE, "robots/other.yaml": _SMALL_ROBOT},
+        good=program("stage: absent\nactions: [track]\n"),
     ),
     Entry(
         "CB604",
@@ -43,6 +46,7 @@ PROGRAMS = (
         "A program is `programs/<name>.yaml`, next to this document, here, or shipped.",
         program("use: {looking: {program: loking}}\nactions: [track, looking]\n"),
         beside={"programs/looking.yaml": _LOOKING},
+        good=program("use: {looking: {program: looking}}\nactions: [track, looking]\n"),
     ),
     Entry(
         "CB605",
@@ -50,6 +54,7 @@ PROGRAMS = (
         "'{name}' uses itself: {cycle}",
         "Running it would never begin.",
         program("use: {again: {program: example}}\nactions: [track, again]\n"),
+        good=program("actions: [track]\n"),
     ),
     Entry(
         "CB606",
@@ -63,6 +68,10 @@ PROGRAMS = (
             "programs/looking.yaml": _LOOKING.replace("motion", "$feature")
             + "parameters: {feature: motion}\n"
         },
+        good=program(
+            "use: {looking: {program: looking, with: {feature: hue_4}}}\n"
+            "actions: [track, looking]\n"
+        ),
     ),
     Entry(
         "CB607",
@@ -70,6 +79,7 @@ PROGRAMS = (
         "the action '{name}' is already there",
         "A policy could not tell them apart.",
         program("actions: [track, track]\n"),
+        good=program("actions: [track]\n"),
     ),
     Entry(
         "CB608",
@@ -78,6 +88,7 @@ PROGRAMS = (
         "A state has one predicate per action that is not a composition. Without one for this "
         "controller no policy could tell whether it has converged.",
         _TWO + "actions: [track, search ◁ track]\n",
+        good=_TWO + "actions: [search, track, search ◁ track]\n",
     ),
     Entry(
         "CB611",
@@ -85,6 +96,7 @@ PROGRAMS = (
         "state '{state}' has {found} for {wanted} ({members})",
         "A state has one letter for each action that is not a composition, in their order.",
         program('actions: [track]\npolicy: {"1-": track}\n'),
+        good=program('actions: [track]\npolicy: {"1": track}\n'),
     ),
     Entry(
         "CB612",
@@ -93,6 +105,7 @@ PROGRAMS = (
         "X: not activated; -: reference undefined; 0: transient; 1: quiescent (Eq 4.1); "
         "*: any of them.",
         program('actions: [track]\npolicy: {"2": track}\n'),
+        good=program('actions: [track]\npolicy: {"1": track}\n'),
     ),
     Entry(
         "CB613",
@@ -100,6 +113,7 @@ PROGRAMS = (
         "'{name}' is none of the actions",
         "A policy chooses from `actions`.",
         _TWO + 'actions: [search, track]\npolicy: {"**": search ◁ track}\n',
+        good=_TWO + 'actions: [search, track, search ◁ track]\npolicy: {"**": search ◁ track}\n',
     ),
     Entry(
         "CB614",
@@ -108,6 +122,8 @@ PROGRAMS = (
         "The pattern with the fewest `*` decides. Where two have equally many, add a pattern "
         "for the states that both match.",
         _TWO + 'actions: [search, track]\npolicy: {"1*": search, "*1": track, "**": track}\n',
+        good=_TWO + "actions: [search, track]\n"
+        'policy: {"1*": search, "*1": track, "11": track, "**": track}\n',
     ),
     Entry(
         "CB621",
@@ -118,5 +134,7 @@ PROGRAMS = (
         'policy: {"*": track}\n',
         "knowledge/example.yaml",
         {"programs/looking.yaml": _LOOKING},
+        good="cbdsl: 1\nkind: policy\nname: example\nprogram: looking\npredicates: [track]\n"
+        'policy: {"*": track}\n',
     ),
 )

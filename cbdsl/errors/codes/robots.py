@@ -15,8 +15,10 @@ ROBOTS = (
         "no URDF model",
         "the URDF model cannot be read: {problem}",
         "`model` is the path of a URDF file, relative to the robot's document.",
-        robot(),
+        robot().replace("example.urdf", "exmaple.urdf"),
         _PATH,
+        _MODEL,
+        good=robot(),
     ),
     Entry(
         "CB302",
@@ -27,6 +29,7 @@ ROBOTS = (
         robot("  head: {joints: [pam]}\n"),
         _PATH,
         _MODEL,
+        good=robot(),
     ),
     Entry(
         "CB303",
@@ -36,6 +39,7 @@ ROBOTS = (
         robot("  head: {joints: [pan], tip: {link: eyes}}\n"),
         _PATH,
         _MODEL,
+        good=robot("  head: {joints: [pan], tip: {link: eye}}\n"),
     ),
     Entry(
         "CB304",
@@ -45,6 +49,7 @@ ROBOTS = (
         robot("  head: {joints: [pan], postures: {ahead: [0, 0]}}\n"),
         _PATH,
         _MODEL,
+        good=robot("  head: {joints: [pan], postures: {ahead: [0]}}\n"),
     ),
     Entry(
         "CB305",
@@ -54,6 +59,7 @@ ROBOTS = (
         robot("  head: {joints: [pan], postures: {aside: [100 deg]}}\n"),
         _PATH,
         _MODEL,
+        good=robot("  head: {joints: [pan], postures: {aside: [50 deg]}}\n"),
     ),
     Entry(
         "CB306",
@@ -63,6 +69,7 @@ ROBOTS = (
         robot("  head: {joints: [pan], postures: {ahead: [0]}, start: ahed}\n"),
         _PATH,
         _MODEL,
+        good=robot("  head: {joints: [pan], postures: {ahead: [0]}, start: ahead}\n"),
     ),
     Entry(
         "CB307",
@@ -72,6 +79,7 @@ ROBOTS = (
         robot("  head: {joints: [pan]}\n  neck: {joints: [pan]}\n"),
         _PATH,
         _MODEL,
+        good=robot("  head: {joints: [pan]}\n"),
     ),
     Entry(
         "CB308",
@@ -82,6 +90,7 @@ ROBOTS = (
         robot(more="vision: {channels: {aliases: {green: hue_11}}}\n"),
         _PATH,
         _MODEL,
+        good=robot(more="vision: {channels: {aliases: {green: hue_4}}}\n"),
     ),
     Entry(
         "CB309",
@@ -93,6 +102,9 @@ ROBOTS = (
         ),
         _PATH,
         _MODEL,
+        good=robot().replace(
+            "tasks: {}", "tasks: {heading: {gain: 8, quiescence: {rate: 1, window: 1 s}}}"
+        ),
     ),
     Entry(
         "CB310",
@@ -102,6 +114,7 @@ ROBOTS = (
         robot(base="cbdsl: 1\nkind: robot\nname: example\nmodel: example.urdf\nbase: eye\n"),
         _PATH,
         _MODEL,
+        good=robot(),
     ),
     Entry(
         "CB311",
@@ -111,6 +124,7 @@ ROBOTS = (
         robot(_TWO, more="groups: {eye: {members: [neck, eye]}}\n"),
         _PATH,
         _MODEL,
+        good=robot(_TWO, more="groups: {head: {members: [neck, eye]}}\n"),
     ),
     Entry(
         "CB312",
@@ -120,5 +134,6 @@ ROBOTS = (
         robot(_TWO, more="groups: {head: {members: [neck, eye, neck]}}\n"),
         _PATH,
         _MODEL,
+        good=robot(_TWO, more="groups: {head: {members: [neck, eye]}}\n"),
     ),
 )

@@ -13,6 +13,7 @@ SHAPE = (
         "`robot:` wants the name of a robot document, `use:` that of a program, and so on.",
         program("actions: [track]\nstage: wrong\n"),
         beside={"programs/stages/wrong.yaml": program("actions: [track]\n")},
+        good=program("actions: [track]\nstage: absent\n"),
     ),
     Entry(
         "CB202",
@@ -21,6 +22,7 @@ SHAPE = (
         "Documents are strict, because a misspelt key that is passed over changes behaviour "
         "without a word.",
         program("actions: [track]\nstgae: table_right\n"),
+        good=program("actions: [track]\nstage: table_right\n"),
     ),
     Entry(
         "CB203",
@@ -28,6 +30,7 @@ SHAPE = (
         "the key '{key}' is missing",
         "This part of the document is incomplete without it.",
         f"{HEAD}controllers:\n  track: {TRACK}\n",
+        good=program("actions: [track]\n"),
     ),
     Entry(
         "CB204",
@@ -35,6 +38,7 @@ SHAPE = (
         "expected {expected}, found {found}",
         "The value has another shape than its key wants.",
         program("actions: [track]\nlimits: 100\n"),
+        good=program("actions: [track]\nlimits: {transitions: 100}\n"),
     ),
     Entry(
         "CB205",
@@ -43,6 +47,7 @@ SHAPE = (
         "A quantity is a number in SI units, or a number with a unit of the right dimension, "
         "such as `30 deg`, `2 cm` or `0.2 N`.",
         program("actions: [track]\nlimits: {transition_time: 20 cm}\n"),
+        good=program("actions: [track]\nlimits: {transition_time: 20 s}\n"),
     ),
     Entry(
         "CB206",
@@ -50,6 +55,7 @@ SHAPE = (
         "'{name}' is not allowed here",
         "Only a few values are possible here.",
         program("actions: [track]\n", head=HEAD.replace("kind: program", "kind: programme")),
+        good=program("actions: [track]\n"),
     ),
     Entry(
         "CB207",
@@ -57,6 +63,7 @@ SHAPE = (
         "'{name}' is not a name: a letter, then letters, digits and '_'",
         "Names appear in compositions and in resources, where other characters have a meaning.",
         HEAD + f"controllers:\n  track-it: {TRACK}\nactions: [track]\n",
+        good=HEAD + f"controllers:\n  track_it: {TRACK}\nactions: [track_it]\n",
     ),
     Entry(
         "CB208",
@@ -65,6 +72,9 @@ SHAPE = (
         "The value is of the right kind, but too small, too large, too short or too long.",
         controller(
             "potential: spring, reference: 0, feedback: cyclopean.motion, effector: head, gain: -1"
+        ),
+        good=controller(
+            "potential: spring, reference: 0, feedback: cyclopean.motion, effector: head, gain: 1"
         ),
     ),
 )

@@ -16,6 +16,7 @@ STAGES = (
         "stage's robot.",
         stage("  always: {things: [bal], place: {z: 0}}\n"),
         _PATH,
+        good=stage("  always: {things: [ball], place: {z: 0}}\n"),
     ),
     Entry(
         "CB352",
@@ -24,6 +25,7 @@ STAGES = (
         "A span is written with its lower end first.",
         stage("  always: {things: [ball], place: {x: [3 cm, 1 cm], z: 0}}\n"),
         _PATH,
+        good=stage("  always: {things: [ball], place: {x: [1 cm, 3 cm], z: 0}}\n"),
     ),
     Entry(
         "CB353",
@@ -33,5 +35,6 @@ STAGES = (
         "nothing to remove. Only what is `held` can be released.",
         stage("  always: {things: [ball]}\n"),
         _PATH,
+        good=stage("  always: {things: [ball], place: {z: 0}}\n"),
     ),
 )

@@ -16,6 +16,8 @@ UNUSED = (
         "No action and no background runs it.",
         f"{HEAD}controllers:\n  search: {SEARCH}\n  track: {TRACK}\nactions: [track]\n",
         severity=Severity.WARNING,
+        good=f"{HEAD}controllers:\n  search: {SEARCH}\n  track: {TRACK}\n"
+        "actions: [search, track]\n",
     ),
     Entry(
         "CB702",
@@ -24,6 +26,7 @@ UNUSED = (
         "Setting it would change nothing.",
         program("parameters: {feature: motion}\nactions: [track]\n"),
         severity=Severity.WARNING,
+        good=program("actions: [track]\n"),
     ),
     Entry(
         "CB703",
@@ -34,5 +37,8 @@ UNUSED = (
         f"  watch: {{parameters: [feature], {_LOOK}}}\n  look: {{{_LOOK}}}\n"
         "actions: [watch(motion), look]\n",
         severity=Severity.WARNING,
+        good=f"{HEAD}parameters: {{feature: motion}}\ncontrollers:\n"
+        f"  watch: {{parameters: [channel], {_LOOK.replace('feature', 'channel')}}}\n"
+        f"  look: {{{_LOOK}}}\nactions: [watch(motion), look]\n",
     ),
 )
