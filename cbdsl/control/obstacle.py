@@ -1,0 +1,52 @@
+"""What a motion has to keep away from."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from cbdsl.control.signal import Floats
+
+
+class Obstacle(NamedTuple):
+    """All points within ``radius`` of a box: a sphere where the box is a point.
+
+    Attributes:
+        name: what messages call it.
+        lower: the box's lower corner, in the unit of the space, shape (n,).
+        upper: its upper corner, shape (n,).
+        radius: how far the obstacle reaches beyond the box, in the same unit.
+    """
+
+    name: str
+    lower: Floats
+    upper: Floats
+    radius: float = 0.0
+
+    @classmethod
+    def sphere(cls, name: str, centre: Floats, radius: float) -> Obstacle:
+        """All points within ``radius`` of ``centre``, shape (n,)."""
+        return cls(name, centre, centre, radius)
+
+    def grown(self, clearance: float) -> Obstacle:
+        """The obstacle with all that is nearer to it than ``clearance``."""
+        return self._replace(radius=self.radius + clearance)
+
+    def gaps(self, coordinates: Floats, axis: int) -> Floats:
+        """How far coordinates along one axis lie beside the box, 0 where they lie within."""
+        below, above = self.lower[axis] - coordinates, coordinates - self.upper[axis]
+        return np.maximum(np.maximum(below, above), 0.0)
+
+    def distance(self, point: Floats) -> float:
+        """From the surface to a point, shape (n,); negative or 0 inside."""
+        beside = np.maximum(np.maximum(self.lower - point, point - self.upper), 0.0)
+        return float(np.linalg.norm(beside)) - self.radius
+
+    def differs(self, other: Obstacle, tolerance: float) -> bool:
+        """Whether some corner or the radius is off by more than ``tolerance``."""
+        return self.name != other.name or not (
+            np.abs(self.lower - other.lower).max() <= tolerance
+            and np.abs(self.upper - other.upper).max() <= tolerance
+            and abs(self.radius - other.radius) <= tolerance
+        )
