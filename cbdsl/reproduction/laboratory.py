@@ -63,10 +63,8 @@ def laboratory(
     # What is shipped, not what somebody may have put into the working folder under its name.
     library = Library(shipped())
     program = check_program(_file(library, ProgramDocument, name), values or {}, library)
-    robot_file = _file(library, RobotDocument, program.robot)
-    robot = library.read(robot_file, RobotDocument).document
+    robot, urdf = shipped_robot(program.robot, library)
     stage_file = _file(library, StageDocument, stage or program.stage or "")
-    urdf = robot_file.parent / robot.model
     backend = find_backend("bullet")(robot, urdf)
     try:
         yield Laboratory(
@@ -79,6 +77,14 @@ def laboratory(
         )
     finally:
         backend.close()
+
+
+def shipped_robot(name: str, library: Library | None = None) -> tuple[RobotDocument, Path]:
+    """A shipped robot and its URDF."""
+    library = library or Library(shipped())
+    file = _file(library, RobotDocument, name)
+    robot = library.read(file, RobotDocument).document
+    return robot, file.parent / robot.model
 
 
 def _file(library: Library, kind: type[Document], name: str) -> Path:

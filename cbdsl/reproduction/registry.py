@@ -9,6 +9,7 @@ from cbdsl.reproduction.experiment import Experiment
 
 # fmt: off
 _ALL: tuple[Experiment, ...] = (
+    Experiment("law-as-printed", "The control law taken literally", "Sections 3.1.3 and 3.3.2, Equations 3.18 to 3.26", "law_as_printed"),  # noqa: E501
 )
 # fmt: on
 
