@@ -59,6 +59,7 @@ class HarmonicField:
         start: a field for a similar scene on the same grid, to begin the solution with.
 
     Attributes:
+        u: at the vertices, of the grid's shape.
         cycles: of multigrid that the solution took.
 
     Raises:
@@ -77,7 +78,9 @@ class HarmonicField:
         self._owners = grid.owners(obstacles)
         self._source = self._goal_vertex(goal)
         self._reached = grid.connected(self._owners == FREE, self._source)
-        before = None if start is None else start.u
+        before: Floats | None = None if start is None else start.u
+        self.u: Floats
+        self.cycles: int
         self.u, self.cycles = solve(self._reached, self._source, before)
         # Room for the spline around any vertex.
         self._padded = np.pad(self.u, 1)
@@ -161,7 +164,7 @@ class HarmonicField:
         return float(np.mean([self._spline(here + s)[0] for s in (*steps, *-steps)]))
 
     def _sees(self, point: Floats, goal: Floats) -> bool:
-        """Whether the straight way between nearby points crosses only cells that lead to the goal."""
+        """Whether the straight way between nearby points stays in cells that lead to the goal."""
         shares = np.linspace(0.0, 1.0, 17)[:, None]
         return self.grid.holds(self._reached, point + shares * (goal - point))
 
@@ -188,7 +191,8 @@ class HarmonicField:
         own = self.grid.connected(self._owners == FREE, vertex)
         if self._reached[vertex]:
             return "the way to the goal is too long and narrow for this spacing"
-        inner, what = (own, "it") if own.sum() < self._reached.sum() else (self._reached, "the goal")
+        is_inner = own.sum() < self._reached.sum()
+        inner, what = (own, "it") if is_inner else (self._reached, "the goal")
         around = self._owners[neighbour_sum(inner.astype(float)) > 0.0]
         names = [self._name(int(owner)) for owner in np.unique(around[around != FREE])]
         return f"no free path leads to the goal: {what} is enclosed by {' and '.join(names)}"

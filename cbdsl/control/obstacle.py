@@ -5,8 +5,9 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
-from cbdsl.control.signal import Floats
+Floats = NDArray[np.float64]
 
 
 class Obstacle(NamedTuple):
@@ -36,7 +37,8 @@ class Obstacle(NamedTuple):
     def gaps(self, coordinates: Floats, axis: int) -> Floats:
         """How far coordinates along one axis lie beside the box, 0 where they lie within."""
         below, above = self.lower[axis] - coordinates, coordinates - self.upper[axis]
-        return np.maximum(np.maximum(below, above), 0.0)
+        beside: Floats = np.maximum(np.maximum(below, above), 0.0)
+        return beside
 
     def distance(self, point: Floats) -> float:
         """From the surface to a point, shape (n,); negative or 0 inside."""

@@ -6,6 +6,7 @@ from collections.abc import Callable, Mapping
 from types import MappingProxyType
 
 from cbdsl.control.body import Body
+from cbdsl.control.harmonic import Harmonic
 from cbdsl.control.localizability import Localizability
 from cbdsl.control.manipulability import Manipulability
 from cbdsl.control.potential import Potential
@@ -23,6 +24,7 @@ IMPLEMENTATIONS: Mapping[str, Builder] = MappingProxyType(
         "range": Range.build,
         "manipulability": Manipulability.build,
         "localizability": Localizability.build,
+        "harmonic": Harmonic.build,
     }
 )
 

@@ -8,6 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from cbdsl.control.obstacle import Obstacle
+
 Floats = NDArray[np.float64]
 
 
@@ -27,19 +29,6 @@ def require_finite(values: Floats, what: str) -> None:
 
 
 @dataclass(frozen=True)
-class Obstacle:
-    """A ball that a position must keep away from.
-
-    Attributes:
-        centre: in the feedback's frame, m, shape (3,).
-        radius: m.
-    """
-
-    centre: Floats
-    radius: float
-
-
-@dataclass(frozen=True)
 class Signal:
     """The value of a resource in one tick, and its sensitivity to the composition's n joints.
 
@@ -51,6 +40,7 @@ class Signal:
             joint velocity, (3, n); for a pose linear above angular velocity, (6, n).
         curvature: derivative of the Jacobian by the joints, shape (m, n, n), where the potential
             needs it: ``curvature[:, i, j]`` is that of ``jacobian[:, i]`` by joint j.
+        obstacles: what the value has to keep away from, in its unit.
 
     Raises:
         SignalError: the value or the Jacobian is not finite, or the Jacobian is no matrix.
@@ -60,6 +50,7 @@ class Signal:
     value: Floats
     jacobian: Floats
     curvature: Floats | None = None
+    obstacles: tuple[Obstacle, ...] = ()
 
     def __post_init__(self) -> None:
         require_finite(self.value, f"the value of {self.name}")
@@ -68,6 +59,9 @@ class Signal:
             raise SignalError(f"the Jacobian of {self.name} has shape {self.jacobian.shape}")
         if self.curvature is not None:
             self._check_curvature(self.curvature)
+        for obstacle in self.obstacles:
+            corners = np.concatenate((obstacle.lower, obstacle.upper, [obstacle.radius]))
+            require_finite(corners, f"the obstacle {obstacle.name}")
 
     def _check_curvature(self, curvature: Floats) -> None:
         require_finite(curvature, f"the curvature of {self.name}")

@@ -69,6 +69,45 @@ class Seek(NamedTuple):
     until: float | None
 
 
+class Box(NamedTuple):
+    """A box that a motion keeps away from; corners in SI, one number per component."""
+
+    name: str
+    lower: tuple[float, ...]
+    upper: tuple[float, ...]
+
+
+class Ball(NamedTuple):
+    """Everything near a resource that a motion keeps away from.
+
+    Attributes:
+        resource: the centre.
+        radius: in SI; ``None`` for the radius that is seen.
+    """
+
+    resource: Resource
+    radius: float | None
+
+
+class Field(NamedTuple):
+    """Where a harmonic function is computed (Eq 3.2), in SI.
+
+    Attributes:
+        lower, upper: corners of the workspace; ``None`` for the limits of the joints.
+        spacing: of the grid.
+        scale: displacement for phi = 1 (Eq 7.1).
+        clearance: distance kept from obstacles.
+        obstacles: what to keep away from.
+    """
+
+    lower: tuple[float, ...] | None
+    upper: tuple[float, ...] | None
+    spacing: float
+    scale: float
+    clearance: float
+    obstacles: tuple[Box | Ball, ...]
+
+
 @dataclass(frozen=True)
 class Controller:
     """A checked triple c(phi, sigma, tau).
@@ -105,6 +144,15 @@ class Controller:
     standoff: Standoff | None = None
     funnel: Funnel | None = None
     seek: Seek | None = None
+    field: Field | None = None
+
+    @property
+    def resources(self) -> tuple[Resource, ...]:
+        """What it reads."""
+        obstacles = self.field.obstacles if self.field is not None else ()
+        reference = (self.reference,) if isinstance(self.reference, Resource) else ()
+        balls = tuple(o.resource for o in obstacles if isinstance(o, Ball))
+        return (self.feedback, *reference, *balls)
 
 
 class Primitive(NamedTuple):
@@ -122,6 +170,15 @@ class Primitive(NamedTuple):
     def lead(self) -> Controller:
         """The controller with the highest priority."""
         return self.controllers[-1]
+
+    @property
+    def rewarded(self) -> bool:
+        """Whether its quiescence can be rewarded.
+
+        What was composed into one controller is used as a whole, as programs are, and is habituated
+        as they are (Section 4.3).
+        """
+        return len(self.controllers) == 1 and self.lead.rewarded
 
 
 class Composition(NamedTuple):

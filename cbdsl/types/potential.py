@@ -49,6 +49,8 @@ class PotentialType(NamedTuple):
         residual: whether it is half the square of a residual; otherwise it has a gradient only.
         navigation: which conditions of a navigation function it meets.
         factors: how many signals of such a type make up its feedback; ``None`` for any number.
+        field: whether it is solved for on a grid, and moves by the displacement that this gives
+            instead of a residual or a gradient of its own.
     """
 
     name: str
@@ -60,6 +62,7 @@ class PotentialType(NamedTuple):
     residual: bool
     navigation: Navigation
     factors: int | None = None
+    field: bool = False
 
 
 _MET, _ROBOT, _NOT_MET = Condition.MET, Condition.ROBOT, Condition.NOT_MET
@@ -122,6 +125,20 @@ POTENTIALS: dict[str, PotentialType] = {
                 _MET, _NOT_MET, _NOT_MET, _NOT_MET, "lines of sight that meet before the cameras"
             ),
             factors=2,
+        ),
+        PotentialType(
+            "harmonic",
+            "φ_h",
+            "Eq 3.2",
+            frozenset({"configuration", "position"}),
+            reference=True,
+            zero_minimum=True,
+            residual=False,
+            navigation=Navigation(
+                _MET, _MET, _NOT_MET, _NOT_MET, "free space that is connected with the goal"
+            ),
+            factors=1,
+            field=True,
         ),
     )
 }

@@ -1,0 +1,106 @@
+"""Motion along a harmonic function, around obstacles (Section 3.1.2; Eq 3.2 and 7.1 to 7.5)."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+import numpy as np
+
+from cbdsl.control.body import Body
+from cbdsl.control.field import HarmonicField
+from cbdsl.control.grid import Grid
+from cbdsl.control.obstacle import Obstacle
+from cbdsl.control.potential import Evaluation
+from cbdsl.control.signal import Floats, Signal, SignalError, require_finite
+from cbdsl.program.controller import Controller
+
+# Share of a cell by which obstacles may move before the field is solved for again.
+_TOLERANCE = 0.25
+# Where 1 - phi_h is smaller than this, as inside of obstacles, its logarithm is cut off.
+_LEAST = 1e-300
+
+
+class Harmonic:
+    """A bounded displacement along the gradient of phi_h, made 0 by a spring (Eq 7.1 to 7.5).
+
+    phi_h is 0 at the goal, 1 at obstacles and the border of the workspace, and harmonic between,
+    so that it has no other minimum. Its gradient fades with the distance from the goal, so only
+    the direction is used; the displacement is ``scale`` times phi_h long, and never longer than
+    the way that is left. Once the goal has moved to another cell of the grid or an obstacle by a
+    quarter of a cell, phi_h is solved for again, beginning from what it was.
+
+    The evaluation's ``phi`` is -ln(1 - phi_h): it has the same level sets and is as good as equal
+    near the goal, and falls noticeably where phi_h differs from 1 by less than its rounding. The
+    residual is the displacement, the step half of it (Eq 7.5).
+
+    Args:
+        lower: lower corner of the workspace, in the unit of the feedback, shape (n,), n <= 3.
+        upper: upper corner.
+        spacing: of the grid that phi_h is computed on, in the same unit.
+        scale: length of the displacement for phi_h = 1.
+        clearance: distance that is kept from obstacles.
+
+    Raises:
+        ValueError: the workspace has more than three dimensions, no end or no room for a grid.
+    """
+
+    def __init__(
+        self, lower: Floats, upper: Floats, spacing: float, scale: float, clearance: float = 0.0
+    ) -> None:
+        self._grid = Grid.between(lower, upper, spacing)
+        self._scale = scale
+        self._clearance = clearance
+        self._obstacles: tuple[Obstacle, ...] = ()
+        self._field: HarmonicField | None = None
+
+    @classmethod
+    def build(cls, controller: Controller, body: Body) -> Harmonic:
+        """The harmonic potential of a checked controller, by default between its joints' limits.
+
+        Raises:
+            ValueError: the controller has no field, or its joints have no limits.
+        """
+        field = controller.field
+        if field is None:
+            raise ValueError("a harmonic potential needs a field")
+        lower = body.lower if field.lower is None else np.array(field.lower)
+        upper = body.upper if field.upper is None else np.array(field.upper)
+        return cls(lower, upper, field.spacing, field.scale, field.clearance)
+
+    def evaluate(self, signal: Signal, reference: Floats | None) -> Evaluation:
+        """See ``Potential.evaluate``; the reference is the goal.
+
+        Raises:
+            SignalError: the reference is missing, misshapen or not finite.
+            NoPathError: no free path leads to the goal, which may be outside of the workspace or
+                inside an obstacle itself.
+        """
+        if reference is None:
+            raise SignalError(f"a harmonic potential needs a goal for {signal.name}")
+        shape = self._grid.lower.shape
+        for what, value in ((signal.name, signal.value), ("its reference", reference)):
+            if value.shape != shape:
+                raise SignalError(
+                    f"the field of {signal.name} needs values of shape {shape}, "
+                    f"but {what} has shape {value.shape}"
+                )
+        require_finite(reference, f"the reference of {signal.name}")
+        slope = self._solved(reference, signal.obstacles).slope(signal.value, reference)
+        left = float(np.linalg.norm(reference - signal.value))
+        displacement = min(self._scale * slope.potential, left) * slope.direction
+        phi = -math.log(max(slope.closeness, _LEAST))
+        return Evaluation(phi, displacement, signal.jacobian, 0.5 * displacement)
+
+    def _solved(self, goal: Floats, obstacles: Sequence[Obstacle]) -> HarmonicField:
+        """The field for a goal and obstacles, solved for only where the one before is too old."""
+        tolerance = _TOLERANCE * self._grid.spacing
+        field, before = self._field, self._obstacles
+        same = len(before) == len(obstacles) and not any(
+            old.differs(new, tolerance) for old, new in zip(before, obstacles, strict=True)
+        )
+        if field is None or not same or not field.suits(goal):
+            grown = [obstacle.grown(self._clearance) for obstacle in obstacles]
+            field = HarmonicField(self._grid, grown, goal, field)
+            self._field, self._obstacles = field, tuple(obstacles)
+        return field
