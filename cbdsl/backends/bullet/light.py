@@ -11,4 +11,4 @@ DIRECTION = tuple((_TOWARDS / np.linalg.norm(_TOWARDS)).tolist())
 
 #: Share of the light that comes from all sides. What is white and looks at the robot or upwards is
 #: then in the brightest of ten channels of intensity, as the white box of Figure 3.5 has to be.
-AMBIENT = 0.8
+AMBIENT = 0.85

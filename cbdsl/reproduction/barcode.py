@@ -1,0 +1,61 @@
+"""The nine barcodes of Figure 3.6, in three classes of spatial frequency."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from cbdsl.reproduction import code39
+
+#: Edge of every pattern, m.
+SIZE = 0.1
+
+# The low-frequency patterns: smallest width of a bar or gap, m, how many, and which draw.
+_LEAST_WIDTH, _COUNT, _SEED = 0.015, 5, 36
+_TEXTS = {"medium": ("A", "B", "C"), "high": ("ROBOT", "DEXTER", "AMHERST")}
+
+
+@dataclass(frozen=True)
+class Barcode:
+    """A pattern of upright bars, ``SIZE`` wide and high.
+
+    Attributes:
+        name: what it says, or its number.
+        stripes: widths of bar, gap, ..., bar, from left to right, m.
+    """
+
+    name: str
+    stripes: tuple[float, ...]
+
+    @property
+    def period(self) -> float:
+        """The smallest width of a bar together with a gap beside it, m."""
+        return min(a + b for a, b in zip(self.stripes, self.stripes[1:], strict=False))
+
+
+def barcodes() -> dict[str, tuple[Barcode, Barcode, Barcode]]:
+    """Three barcodes each of ``low``, ``medium`` and ``high`` spatial frequency (Figure 3.6(a)).
+
+    The source shows the low ones in a picture only: random patterns. Ours are three draws of five
+    stripes that are at least 15 mm wide, half of Table 3.2's period, and the same in every run.
+    """
+    rng = np.random.default_rng(_SEED)
+    low_1, low_2, low_3 = (Barcode(str(number), _random(rng)) for number in (1, 2, 3))
+    medium_1, medium_2, medium_3 = map(_code, _TEXTS["medium"])
+    high_1, high_2, high_3 = map(_code, _TEXTS["high"])
+    return {
+        "low": (low_1, low_2, low_3),
+        "medium": (medium_1, medium_2, medium_3),
+        "high": (high_1, high_2, high_3),
+    }
+
+
+def _random(rng: np.random.Generator) -> tuple[float, ...]:
+    spare = SIZE - _COUNT * _LEAST_WIDTH
+    return tuple((_LEAST_WIDTH + spare * rng.dirichlet(np.ones(_COUNT))).tolist())
+
+
+def _code(text: str) -> Barcode:
+    widths = code39.stripes(text)
+    return Barcode(text, tuple(width * SIZE / sum(widths) for width in widths))

@@ -1,0 +1,33 @@
+"""The nine barcodes are 10 cm wide, and get finer from class to class."""
+
+from __future__ import annotations
+
+import pytest
+
+from cbdsl.reproduction.barcode import SIZE, Barcode, barcodes
+
+
+def test_every_barcode_fills_its_width_and_ends_with_a_bar() -> None:
+    for of_class in barcodes().values():
+        assert len({barcode.stripes for barcode in of_class}) == 3
+        for barcode in of_class:
+            assert sum(barcode.stripes) == pytest.approx(SIZE)
+            assert len(barcode.stripes) % 2 == 1
+
+
+@pytest.mark.parametrize(
+    ("frequency", "least", "most"),
+    [("low", 0.030, 0.045), ("medium", 0.005, 0.006), ("high", 0.0017, 0.0023)],
+)
+def test_smallest_periods_are_about_those_of_the_source(
+    frequency: str, least: float, most: float
+) -> None:
+    assert all(least <= barcode.period <= most for barcode in barcodes()[frequency])
+
+
+def test_the_random_ones_are_the_same_every_time() -> None:
+    assert barcodes() == barcodes()
+
+
+def test_a_period_is_a_bar_and_the_gap_beside_it() -> None:
+    assert Barcode("", (0.01, 0.02, 0.015, 0.005, 0.04)).period == pytest.approx(0.02)
