@@ -145,6 +145,21 @@ def test_steps_are_bounded_and_continuous_through_a_singularity(joints: int) -> 
     assert jumps.max() <= 0.1 * bound
 
 
+@given(seed=seeds, joints=st.integers(2, 14))
+def test_no_conditioning_makes_a_step_longer_than_the_damping_allows(
+    seed: int, joints: int
+) -> None:
+    rng = np.random.default_rng(seed)
+    count = int(rng.integers(1, joints + 1))
+    left = np.linalg.qr(rng.normal(size=(count, count)))[0]
+    right = np.linalg.qr(rng.normal(size=(joints, joints)))[0][:count]
+    rows = left * 10.0 ** rng.uniform(-14, 1, count) @ right
+    velocity = rng.normal(size=count)
+    step = law_of(joints).solve([Level("task", rows, velocity)], np.zeros(joints)).displacement
+    bound = float(np.linalg.norm(velocity)) / WIDE.singular_value
+    assert np.linalg.norm(step) <= bound * (1 + 1e-9)
+
+
 def test_damping_is_exact_away_from_singularities_and_continuous_where_it_sets_in() -> None:
     law, threshold = law_of(2), WIDE.singular_value
 
@@ -229,6 +244,22 @@ def test_joints_beyond_their_limits_come_back_at_bounded_speed() -> None:
     # The free joints made up for it.
     assert np.linalg.norm(chain.pose(q)[0] - goal) < 1e-3
     assert np.linalg.norm(chain.pose(inside)[0] - goal) > 1e-2
+
+
+@given(seed=seeds, joints=st.integers(3, 14))
+def test_whatever_is_wanted_joints_beyond_their_limits_come_back(seed: int, joints: int) -> None:
+    rng = np.random.default_rng(seed)
+    law = law_of(joints, DEXTER, 1.0)
+    q = rng.uniform(-1.5, 1.5, joints)
+    step = law.solve(random_stack(rng, joints), q)
+    inside = np.clip(q, -0.97, 0.97)
+    outside = np.abs(q - inside) > 1e-9
+    needed = np.clip(inside - q, -DEXTER.joint_step, DEXTER.joint_step)[outside]
+    moved = step.displacement[outside]
+    assert np.abs(step.displacement).max() <= DEXTER.joint_step + 3e-12
+    # At least as fast as needed: a level may want to go further inside.
+    assert (moved * np.sign(needed) >= np.abs(needed) - 3e-12).all()
+    assert (np.abs(q + step.displacement)[~outside] <= 0.97 + 3e-12).all()
 
 
 def test_recovery_at_full_speed_leaves_the_other_joints_their_task(

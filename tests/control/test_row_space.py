@@ -33,7 +33,8 @@ def test_nearly_dependent_rows_neither_leak_nor_spoil_the_basis(
         rank = len(below.directions)
         np.testing.assert_allclose(below.directions @ below.directions.T, np.eye(rank), atol=1e-13)
         step = below.displacement(rng.normal(size=9))
-        assert np.abs(np.vstack((first, second)) @ step).max() < 1e-11
+        # What counts as rounding, 1e-12 of the rows, is left to the step.
+        assert np.abs(np.vstack((first, second)) @ step).max() < 5e-11
 
 
 @pytest.mark.parametrize("count", [1, 2, 3, 5])
