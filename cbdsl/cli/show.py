@@ -1,4 +1,4 @@
-"""``cb show``: types, resources and programs as the checker sees them."""
+"""``cb show``: types, potentials, resources and programs as the checker sees them."""
 
 from __future__ import annotations
 
@@ -6,14 +6,13 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-if TYPE_CHECKING:
-    from collections.abc import Mapping, Sequence
+from cbdsl.cli.show_program import show_program
 
-    from cbdsl.program.checked import Action, CheckedProgram
-    from cbdsl.program.controller import Controller, Reference
+if TYPE_CHECKING:
+    from cbdsl.types.potential import PotentialType
 
 show = typer.Typer(
-    help="Show types, resources and programs.",
+    help="Show types, potentials, resources and programs.",
     no_args_is_help=True,
     rich_markup_mode=None,
     pretty_exceptions_enable=False,
@@ -21,8 +20,6 @@ show = typer.Typer(
 
 Json = Annotated[bool, typer.Option("--json", help="Print JSON instead of tables.")]
 Robot = Annotated[str, typer.Option("--robot", help="Name or file of a robot document.")]
-Program = Annotated[str, typer.Argument(metavar="NAME", help="Name or file of a program.")]
-With = Annotated[list[str], typer.Option("--with", help="A parameter, as name=value.")]
 
 
 @show.command("types")
@@ -53,6 +50,22 @@ def show_types(as_json: Json = False) -> None:
         print_table("Casts", casts)
 
 
+@show.command("potentials")
+def show_potentials(as_json: Json = False) -> None:
+    """The artificial potentials, and how good a guide each is."""
+    from cbdsl.cli.terminal import print_json, print_table
+    from cbdsl.types.potential import POTENTIALS
+
+    if as_json:
+        print_json([_potential(potential) for potential in POTENTIALS.values()])
+        return
+    print_table("Potentials", [_signature(potential) for potential in POTENTIALS.values()])
+    rows = [
+        {"potential": potential.name, **_navigation(potential)} for potential in POTENTIALS.values()
+    ]
+    print_table("Conditions of a navigation function", rows)
+
+
 @show.command("resources")
 def show_resources(robot: Robot = "dexter", as_json: Json = False) -> None:
     """What programs can name on a robot."""
@@ -79,90 +92,43 @@ def show_resources(robot: Robot = "dexter", as_json: Json = False) -> None:
         print_table(f"Resources of {document.name}", rows)
 
 
-@show.command("program")
-def show_program(name: Program, with_: With = [], as_json: Json = False) -> None:  # noqa: B006 (typer)
-    """A program's controllers, actions and policy, with everything resolved."""
-    from cbdsl.checking.program import check_program
-    from cbdsl.cli.assignments import read_assignments
-    from cbdsl.cli.terminal import print_json, print_table
-
-    program = check_program(name, read_assignments(with_))
-    data = _program(program)
-    if as_json:
-        print_json(data)
-        return
-    print(f"{program.name} on {program.robot}, stage {program.stage or 'none'}")
-    print("parameters:", _pairs(program.parameters) or "none")
-    print("state:", ", ".join(program.members))
-    print_table("Controllers", [_row(c) for c in _controllers(program)])
-    print_table("Actions, highest priority first", [_action_row(a) for a in program.actions])
-    if program.background is not None:
-        print("below every action:", program.background)
-    policy = [{"state": state, "action": action} for state, action in program.policy.items()]
-    print_table("Policy", policy)
+show.command("program")(show_program)
 
 
-def _program(program: CheckedProgram) -> dict[str, object]:
+def _signature(potential: PotentialType) -> dict[str, object]:
     return {
-        "name": program.name,
-        "robot": program.robot,
-        "stage": program.stage,
-        "parameters": dict(program.parameters),
-        "state": list(program.members),
-        "controllers": [_row(controller) for controller in _controllers(program)],
-        "actions": [
-            {**_action_row(a), "uses": _program(a.program) if a.program else None}
-            for a in program.actions
-        ],
-        "background": str(program.background) if program.background else None,
-        "policy": dict(program.policy),
+        "potential": potential.name,
+        "symbol": potential.symbol,
+        "defined by": potential.equation,
+        "feedback": _accepted(potential),
+        "reference": potential.reference,
+        "steps by": _step(potential),
+        "minimum is 0": potential.zero_minimum,
     }
 
 
-def _controllers(program: CheckedProgram) -> Sequence[Controller]:
-    """All controllers of a program, each once."""
-    stacks = [a.composition for a in program.actions if a.composition is not None]
-    if program.background is not None:
-        stacks.append(program.background)
-    found = {c.name: c for s in stacks for p in s.primitives for c in p.controllers}
-    return list(found.values())
+def _potential(potential: PotentialType) -> dict[str, object]:
+    """All that is known of a potential."""
+    types = {"accepts": sorted(potential.accepts), "factors": potential.factors}
+    return {**_signature(potential), **types, "navigation": _navigation(potential)}
 
 
-def _row(controller: Controller) -> dict[str, object]:
-    return {
-        "controller": controller.name,
-        "potential": controller.potential,
-        "feedback": controller.feedback.name,
-        "reference": _reference(controller.reference),
-        "effector": controller.effector.name,
-        "casts": " → ".join(controller.chain),
-        "gain": f"{controller.gain:g} /s",
-        "rewarded": controller.rewarded,
-    }
+def _step(potential: PotentialType) -> str:
+    if potential.field:
+        return "field"
+    return "residual" if potential.residual else "gradient"
 
 
-def _action_row(action: Action) -> dict[str, object]:
-    if action.composition is None:
-        return {"action": action.name, "runs": "the program of this name"}
-    stack = [
-        controller.name
-        for primitive in reversed(action.composition.primitives)
-        for controller in reversed(primitive.controllers)
-    ]
-    return {"action": action.name, "runs": " > ".join(stack)}
+def _accepted(potential: PotentialType) -> str:
+    """The types that a potential is defined on, in the order of Table 3.1."""
+    from cbdsl.types.resource_type import TYPES
+
+    several = f" x {potential.factors}" if (potential.factors or 1) > 1 else ""
+    return ", ".join(f"{name}{several}" for name in TYPES if name in potential.accepts)
 
 
-def _reference(reference: Reference | None) -> str:
-    from cbdsl.program.controller import AlongNormals, Literal
-
-    if reference is None:
-        return "none"
-    if isinstance(reference, Literal):
-        return f"[{', '.join(f'{value:g}' for value in reference.values)}]"
-    if isinstance(reference, AlongNormals):
-        return f"{reference.force:g} N along normals"
-    return reference.name
-
-
-def _pairs(values: Mapping[str, str]) -> str:
-    return ", ".join(f"{name} = {value}" for name, value in values.items())
+def _navigation(potential: PotentialType) -> dict[str, str]:
+    """Which conditions of a navigation function a potential meets, and where."""
+    conditions = potential.navigation._asdict()
+    domain = conditions.pop("domain")
+    return {**{name: str(value) for name, value in conditions.items()}, "for": str(domain)}

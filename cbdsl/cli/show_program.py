@@ -1,0 +1,136 @@
+"""``cb show program``: a program before it runs, as text, as data, or as a picture."""
+
+from __future__ import annotations
+
+from enum import StrEnum
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+if TYPE_CHECKING:
+    from cbdsl.program.checked import Action, CheckedProgram
+    from cbdsl.program.controller import Controller
+
+
+class Format(StrEnum):
+    """How a program is shown."""
+
+    TEXT = "text"
+    JSON = "json"
+    DOT = "dot"
+    MERMAID = "mermaid"
+    SVG = "svg"
+
+
+Program = Annotated[str, typer.Argument(metavar="NAME", help="Name or file of a program.")]
+With = Annotated[list[str], typer.Option("--with", help="A parameter, as name=value.")]
+FormatOption = Annotated[
+    Format, typer.Option("--format", help="Text or data, or a graph of states and actions.")
+]
+Json = Annotated[bool, typer.Option("--json", help="Short for --format json.")]
+
+
+def show_program(
+    name: Program,
+    with_: With = [],  # noqa: B006 (typer)
+    format_: FormatOption = Format.TEXT,
+    as_json: Json = False,
+) -> None:
+    """A program before it runs: everything resolved.
+
+    Controllers with their casts, what each action runs and what freedom that leaves, what can be
+    rewarded, and which action follows which state; or a graph of it (dot, mermaid, svg).
+    """
+    from cbdsl.checking.program import check_program
+    from cbdsl.cli.assignments import read_assignments
+    from cbdsl.cli.program_text import program_text
+    from cbdsl.cli.terminal import print_json
+
+    program = check_program(name, read_assignments(with_))
+    if as_json or format_ is Format.JSON:
+        print_json(program_data(program))
+    elif format_ is Format.TEXT:
+        print(program_text(program), end="")
+    else:
+        print(_drawing(program, format_), end="")
+
+
+def _drawing(program: CheckedProgram, format_: Format) -> str:
+    from cbdsl.program.drawing.dot import dot
+    from cbdsl.program.drawing.graph import graph
+    from cbdsl.program.drawing.mermaid import mermaid
+    from cbdsl.program.drawing.svg import svg
+
+    draw = {Format.DOT: dot, Format.MERMAID: mermaid, Format.SVG: svg}[format_]
+    return draw(graph(program))
+
+
+def program_data(program: CheckedProgram) -> dict[str, object]:
+    """A program as JSON has it, with the programs that it uses."""
+    from cbdsl.program.dry_run import controllers, coverage, resources
+
+    shares = coverage(program)
+    return {
+        "name": program.name,
+        "robot": program.robot,
+        "stage": program.stage,
+        "parameters": dict(program.parameters),
+        "state": list(program.members),
+        "limits": {
+            "transitions": program.transitions,
+            "transition_time": program.transition_time,
+        },
+        "resources": [
+            {"resource": r.name, "type": str(r.type), "origin": r.origin.value}
+            for r in resources(program)
+        ],
+        "controllers": [_controller(controller) for controller in controllers(program)],
+        "actions": [_action(program, action) for action in program.actions],
+        "background": str(program.background) if program.background else None,
+        "policy": dict(program.policy),
+        "states": {
+            "all": shares.states,
+            "decided": dict(shares.decided),
+            "undecided": shares.undecided,
+        },
+    }
+
+
+def _controller(controller: Controller) -> dict[str, object]:
+    from cbdsl.cli.program_text import reference_text
+
+    return {
+        "controller": controller.name,
+        "potential": controller.potential,
+        "feedback": controller.feedback.name,
+        "type": str(controller.feedback.type),
+        "reference": reference_text(controller.reference),
+        "effector": controller.effector.name,
+        "joints": list(controller.joints),
+        "casts": " → ".join(controller.chain),
+        "gain": f"{controller.gain:g} /s",
+        "rewarded": controller.rewarded,
+    }
+
+
+def _action(program: CheckedProgram, action: Action) -> dict[str, object]:
+    from cbdsl.program.dry_run import levels, rewarding
+
+    stack = levels(program, action)
+    runs = " > ".join(level.controller.name for level in stack if not level.background)
+    return {
+        "action": action.name,
+        "runs": runs or "the program of this name",
+        "levels": [
+            {
+                "controller": level.controller.name,
+                "background": level.background,
+                "joints": len(level.controller.joints),
+                "rows_at_most": level.rows,
+                "free_at_least": level.free,
+            }
+            for level in stack
+        ],
+        "rewarding": list(rewarding(action)),
+        "uses": program_data(action.program) if action.program else None,
+    }

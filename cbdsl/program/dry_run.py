@@ -1,0 +1,140 @@
+"""What can be said of a checked program without running it."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from typing import NamedTuple
+
+from cbdsl.program.checked import Action, CheckedProgram
+from cbdsl.program.controller import Composition, Controller
+from cbdsl.types.potential import POTENTIALS
+from cbdsl.types.resource import Resource
+
+_ANY = "*"
+_PREDICATES = "X-01"
+
+
+class Level(NamedTuple):
+    """One controller of a stack.
+
+    Attributes:
+        controller: the controller.
+        background: whether it comes from the program's background.
+        rows: most directions that it fixes: of its task, and of its joints.
+        free: fewest of its joints' degrees of freedom that the levels above leave to it. It is the
+            bound of full ranks. All are left while the levels above are undefined, and more than
+            the bound where theirs are dependent, as at a singularity.
+    """
+
+    controller: Controller
+    background: bool
+    rows: int
+    free: int
+
+
+def levels(program: CheckedProgram, action: Action) -> tuple[Level, ...]:
+    """The stack of an action, highest priority first; empty where it is a program."""
+    if action.composition is None:
+        return ()
+    own = _stack(action.composition)
+    below = _stack(program.background) if program.background is not None else ()
+    stack = (*own, *(controller for controller in below if controller not in own))
+    return tuple(
+        Level(controller, controller not in own, rows(controller), _free(stack[:place], controller))
+        for place, controller in enumerate(stack)
+    )
+
+
+def rows(controller: Controller) -> int:
+    """Most directions that a controller fixes: rows of its task, and no more than its joints."""
+    task, potential = 1, POTENTIALS[controller.potential]
+    if potential.residual or potential.field:
+        kind = controller.feedback.type
+        task = kind.size - (kind.factors if controller.free_axis else 0)
+    return min(task, len(controller.joints))
+
+
+def _free(above: Iterable[Controller], controller: Controller) -> int:
+    joints = frozenset(controller.joints)
+    taken = sum(min(rows(other), len(joints.intersection(other.joints))) for other in above)
+    return max(0, len(joints) - taken)
+
+
+def _stack(composition: Composition) -> tuple[Controller, ...]:
+    return tuple(
+        controller
+        for primitive in reversed(composition.primitives)
+        for controller in reversed(primitive.controllers)
+    )
+
+
+def controllers(program: CheckedProgram) -> tuple[Controller, ...]:
+    """All controllers of a program, each once; without those of the programs that it uses."""
+    stacks = [action.composition for action in program.actions if action.composition is not None]
+    if program.background is not None:
+        stacks.append(program.background)
+    found = (c for stack in stacks for primitive in stack.primitives for c in primitive.controllers)
+    return tuple(dict.fromkeys(found))
+
+
+def resources(program: CheckedProgram) -> tuple[Resource, ...]:
+    """All resources that a program's controllers are bound to, each once."""
+    found: dict[str, Resource] = {}
+    for controller in controllers(program):
+        for bound in (controller.feedback, controller.reference, controller.effector):
+            if isinstance(bound, Resource):
+                found[bound.name] = bound
+    return tuple(found.values())
+
+
+def rewarding(action: Action) -> tuple[str, ...]:
+    """What can earn the reward while an action runs (Eq 4.3): controllers and programs by name."""
+    if action.program is not None:
+        earns = any(rewarding(inner) for inner in action.program.actions)
+        return (action.name,) if earns else ()
+    assert action.composition is not None, "an action is a program or a composition"
+    leads = (primitive.lead for primitive in action.composition.primitives)
+    return tuple(lead.name for lead in leads if lead.rewarded)
+
+
+class Coverage(NamedTuple):
+    """Which states a policy decides.
+
+    Attributes:
+        states: how many states there are, 4 per member.
+        decided: by pattern, in how many states it is the one that applies.
+        undecided: states without an action, in which the program ends.
+    """
+
+    states: int
+    decided: Mapping[str, int]
+    undecided: int
+
+
+def coverage(program: CheckedProgram) -> Coverage:
+    """How the policy of a program shares the states among its patterns."""
+    decided = dict.fromkeys(program.policy, 0)
+    closest_first = sorted(program.policy, key=lambda pattern: pattern.count(_ANY))
+    size = len(program.members)
+    undecided = _share(_ANY * size, closest_first, decided)
+    return Coverage(len(_PREDICATES) ** size, decided, undecided)
+
+
+def _share(region: str, patterns: Sequence[str], decided: dict[str, int]) -> int:
+    """Add a region's states to the patterns that decide them; how many are left over."""
+    touching = [pattern for pattern in patterns if _overlap(region, pattern)]
+    states: int = len(_PREDICATES) ** region.count(_ANY)
+    if not touching:
+        return states
+    first = touching[0]
+    if all(letter in (_ANY, own) for letter, own in zip(first, region, strict=True)):
+        decided[first] += states
+        return 0
+    pairs = enumerate(zip(region, first, strict=True))
+    split = next(i for i, (own, letter) in pairs if own == _ANY != letter)
+    parts = (region[:split] + letter + region[split + 1 :] for letter in _PREDICATES)
+    return sum(_share(part, touching, decided) for part in parts)
+
+
+def _overlap(one: str, other: str) -> bool:
+    return all(a == b or _ANY in (a, b) for a, b in zip(one, other, strict=True))

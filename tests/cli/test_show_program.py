@@ -1,0 +1,90 @@
+"""``cb show program`` and ``cb show potentials``."""
+
+from __future__ import annotations
+
+import json
+import re
+from xml.etree import ElementTree
+
+import pytest
+
+from cbdsl.types.potential import POTENTIALS
+from tests.cli.test_main import cb
+from tests.program.test_dry_run import PROGRAMS
+
+
+def printed(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], *arguments: str
+) -> str:
+    assert cb(monkeypatch, "show", *arguments) == 0
+    return capsys.readouterr().out
+
+
+@pytest.mark.parametrize("name", PROGRAMS)
+def test_text_fits_a_terminal_of_80_columns(
+    name: str, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    text = printed(monkeypatch, capsys, "program", name)
+    assert [line for line in text.splitlines() if len(line) > 80] == []
+
+
+@pytest.mark.parametrize("name", PROGRAMS)
+def test_text_says_what_the_data_say(
+    name: str, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    text = re.sub(r"\s+", " ", printed(monkeypatch, capsys, "program", name))
+    data = json.loads(printed(monkeypatch, capsys, "program", name, "--format", "json"))
+    assert data == json.loads(printed(monkeypatch, capsys, "program", name, "--json"))
+    for controller in data["controllers"]:
+        for key in ("controller", "feedback", "reference", "effector", "casts"):
+            assert controller[key] in text
+    for resource in data["resources"]:
+        assert resource["resource"] in text
+    for action in data["actions"]:
+        for level in action["levels"]:
+            numbers = (level["joints"], level["rows_at_most"], level["free_at_least"])
+            assert f"{level['controller']} {' '.join(map(str, numbers))}" in text
+        assert not action["rewarding"] or f"when {' or '.join(action['rewarding'])} comes" in text
+    for state, action in data["policy"].items():
+        assert f"{state} {action} {data['states']['decided'][state]}" in text
+    decided = sum(data["states"]["decided"].values())
+    assert decided + data["states"]["undecided"] == data["states"]["all"]
+
+
+def test_programs_within_are_shown_too(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    text = printed(monkeypatch, capsys, "program", "reachtouch")
+    assert "\nsearchtrack on dexter" in text
+    data = json.loads(printed(monkeypatch, capsys, "program", "reachtouch", "--json"))
+    (used,) = [action["uses"] for action in data["actions"] if action["uses"]]
+    assert used["name"] == "searchtrack"
+
+
+@pytest.mark.parametrize(
+    ("notation", "start"), [("dot", "digraph "), ("mermaid", "flowchart "), ("svg", "<svg ")]
+)
+def test_graphs_are_printed(
+    notation: str,
+    start: str,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    text = printed(monkeypatch, capsys, "program", "reachtouch", "--format", notation)
+    assert text.startswith(start)
+    if notation == "svg":
+        ElementTree.fromstring(text)
+
+
+def test_all_potentials_are_shown(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    table = printed(monkeypatch, capsys, "potentials")
+    rows = json.loads(printed(monkeypatch, capsys, "potentials", "--json"))
+    assert [row["potential"] for row in rows] == list(POTENTIALS)
+    for row, potential in zip(rows, POTENTIALS.values(), strict=True):
+        assert row["accepts"] == sorted(potential.accepts)
+        assert (row["symbol"], row["defined by"]) == (potential.symbol, potential.equation)
+        assert all(str(row[key]) in table for key in ("potential", "symbol", "defined by"))
+        assert row["navigation"]["for"] == potential.navigation.domain
+        assert potential.navigation.domain in table
