@@ -15,7 +15,9 @@ from cbdsl.robot.chains import Chain, chains, root
 from cbdsl.robot.urdf import UrdfJoint, UrdfModel
 
 # What every YAML takes for a text without quotes, and not for a number, truth or nothing.
-_PLAIN = re.compile(r"(?!(?:true|false|null|yes|no|on|off|y|n)\Z)[A-Za-z_][\w./-]*\Z", re.ASCII | re.IGNORECASE)
+_PLAIN = re.compile(
+    r"(?!(?:true|false|null|yes|no|on|off|y|n)\Z)[A-Za-z_][\w./-]*\Z", re.ASCII | re.IGNORECASE
+)
 
 
 def propose(model: UrdfModel, folder: Path) -> dict[str, str]:
