@@ -62,15 +62,17 @@ class Task:
         return Level(self._name, evaluation.jacobian, rate * self._period)
 
     def _within_speed(self, rate: Floats, jacobian: Floats, speed: float) -> Floats:
+        if self._by_joints and self._factors == 1:
+            stiffness = math.sqrt(np.vdot(jacobian, jacobian))
+            return _shortened(rate, _norm(rate), speed * stiffness)
         if self._by_joints:
             rates = rate.reshape(self._factors, -1)  # (factors, components)
-            stiffness = _norms(jacobian.reshape(self._factors, -1))
-            norms = _norms(rates)
-            shares = np.minimum(1.0, speed * stiffness / np.maximum(norms, 1e-300))
+            most = speed * _norms(jacobian.reshape(self._factors, -1))
+            shares = np.minimum(1.0, most / np.maximum(_norms(rates), 1e-300))
             bounded: Floats = (rates * shares[:, None]).ravel()
             return bounded
         if self._kind.name == "configuration":
-            return _shortened(rate, float(np.abs(rate).max()), speed)
+            return _shortened(rate, max(map(abs, rate.tolist())), speed)
         return _shortened(rate, _norm(rate), speed)
 
     def _within_acceleration(self, rate: Floats, acceleration: float) -> Floats:

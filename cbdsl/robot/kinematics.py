@@ -44,12 +44,17 @@ class _Support:
     Attributes:
         velocities: their indices among the model's velocities, from the root outwards, shape (k,).
         expansion: their velocities per velocity of the actuated joints, shape (k, n).
+        columns: indices of these joints among the actuated ones, where they are all actuated
+            themselves, shape (k,); otherwise ``None``.
         in_order: whether joint i is not beyond joint j, shape (k, k).
     """
 
     def __init__(self, velocities: NDArray[np.intp], expansion: Floats) -> None:
         self.velocities = velocities
         self.expansion = expansion
+        columns = np.argmax(expansion, axis=1)
+        direct = np.array_equal(expansion, np.eye(expansion.shape[1])[columns])
+        self.columns = columns if direct else None
         self.in_order = np.triu(np.ones((len(velocities), len(velocities)), dtype=bool))
 
 
@@ -87,7 +92,7 @@ class Kinematics:
 
     def update(self, positions: Floats) -> None:
         """Set the actuated joint positions, rad, shape (n,)."""
-        turned = self._expansion @ positions
+        turned = self._expansion.dot(positions)
         if self._model.nq != self._model.nv:
             # A joint without limits has two coordinates and one velocity.
             turned = pinocchio.integrate(self._model, pinocchio.neutral(self._model), turned)
@@ -141,7 +146,11 @@ class Kinematics:
                 np.where(support.in_order, 0.0, turned.transpose(0, 2, 1)),
             )
         )
-        curvature: Floats = np.matmul(support.expansion.T, np.matmul(own, support.expansion))
+        if support.columns is None:
+            return np.asarray(np.matmul(support.expansion.T, np.matmul(own, support.expansion)))
+        joints = support.expansion.shape[1]
+        curvature: Floats = np.zeros((6, joints, joints))
+        curvature[:, support.columns[:, None], support.columns] = own
         return curvature
 
     def moving(self, link: str) -> frozenset[str]:

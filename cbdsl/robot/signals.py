@@ -55,6 +55,8 @@ class Signals:
         self.kinematics = kinematics
         self.joints = kinematics.joints
         self._unit = np.eye(len(self.joints))
+        self._selections: dict[str, Floats] = {}
+        self._postures: dict[Posture, Reading] = {}
         channels = [
             resource.source.channel
             for resource in resources
@@ -132,15 +134,22 @@ class Signals:
 
     def _configuration(self, source: EffectorConfiguration) -> Reading:
         own = self.joints.of(source.effector)
-        return Reading(self.positions[own], self._unit.take(own, axis=0), self.tips.stamp)
+        rows = self._selections.get(source.effector)
+        if rows is None:
+            rows = self._selections[source.effector] = self._unit.take(own, axis=0)
+        return Reading(self.positions[own], rows, self.tips.stamp)
 
     def _posture(self, source: Posture) -> Reading:
-        angles = [
-            angle
-            for member in self._robot.members(source.effector)
-            for angle in self._robot.effectors[member].postures[source.posture]
-        ]
-        return Reading(np.array(angles), np.zeros((len(angles), len(self.joints))), 0)
+        known = self._postures.get(source)
+        if known is None:
+            angles = [
+                angle
+                for member in self._robot.members(source.effector)
+                for angle in self._robot.effectors[member].postures[source.posture]
+            ]
+            known = Reading(np.array(angles), np.zeros((len(angles), len(self.joints))), 0)
+            self._postures[source] = known
+        return known
 
     def _require_finite(self, observation: Observation) -> None:
         # A sum of squares is NaN or infinite as soon as one of its terms is.

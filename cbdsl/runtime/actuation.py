@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -10,10 +11,27 @@ from numpy.typing import NDArray
 from cbdsl.control.law import Law, LawSettings, Level, Step
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.robot.signals import Signals
+from cbdsl.runtime.controller_run import ControllerRun
 from cbdsl.runtime.program_run import Active
 
 Floats = NDArray[np.float64]
 Columns = NDArray[np.intp]
+
+
+class _Body(NamedTuple):
+    """The joints that act together.
+
+    Attributes:
+        columns: their indices among all actuated ones, shape (n,).
+        lower: lower limits with their margin, rad, shape (n,).
+        upper: upper limits with their margin, rad, shape (n,).
+        law: of these joints.
+    """
+
+    columns: Columns
+    lower: Floats
+    upper: Floats
+    law: Law
 
 
 class Actuation:
@@ -34,10 +52,7 @@ class Actuation:
             joint_step=robot.control.joint_speed * period,
             limit_margin=robot.control.limit_margin,
         )
-        margin = robot.control.limit_margin
-        self._lower = signals.kinematics.lower + margin
-        self._upper = signals.kinematics.upper - margin
-        self._laws: dict[tuple[str, ...], tuple[Columns, Law]] = {}
+        self._bodies: dict[tuple[ControllerRun, ...], _Body] = {}
 
     def reset(self, positions: Floats) -> None:
         """Start from measured positions, rad, shape (n,)."""
@@ -52,21 +67,21 @@ class Actuation:
         # A program that has ended leaves nothing to act.
         if not active:
             return
-        columns, law = self._law(active)
-        self._columns = columns
+        body = self._body(active)
+        columns = self._columns = body.columns
         found = [item.run.evaluate(columns, item.peers) for item in active]
         self.levels = [level for level in found if level is not None]
         if not self.levels:
             return
         here = self._signals.positions[columns]
-        self.step = law.solve(self.levels, here)
-        lead = self._control.lead
-        wanted = self.reference[columns] + self.step.displacement
+        self.step = body.law.solve(self.levels, here)
+        lead, reference = self._control.lead, self.reference[columns]
+        wanted = reference + self.step.displacement
         # Without a bound on its lead, a blocked joint's reference would run away from it.
         wanted = np.minimum(np.maximum(wanted, here - lead), here + lead)
         # A joint that is past its margin comes back at the law's pace, not at once.
-        lowest = np.minimum(self._lower[columns], self.reference[columns])
-        highest = np.maximum(self._upper[columns], self.reference[columns])
+        lowest = np.minimum(body.lower, reference)
+        highest = np.maximum(body.upper, reference)
         self.reference[columns] = np.minimum(np.maximum(wanted, lowest), highest)
 
     def at_limits(self) -> tuple[str, ...]:
@@ -79,14 +94,15 @@ class Actuation:
             if locked
         )
 
-    def _law(self, active: Sequence[Active]) -> tuple[Columns, Law]:
-        """The law over the union of the active controllers' joints."""
-        joints = tuple(
-            dict.fromkeys(joint for item in active for joint in item.run.controller.joints)
-        )
-        if joints not in self._laws:
+    def _body(self, active: Sequence[Active]) -> _Body:
+        """The union of the active controllers' joints."""
+        runs = tuple([item.run for item in active])
+        body = self._bodies.get(runs)
+        if body is None:
+            joints = tuple(dict.fromkeys(joint for run in runs for joint in run.controller.joints))
             columns = self._signals.joints.pick(joints)
-            limits = self._signals.kinematics
-            law = Law(limits.lower[columns], limits.upper[columns], self._settings)
-            self._laws[joints] = columns, law
-        return self._laws[joints]
+            limits, margin = self._signals.kinematics, self._settings.limit_margin
+            lower, upper = limits.lower[columns], limits.upper[columns]
+            law = Law(lower, upper, self._settings)
+            body = self._bodies[runs] = _Body(columns, lower + margin, upper - margin, law)
+        return body
