@@ -115,7 +115,7 @@ def test_the_printed_law_seeks_singularities_and_ours_leaves_them(rng: np.random
         for _ in range(40):
             here = planar(chain, printed)
             printed = printed - np.linalg.pinv(here.jacobian)[:, 0] * here.phi
-        for _ in range(200):
+        for _ in range(100):
             here = planar(chain, ours)
             ours = ours + np.linalg.pinv(here.jacobian) @ here.step
         before = planar(chain, start).phi

@@ -61,15 +61,15 @@ def measure(potential: str, kind: ResourceType, chain: Chain, q: Floats, mix: Fl
 
 
 def with_curvature(chain: Chain, q: Floats) -> Signal:
-    """The chain's tip, with the derivative of its Jacobian by finite differences."""
-    here, small = chain.signal("position", q), 1e-5
-    slopes = [
-        chain.signal("position", q + small * unit).jacobian
-        - chain.signal("position", q - small * unit).jacobian
-        for unit in np.eye(chain.joints)
-    ]
-    curvature = np.stack(slopes, axis=2) / (2 * small)
-    return Signal(here.name, here.value, here.jacobian, curvature)
+    """The chain's tip, with the derivative of its Jacobian.
+
+    Of two joints, that nearer to the base turns the tip's velocity by the other.
+    """
+    tip, (linear, angular) = chain.signal("position", q), np.split(chain.pose(q)[2], 2)
+    turned = np.cross(angular.T[:, None], linear.T[None]).transpose(2, 0, 1)
+    inner_first = np.triu(np.ones((chain.joints, chain.joints), dtype=bool))
+    curvature = np.where(inner_first, turned, turned.transpose(0, 2, 1))
+    return Signal(tip.name, tip.value, tip.jacobian, curvature)
 
 
 def sighting(tip: Signal) -> Signal:

@@ -1,0 +1,386 @@
+"""Every potential meets the conditions of a navigation function that it claims, and no others.
+
+A claim is checked numerically on the domain it names; where none is made, a counterexample shows
+why not (Koditschek and Rimon 1990; Section 3.1).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from typing import NamedTuple
+
+import numpy as np
+import pytest
+
+from cbdsl.control.body import Body
+from cbdsl.control.localizability import Localizability
+from cbdsl.control.manipulability import Manipulability
+from cbdsl.control.registry import build
+from cbdsl.control.rotation import exp
+from cbdsl.control.signal import Floats, Signal, SignalError
+from cbdsl.types.potential import POTENTIALS, Condition
+from tests.control.chain import Chain
+from tests.control.test_localizability import ahead, headings
+from tests.control.test_registry import controller, feedback_type, gradient, with_curvature
+
+CONDITIONS = ("analytic", "polar", "admissible", "morse")
+CAMERAS = ahead(0.35)
+
+
+class Function(NamedTuple):
+    """A potential as a function of its feedback, on the domain of its claims.
+
+    Attributes:
+        at: phi and its gradient by ``move``'s displacements, or ``SignalError`` outside.
+        draw: a point of the domain.
+        bound: of the gradient's norm.
+        move: a point displaced by a vector.
+    """
+
+    at: Callable[[Floats], tuple[float, Floats]]
+    draw: Callable[[], Floats]
+    bound: float
+    move: Callable[[Floats, Floats], Floats] = np.add
+
+
+def springs(rng: np.random.Generator) -> Iterator[Function]:
+    """On every type; errors are no longer than ``longest``, turns shorter than half a turn."""
+    longest = 3.0
+    for kind in sorted(POTENTIALS["spring"].accepts):
+        typed = feedback_type(POTENTIALS["spring"], kind, 5)
+        law = build(controller("spring", typed), Body(np.zeros(5), np.zeros(5)))
+
+        def move(value: Floats, by: Floats) -> Floats:
+            if value.shape == (4, 4):
+                shifted = value.copy()
+                shifted[:3, :3], shifted[:3, 3] = exp(by[3:]) @ value[:3, :3], value[:3, 3] + by[:3]
+                return shifted
+            return exp(by) @ value if value.shape == (3, 3) else value + by
+
+        origin = {"orientation": np.eye(3), "pose": np.eye(4)}.get(kind, np.zeros(typed.size))
+        reference = move(origin, rng.uniform(-1, 1, typed.size))
+
+        def at(value: Floats) -> tuple[float, Floats]:
+            identity = np.eye(typed.size)  # noqa: B023
+            evaluation = law.evaluate(Signal("feedback", value, identity), reference)  # noqa: B023
+            return evaluation.phi, gradient("spring", evaluation)
+
+        def draw() -> Floats:
+            error = rng.normal(size=typed.size)  # noqa: B023
+            length = longest * rng.uniform()
+            return move(reference, length * error / np.linalg.norm(error))  # noqa: B023
+
+        yield Function(at, draw, longest * (1 + 1e-9), move)
+
+
+def ranges(rng: np.random.Generator) -> Iterator[Function]:
+    lower, upper = -rng.uniform(0.5, 3, 6), rng.uniform(0.5, 3, 6)
+    typed = feedback_type(POTENTIALS["range"], "configuration", 6)
+    law = build(controller("range", typed), Body(lower, upper))
+
+    def at(q: Floats) -> tuple[float, Floats]:
+        if ((q < lower) | (q > upper)).any():
+            raise SignalError("beyond a limit")
+        evaluation = law.evaluate(Signal("feedback", q, np.eye(6)), None)
+        return evaluation.phi, gradient("range", evaluation)
+
+    inner = 0.05 * (upper - lower)
+    yield Function(
+        at,
+        lambda: rng.uniform(lower + inner, upper - inner),
+        float(np.linalg.norm(np.pi / (upper - lower))),
+    )
+
+
+def chains(rng: np.random.Generator) -> Iterator[Function]:
+    """Postures at a distance from singularities."""
+    for joints in (4, 7):
+        chain = Chain.random(joints, rng)
+
+        def at(q: Floats) -> tuple[float, Floats]:
+            evaluation = Manipulability().evaluate(with_curvature(chain, q), None)  # noqa: B023
+            return evaluation.phi, evaluation.jacobian[0]
+
+        scale = max(-at(q)[0] for q in rng.uniform(-3, 3, (30, joints)))
+
+        def draw() -> Floats:
+            while True:
+                q = rng.uniform(-3, 3, joints)  # noqa: B023
+                if -at(q)[0] > 0.1 * scale:  # noqa: B023
+                    return q
+
+        # No entry of J, and no change of one per joint, is longer than the chain, L; w is the
+        # root of a sum of squared 3 x 3 minors of J.
+        length = np.linalg.norm(chain.links, axis=1).sum()
+        yield Function(at, draw, 3 * np.sqrt(joints) * joints**1.5 * length**3)
+
+
+def sights(rng: np.random.Generator) -> Iterator[Function]:
+    """Lines of sight that nearly meet, ahead of the cameras."""
+
+    def at(angles: Floats) -> tuple[float, Floats]:
+        signal = Signal("cameras", angles, np.eye(4))
+        evaluation = Localizability(CAMERAS).evaluate(signal, None)
+        return evaluation.phi, evaluation.jacobian[0]
+
+    def draw() -> Floats:
+        point = rng.uniform([0.3, -0.3, -0.3], [1.2, 0.3, 0.3])
+        return headings(CAMERAS, point) + rng.normal(size=4) * 0.005
+
+    yield Function(at, draw, np.inf)
+
+
+FUNCTIONS: dict[str, Callable[[np.random.Generator], Iterator[Function]]] = {
+    "spring": springs,
+    "range": ranges,
+    "manipulability": chains,
+    "localizability": sights,
+}
+
+
+def curvature(function: Function, point: Floats, direction: Floats, small: float) -> float:
+    """The gradient's slope along a direction, by differences."""
+    ahead, behind = (
+        function.at(function.move(point, way * direction))[1] for way in (small, -small)
+    )
+    return float((ahead - behind) @ direction) / (2 * small)
+
+
+def hessian(function: Function, point: Floats) -> Floats:
+    size, small = len(function.at(point)[1]), 1e-5
+    rows = [
+        function.at(function.move(point, d))[1] - function.at(function.move(point, -d))[1]
+        for d in small * np.eye(size)
+    ]
+    matrix = np.array(rows) / (2 * small)
+    return (matrix + matrix.T) / 2
+
+
+def descend(function: Function, point: Floats) -> Floats:
+    """Down the gradient, in steps that lower phi, to where it vanishes."""
+    for _ in range(400):
+        phi, slope = function.at(point)
+        share = 4.0
+        while share > 1e-9:
+            share /= 2
+            try:
+                there = function.move(point, -share * slope)
+                if function.at(there)[0] <= phi - 0.3 * share * (slope @ slope):
+                    break
+            except SignalError:
+                continue
+        if share <= 1e-9 or np.linalg.norm(slope) < 1e-7:
+            break
+        point = there
+    return point
+
+
+def critical(function: Function, point: Floats) -> Floats | None:
+    """Where Newton's search for a vanishing gradient ends, if that is in the domain."""
+    try:
+        for _ in range(30):
+            slope = function.at(point)[1]
+            if np.linalg.norm(slope) < 1e-9:
+                return point
+            step = np.linalg.lstsq(hessian(function, point), slope, rcond=None)[0]
+            point = function.move(point, -step * min(1.0, 0.5 / np.linalg.norm(step)))
+    except SignalError:
+        pass
+    return None
+
+
+def is_analytic(function: Function, rng: np.random.Generator) -> bool:
+    """Differences of phi give its gradient, and those of the gradient converge as smooth ones."""
+    smooth = True
+    for _ in range(10):
+        point = function.draw()
+        slope = function.at(point)[1]
+        direction = rng.normal(size=len(slope))
+        direction /= np.linalg.norm(direction)
+        smooth &= converges(function, point, direction)
+        small = 1e-6 * direction
+        rise = function.at(function.move(point, small))[0]
+        rise -= function.at(function.move(point, -small))[0]
+        smooth &= bool(abs(rise / 2e-6 - slope @ direction) < 1e-6 * (1 + np.linalg.norm(slope)))
+    return smooth
+
+
+def converges(function: Function, point: Floats, direction: Floats) -> bool:
+    """Whether halved differences of the gradient halve their error, or better."""
+    a, b, c = (curvature(function, point, direction, h) for h in (4e-3, 2e-3, 1e-3))
+    return abs(b - c) <= 0.5 * abs(a - b) + 1e-6 * (1 + abs(c))
+
+
+def is_polar(function: Function, rng: np.random.Generator) -> bool:
+    """All descents end in one point, and no search for another critical point finds any."""
+    ends = [descend(function, function.draw()) for _ in range(8)]
+    found = [critical(function, function.draw()) for _ in range(8)]
+    points = ends + [point for point in found if point is not None]
+    return all(np.allclose(point, points[0], atol=1e-5) for point in points)
+
+
+def is_admissible(function: Function, rng: np.random.Generator) -> bool:
+    """No gradient is longer than a bound that is known beforehand."""
+    largest = max(np.linalg.norm(function.at(function.draw())[1]) for _ in range(100))
+    return bool(largest <= function.bound < np.inf)
+
+
+def is_morse(function: Function, rng: np.random.Generator) -> bool:
+    """The Hessian is regular where descents end."""
+    for _ in range(3):
+        values = np.abs(np.linalg.eigvalsh(hessian(function, descend(function, function.draw()))))
+        if values.min() < 1e-3 * values.max():
+            return False
+    return True
+
+
+CHECKS = {
+    "analytic": is_analytic,
+    "polar": is_polar,
+    "admissible": is_admissible,
+    "morse": is_morse,
+}
+CLAIMS = [
+    pytest.param(potential, condition, id=f"{potential}-{condition}")
+    for potential in FUNCTIONS
+    for condition in CONDITIONS
+    if getattr(POTENTIALS[potential].navigation, condition) is Condition.MET
+]
+
+
+@pytest.mark.parametrize(("potential", "condition"), CLAIMS)
+def test_claims_hold(potential: str, condition: str, rng: np.random.Generator) -> None:
+    functions = list(FUNCTIONS[potential](rng))
+    assert functions
+    for function in functions:
+        assert CHECKS[condition](function, rng)
+
+
+# Counterexamples.
+
+
+def flat(chain: Chain, coupling: Floats) -> Callable[[Floats], tuple[float, Floats]]:
+    """Manipulability in the plane of a chain whose joints follow actuated ones."""
+
+    def at(q: Floats) -> tuple[float, Floats]:
+        tip = with_curvature(chain, coupling @ q)
+        assert tip.curvature is not None
+        rows, bent = tip.jacobian[:2] @ coupling, coupling.T @ tip.curvature[:2] @ coupling
+        evaluation = Manipulability().evaluate(Signal("tip", tip.value[:2], rows, bent), None)
+        return evaluation.phi, evaluation.jacobian[0]
+
+    return at
+
+
+def two_links(elbow: tuple[float, float], rng: np.random.Generator) -> Function:
+    """As a function of the elbow alone; the shoulder makes no difference."""
+    at = flat(Chain.planar(2), np.eye(2))
+
+    def of_elbow(angle: Floats) -> tuple[float, Floats]:
+        phi, slope = at(np.array([0.0, angle[0]]))
+        return phi, slope[1:]
+
+    return Function(of_elbow, lambda: rng.uniform(*elbow, 1), np.inf)
+
+
+def manipulability_polar(rng: np.random.Generator) -> None:
+    """An elbow that bends one way has one optimum, one that bends both ways has two."""
+    assert is_polar(two_links((0.1, 3.0), rng), rng)
+    assert not is_polar(two_links((-3.0, 3.0), rng), rng)
+
+
+def manipulability_morse(rng: np.random.Generator) -> None:
+    """A joint that carries the whole chain makes no difference, unless others follow it."""
+    free = Function(flat(Chain.planar(3), np.eye(3)), lambda: rng.uniform(0.4, 1.4, 3), np.inf)
+    assert not is_morse(free, rng)
+    coupling = np.array([[1.0, 0.0], [0.0, 1.0], [1.0, 0.0]])
+    coupled = Function(flat(Chain.planar(3), coupling), lambda: rng.uniform(0.4, 1.4, 2), np.inf)
+    assert is_morse(coupled, rng)
+
+
+def at_point(point: Floats) -> tuple[float, Floats]:
+    """Localizability as a function of the seen point."""
+    signal = Signal("cameras", headings(CAMERAS, point), np.eye(4))
+    phi = Localizability(CAMERAS).evaluate(signal, None).phi
+    return phi, np.array([slope_along(point, axis) for axis in np.eye(3)])
+
+
+def slope_along(point: Floats, axis: Floats) -> float:
+    small = 1e-6
+    ahead, behind = (
+        Localizability(CAMERAS)
+        .evaluate(Signal("cameras", headings(CAMERAS, point + way * axis), np.eye(4)), None)
+        .phi
+        for way in (small, -small)
+    )
+    return (ahead - behind) / (2 * small)
+
+
+SADDLE = np.array([0.35 / np.sqrt(12), 0.0, 0.0])
+
+
+def localizability_polar(rng: np.random.Generator) -> None:
+    """It falls to 0 towards either camera; between, there is a saddle."""
+    np.testing.assert_allclose(at_point(SADDLE)[1], 0.0, atol=1e-8)
+    for camera in CAMERAS:
+        way = np.linspace(SADDLE, camera.position + np.array([1e-4, 0.0, 0.0]), 30)
+        phis = [at_point(point)[0] for point in way]
+        assert (np.diff(phis) < 0).all()
+        assert phis[-1] < 1e-3 * phis[0]
+
+
+def localizability_admissible(rng: np.random.Generator) -> None:
+    """Its gradient grows with the distance without end."""
+    slopes = [np.linalg.norm(at_point(np.array([depth, 0.0, 0.0]))[1]) for depth in (1, 10, 100)]
+    assert slopes[1] > 50 * slopes[0]
+    assert slopes[2] > 50 * slopes[1]
+
+
+def localizability_morse(rng: np.random.Generator) -> None:
+    """The saddle is a circle around the baseline."""
+    for angle in rng.uniform(-1, 1, 5):
+        turned = SADDLE[0] * np.array([np.cos(angle), 0.0, np.sin(angle)])
+        np.testing.assert_allclose(at_point(turned)[1], 0.0, atol=1e-7)
+
+
+COUNTEREXAMPLES: dict[tuple[str, str], Callable[[np.random.Generator], None]] = {
+    ("manipulability", "polar"): manipulability_polar,
+    ("manipulability", "morse"): manipulability_morse,
+    ("localizability", "polar"): localizability_polar,
+    ("localizability", "admissible"): localizability_admissible,
+    ("localizability", "morse"): localizability_morse,
+}
+UNCLAIMED = [
+    pytest.param(potential, condition, id=f"{potential}-{condition}")
+    for potential in FUNCTIONS
+    for condition in CONDITIONS
+    if getattr(POTENTIALS[potential].navigation, condition) is not Condition.MET
+]
+
+
+@pytest.mark.parametrize(("potential", "condition"), UNCLAIMED)
+def test_what_is_not_claimed_does_not_hold(
+    potential: str, condition: str, rng: np.random.Generator
+) -> None:
+    COUNTEREXAMPLES[potential, condition](rng)
+
+
+def test_manipulability_is_analytic_only_away_from_singularities() -> None:
+    """There it has a kink, which is why the claim leaves them out."""
+    at = flat(Chain.planar(2), np.eye(2))
+    function = Function(at, lambda: np.zeros(2), np.inf)
+    elbow = np.array([0.0, 1.0])
+    assert converges(function, np.array([0.3, 1.0]), elbow)
+    assert not converges(function, np.array([0.3, 1e-9]), elbow)
+
+
+def test_rotations_by_half_a_turn_are_left_out() -> None:
+    """There the shortest way back changes its side, and the gradient with it."""
+    typed = feedback_type(POTENTIALS["spring"], "orientation", 1)
+    law = build(controller("spring", typed), Body(np.zeros(1), np.zeros(1)))
+    before, after = (
+        law.evaluate(Signal("tip", exp(np.array([0, 0, angle])), np.eye(3)), np.eye(3))
+        for angle in (np.pi - 1e-6, np.pi + 1e-6)
+    )
+    assert before.phi == pytest.approx(after.phi)
+    np.testing.assert_allclose(before.residual, -after.residual, atol=1e-5)
