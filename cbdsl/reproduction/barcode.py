@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from cbdsl.documents.stage import Box, StageDocument
 from cbdsl.reproduction import code39
 
 #: Edge of every pattern, m.
@@ -32,6 +33,20 @@ class Barcode:
     def period(self) -> float:
         """The smallest width of a bar together with a gap beside it, m."""
         return min(a + b for a, b in zip(self.stripes, self.stripes[1:], strict=False))
+
+    def printed_on(self, stage: StageDocument, thing: str) -> StageDocument:
+        """The stage with this barcode in the place of the pattern that a box of it has.
+
+        Raises:
+            ValueError: the thing is no box with a pattern.
+        """
+        box = stage.things[thing].form
+        if not isinstance(box, Box) or box.pattern is None:
+            raise ValueError(f"'{thing}' of stage '{stage.name}' is no box with a pattern")
+        pattern = box.pattern.model_copy(update={"stripes": self.stripes, "height": SIZE})
+        form = box.model_copy(update={"pattern": pattern})
+        printed = stage.things[thing].model_copy(update={"form": form})
+        return stage.model_copy(update={"things": {**stage.things, thing: printed}})
 
 
 def barcodes() -> dict[str, tuple[Barcode, Barcode, Barcode]]:

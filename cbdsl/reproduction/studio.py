@@ -13,13 +13,14 @@ from cbdsl.backends.bullet.view import View
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.documents.stage import StageDocument
 from cbdsl.reproduction.barcode import SIZE
+from cbdsl.reproduction.barcode_trial import FOCAL_LENGTH
 from cbdsl.robot.observation import Image
 from cbdsl.yaml_text.library import Library, shipped
 
 #: How many times as many pixels as the source's cameras have, each way, a picture has.
 FINENESS = 4
 
-_SOURCE_CAMERA = {"width": 640, "height": 480, "focal_length": 837.0}
+_SOURCE_CAMERA = {"width": 640, "height": 480, "focal_length": FOCAL_LENGTH}
 _BOX_EDGE = 0.16
 _AHEAD = {"pan": 0.0, "tilt": 0.0}
 

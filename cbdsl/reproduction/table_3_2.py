@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from cbdsl.control.localizability import Localizability
 from cbdsl.control.signal import Signal
 from cbdsl.reproduction.barcode import SIZE, barcodes
+from cbdsl.reproduction.barcode_trial import FOCAL_LENGTH
 from cbdsl.reproduction.chart import Chart, Line
 from cbdsl.reproduction.experiment import Outcome, Settings
 from cbdsl.reproduction.quantity import Quantity, near
@@ -21,7 +22,6 @@ from cbdsl.robot.observation import Image
 Floats = NDArray[np.float64]
 
 DEPTHS = (1.0, 0.75, 0.5)
-_FOCAL_LENGTH = 837.0
 # Periods, m, and what is printed for each depth, px per period.
 _PRINTED = {
     "high": (0.002, (1.67, 2.32, 3.35)),
@@ -66,7 +66,7 @@ def _periods(place: Studio, depths: tuple[float, ...], settings: Settings) -> li
     ]
     quantities = []
     for done, (name, period, depth, printed) in enumerate(cells):
-        model = _FOCAL_LENGTH * period / depth
+        model = FOCAL_LENGTH * period / depth
         count = 2 * round(SIZE / period) - 1
         picture = place.picture([period / 2] * count, Placement(depth))
         misprint = abs(printed - model) > 0.01

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import pytest
 
+from cbdsl.documents.stage import StageDocument
 from cbdsl.reproduction.barcode import SIZE, Barcode, barcodes
 
 
@@ -31,3 +32,29 @@ def test_the_random_ones_are_the_same_every_time() -> None:
 
 def test_a_period_is_a_bar_and_the_gap_beside_it() -> None:
     assert Barcode("", (0.01, 0.02, 0.015, 0.005, 0.04)).period == pytest.approx(0.02)
+
+
+def test_a_barcode_takes_the_place_of_the_pattern_on_a_thing() -> None:
+    form = {"shape": "box", "size": [0.2] * 3, "pattern": {"face": "+y", "height": 0.05}}
+    form["pattern"]["stripes"] = [0.1]
+    stage = StageDocument.model_validate(
+        {
+            "cbdsl": 1,
+            "kind": "stage",
+            "name": "made",
+            "robot": "dexter",
+            "things": {
+                "box": {"form": form, "mass": 0.3},
+                "ball": {"form": {"shape": "ball", "radius": 0.1}, "mass": 0.3},
+            },
+            "contexts": {"only": {}},
+        }
+    )
+    barcode = barcodes()["high"][1]
+    printed = barcode.printed_on(stage, "box")
+    again = StageDocument.model_validate(printed.model_dump())
+    assert again == printed
+    pattern = printed.things["box"].form.pattern
+    assert (pattern.face, pattern.height, pattern.stripes) == ("+y", SIZE, barcode.stripes)
+    with pytest.raises(ValueError, match="no box with a pattern"):
+        barcode.printed_on(stage, "ball")
