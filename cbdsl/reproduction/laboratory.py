@@ -7,7 +7,7 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 
-from cbdsl.backends.backend import Backend, find_backend
+from cbdsl.backends.bullet.backend import BulletBackend
 from cbdsl.checking.program import check_program
 from cbdsl.documents.document import Document
 from cbdsl.documents.program import ProgramDocument
@@ -29,7 +29,7 @@ class Laboratory:
         program: the checked program.
         stage: the program's own stage.
         kinematics: of the robot; for the experiment alone, episodes have their own.
-        backend: the simulated body.
+        backend: the simulated body; its ``truth`` is for judging, never for the robot.
     """
 
     robot: RobotDocument
@@ -37,7 +37,7 @@ class Laboratory:
     program: CheckedProgram
     stage: StageDocument
     kinematics: Kinematics
-    backend: Backend
+    backend: BulletBackend
 
     def runner(self, policy: Policy | None = None) -> Runner:
         """Runs episodes of the program, under its own policy or another."""
@@ -65,7 +65,7 @@ def laboratory(
     program = check_program(_file(library, ProgramDocument, name), values or {}, library)
     robot, urdf = shipped_robot(program.robot, library)
     stage_file = _file(library, StageDocument, stage or program.stage or "")
-    backend = find_backend("bullet")(robot, urdf)
+    backend = BulletBackend(robot, urdf)
     try:
         yield Laboratory(
             robot=robot,

@@ -35,6 +35,7 @@ _PRINTED_STEPS, _DESCENT_STEPS = 6, 60
 _ROBOT, _ARM = "dexter", "right_arm"
 _GOALS = 20
 _HOLDING_STEPS, _LOWER_GAIN = 1000, 0.01
+_POINT = 10  # iterations between the points of the chart
 _HELD = 1e-5  # m, the largest error that counts as holding
 _SETTINGS = LawSettings(joint_step=0.1)
 
@@ -54,10 +55,10 @@ _NOTES = (
 def run(settings: Settings) -> Outcome:
     """Both laws on manipulability alone, and on the range potential below a reach."""
     rng = np.random.default_rng(settings.seed)
-    goals = 3 if settings.quick else _GOALS
-    conditioned = _condition(rng, 10 if settings.quick else _STARTS)
+    starts, goals, steps = (10, 2, 100) if settings.quick else (_STARTS, _GOALS, _HOLDING_STEPS)
+    conditioned = _condition(rng, starts)
     held = []
-    for done, hold in enumerate(_hold(rng, goals), start=1):
+    for done, hold in enumerate(_hold(rng, goals, steps), start=1):
         held.append(hold)
         settings.progress(done, goals)
     quantities = (*_growths(conditioned), *_errors(held, settings.seed))
@@ -97,7 +98,7 @@ def _condition(rng: np.random.Generator, starts: int) -> list[_Curves]:
     ]
 
 
-def _hold(rng: np.random.Generator, goals: int) -> Iterator[_Curves]:
+def _hold(rng: np.random.Generator, goals: int, steps: int) -> Iterator[_Curves]:
     """Distance of the hand from its goal, m, while the range potential acts below the reach."""
     arm = _Arm()
     law = Law(arm.lower, arm.upper, _SETTINGS)
@@ -117,7 +118,7 @@ def _hold(rng: np.random.Generator, goals: int) -> Iterator[_Curves]:
         return law.solve(levels, q).displacement
 
     def curve(q: Floats, goal: Floats, law: Callable[[Floats, Floats], Floats]) -> Floats:
-        path = _path(q, lambda at: law(at, goal), _HOLDING_STEPS)
+        path = _path(q, lambda at: law(at, goal), steps)
         return np.array([np.linalg.norm(goal - arm.hand(at)) for at in path])
 
     # The middle half of the limits, where no limit interferes.
@@ -236,13 +237,13 @@ def _growth_chart(found: Sequence[_Curves]) -> Chart:
 
 
 def _error_chart(found: Sequence[_Curves]) -> Chart:
-    every = slice(None, None, _HOLDING_STEPS // 100)
+    every = slice(None, None, _POINT)
     curves = {
         "printed": 1000 * np.mean([each.printed for each in found], axis=0)[every],
         "ours": 1000 * np.mean([each.ours for each in found], axis=0)[every],
     }
     title = "Distance of the hand from a goal that it had reached"
-    return _chart("law-as-printed-priority", title, "iteration / 10", "mm", curves)
+    return _chart("law-as-printed-priority", title, f"iteration / {_POINT}", "mm", curves)
 
 
 def _chart(name: str, title: str, x: str, y: str, curves: dict[str, Floats]) -> Chart:

@@ -58,6 +58,14 @@ def near(target: float, tolerance: float) -> Claim:
     )
 
 
+def clearly_below(bound: float) -> Claim:
+    """The number and all of its 95 % interval are smaller than ``bound``."""
+    return Claim(
+        f"interval below {bound:g}",
+        lambda ours, interval: ours < bound and interval is not None and interval[1] < bound,
+    )
+
+
 def covering(target: float) -> Claim:
     """The 95 % interval of the number includes ``target``."""
     return Claim(

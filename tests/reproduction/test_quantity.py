@@ -14,6 +14,7 @@ from cbdsl.reproduction.quantity import (
     at_least,
     at_most,
     below,
+    clearly_below,
     covering,
     near,
 )
@@ -39,6 +40,9 @@ def test_claims_about_intervals() -> None:
     assert covering(0.5).holds(0.3, (0.2, 0.6))
     assert not covering(0.5).holds(0.3, (0.2, 0.4))
     assert not covering(0.5).holds(0.5, None)
+    assert clearly_below(0.5).holds(0.3, (0.2, 0.4))
+    assert not clearly_below(0.5).holds(0.3, (0.2, 0.6))
+    assert not clearly_below(0.5).holds(0.3, None)
 
 
 @pytest.mark.parametrize(

@@ -1,0 +1,265 @@
+"""Figure 3.4: reaching alone, and with the range or the manipulability potential below.
+
+The arm reaches for a ball at 25 places under each of three laws. All three potentials are evaluated
+in every tick of every reach from the robot's own signals, whether the law lowers them or not.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+from itertools import product
+from typing import Any
+
+import numpy as np
+
+from cbdsl.control.manipulability import Manipulability
+from cbdsl.control.range import Range
+from cbdsl.control.signal import Floats, Signal
+from cbdsl.documents.stage import StageDocument
+from cbdsl.reproduction.chart import Chart, Line
+from cbdsl.reproduction.experiment import Outcome, Settings
+from cbdsl.reproduction.interval import bootstrap_interval, exact_interval
+from cbdsl.reproduction.laboratory import Laboratory, laboratory
+from cbdsl.reproduction.quantity import Quantity, at_least, at_most, clearly_below
+from cbdsl.runtime.episode import Runner, Tick
+from cbdsl.runtime.policy import WrittenPolicy
+
+_ARM, _REACH = "right_arm", "reach"
+#: The actions of the program by the source's names of the laws.
+_LAWS = {"c0": _REACH, "c1": f"posturalbias ◁ {_REACH}", "c2": f"manipulability ◁ {_REACH}"}
+
+# Five by five places, 0.4 m x 0.8 m, on the table in front of the robot, m.
+_PLACES = tuple(product(np.linspace(0.32, 0.72, 5).tolist(), np.linspace(-0.4, 0.4, 5).tolist()))
+_QUICK_PLACES = (_PLACES[0], _PLACES[14])
+_RADIUS = 0.05
+
+# Of the postures that hold the hand at (0.3, -0.5, -0.2) m with the palm down, that nearest to the
+# middle of the joints' limits by the range potential.
+_START = (1.09, -1.62, 0.15, 2.30, -2.91, 0.69, -0.07)
+_ARRIVED = 0.01  # m
+_STEADY = 1.0  # %, largest rise of a potential that falls steadily, of its value at the start
+_MOST_PLACES = 80.0  # %: 20 of 25
+_POINT = 3  # ticks between the points of a chart
+
+_NOTES = (
+    "Three potentials of the right arm of Dexter on the simulator, from the start of each reach "
+    "until it is at rest: the spring's, the range potential's and that of manipulability. A reach "
+    "that is over keeps its last values in the mean curves.",
+    "The source starts from the middle of the joints' limits. On this robot that hangs the hand "
+    "behind the body and 16 cm below the top of the table, which is in the way of every reach. "
+    "Ours starts beside the places, where the hand hides none of them from the cameras, palm down, "
+    "in the posture that is nearest to the middle by the range potential. Postures that are nearer "
+    "still turn the back of the hand to the table, and push against the ball. So the range "
+    "potential is not at its minimum at the start, and falls where the source's rises; what is "
+    "compared is the change.",
+    "The ball stays where it is when it is touched. The point that is brought to it is 9 cm in "
+    "front of the palm, so that the hand closes in without pushing.",
+)
+
+
+def run(settings: Settings) -> Outcome:
+    """Reach for every place under every law."""
+    places = _QUICK_PLACES if settings.quick else _PLACES
+    reaches: dict[str, list[_Reach]] = {}
+    with laboratory("reach") as lab:
+        for number, (law, action) in enumerate(_LAWS.items()):
+            runner = lab.runner(_policy(lab.program.policy, action))
+            reaches[law] = []
+            for index, place in enumerate(places):
+                stage = _stage(lab, place)
+                reaches[law].append(_reach(lab, runner, stage, action, settings.seed + index))
+                settings.progress(number * len(places) + index + 1, len(_LAWS) * len(places))
+        period = lab.backend.control_period
+    quantities = tuple(_quantities(reaches, settings.seed))
+    return Outcome(quantities, _charts(reaches, period), _notes(reaches))
+
+
+@dataclass
+class _Reach:
+    """The potentials in every tick of one reach, and how it ended."""
+
+    spring: list[float] = field(default_factory=list)
+    range: list[float] = field(default_factory=list)
+    manipulability: list[float] = field(default_factory=list)
+    error: float = math.inf
+    at_rest: bool = False
+    touched: bool = False
+
+    @property
+    def arrived(self) -> bool:
+        return self.at_rest and self.error < _ARRIVED
+
+
+def _policy(written: Mapping[str, str], action: str) -> WrittenPolicy:
+    """The program's policy with another law in the place of the reach."""
+    return WrittenPolicy(
+        {state: action if name == _REACH else name for state, name in written.items()}
+    )
+
+
+def _stage(lab: Laboratory, place: tuple[float, float]) -> StageDocument:
+    """The program's stage with a ball at one place, and the arm at its start."""
+    x, y = place
+    radius, joints = (_RADIUS, _RADIUS), lab.robot.effectors[_ARM].joints
+    ball: dict[str, Any] = {"form": {"shape": "ball", "radius": radius}, "mass": (0.3, 0.3)}
+    context = {
+        "things": ["ball"],
+        "place": {"on": "table", "x": (x, x), "y": (y, y), "held": True},
+        "joints": {joint: (angle, angle) for joint, angle in zip(joints, _START, strict=True)},
+    }
+    changes = {"things": {"ball": ball}, "contexts": {"place": context}}
+    return StageDocument.model_validate(lab.stage.model_dump(by_alias=True) | changes)
+
+
+def _reach(lab: Laboratory, runner: Runner, stage: StageDocument, action: str, seed: int) -> _Reach:
+    """One episode; what comes before the reach, looking for the ball, is left out."""
+    found = _Reach()
+    columns = lab.kinematics.joints.of(_ARM)
+    limits = lab.kinematics.lower[columns], lab.kinematics.upper[columns]
+    range_, manipulability = Range(*limits), Manipulability()
+
+    def note(tick: Tick) -> None:
+        if tick.run.action is None or tick.run.action.name != action:
+            return
+        reach = next(run for run in tick.run.runs if run.controller.name == _REACH)
+        if math.isnan(reach.phi):
+            return
+        posture = Signal(_ARM, tick.signals.positions[columns], np.eye(len(columns)))
+        found.spring.append(reach.phi)
+        found.range.append(range_.evaluate(posture, None).phi)
+        found.manipulability.append(manipulability.evaluate(_tip(tick, columns), None).phi)
+        found.error, found.at_rest = reach.error, reach.predicate == "1"
+        found.touched |= lab.backend.truth.touched("table")
+
+    runner.run(stage, seed, on_tick=note)
+    return found
+
+
+def _tip(tick: Tick, columns: Any) -> Signal:
+    """The arm's manipulator Jacobian, in its own joints."""
+    tip = tick.signals.tips.manipulator(_ARM, "position")
+    assert tip.curvature is not None
+    curvature = tip.curvature[:, columns[:, None], columns]
+    return Signal(_ARM, tip.value, tip.jacobian[:, columns], curvature)
+
+
+def _quantities(reaches: Mapping[str, Sequence[_Reach]], seed: int) -> Iterator[Quantity]:
+    everything = [reach for found in reaches.values() for reach in found]
+    arrived = sum(reach.arrived for reach in everything)
+    yield _share("reaches that come to rest at the ball", "all 25", arrived, len(everything), 100)
+    for law, found in reaches.items():
+        yield _fall(law, found)
+    yield from _less("range", "φ_r", reaches["c1"], reaches["c0"], "c1", seed)
+    yield from _less("manipulability", "φ_m", reaches["c2"], reaches["c0"], "c2", seed)
+
+
+def _share(name: str, source: str, hits: int, trials: int, least: float) -> Quantity:
+    low, high = exact_interval(hits, trials)
+    return Quantity(
+        name,
+        "%",
+        source,
+        100 * hits / trials,
+        at_least(least),
+        interval=(100 * low, 100 * high),
+        note=f"{hits} of {trials}",
+    )
+
+
+def _fall(law: str, found: Sequence[_Reach]) -> Quantity:
+    """How steadily the spring's potential falls."""
+    single = sum(_rise([reach.spring]) <= _STEADY for reach in found)
+    return Quantity(
+        f"{law}: largest rise of the mean φ_s, of its start",
+        "%",
+        "falls steadily to the goal",
+        _rise([reach.spring for reach in found]),
+        at_most(_STEADY),
+        note=f"so it is in {single} of {len(found)} reaches by themselves",
+    )
+
+
+def _rise(curves: Sequence[Sequence[float]]) -> float:
+    """The largest rise of the mean of curves above what it was before, % of its start."""
+    if not any(curves):
+        return math.nan
+    curve = _mean(curves)
+    return 100 * float((curve - np.minimum.accumulate(curve)).max() / curve[0])
+
+
+def _less(
+    potential: str,
+    symbol: str,
+    under: Sequence[_Reach],
+    alone: Sequence[_Reach],
+    law: str,
+    seed: int,
+) -> Iterator[Quantity]:
+    """Whether a potential rises less where a law lowers it than where the reach is alone."""
+    pairs = [
+        (_change(getattr(ours, potential)), _change(getattr(other, potential)))
+        for ours, other in zip(under, alone, strict=True)
+        if ours.arrived and other.arrived
+    ]
+    differences = [ours - other for ours, other in pairs]
+    changes = np.mean(pairs, axis=0) if pairs else (math.nan, math.nan)
+    yield Quantity(
+        f"rise of {symbol} during the reach, {law} less c0",
+        "",
+        f"rises less under {law}",
+        float(np.mean(differences)) if pairs else math.nan,
+        clearly_below(0),
+        interval=bootstrap_interval(differences, seed) if pairs else None,
+        note=f"mean change {changes[0]:.3g} under {law}, {changes[1]:.3g} under c0",
+    )
+    less = sum(difference < 0 for difference in differences)
+    name = f"places where {symbol} rises less under {law}"
+    yield _share(name, "on average", less, len(alone), _MOST_PLACES)
+
+
+def _change(curve: Sequence[float]) -> float:
+    return curve[-1] - curve[0]
+
+
+def _mean(curves: Sequence[Sequence[float]]) -> Floats:
+    """The mean over curves that began; each keeps its last value to the end of the longest."""
+    longest = max(map(len, curves))
+    begun = [curve for curve in curves if curve]
+    padded = [[*curve, *[curve[-1]] * (longest - len(curve))] for curve in begun]
+    mean: Floats = np.mean(padded, axis=0)
+    return mean
+
+
+def _charts(reaches: Mapping[str, Sequence[_Reach]], period: float) -> tuple[Chart, ...]:
+    if not all(any(reach.spring for reach in found) for found in reaches.values()):
+        return ()
+    shown = (
+        ("spring", "φ_s, m²", tuple(_LAWS)),
+        ("range", "φ_r", ("c0", "c1")),
+        ("manipulability", "φ_m, m³", ("c0", "c2")),
+    )
+    return tuple(
+        Chart(
+            f"fig-3.4-{potential}",
+            f"Mean potential of {len(reaches['c0'])} reaches: {potential}",
+            "time since the start of the reach, s",
+            label,
+            tuple(_line(law, reaches[law], potential, period) for law in laws),
+        )
+        for potential, label, laws in shown
+    )
+
+
+def _line(law: str, found: Sequence[_Reach], potential: str, period: float) -> Line:
+    mean = _mean([getattr(reach, potential) for reach in found])
+    points = range(0, len(mean), _POINT)
+    name = {"c0": "c0, reach alone", "c1": "c1, range below", "c2": "c2, manip. below"}[law]
+    return Line(name, tuple(k * period for k in points), tuple(float(mean[k]) for k in points))
+
+
+def _notes(reaches: Mapping[str, Sequence[_Reach]]) -> tuple[str, ...]:
+    touched = {law: sum(reach.touched for reach in found) for law, found in reaches.items()}
+    counts = ", ".join(f"{count} under {law}" for law, count in touched.items())
+    return (*_NOTES, f"Reaches in which some part of the robot touched the table: {counts}.")

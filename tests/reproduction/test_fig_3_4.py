@@ -1,0 +1,63 @@
+"""The potentials of reaches are compared place by place."""
+
+from __future__ import annotations
+
+import math
+
+import pytest
+
+from cbdsl.reproduction import fig_3_4
+from cbdsl.reproduction.experiment import Settings
+from cbdsl.reproduction.fig_3_4 import _quantities, _Reach
+from cbdsl.reproduction.quantity import Verdict
+
+
+def reach(spring: list[float], conditioning: list[float], **ending: float | bool) -> _Reach:
+    return _Reach(spring, conditioning, conditioning, **{"error": 0.001, "at_rest": True, **ending})
+
+
+def verdicts(c0: list[_Reach], c1: list[_Reach], c2: list[_Reach]) -> list[Verdict]:
+    return [each.verdict for each in _quantities({"c0": c0, "c1": c1, "c2": c2}, 0)]
+
+
+def test_reaches_as_the_source_has_them() -> None:
+    alone = [reach([1.0, 0.5, 0.0], [0.0, 1.0]) for _ in range(5)]
+    below = [reach([1.0, 0.5, 0.0], [0.0, 0.5]) for _ in range(5)]
+    assert set(verdicts(alone, below, below)) == {Verdict.REPRODUCED}
+
+
+def test_reaches_that_a_lower_controller_does_not_help() -> None:
+    alone = [reach([1.0, 0.5, 0.0], [0.0, 1.0]) for _ in range(5)]
+    assert verdicts(alone, alone, alone)[4:] == [Verdict.MISSED] * 4
+
+
+def test_reaches_that_fail_or_rise_are_told() -> None:
+    good, late = reach([1.0, 0.0], [0.0, 1.0]), reach([1.0, 0.5], [0.0, 0.1], error=0.5)
+    rising = reach([1.0, 1.1, 0.0], [0.0, 0.5])
+    arrived, c0, c1, c2, change, places, *_ = _quantities(
+        {"c0": [good, good], "c1": [good, late], "c2": [rising, rising]}, 0
+    )
+    assert (arrived.note, arrived.verdict) == ("5 of 6", Verdict.MISSED)
+    assert [each.verdict for each in (c0, c1, c2)] == [Verdict.REPRODUCED] * 2 + [Verdict.MISSED]
+    # Where a reach fails, there is nothing to compare, and the place does not count.
+    assert (change.ours, places.note) == (0.0, "0 of 2")
+
+
+def test_reaches_that_never_began_are_missed() -> None:
+    none = [_Reach()]
+    assert set(verdicts(none, none, none)) == {Verdict.MISSED}
+    assert math.isnan(
+        next(
+            each.ours
+            for each in _quantities({"c0": none, "c1": none, "c2": none}, 0)
+            if "rise of" in each.name
+        )
+    )
+    assert fig_3_4._charts({"c0": none, "c1": none, "c2": none}, 0.1) == ()
+
+
+@pytest.mark.slow
+def test_two_places_on_the_simulator() -> None:
+    outcome = fig_3_4.run(Settings(quick=True))
+    assert {quantity.verdict for quantity in outcome.quantities} == {Verdict.REPRODUCED}
+    assert [len(chart.lines) for chart in outcome.charts] == [3, 2, 2]

@@ -1,0 +1,38 @@
+"""The printed law leads to singularities and lets the lower level in; ours does neither."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from cbdsl.reproduction import law_as_printed
+from cbdsl.reproduction.experiment import Settings
+from cbdsl.reproduction.quantity import Verdict
+
+STEP = 1e-6
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_the_planar_arm_by_finite_differences(seed: int) -> None:
+    q = np.random.default_rng(seed).uniform(-np.pi, np.pi, 3)
+    signal = law_as_printed._planar(q)
+    assert signal.curvature is not None
+    for joint, change in enumerate(STEP * np.eye(3)):
+        ahead, behind = law_as_printed._planar(q + change), law_as_printed._planar(q - change)
+        slope = (ahead.value - behind.value) / (2 * STEP)
+        assert signal.jacobian[:, joint] == pytest.approx(slope, abs=1e-8)
+        bend = (ahead.jacobian - behind.jacobian) / (2 * STEP)
+        assert signal.curvature[:, :, joint] == pytest.approx(bend, abs=1e-8)
+
+
+def test_the_outcome() -> None:
+    told: list[tuple[int, int]] = []
+    settings = Settings(quick=True, progress=lambda done, total: told.append((done, total)))
+    outcome = law_as_printed.run(settings)
+    assert told == [(1, 2), (2, 2)]
+    for quantity in outcome.quantities:
+        ours = quantity.name.startswith("ours")
+        assert (quantity.verdict is Verdict.REPRODUCED) == ours, quantity
+    again = law_as_printed.run(Settings(quick=True))
+    assert [each.ours for each in again.quantities] == [each.ours for each in outcome.quantities]
+    assert again.charts == outcome.charts
