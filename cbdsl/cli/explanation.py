@@ -7,6 +7,7 @@ from collections.abc import Iterable, Iterator
 from difflib import unified_diff
 
 from cbdsl.errors.entry import Entry
+from cbdsl.errors.legible import legible
 
 _HEAD = """\
 # Findings
@@ -45,7 +46,7 @@ def _difference(entry: Entry) -> Iterator[str]:
     """The lines of both examples; none where the bad one is no file at all."""
     if entry.bad is None or entry.good is None:
         return
-    text = entry.bad if isinstance(entry.bad, str) else entry.bad.decode("utf-8", "replace")
+    text = entry.bad if isinstance(entry.bad, str) else entry.bad.decode("utf-8", "backslashreplace")
     bad, good = _shown(text), _shown(entry.good)
     lines = unified_diff(bad, good, lineterm="", n=len(bad) + len(good))
     for number, line in enumerate(lines):
@@ -54,5 +55,5 @@ def _difference(entry: Entry) -> Iterator[str]:
 
 
 def _shown(text: str) -> list[str]:
-    """The lines of an example, with what cannot be seen made visible."""
-    return [line.replace("\t", "→") for line in text.splitlines()]
+    """The lines of an example, with what cannot be seen written as escapes."""
+    return [legible(line) for line in text.splitlines()]

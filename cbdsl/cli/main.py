@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import gc
+import io
 import os
 import sys
 from collections.abc import Iterable
@@ -20,6 +21,8 @@ def build_app(names: Iterable[str] = COMMANDS) -> typer.Typer:
     """The command line with some of its commands, or all."""
     import typer
 
+    from cbdsl.cli.version import options
+
     app = typer.Typer(
         help="Declare, check and run robot behaviour as data.",
         no_args_is_help=True,
@@ -27,7 +30,8 @@ def build_app(names: Iterable[str] = COMMANDS) -> typer.Typer:
         rich_markup_mode=None,
         pretty_exceptions_enable=False,
     )
-    app.callback()(lambda: None)  # keeps the command's name when it is the only one
+    # With options of its own, cb keeps a command's name when that is the only one.
+    app.callback(help=app.info.help)(options)
     for name in names:
         command = getattr(import_module(f"cbdsl.cli.{name}"), name)
         if isinstance(command, typer.Typer):
@@ -40,6 +44,7 @@ def build_app(names: Iterable[str] = COMMANDS) -> typer.Typer:
 def main() -> None:
     """Run ``cb``: exit 0 when all is well, 1 with findings, 2 for a wrong call or a fault of cb."""
     _start_quickly()
+    _print_anything()
     asked = sys.argv[1:2]
     try:
         if _plain_validation(sys.argv[1:]):
@@ -73,6 +78,13 @@ def _start_quickly() -> None:
     gc.set_threshold(100_000)
     # Else pydantic reads the metadata of every installed package.
     os.environ.setdefault("PYDANTIC_DISABLE_PLUGINS", "1")
+
+
+def _print_anything() -> None:
+    """Have characters that a terminal's encoding lacks escaped, instead of failing on them."""
+    for stream in (sys.stdout, sys.stderr):
+        if isinstance(stream, io.TextIOWrapper):
+            stream.reconfigure(errors="backslashreplace")
 
 
 def _report(error: Exception) -> int:

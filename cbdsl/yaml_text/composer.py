@@ -24,6 +24,10 @@ MOST_NODES = 20_000
 MOST_ENTRIES = 2_000
 MOST_CHARACTERS = 256_000
 
+# What libyaml says where it noticed too late.
+_OPEN = "found unexpected end of stream"
+_LATE = ("could not find expected ':'", _OPEN)
+
 LOADER: Any = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
 # What YAML 1.2 excludes (5.1); C1 controls but NEL, and what is no character at all.
 _CONTROL = re.compile(r"[\x00-\x08\x0b\x0c\x0e-\x1f\x7f-\x84\x86-\x9f\ud800-\udfff\ufffe\uffff]")
@@ -43,20 +47,24 @@ def compose(text: str, file: str) -> Node:
     control = _CONTROL.search(text)
     if control:
         raise DiagnosticsError([_unseen("CB103", control, file)])
-    composer = _Composer(text, file)
     # One stands for all: they tend to come in swarms.
-    composer.findings += [_unseen("CB118", m, file) for m in [_INVISIBLE.search(text)] if m]
-    root = composer.document()
-    if composer.findings:
-        raise DiagnosticsError(composer.findings)
+    invisible = [_unseen("CB118", m, file) for m in [_INVISIBLE.search(text)] if m]
+    composer = _Composer(text, file)
+    try:
+        root = composer.document()
+    except DiagnosticsError as error:
+        # What is no YAML is so because of them.
+        rest = [d for d in error.diagnostics if not (invisible and d.code == "CB104")]
+        raise DiagnosticsError([*invisible, *rest]) from None
+    if invisible or composer.findings:
+        raise DiagnosticsError([*invisible, *composer.findings])
     return root
 
 
 def _unseen(code: str, match: re.Match[str], file: str) -> Diagnostic:
     """A finding about a character that no editor shows."""
-    line = match.string.count("\n", 0, match.start()) + 1
-    column = match.start() - match.string.rfind("\n", 0, match.start())
-    place = Place(file, line, column, column + 1)
+    before = lines_of(match.string[: match.start()])
+    place = Place(file, len(before), len(before[-1]) + 1, len(before[-1]) + 2)
     return diagnostic(code, place, character=f"U+{ord(match[0]):04X}")
 
 
@@ -110,7 +118,8 @@ class _Composer:
     def _fresh(self, event: Any, place: Place, depth: int) -> Node:
         self._count(1, place)
         if event.tag is not None and event.tag != "!":
-            self._find("CB112", place, tag=event.tag)
+            written = event.tag.replace("tag:yaml.org,2002:", "!!")
+            self._find("CB112", place, tag=written)
         if isinstance(event, yaml.ScalarEvent):
             return Node(place, self._scalar(event, place))
         if depth > DEEPEST:
@@ -187,8 +196,10 @@ class _Composer:
 
     def _syntax_error(self, error: yaml.MarkedYAMLError) -> DiagnosticsError:
         problem = error.problem or error.context or "no YAML"
-        # A key that lacks its colon is noticed only on the next line.
-        lost = "could not find expected ':'" in problem and error.context_mark
+        # A key that lacks its colon is noticed only on the next line, an open quote at the end.
+        lost = error.context_mark if problem.endswith(_LATE) else None
+        if problem == _OPEN:
+            problem = "this quote is never closed"
         mark = lost or error.problem_mark or error.context_mark
         line, column = (mark.line + 1, mark.column + 1) if mark else (1, 1)
         if self._is_tab(line, column):

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from functools import cache
 from typing import Any, NamedTuple, get_args
 
@@ -10,6 +10,7 @@ from pydantic import BaseModel
 from pydantic_core import ErrorDetails
 
 from cbdsl.errors.diagnostic import Diagnostic
+from cbdsl.errors.nearest import nearest_name
 from cbdsl.errors.wording import diagnostic
 from cbdsl.yaml_text.source_map import SourceMap, Step, child_of
 
@@ -33,8 +34,8 @@ _PROBLEMS = {
     "greater_than_equal": "it has to be at least {ge:g}",
     "less_than": "it has to be less than {lt:g}",
     "less_than_equal": "it has to be at most {le:g}",
-    "too_short": "it has {actual_length} values and needs at least {min_length}",
-    "too_long": "it has {actual_length} values and may have {max_length}",
+    "too_short": "{actual_length} given, at least {min_length} needed",
+    "too_long": "{actual_length} given, at most {max_length} possible",
 }
 
 
@@ -59,7 +60,22 @@ def faults(
     for fault in found:
         if not (fault.is_wrong_kind and fault.path in enclosing):
             by_path.setdefault(fault.path, []).append(fault)
-    return [_diagnose(path, same, source, model) for path, same in by_path.items()]
+    misspelt = _misspelt(by_path)
+    return [_diagnose(p, same, source, model) for p, same in by_path.items() if p not in misspelt]
+
+
+def _misspelt(by_path: Mapping[tuple[Step, ...], list[_Fault]]) -> set[tuple[Step, ...]]:
+    """Keys that are missing because they are there under names that are nearly right."""
+    unknown: dict[tuple[Step, ...], list[str]] = {}
+    for path, same in by_path.items():
+        if any(fault.error["type"] == "extra_forbidden" for fault in same):
+            unknown.setdefault(path[:-1], []).append(str(path[-1]))
+    return {
+        path
+        for path, same in by_path.items()
+        if path and same[0].error["type"] == "missing"
+        if nearest_name(str(path[-1]), unknown.get(path[:-1], ()))
+    }
 
 
 def _path(error: ErrorDetails, source: SourceMap) -> tuple[Step, ...]:
@@ -153,4 +169,6 @@ def describe(value: object) -> str:
         return "a mapping"
     if isinstance(value, list):
         return "a list"
+    if isinstance(value, bool):
+        return f"'{value}'".lower()
     return "nothing" if value is None else f"'{value}'"

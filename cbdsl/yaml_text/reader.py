@@ -96,9 +96,8 @@ def decode(data: bytes, file: str) -> str:
     try:
         return data.decode("utf-8-sig")
     except UnicodeDecodeError as error:
-        line = data.count(b"\n", 0, error.start) + 1
-        column = error.start - data.rfind(b"\n", 0, error.start)
-        place = Place(file, line, column, column + 1)
+        before = lines_of(data[: error.start].decode("utf-8-sig", "replace"))
+        place = Place(file, len(before), len(before[-1]) + 1, len(before[-1]) + 2)
         raise _error("CB102", place, byte=f"0x{data[error.start]:02X}") from None
 
 

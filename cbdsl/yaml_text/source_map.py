@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import NamedTuple
 
@@ -36,13 +36,42 @@ class SourceMap(NamedTuple):
         """Where a stretch of a text value stands; columns within it from 1, ``end`` exclusive."""
         node = self.node(steps)
         place, value = node.place, node.value
-        line = self.lines[place.line - 1]
-        written = line[place.column - 1 : place.end_column - 1]
-        offset = written.find(value) if isinstance(value, str) else -1
-        if offset < 0:
+        if not isinstance(value, str):
             return place
-        column = place.column + offset - 1
-        return Place(place.file, place.line, column + start, column + end)
+        line = self.lines[place.line - 1]
+        offset = line[place.column - 1 : place.end_column - 1].find(value)
+        if offset >= 0:
+            column = place.column + offset - 1
+            return Place(place.file, place.line, column + start, column + end)
+        return self._in_lines(place, value, start, end) or place
+
+    def _in_lines(self, place: Place, value: str, start: int, end: int) -> Place | None:
+        """Where a stretch of a text of several lines stands; YAML joins them with spaces."""
+        written = self._written(place)
+        row, column, stretch = 0, 0, []
+        for number, character in enumerate(value[: end - 1], 1):
+            if character.isspace():
+                continue
+            row, column, found = next(written, (0, 0, ""))
+            if found != character:  # it is written with escapes
+                return None
+            if number >= start:
+                stretch.append((row, column))
+        row, first = stretch[0] if stretch else (row, column + 1)
+        last = max((c for r, c in stretch if r == row), default=first)
+        return Place(place.file, row, first, last + 1)
+
+    def _written(self, place: Place) -> Iterator[tuple[int, int, str]]:
+        """Line, column and character of what is written from a place on, but for spaces."""
+        opening = self.lines[place.line - 1][place.column - 1 : place.column]
+        # A text of a block, as after `>-`, begins on the line below, a quoted one behind its quote.
+        below = opening in (">", "|")
+        skipped = 0 if below else place.column - 1 + (opening in ("'", '"'))
+        for row in range(place.line + below, len(self.lines) + 1):
+            for column, character in enumerate(self.lines[row - 1][skipped:], skipped + 1):
+                if not character.isspace():
+                    yield row, column, character
+            skipped = 0
 
     def node(self, steps: Sequence[Step]) -> Node:
         """The deepest node along a path."""

@@ -1,0 +1,46 @@
+"""``cb explain``, and the page of documentation that it writes."""
+
+from __future__ import annotations
+
+import pytest
+
+from cbdsl.cli.explanation import page
+from cbdsl.errors.catalogue import CATALOGUE
+from tests.cli.test_main import ROOT, cb
+
+
+@pytest.mark.parametrize("code", CATALOGUE)
+def test_every_code_is_explained(
+    code: str, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert cb(monkeypatch, "explain", code.lower()) == 0
+    printed = capsys.readouterr().out
+    entry = CATALOGUE[code]
+    assert printed.startswith(f"{code}: {entry.title}")
+    if entry.bad is not None and entry.good is not None:
+        shown = [line[5:] for line in printed.split("\n") if line.startswith(("    +", "     "))]
+        assert shown == entry.good.expandtabs().splitlines()
+
+
+def test_the_page_of_findings_is_up_to_date(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert cb(monkeypatch, "explain", "--all", "--markdown") == 0
+    assert capsys.readouterr().out == (ROOT / "docs" / "diagnostics.md").read_text("utf-8")
+
+
+def test_the_page_has_a_section_for_every_code() -> None:
+    text = page(CATALOGUE.values())
+    assert all(f"\n## {code}: {entry.title}" in text for code, entry in CATALOGUE.items())
+
+
+@pytest.mark.parametrize("words", [[], ["CB504", "--all"], ["CB999"]])
+def test_it_wants_a_code_or_all(words: list[str], monkeypatch: pytest.MonkeyPatch) -> None:
+    assert cb(monkeypatch, "explain", *words) == 2
+
+
+def test_the_version_is_told(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert cb(monkeypatch, "--version") == 0
+    assert capsys.readouterr().out.startswith("cbdsl 0.")
