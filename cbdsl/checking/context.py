@@ -11,6 +11,7 @@ from cbdsl.documents.program import ProgramDocument
 from cbdsl.errors.diagnostic import Place
 from cbdsl.language.expression import Expression, Span
 from cbdsl.language.parser import CompositionError, parse
+from cbdsl.types.resource import Resource
 from cbdsl.yaml_text.reader import Loaded
 from cbdsl.yaml_text.source_map import SourceMap, Step
 
@@ -66,3 +67,23 @@ class Context:
     def substitute(self, text: str, steps: Steps, scope: Scope, offset: int = 0) -> str | None:
         """A text at a path with its parameters replaced, or ``None``."""
         return scope.substitute(text, self.source, steps, self.findings, offset)
+
+    def resource(self, text: str, steps: Steps, scope: Scope) -> Resource | None:
+        """The resource that a text at a path names, or ``None``."""
+        name = self.substitute(text, steps, scope)
+        if name is None:
+            return None
+        resource = self.body.resources.get(name)
+        if resource is None:
+            known = list(self.body.resources)
+            hints = {"names": _similar(name, known), "candidates": known}
+            robot = self.body.document.name
+            self.add("CB501", self.source.place(*steps), **hints, name=name, robot=robot)
+        return resource
+
+
+def _similar(name: str, names: list[str]) -> list[str]:
+    """Names that begin like a wrong one, or the first parts of all."""
+    first = name.split(".")[0]
+    siblings = [known for known in names if known.split(".")[0] == first]
+    return siblings or list(dict.fromkeys(known.split(".")[0] for known in names))

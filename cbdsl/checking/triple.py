@@ -6,6 +6,7 @@ from collections.abc import Iterable
 from typing import NamedTuple, TypeVar
 
 from cbdsl.checking.context import Context, Steps
+from cbdsl.checking.field import Wish, check_field
 from cbdsl.checking.references import LiteralError, is_literal, read_literal
 from cbdsl.checking.scope import Scope
 from cbdsl.checking.settings import check_settings
@@ -14,6 +15,7 @@ from cbdsl.documents.robot import TaskSettings
 from cbdsl.errors.diagnostic import Place
 from cbdsl.program.controller import (
     Controller,
+    Field,
     Funnel,
     Quiescence,
     Reference,
@@ -97,13 +99,14 @@ class _Triple:
         settings: _Settings,
     ) -> Controller:
         document = self._document
+        joints = self._context.body.effector_joints(effector)
         return Controller(
             name=self._name,
             potential=potential.name,
             feedback=feedback,
             reference=reference,
             effector=effector,
-            joints=self._context.body.effector_joints(effector),
+            joints=joints,
             chain=self._chain(feedback, effector),
             rewarded=feedback.origin is Origin.ENVIRONMENT,
             gain=settings.gain,
@@ -115,7 +118,15 @@ class _Triple:
             standoff=_standoff(document.standoff),
             funnel=_funnel(document.funnel),
             seek=self._seek(),
+            field=self._field(potential, Wish(feedback, reference, joints)),
         )
+
+    def _field(self, potential: PotentialType, wish: Wish) -> Field | None:
+        field, source = self._document.field, self._context.source
+        if potential.field and self._document.funnel is not None:
+            details = {"potential": potential.name, "setting": "funnel"}
+            self._context.add("CB521", source.key(*self._steps, "funnel"), **details)
+        return check_field(self._context, self._steps, potential, field, wish, self._scope)
 
     def _chain(self, feedback: Resource, effector: Resource) -> tuple[str, ...]:
         """How a displacement of the feedback becomes one of the effector, for people."""
@@ -163,17 +174,7 @@ class _Triple:
         return potential
 
     def _resource(self, text: str, key: str) -> Resource | None:
-        name = self._context.substitute(text, (*self._steps, key), self._scope)
-        if name is None:
-            return None
-        body = self._context.body
-        resource = body.resources.get(name)
-        if resource is None:
-            known = list(body.resources)
-            hints = {"names": _similar(name, known), "candidates": known}
-            robot = body.document.name
-            self._context.add("CB501", self._place(key), **hints, name=name, robot=robot)
-        return resource
+        return self._context.resource(text, (*self._steps, key), self._scope)
 
     def _reference_wanted(self, potential: PotentialType) -> None:
         given = self._document.reference is not None
@@ -300,13 +301,6 @@ T = TypeVar("T")
 def _first(values: Iterable[T | None]) -> T | None:
     """The first value that is set."""
     return next((value for value in values if value is not None), None)
-
-
-def _similar(name: str, names: list[str]) -> list[str]:
-    """Names that begin like a wrong one, or the first parts of all."""
-    first = name.split(".")[0]
-    siblings = [known for known in names if known.split(".")[0] == first]
-    return siblings or list(dict.fromkeys(known.split(".")[0] for known in names))
 
 
 def _spelled(chain: tuple[Cast, ...], feedback: Resource, effector: Resource) -> tuple[str, ...]:

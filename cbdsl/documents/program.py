@@ -1,15 +1,18 @@
 """The program document: controllers, actions and a policy over predicate states."""
 
-from typing import Annotated, Literal
+from typing import Annotated, Literal, Self
 
-from pydantic import Field
+from pydantic import Field, model_validator
 
 from cbdsl.documents.document import (
     Angle,
     AnyAcceleration,
     AnySpeed,
+    Coordinate,
+    Distance,
     Document,
     Duration,
+    Extent,
     Length,
     Name,
     Number,
@@ -61,6 +64,45 @@ class Seek(Section):
     """Angle of the flexing joints past which nothing will be found."""
 
 
+class Obstacle(Section):
+    """What a motion keeps away from: a ball around a resource, or a box that stays."""
+
+    center: Text | None = None
+    """Resource of the feedback's type, such as the tip of another arm."""
+    radius: Extent | None = None
+    """Radius around ``center``; without it the radius that is seen."""
+    lower: tuple[Coordinate, ...] | None = None
+    """Lower corner of a box."""
+    upper: tuple[Coordinate, ...] | None = None
+    """Upper corner of a box."""
+
+    @model_validator(mode="after")
+    def _is_a_ball_or_a_box(self) -> Self:
+        is_box = self.lower is not None and self.upper is not None
+        is_half_a_box = (self.lower is None) != (self.upper is None)
+        has_radius_alone = self.radius is not None and self.center is None
+        if is_half_a_box or has_radius_alone or is_box == (self.center is not None):
+            raise ValueError("an obstacle needs either a center, or lower and upper corners")
+        return self
+
+
+class HarmonicField(Section):
+    """Where a harmonic function is computed, and what it leads around."""
+
+    lower: tuple[Coordinate, ...] | None = None
+    """Lower corner of the workspace; without it the lower limits of the joints."""
+    upper: tuple[Coordinate, ...] | None = None
+    """Upper corner of the workspace; without it the upper limits of the joints."""
+    spacing: Extent
+    """Distance between neighbours on the grid that the function is computed on."""
+    scale: Extent = 0.1
+    """Displacement that is asked for where the function is 1, far from the goal."""
+    clearance: Distance = 0.0
+    """Distance kept from obstacles, for all of the body that surrounds the feedback."""
+    obstacles: tuple[Obstacle | Text, ...] = ()
+    """Resources of the feedback's type, with the radius that is seen, or balls and boxes."""
+
+
 class Controller(Section):
     """A typed triple c(phi, sigma, tau)."""
 
@@ -88,6 +130,7 @@ class Controller(Section):
     standoff: Standoff | None = None
     funnel: Funnel | None = None
     seek: Seek | None = None
+    field: HarmonicField | None = None
 
 
 class Use(Section):

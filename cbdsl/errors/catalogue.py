@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from cbdsl.errors.codes.compositions import COMPOSITIONS
 from cbdsl.errors.codes.controllers import CONTROLLERS
+from cbdsl.errors.codes.fields import FIELDS
 from cbdsl.errors.codes.ignores import IGNORES
 from cbdsl.errors.codes.programs import PROGRAMS
 from cbdsl.errors.codes.reading import READING
@@ -22,6 +23,7 @@ CATALOGUE: dict[str, Entry] = {
         STAGES,
         COMPOSITIONS,
         CONTROLLERS,
+        FIELDS,
         PROGRAMS,
         UNUSED,
         IGNORES,

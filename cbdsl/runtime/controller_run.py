@@ -3,20 +3,22 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 
 import numpy as np
 from numpy.typing import NDArray
 
 from cbdsl.control.body import Body
+from cbdsl.control.field import NoPathError
 from cbdsl.control.law import Level
+from cbdsl.control.obstacle import Obstacle
 from cbdsl.control.potential import Evaluation
 from cbdsl.control.predicate import QuiescenceMonitor
 from cbdsl.control.registry import build
 from cbdsl.control.rotation import exp
 from cbdsl.control.signal import Signal
 from cbdsl.control.task import Task
-from cbdsl.program.controller import AlongNormals, Controller, Funnel, Literal
+from cbdsl.program.controller import AlongNormals, Ball, Controller, Field, Funnel, Literal
 from cbdsl.robot.reading import Reading, transform
 from cbdsl.robot.signals import Signals
 from cbdsl.robot.uniform import UniformSampler
@@ -45,6 +47,7 @@ class ControllerRun:
         error: norm of the residual in the unit of the feedback, NaN while undefined.
         seeking: whether it acts to make its feedback defined.
         exhausted: whether it has sought in vain.
+        no_path: why no free path leads to the reference; empty where one does.
     """
 
     def __init__(
@@ -73,6 +76,7 @@ class ControllerRun:
         self.phi = self.error = math.nan
         self.seeking = self.exhausted = False
         self.settled = False
+        self.no_path = ""
         self._sample: Floats | None = None
         self._stamp = -1
         self._task.reset()
@@ -105,7 +109,12 @@ class ControllerRun:
         if feedback is None:
             return None
         signal = self._signal(feedback, columns)
-        evaluation = self._potential.evaluate(signal, reference.value)
+        try:
+            evaluation = self._potential.evaluate(signal, reference.value)
+        except NoPathError as error:
+            self._undefined()
+            self.no_path = str(error)
+            return None
         if defined:
             self._defined(evaluation, reference, feedback.stamp)
         if self.controller.funnel is not None:
@@ -120,7 +129,20 @@ class ControllerRun:
             feedback.value,
             feedback.jacobian.take(columns, axis=1),
             None if curvature is None else curvature[:, columns[:, None], columns],
+            () if self.controller.field is None else tuple(self._obstacles(self.controller.field)),
         )
+
+    def _obstacles(self, field: Field) -> Iterator[Obstacle]:
+        """Where obstacles are now; what is not seen or felt is not there."""
+        for obstacle in field.obstacles:
+            if not isinstance(obstacle, Ball):
+                lower, upper = np.array(obstacle.lower), np.array(obstacle.upper)
+                yield Obstacle(obstacle.name, lower, upper)
+                continue
+            reading = self._signals.read(obstacle.resource)
+            if reading is not None:
+                radius = reading.radius if obstacle.radius is None else obstacle.radius
+                yield Obstacle.sphere(obstacle.resource.name, reading.value, radius)
 
     def _defines(self, feedback: Reading, columns: Columns) -> bool:
         """Whether the feedback is measured, and the effector moves it.
@@ -133,6 +155,7 @@ class ControllerRun:
 
     def _undefined(self) -> None:
         self.predicate = self._monitor.undefined()
+        self.no_path = ""
         self.phi = self.error = math.nan
         self.settled = False
         # The robot may be doing something else by the time the signal is back.
@@ -141,6 +164,7 @@ class ControllerRun:
 
     def _defined(self, evaluation: Evaluation, reference: Reading, stamp: int) -> None:
         self.seeking = self.exhausted = False
+        self.no_path = ""
         self.phi = evaluation.phi
         self.error = math.sqrt(evaluation.residual.dot(evaluation.residual))
         stamp = max(stamp, reference.stamp)

@@ -53,6 +53,8 @@ def _clause(lead: ControllerRun) -> str:
     controller = lead.controller
     if lead.exhausted:
         return f"{controller.name} closed on nothing"
+    if lead.no_path:
+        return f"{controller.name} had no way: {lead.no_path}"
     if math.isnan(lead.error):
         return f"{controller.name} had no {_missing(controller)}"
     factor, unit = _UNITS.get(controller.feedback.type.name, (1.0, ""))

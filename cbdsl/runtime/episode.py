@@ -156,9 +156,7 @@ def resources_of(program: CheckedProgram) -> Sequence[Resource]:
     for composition in compositions:
         for primitive in composition.primitives if composition else ():
             for controller in primitive.controllers:
-                found[controller.feedback] = None
-                if isinstance(controller.reference, Resource):
-                    found[controller.reference] = None
+                found.update(dict.fromkeys(controller.resources))
     for action in program.actions:
         if action.program is not None:
             found.update(dict.fromkeys(resources_of(action.program)))
