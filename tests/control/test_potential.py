@@ -1,0 +1,180 @@
+"""Gradients of all potentials by the joints of every robot that has a document."""
+
+from __future__ import annotations
+
+from functools import cache
+from typing import NamedTuple
+
+import numpy as np
+import pytest
+
+from cbdsl.control.body import Body
+from cbdsl.control.registry import build
+from cbdsl.control.signal import Floats, Signal
+from cbdsl.documents.robot import RobotDocument
+from cbdsl.robot.camera import heading, sighting_jacobian
+from cbdsl.robot.kinematics import Frame, Kinematics
+from cbdsl.robot.reading import Reading
+from cbdsl.robot.tips import Tips
+from cbdsl.types.potential import POTENTIALS
+from cbdsl.types.resource import Tip
+from cbdsl.types.resource_type import HEADING, TYPES, ResourceType, configuration
+from cbdsl.yaml_text.library import Library
+from tests.conftest import ROOT
+from tests.control.test_registry import controller, gradient
+
+LIBRARY = Library(ROOT)
+ROBOTS = {
+    name: LIBRARY.read(LIBRARY.locate(RobotDocument, name), RobotDocument).document
+    for name in LIBRARY.names(RobotDocument)
+}
+SMALL = 1e-6
+
+
+class Case(NamedTuple):
+    """What is measured: a part of an effector or a group, or what is seen."""
+
+    robot: str
+    potential: str
+    effector: str
+    part: str
+
+
+@cache
+def kinematics(robot: str) -> Kinematics:
+    return Kinematics(ROBOTS[robot], ROOT / "robots" / ROBOTS[robot].model)
+
+
+def cases() -> list[Case]:
+    found = []
+    for name, robot in ROBOTS.items():
+        for effector in (*robot.effectors, *robot.groups):
+            found += [Case(name, "spring", effector, "configuration")]
+            found += [Case(name, "range", effector, "configuration")]
+            if all(robot.effectors[member].tip for member in robot.members(effector)):
+                found += tips(name, effector)
+    return found
+
+
+def tips(name: str, effector: str) -> list[Case]:
+    robot, found = ROBOTS[name], []
+    members = len(robot.members(effector))
+    if members == 1:
+        found += [Case(name, "spring", effector, part) for part in ("orientation", "pose")]
+    else:
+        found += [Case(name, "spring", effector, "position")]
+    for part, rows in (("position", 3), ("pose", 6)):
+        if rows * members <= len(robot.joints(effector)):
+            found += [Case(name, "manipulability", effector, part)]
+    if len(robot.cameras) == 2:
+        found += [Case(name, "localizability", effector, part) for part in ("held", "seen")]
+    return found
+
+
+CASES = cases()
+
+
+def measure(case: Case, q: Floats, anchor: Floats) -> Signal:
+    model, robot = kinematics(case.robot), ROBOTS[case.robot]
+    model.update(q)
+    reader = Tips(robot, model)
+    if case.part == "configuration":
+        own = model.joints.of(case.effector)
+        return Signal("configuration", q[own], np.eye(len(q))[own])
+    if case.potential == "manipulability":
+        return signal(reader.manipulator(case.effector, case.part))
+    if case.potential == "localizability":
+        return sighting(case, anchor)
+    return signal(reader.read(Tip(case.effector, case.part)))
+
+
+def signal(reading: Reading) -> Signal:
+    return Signal("tip", reading.value, reading.jacobian, reading.curvature)
+
+
+def carried(case: Case) -> Reading:
+    """Where what an effector or a group holds would move with it."""
+    model, robot = kinematics(case.robot), ROBOTS[case.robot]
+    reader = Tips(robot, model)
+    centre = reader.mean([reader.position(arm) for arm in robot.members(case.effector)])
+    share = float(case.part == "held")
+    return Reading(share * centre.value, share * centre.jacobian, 0)
+
+
+def cameras(case: Case) -> list[Frame]:
+    model = kinematics(case.robot)
+    return [model.frame(camera.link) for camera in ROBOTS[case.robot].cameras.values()]
+
+
+def sighting(case: Case, anchor: Floats) -> Signal:
+    """The headings to a point which is ``anchor`` away from what carries it."""
+    carrier, values, rows = carried(case), [], []
+    for frame, camera in zip(cameras(case), ROBOTS[case.robot].cameras.values(), strict=True):
+        moves = kinematics(case.robot).jacobian(camera.link)
+        sight = carrier.value + anchor - frame.position
+        passing = carrier.jacobian - moves[:3] - np.cross(moves[3:].T, sight).T
+        values.append(heading(frame.rotation.T @ sight))
+        rows.append(sighting_jacobian(frame.rotation.T @ sight) @ frame.rotation.T @ passing)
+    return Signal("cameras", np.concatenate(values), np.vstack(rows))
+
+
+def ahead(case: Case, q: Floats, rng: np.random.Generator) -> Floats:
+    """The anchor of a point that is before the cameras in a posture."""
+    kinematics(case.robot).update(q)
+    if case.potential != "localizability":
+        return np.zeros(3)
+    frame = cameras(case)[0]
+    point = frame.position + frame.rotation @ rng.uniform([0.4, -0.2, -0.2], [0.9, 0.2, 0.2])
+    return point - carried(case).value
+
+
+def feedback(case: Case) -> ResourceType:
+    robot = ROBOTS[case.robot]
+    if case.potential == "localizability":
+        return HEADING.times(2)
+    if case.part == "configuration" or case.potential == "manipulability":
+        return configuration(len(robot.joints(case.effector)))
+    return TYPES[case.part].times(len(robot.members(case.effector)))
+
+
+def body(case: Case) -> Body:
+    model = kinematics(case.robot)
+    own = model.joints.of(case.effector)
+    frames = cameras(case)
+    relative = [
+        Frame(
+            frames[0].rotation.T @ (frame.position - frames[0].position),
+            frames[0].rotation.T @ frame.rotation,
+        )
+        for frame in frames
+    ]
+    return Body(model.lower[own], model.upper[own], tuple(relative))
+
+
+@pytest.mark.parametrize("case", CASES, ids=lambda case: "-".join(case))
+def test_gradient_equals_finite_differences(case: Case, rng: np.random.Generator) -> None:
+    model = kinematics(case.robot)
+    law = build(controller(case.potential, feedback(case)), body(case))
+    for q, goal in rng.uniform(model.lower, model.upper, (3, 2, len(model.joints))):
+        anchor = ahead(case, q, rng)
+        reference = None
+        if POTENTIALS[case.potential].reference:
+            reference = measure(case, goal, anchor).value
+        here = law.evaluate(measure(case, q, anchor), reference)
+        slopes = [
+            law.evaluate(measure(case, q + step, anchor), reference).phi
+            - law.evaluate(measure(case, q - step, anchor), reference).phi
+            for step in SMALL * np.eye(len(q))
+        ]
+        np.testing.assert_allclose(
+            gradient(case.potential, here), np.array(slopes) / (2 * SMALL), rtol=1e-5, atol=1e-6
+        )
+
+
+def test_every_potential_and_both_arms_are_tried() -> None:
+    """All but those solved for on a grid, which have tests of their own."""
+    tried = {case.potential for case in CASES}
+    assert tried == {name for name, potential in POTENTIALS.items() if not potential.field}
+    of_dexter = {case.effector for case in CASES if case.robot == "dexter"}
+    assert of_dexter >= {"left_arm", "right_arm", "arms"}
+    assert {case.robot for case in CASES} == set(ROBOTS)
