@@ -248,6 +248,11 @@ CLAIMS = [
 ]
 
 
+def test_all_potentials_are_functions_here_but_for_those_solved_for_on_a_grid() -> None:
+    on_grids = {name for name, potential in POTENTIALS.items() if potential.field}
+    assert set(FUNCTIONS) == set(POTENTIALS) - on_grids
+
+
 @pytest.mark.parametrize(("potential", "condition"), CLAIMS)
 def test_claims_hold(potential: str, condition: str, rng: np.random.Generator) -> None:
     functions = list(FUNCTIONS[potential](rng))
