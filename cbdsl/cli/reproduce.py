@@ -45,6 +45,7 @@ def reproduce(
     """
     from cbdsl.cli.terminal import print_json
     from cbdsl.errors.errors import UsageError
+    from cbdsl.reproduction.experiment import Settings
     from cbdsl.reproduction.report import data
 
     if list_them:
@@ -55,15 +56,16 @@ def reproduce(
     chosen = _chosen(name)
     if out is not None:
         _require_writable(out)
+    settings = Settings(seed=seed, quick=quick)
     found: list[dict[str, object]] = []
     for experiment in chosen:
-        outcome = _run(experiment, seed, quick)
-        found.append(data(experiment, seed, outcome))
+        outcome = _run(experiment, settings)
+        found.append(data(experiment, settings, outcome))
         if not as_json:
             _tell(experiment, outcome)
         if out is not None:
             # After each, so that what is done is kept when a later one is interrupted.
-            _write(out, experiment, seed, outcome, found)
+            _write(out, experiment, settings, outcome, found)
     if as_json:
         print_json(found)
 
@@ -97,16 +99,16 @@ def _chosen(name: str) -> list[Experiment]:
     return [EXPERIMENTS[name]]
 
 
-def _run(experiment: Experiment, seed: int, quick: bool) -> Outcome:
+def _run(experiment: Experiment, settings: Settings) -> Outcome:
+    from dataclasses import replace
+
     from cbdsl.cli.progress import Progress
     from cbdsl.cli.quiet import shown_on_failure
     from cbdsl.errors.errors import UsageError
-    from cbdsl.reproduction.experiment import Settings
 
     try:
         with shown_on_failure(), Progress(experiment.name) as progress:
-            settings: Settings = Settings(seed=seed, quick=quick, progress=progress.note)
-            return experiment.run(settings)
+            return experiment.run(replace(settings, progress=progress.note))
     except ModuleNotFoundError as error:
         raise UsageError(
             f"{experiment.name} needs {error.name}, which is not installed: "
@@ -153,7 +155,11 @@ def _require_writable(out: Path) -> None:
 
 
 def _write(
-    out: Path, experiment: Experiment, seed: int, outcome: Outcome, found: list[dict[str, object]]
+    out: Path,
+    experiment: Experiment,
+    settings: Settings,
+    outcome: Outcome,
+    found: list[dict[str, object]],
 ) -> None:
     import json
 
@@ -170,5 +176,5 @@ def _write(
     for chart in outcome.charts:
         write_text(chart.svg(), pictures / f"{chart.name}.svg")
     before = out.read_text(encoding="utf-8") if out.exists() else ""
-    new = {experiment.name: section(experiment, seed, outcome, pictures.name)}
+    new = {experiment.name: section(experiment, settings, outcome, pictures.name)}
     write_text(page(before, new, EXPERIMENTS), out)

@@ -34,8 +34,8 @@ _PRINTED_STEPS, _DESCENT_STEPS = 6, 60
 # An arm holds a position, while the range potential acts below.
 _ROBOT, _ARM = "dexter", "right_arm"
 _GOALS = 20
-_HOLDING_STEPS, _LOWER_GAIN = 1000, 0.01
-_POINT = 10  # iterations between the points of the chart
+_HOLDING_STEPS, _LOWER_GAIN = 300, 0.01
+_POINT = 3  # iterations between the points of the chart
 _HELD = 1e-5  # m, the largest error that counts as holding
 _SETTINGS = LawSettings(joint_step=0.1)
 
@@ -203,7 +203,7 @@ def _growths(found: Sequence[_Curves]) -> Iterator[Quantity]:
             ordering=above(50),
             interval=(100 * low, 100 * high),
             note=f"{grown} of {len(curves)}; "
-            f"mean {_mean(curves, 0):.3g} -> {_mean(curves, -1):.3g} m^2",
+            f"mean {_mean(curves, 0):.3g} -> {_mean(curves, -1):.3g} m²",
         )
 
 
@@ -233,22 +233,21 @@ def _growth_chart(found: Sequence[_Curves]) -> Chart:
         "printed": np.mean([each.printed for each in found], axis=0),
         "ours": np.mean([each.ours[: 2 * _PRINTED_STEPS + 1] for each in found], axis=0),
     }
-    return _chart("law-as-printed-manipulability", "Mean manipulability", "step", "m^2", curves)
+    name, title = "law-as-printed-manipulability", "Mean manipulability"
+    return Chart(name, title, "step", "manipulability, m²", _lines(curves, 1))
 
 
 def _error_chart(found: Sequence[_Curves]) -> Chart:
-    every = slice(None, None, _POINT)
     curves = {
-        "printed": 1000 * np.mean([each.printed for each in found], axis=0)[every],
-        "ours": 1000 * np.mean([each.ours for each in found], axis=0)[every],
+        "printed": 1000 * np.mean([each.printed for each in found], axis=0),
+        "ours": 1000 * np.mean([each.ours for each in found], axis=0),
     }
-    title = "Distance of the hand from a goal that it had reached"
-    return _chart("law-as-printed-priority", title, f"iteration / {_POINT}", "mm", curves)
+    name, title = "law-as-printed-priority", "Distance of the hand from a goal that it had reached"
+    return Chart(name, title, "iteration", "mean distance, mm", _lines(curves, _POINT))
 
 
-def _chart(name: str, title: str, x: str, y: str, curves: dict[str, Floats]) -> Chart:
-    lines = (
-        Line(law, tuple(map(float, range(len(curve)))), tuple(curve.tolist()))
+def _lines(curves: dict[str, Floats], every: int) -> tuple[Line, ...]:
+    return tuple(
+        Line(law, tuple(map(float, range(0, len(curve), every))), tuple(curve[::every].tolist()))
         for law, curve in curves.items()
     )
-    return Chart(name, title, x, y, tuple(lines))

@@ -6,7 +6,7 @@ import math
 import re
 from collections.abc import Iterable, Mapping
 
-from cbdsl.reproduction.experiment import Experiment, Outcome
+from cbdsl.reproduction.experiment import Experiment, Outcome, Settings
 from cbdsl.reproduction.quantity import Quantity
 
 _HEADER = """\
@@ -34,13 +34,14 @@ def row(quantity: Quantity) -> dict[str, str]:
     }
 
 
-def data(experiment: Experiment, seed: int, outcome: Outcome) -> dict[str, object]:
+def data(experiment: Experiment, settings: Settings, outcome: Outcome) -> dict[str, object]:
     """An outcome for scripts; what could not be measured is ``None``."""
     return {
         "experiment": experiment.name,
         "title": experiment.title,
         "section": experiment.section,
-        "seed": seed,
+        "seed": settings.seed,
+        "quick": settings.quick,
         "quantities": [_quantity(quantity) for quantity in outcome.quantities],
         "charts": [
             {
@@ -56,15 +57,16 @@ def data(experiment: Experiment, seed: int, outcome: Outcome) -> dict[str, objec
     }
 
 
-def section(experiment: Experiment, seed: int, outcome: Outcome, pictures: str) -> str:
+def section(experiment: Experiment, settings: Settings, outcome: Outcome, pictures: str) -> str:
     """The part of the page about one experiment; ``pictures`` is the folder of the charts."""
     rows = [row(quantity) for quantity in outcome.quantities]
+    quick = " --quick" if settings.quick else ""
     headings = list(rows[0]) if rows else []
     table = [headings, ["---"] * len(headings), *(list(cells.values()) for cells in rows)]
     lines = [
         f"## {experiment.name}: {experiment.title}",
         "",
-        f"{experiment.section}. `cb reproduce {experiment.name} --seed {seed}`",
+        f"{experiment.section}. `cb reproduce {experiment.name} --seed {settings.seed}{quick}`",
         "",
         *(f"| {' | '.join(_escaped(cell) for cell in cells)} |" for cells in table if cells),
         "",
