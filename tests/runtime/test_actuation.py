@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -10,7 +11,12 @@ import pytest
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.program.checked import CheckedProgram
 from cbdsl.robot.kinematics import Kinematics
+from cbdsl.robot.observation import Observation
+from cbdsl.robot.signals import Signals
+from cbdsl.runtime.actuation import Actuation
 from cbdsl.runtime.episode import Tick
+from cbdsl.runtime.program_run import ProgramRun
+from cbdsl.types.resource import Tip as TipSource
 from tests.conftest import Checked
 from tests.runtime.conftest import Play, Played, on_table
 
@@ -110,3 +116,46 @@ def test_a_joint_past_its_margin_comes_back_at_the_joint_speed(
     fastest = dexter.control.joint_speed * played.backend.control_period
     assert found.min() < start - dexter.control.limit_margin
     assert np.abs(np.diff(found)).max() <= fastest + SLACK
+
+
+@pytest.mark.parametrize("ticks", [pytest.param(300), pytest.param(3000, marks=pytest.mark.slow)])
+def test_a_hand_stays_where_it_is_while_its_arm_turns_below_it(
+    written: Callable[..., CheckedProgram], dexter: RobotDocument, urdf: Path, ticks: int
+) -> None:
+    """The arm turns as far towards another posture as the hand lets it, at up to 0.8 rad/s."""
+    kinematics = Kinematics(dexter, urdf)
+    signals = Signals(dexter, kinematics, ())
+    positions = np.zeros(len(signals.joints))
+    positions[signals.joints.of("right_arm")] = dexter.effectors["right_arm"].postures["ready"]
+    hand = TipSource("right_arm", "position")
+
+    def place(positions: np.ndarray) -> np.ndarray:
+        kinematics.update(positions)
+        return signals.tips.tip(hand, 0.0).value
+
+    goal = place(positions)
+    program = written(
+        "controllers:\n"
+        f"  hold: {{potential: spring, reference: [{', '.join(f'{x!r} m' for x in goal.tolist())}],"
+        " feedback: right_arm.position, effector: right_arm.position}\n"
+        "  turn: {potential: spring, reference: right_arm.home, feedback: right_arm, "
+        "effector: right_arm}\n"
+        "  held: turn ◁ hold\n"
+        "actions: [held]\npolicy: {X: held}\n"
+    )
+    period = 1 / dexter.control.rate
+    run = ProgramRun(program, signals, period, np.random.default_rng(0), lambda transition: None)
+    run.activate()
+    actuation = Actuation(dexter, signals, period)
+    actuation.reset(positions)
+    loads = {
+        (name, finger): np.zeros(6) for name, cells in dexter.load_cells.items() for finger in cells
+    }
+    turned = 0.0
+    for _ in range(ticks):
+        before = actuation.reference.copy()
+        signals.update(Observation(0.0, before, np.zeros(len(before)), loads, {}))
+        actuation.move(run.active())
+        turned += float(np.abs(actuation.reference - before).max())
+        assert np.linalg.norm(place(actuation.reference) - goal) < 1e-5
+    assert turned > 0.3
