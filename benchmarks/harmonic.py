@@ -1,0 +1,188 @@
+"""Harmonic functions on cubes with a dozen balls in them: multigrid against a direct solution.
+
+The direct solution is SciPy's ``spsolve`` on the same equations; with pyamg installed, algebraic
+multigrid is measured too. Multigrid stops where every vertex is the mean of its neighbours up to
+1e-5 of its own value. Warm solutions begin from that of a scene in which the goal or one ball was
+one cell elsewhere. Run with ``python benchmarks/harmonic.py``; the direct solution of 64 cells
+takes many minutes and gigabytes, and ``--direct`` chooses another size.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import math
+import statistics
+import sys
+from collections.abc import Callable
+from time import perf_counter
+from typing import Any
+
+import numpy as np
+
+from cbdsl.control.field import HarmonicField
+from cbdsl.control.grid import FREE, Grid
+from cbdsl.control.obstacle import Obstacle
+from cbdsl.control.signal import Floats
+
+GOAL = np.full(3, 0.31)
+
+
+class Scene:
+    """The unit cube with balls in it, on a grid of ``cells`` along each axis."""
+
+    def __init__(self, cells: int, balls: int = 12) -> None:
+        rng = np.random.default_rng(0)
+        self.grid = Grid.between(np.zeros(3), np.ones(3), 1.0 / cells)
+        self.obstacles: list[Obstacle] = []
+        while len(self.obstacles) < balls:
+            centre, radius = rng.uniform(0.1, 0.9, 3), float(rng.uniform(0.05, 0.12))
+            if np.linalg.norm(centre - GOAL) > radius + 0.15:
+                self.obstacles.append(Obstacle.sphere("ball", centre, radius))
+
+    def field(self, start: HarmonicField | None = None) -> HarmonicField:
+        """The solution, with all that belongs to it."""
+        return HarmonicField(self.grid, self.obstacles, GOAL, start)
+
+    def moved_goal(self) -> Floats:
+        """The goal one cell on."""
+        return GOAL + np.array([self.grid.spacing, 0.0, 0.0])
+
+    def moved_obstacles(self) -> list[Obstacle]:
+        """The obstacles, one of them one cell on."""
+        first, *others = self.obstacles
+        shift = np.array([0.0, self.grid.spacing, 0.0])
+        return [first._replace(lower=first.lower + shift, upper=first.upper + shift), *others]
+
+    def equations(self) -> tuple[Any, Floats]:
+        """Matrix and right side of the same problem, for the vertices that are free."""
+        from scipy import sparse
+
+        free = self.grid.owners(self.obstacles) == FREE
+        number = np.full(free.shape, -1)
+        number[free] = np.arange(free.sum())
+        rows, columns = [], []
+        for axis in range(3):
+            ahead = np.moveaxis(number, axis, 0)
+            both = (ahead[:-1] >= 0) & (ahead[1:] >= 0)
+            rows.append(ahead[:-1][both])
+            columns.append(ahead[1:][both])
+        i, j = np.concatenate(rows), np.concatenate(columns)
+        size = int(free.sum())
+        half = sparse.coo_matrix((np.full(len(i), -1.0), (i, j)), (size, size))
+        source = np.zeros(size)
+        vertex = self.grid.nearest(GOAL)
+        assert vertex is not None
+        source[number[vertex]] = 1.0
+        return (half + half.T + 6.0 * sparse.identity(size)).tocsc(), source
+
+
+def seconds(work: Callable[[], object]) -> float:
+    """How long something takes."""
+    start = perf_counter()
+    work()
+    return perf_counter() - start
+
+
+def growth(sizes: list[int], repeats: int) -> dict[str, Any]:
+    """Medians over rounds that each solve every size, and the exponent of their growth."""
+    scenes = {cells: Scene(cells) for cells in sizes}
+    times: dict[int, list[float]] = {cells: [] for cells in sizes}
+    for _ in range(repeats):
+        for cells, scene in scenes.items():
+            times[cells].append(seconds(scene.field))
+    medians = {cells: statistics.median(values) for cells, values in times.items()}
+    vertices = [math.prod(scenes[cells].grid.shape) for cells in sizes]
+    exponent, _ = np.polyfit(np.log(vertices), np.log(list(medians.values())), 1)
+    return {
+        "seconds": {str(cells): round(value, 4) for cells, value in medians.items()},
+        "exponent": round(float(exponent), 3),
+    }
+
+
+def warm(cells: int, repeats: int) -> dict[str, Any]:
+    """Seconds and cycles from zero, and from the solution before something moved by one cell."""
+    scene = Scene(cells)
+    before, goal, obstacles = scene.field(), scene.moved_goal(), scene.moved_obstacles()
+    cases = {
+        "goal moved, from zero": (scene.obstacles, goal, None),
+        "goal moved, warm": (scene.obstacles, goal, before),
+        "ball moved, from zero": (obstacles, GOAL, None),
+        "ball moved, warm": (obstacles, GOAL, before),
+    }
+    times: dict[str, list[float]] = {case: [] for case in cases}
+    cycles = {}
+    for _ in range(repeats):
+        for case, (balls, place, start) in cases.items():
+            began = perf_counter()
+            cycles[case] = HarmonicField(scene.grid, balls, place, start).cycles
+            times[case].append(perf_counter() - began)
+    return {
+        case: {"seconds": round(statistics.median(times[case]), 4), "cycles": cycles[case]}
+        for case in cases
+    }
+
+
+def direct(cells: int, repeats: int) -> dict[str, Any]:
+    """The direct solution once, between as many of ours, with the largest difference."""
+    from scipy.sparse.linalg import spsolve
+
+    scene = Scene(cells)
+    matrix, source = scene.equations()
+    times = [seconds(scene.field) for _ in range(repeats)]
+    began = perf_counter()
+    exact = spsolve(matrix, source)
+    theirs = perf_counter() - began
+    times += [seconds(scene.field) for _ in range(repeats)]
+    u = scene.field().u[scene.grid.owners(scene.obstacles) == FREE]
+    ours = statistics.median(times)
+    found = {
+        "cells": cells,
+        "direct, s": round(theirs, 3),
+        "multigrid, s": round(ours, 4),
+        "times faster": round(theirs / ours, 1),
+        "largest difference, share of the value": float(f"{np.max(np.abs(u / exact - 1)):.1e}"),
+    }
+    return {**found, **algebraic(matrix, source)}
+
+
+def algebraic(matrix: Any, source: Floats) -> dict[str, Any]:
+    """The same by pyamg's smoothed aggregation, where it is installed."""
+    try:
+        import pyamg
+    except ImportError:
+        return {}
+    began = perf_counter()
+    hierarchy = pyamg.smoothed_aggregation_solver(matrix.tocsr())
+    ready = perf_counter()
+    hierarchy.solve(source, tol=1e-12, accel="cg")
+    return {
+        "pyamg, set up, s": round(ready - began, 3),
+        "pyamg, solve, s": round(perf_counter() - ready, 3),
+    }
+
+
+def main() -> None:
+    """Measure and print."""
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--repeats", type=int, default=5)
+    parser.add_argument("--sizes", type=int, nargs="+", default=[32, 48, 64, 96, 128])
+    parser.add_argument("--direct", type=int, default=64, help="cells of the direct solution")
+    parser.add_argument("--json", action="store_true", help="print one JSON object")
+    options = parser.parse_args()
+    found = {
+        "growth": growth(options.sizes, options.repeats),
+        "warm": warm(64, options.repeats),
+        "direct": direct(options.direct, options.repeats),
+    }
+    if options.json:
+        sys.stdout.write(json.dumps(found) + "\n")
+        return
+    for title, values in found.items():
+        sys.stdout.write(f"{title}\n")
+        for name, value in values.items():
+            sys.stdout.write(f"  {name}: {value}\n")
+
+
+if __name__ == "__main__":
+    main()
