@@ -45,6 +45,7 @@ class ControllerRun:
         predicate: X - 0 1 (Eq 4.1).
         phi: the potential, NaN while undefined.
         error: norm of the residual in the unit of the feedback, NaN while undefined.
+        evaluation: the potential in this tick, in the joints that act, ``None`` while undefined.
         seeking: whether it acts to make its feedback defined.
         exhausted: whether it has sought in vain.
         no_path: why no free path leads to the reference; empty where one does.
@@ -74,6 +75,7 @@ class ControllerRun:
         """Forget the activation."""
         self.predicate = "X"
         self.phi = self.error = math.nan
+        self.evaluation: Evaluation | None = None
         self.seeking = self.exhausted = False
         self.settled = False
         self.no_path = ""
@@ -157,6 +159,7 @@ class ControllerRun:
         self.predicate = self._monitor.undefined()
         self.no_path = ""
         self.phi = self.error = math.nan
+        self.evaluation = None
         self.settled = False
         # The robot may be doing something else by the time the signal is back.
         if not self.seeking:
@@ -165,7 +168,7 @@ class ControllerRun:
     def _defined(self, evaluation: Evaluation, reference: Reading, stamp: int) -> None:
         self.seeking = self.exhausted = False
         self.no_path = ""
-        self.phi = evaluation.phi
+        self.phi, self.evaluation = evaluation.phi, evaluation
         self.error = math.sqrt(evaluation.residual.dot(evaluation.residual))
         stamp = max(stamp, reference.stamp)
         self.predicate = self._monitor.update(self.phi, self._period, fresh=stamp != self._stamp)
