@@ -103,17 +103,22 @@ def _run(experiment: Experiment, settings: Settings) -> Outcome:
     from dataclasses import replace
 
     from cbdsl.cli.progress import Progress
-    from cbdsl.cli.quiet import shown_on_failure
+    from cbdsl.cli.quiet import quiet_stderr, shown_on_failure
     from cbdsl.errors.errors import UsageError
 
     try:
-        with shown_on_failure(), Progress(experiment.name) as progress:
-            return experiment.run(replace(settings, progress=progress.note))
+        with quiet_stderr():
+            measure = experiment.load()
     except ModuleNotFoundError as error:
         raise UsageError(
             f"{experiment.name} needs {error.name}, which is not installed: "
             "pip install 'cbdsl[sim]'"
         ) from error
+    except ImportError as error:
+        # A package is there, but not a system library that it needs, such as libgomp.
+        raise UsageError(f"{experiment.name} needs more than is installed: {error}") from error
+    with shown_on_failure(), Progress(experiment.name) as progress:
+        return measure(replace(settings, progress=progress.note))
 
 
 def _tell(experiment: Experiment, outcome: Outcome) -> None:

@@ -55,8 +55,8 @@ class Experiment:
         name: such as ``fig-3.4``.
         title: what it shows.
         section: where the source has it.
-        module: in this package, whose function ``run(settings: Settings) -> Outcome`` measures;
-            imported when it runs.
+        module: in this package, whose function ``run(settings: Settings) -> Outcome`` measures,
+            or raises BackendError or SensorError where the simulator cannot run it.
     """
 
     name: str
@@ -64,13 +64,11 @@ class Experiment:
     section: str
     module: str
 
-    def run(self, settings: Settings) -> Outcome:
-        """Measure.
+    def load(self) -> Callable[[Settings], Outcome]:
+        """What measures; importing it may take a second, and make the simulator print.
 
         Raises:
             ImportError: something is not installed that it needs.
-            BackendError, SensorError: the simulator cannot run it.
         """
-        module = import_module(f"cbdsl.reproduction.{self.module}")
-        outcome: Outcome = module.run(settings)
-        return outcome
+        run: Callable[[Settings], Outcome] = import_module(f"{__package__}.{self.module}").run
+        return run

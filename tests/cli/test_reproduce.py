@@ -133,3 +133,17 @@ def test_a_json_file(toys: list[Settings], tmp_path: Path, monkeypatch: pytest.M
     assert cb(monkeypatch, "all", "--out", str(tmp_path / "all.json")) == 0
     rows = json.loads((tmp_path / "all.json").read_text("utf-8"))
     assert [row["experiment"] for row in rows] == ["toy-1", "toy-2"]
+
+
+def test_what_is_not_installed_is_told(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setitem(sys.modules, "pybullet", None)
+    for name in [name for name in sys.modules if name.startswith("cbdsl.")]:
+        if "bullet" in name or "reproduction" in name:
+            monkeypatch.delitem(sys.modules, name)
+    assert cb(monkeypatch, "fig-3.4") == 2
+    printed = capsys.readouterr().err
+    assert (
+        printed == "cb: fig-3.4 needs pybullet, which is not installed: pip install 'cbdsl[sim]'\n"
+    )

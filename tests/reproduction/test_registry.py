@@ -5,7 +5,6 @@ from __future__ import annotations
 import re
 import subprocess
 import sys
-from importlib import import_module
 from pathlib import Path
 
 import pytest
@@ -33,7 +32,7 @@ def test_an_experiment_says_where_the_source_has_it(experiment: Experiment) -> N
     assert re.fullmatch(r"[a-z0-9.-]+", experiment.name)
     assert re.search(r"\b(Section|Sections|Table|Figure|Equation)s? [0-9]", experiment.section)
     assert experiment.title
-    assert callable(import_module(f"cbdsl.reproduction.{experiment.module}").run)
+    assert callable(experiment.load())
 
 
 def test_the_list_of_experiments_imports_nothing_heavy() -> None:
