@@ -46,14 +46,14 @@ def _difference(entry: Entry) -> Iterator[str]:
     """The lines of both examples; none where the bad one is no file at all."""
     if entry.bad is None or entry.good is None:
         return
-    text = entry.bad if isinstance(entry.bad, str) else entry.bad.decode("utf-8", "backslashreplace")
-    bad, good = _shown(text), _shown(entry.good)
+    bad, good = _shown(entry.bad), _shown(entry.good)
     lines = unified_diff(bad, good, lineterm="", n=len(bad) + len(good))
     for number, line in enumerate(lines):
         if number > 2:  # behind the names of the two files and the numbers of their lines
             yield line.rstrip() if line.startswith(" ") else line
 
 
-def _shown(text: str) -> list[str]:
+def _shown(example: str | bytes) -> list[str]:
     """The lines of an example, with what cannot be seen written as escapes."""
+    text = example if isinstance(example, str) else example.decode("utf-8", "backslashreplace")
     return [legible(line) for line in text.splitlines()]

@@ -26,7 +26,7 @@ FORMATS = {
 STANDARD_INPUT, STANDARD_INPUT_NAME = "-", "stdin.yaml"
 
 # More findings in one document have few causes, which the first ones show.
-_MOST_PER_FILE = 200
+_MOST_PER_FILE = 100
 
 
 def check_paths(

@@ -26,10 +26,19 @@ def heed_ignores(
     own = {str(file): file for file in files}
     texts = {**{d.place.file: Path(d.place.file) for d in findings}, **own}
     ignores = {file: _ignores(path, library) for file, path in texts.items()}
-    silenced = {d for d in findings if _silencing(d, ignores[d.place.file])}
-    hits = {id(ignore) for d in silenced for ignore in _silencing(d, ignores[d.place.file])}
-    kept = [diagnostic for diagnostic in findings if diagnostic not in silenced]
-    faults = [f for file in own for ignore in ignores[file] for f in _faults(ignore, hits)]
+    silencing = {
+        (file, ignore.line, ignore.code): ignore
+        for file, all_ in ignores.items()
+        for ignore in all_
+    }
+    kept, hits = [], set()
+    for diagnostic in findings:
+        ignore = silencing.get((diagnostic.place.file, diagnostic.place.line, diagnostic.code))
+        if ignore is None:
+            kept.append(diagnostic)
+        else:
+            hits.add(ignore)
+    faults = [fault for file in own for ignore in ignores[file] for fault in _faults(ignore, hits)]
     return sorted([*kept, *faults], key=lambda diagnostic: (diagnostic.place, diagnostic.code))
 
 
@@ -43,19 +52,14 @@ def _ignores(path: Path, library: Library) -> list[Ignore]:
         return []  # it cannot be read, which is a finding already
 
 
-def _silencing(diagnostic: Diagnostic, ignores: Iterable[Ignore]) -> list[Ignore]:
-    key = diagnostic.place.line, diagnostic.code
-    return [ignore for ignore in ignores if (ignore.line, ignore.code) == key]
-
-
-def _faults(ignore: Ignore, hits: set[int]) -> Iterator[Diagnostic]:
+def _faults(ignore: Ignore, hits: set[Ignore]) -> Iterator[Diagnostic]:
     from cbdsl.errors.catalogue import CATALOGUE
     from cbdsl.errors.wording import diagnostic
 
     if ignore.code not in CATALOGUE:
         yield diagnostic("CB803", ignore.place, candidates=list(CATALOGUE), name=ignore.code)
         return
-    if id(ignore) not in hits:
+    if ignore not in hits:
         yield diagnostic("CB801", ignore.place, ignored=ignore.code)
     if not ignore.reason:
         yield diagnostic("CB802", ignore.place, ignored=ignore.code)

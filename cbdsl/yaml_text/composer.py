@@ -20,9 +20,11 @@ from cbdsl.yaml_text.node import Node
 from cbdsl.yaml_text.scalar import Scalar, ScalarError, resolve
 
 DEEPEST = 64
-MOST_NODES = 20_000
+# Far more than any person writes; without bounds a few lines can keep the checker busy for ever.
+MOST_NODES = 10_000
 MOST_ENTRIES = 2_000
 MOST_CHARACTERS = 256_000
+LONGEST_TEXT = 10_000
 
 # What libyaml says where it noticed too late.
 _OPEN = "found unexpected end of stream"
@@ -136,6 +138,8 @@ class _Composer:
 
     def _scalar(self, event: Any, place: Place) -> Scalar:
         text: str = event.value
+        if len(text) > LONGEST_TEXT:
+            raise self._fatal("CB108", place, bound=f"{LONGEST_TEXT} characters in one text")
         if not event.implicit[0]:
             return text
         try:

@@ -11,10 +11,10 @@ import yaml
 
 from cbdsl.errors.diagnostic import Place
 from cbdsl.errors.lines import lines_of
-from cbdsl.yaml_text.composer import LOADER
+from cbdsl.yaml_text.composer import LOADER, MOST_CHARACTERS
 
 _MARK = "cb: ignore"
-_IGNORE = re.compile(r"(?:^|(?<=\s))#\s*cb: ignore\b[ \t]*(?P<code>\w*)[ \t]*(?P<reason>.*?)\s*$")
+_IGNORE = re.compile(r"(?:^|(?<=\s))#\s*cb: ignore\b[ \t]*(?P<code>\w*)(?P<reason>.*)")
 _COMMENT = re.compile(r"\s*(?:#|$)")
 
 
@@ -40,22 +40,28 @@ def read_ignores(text: str, file: str) -> list[Ignore]:
     One behind a value is for its own line, one on a line of its own for the next line that is
     neither empty nor a comment.
     """
-    if _MARK not in text:
+    if _MARK not in text or len(text) > MOST_CHARACTERS:
         return []
     lines, quoted = lines_of(text), _Scalars(text)
+    below = _lines_below(lines)
     found = []
     for number, line in enumerate(lines, 1):
-        match = _IGNORE.search(line)
+        match = _IGNORE.search(line) if _MARK in line else None
         if match and not quoted.hold(number, match.start()):
-            place = Place(file, number, match.start() + 1, match.end() + 1)
-            target = number if line[: match.start()].strip() else _next_line(lines, number)
-            found.append(Ignore(match["code"], match["reason"], place, target))
+            place = Place(file, number, match.start() + 1, len(line.rstrip()) + 1)
+            target = number if line[: match.start()].strip() else below[number - 1]
+            found.append(Ignore(match["code"], match["reason"].strip(), place, target))
     return found
 
 
-def _next_line(lines: list[str], number: int) -> int:
-    below = range(number, len(lines))
-    return next((i + 1 for i in below if not _COMMENT.match(lines[i])), number)
+def _lines_below(lines: list[str]) -> list[int]:
+    """For each line the number of the next that is neither empty nor a comment, or its own."""
+    below, following = [], 0
+    for number in range(len(lines), 0, -1):
+        below.append(following or number)
+        if not _COMMENT.match(lines[number - 1]):
+            following = number
+    return below[::-1]
 
 
 class _Scalars:

@@ -71,9 +71,9 @@ READING = (
         "CB108",
         "too large",
         "this document is larger than {bound}",
-        "A document may have 256000 characters, 20000 values, and 2000 entries in one list or "
-        "mapping. Aliases are written out before they are counted, so a few lines can stand for "
-        "billions of values.",
+        "A document may have 256000 characters, 10000 of them in one text, 10000 values, and 2000 "
+        "entries in one list or mapping. Aliases are written out before they are counted, so a "
+        "few lines can stand for billions of values.",
         "l0: &l0 [a, a, a, a, a, a, a, a, a, a]\n" + _BOMB,
         good=_TRACKING + "description: &text a few words\n",
     ),
