@@ -1,0 +1,198 @@
+"""The harmonic potential: displacements that a spring can follow, around obstacles that move."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+import pytest
+
+from cbdsl.control import harmonic
+from cbdsl.control.body import Body
+from cbdsl.control.field import HarmonicField, NoPathError
+from cbdsl.control.harmonic import Harmonic
+from cbdsl.control.law import Law, LawSettings, Level
+from cbdsl.control.obstacle import Obstacle
+from cbdsl.control.registry import build
+from cbdsl.control.signal import Floats, Signal, SignalError
+from cbdsl.program.controller import Controller, Field, Quiescence
+from cbdsl.types.resource import EffectorConfiguration, Origin, Resource
+from cbdsl.types.resource_type import configuration
+from tests.control.chain import Chain
+from tests.control.scenes import SCENES, Scene
+
+SCALE = 0.2
+
+
+def potential(scene: Scene) -> Harmonic:
+    n = len(scene.goal)
+    return Harmonic(np.zeros(n), np.ones(n), scene.grid.spacing, SCALE)
+
+
+def signal(value: Floats, obstacles: tuple[Obstacle, ...] = ()) -> Signal:
+    return Signal("tip", value, np.eye(len(value)), obstacles=obstacles)
+
+
+@pytest.fixture
+def solved(monkeypatch: pytest.MonkeyPatch) -> list[HarmonicField]:
+    """The fields that were solved for."""
+    fields: list[HarmonicField] = []
+
+    class Counted(HarmonicField):
+        def __init__(self, *args: object) -> None:
+            super().__init__(*args)  # type: ignore[arg-type]
+            fields.append(self)
+
+    monkeypatch.setattr(harmonic, "HarmonicField", Counted)
+    return fields
+
+
+@pytest.mark.parametrize("name", SCENES)
+def test_displacements_are_bounded_and_half_of_them_is_the_step(
+    name: str, rng: np.random.Generator
+) -> None:
+    scene = SCENES[name]
+    law = potential(scene)
+    for point in (*scene.starts(10, rng), *rng.uniform(-0.2, 1.2, (5, len(scene.goal)))):
+        found = law.evaluate(signal(point, scene.obstacles), scene.goal)
+        left = np.linalg.norm(scene.goal - point)
+        assert 0.0 < np.linalg.norm(found.residual) <= min(SCALE, left) * (1 + 1e-12)
+        np.testing.assert_array_equal(found.step, 0.5 * found.residual)
+        np.testing.assert_array_equal(found.jacobian, np.eye(len(point)))
+        assert np.isfinite(found.phi) and found.phi > 0.0
+    at_goal = law.evaluate(signal(scene.goal, scene.obstacles), scene.goal)
+    assert at_goal.phi == 0.0
+    assert not at_goal.residual.any()
+
+
+@pytest.mark.parametrize("name", SCENES)
+def test_steps_lower_phi_and_end_at_the_goal(name: str, rng: np.random.Generator) -> None:
+    scene = SCENES[name]
+    law = potential(scene)
+    for point in scene.starts(2, rng):
+        phis = []
+        for _ in range(4000):
+            found = law.evaluate(signal(point, scene.obstacles), scene.goal)
+            phis.append(found.phi)
+            # As fast as a speed of 0.3 cells a tick allows.
+            length = np.linalg.norm(found.step)
+            point = point + found.step * min(1.0, 0.3 * scene.grid.spacing / max(length, 1e-12))
+            if found.phi < 1e-9:
+                break
+        assert np.linalg.norm(point - scene.goal) < 1e-6
+        assert (np.diff(phis) < 0).mean() > 0.9
+
+
+def walk(law: Harmonic, start: Floats, goal: Floats, box: Obstacle) -> Iterator[Floats]:
+    """Joint positions under the control law, from the measured posture, rad."""
+    bounds = Law(np.full(2, -1.5), np.full(2, 1.5), LawSettings(joint_step=0.02))
+    q = start
+    for _ in range(600):
+        found = law.evaluate(signal(q, (box,)), goal)
+        q = q + bounds.solve([Level("look", found.jacobian, 0.2 * found.step)], q).displacement
+        yield q
+
+
+def test_two_joints_go_round_a_box_in_their_space() -> None:
+    box = Obstacle("glare", np.array([-0.3, -1.5]), np.array([0.3, 0.5]))
+    head = Resource("head", configuration(2), Origin.PROPRIOCEPTION, EffectorConfiguration("h"))
+    law = build(
+        Controller(
+            "look", "harmonic", head, None, head, (), (), False, 2.0, None, None,
+            Quiescence(1e-3, 0.3), field=Field(None, None, 0.05, 0.5, 0.1, ()),
+        ),
+        Body(np.full(2, -1.5), np.full(2, 1.5)),
+    )  # fmt: skip
+    assert isinstance(law, Harmonic)
+    start, goal = np.array([-1.0, -0.8]), np.array([1.0, -0.7])
+    path = list(walk(law, start, goal, box))
+    assert np.linalg.norm(path[-1] - goal) < 1e-4
+    # The straight line crosses the box; the way round keeps the clearance.
+    assert box.distance(0.5 * (start + goal)) <= 0.0
+    assert min(box.distance(q) for q in path) > 0.1
+
+
+def test_a_tip_goes_round_a_ball(rng: np.random.Generator) -> None:
+    chain = Chain.random(7, rng)
+    start, q = chain.signal("position", np.zeros(7)).value, np.zeros(7)
+    goal = chain.signal("position", rng.uniform(-0.4, 0.4, 7)).value
+    ball = Obstacle.sphere("ball", 0.5 * (start + goal), 0.25 * float(np.linalg.norm(goal - start)))
+    lower, upper = np.minimum(start, goal) - 0.6, np.maximum(start, goal) + 0.6
+    law = Harmonic(lower, upper, 0.05, 0.1)
+    arm = Law(np.full(7, -3.0), np.full(7, 3.0), LawSettings(joint_step=0.05))
+    nearest = np.inf
+    for _ in range(800):
+        tip = chain.signal("position", q)
+        seen = Signal(tip.name, tip.value, tip.jacobian, obstacles=(ball,))
+        found = law.evaluate(seen, goal)
+        q = q + arm.solve([Level("tip", found.jacobian, 0.2 * found.step)], q).displacement
+        nearest = min(nearest, ball.distance(tip.value))
+    assert np.linalg.norm(chain.signal("position", q).value - goal) < 1e-3
+    assert nearest > 0.0
+
+
+def test_it_is_solved_again_only_where_something_moved(solved: list[HarmonicField]) -> None:
+    scene = SCENES["cluttered cube"]
+    law, spacing = potential(scene), scene.grid.spacing
+    point = np.full(3, 0.1)
+    shift = np.array([spacing, 0.0, 0.0])
+    first, *others = scene.obstacles
+
+    def moved(by: Floats) -> tuple[Obstacle, ...]:
+        return (first._replace(lower=first.lower + by, upper=first.upper + by), *others)
+
+    counts = []
+    for goal, obstacles in (
+        (scene.goal, scene.obstacles),
+        (scene.goal + 0.1 * shift, scene.obstacles),
+        (scene.goal, moved(0.2 * shift)),
+        (scene.goal, moved(0.3 * shift)),
+        (scene.goal, (first, *others[1:])),
+        (scene.goal + 1.5 * shift, (first, *others[1:])),
+    ):
+        law.evaluate(signal(point, obstacles), goal)
+        counts.append(len(solved))
+    assert counts == [1, 1, 1, 2, 3, 4]
+
+
+def test_a_goal_that_moves_is_followed_without_a_jump() -> None:
+    scene = SCENES["empty square"]
+    law, point = potential(scene), scene.goal.copy()
+    for tick in range(300):
+        goal = scene.goal + 0.1 * np.sin(0.02 * tick) * np.array([1.0, -1.0])
+        found = law.evaluate(signal(point), goal)
+        point = point + 0.5 * found.step
+        assert np.linalg.norm(point - goal) < 0.02
+
+
+def test_clearance_widens_obstacles() -> None:
+    scene = SCENES["empty square"]
+    ball = Obstacle.sphere("ball", scene.goal + 0.2, 0.1)
+    Harmonic(np.zeros(2), np.ones(2), 0.05, SCALE, 0.1).evaluate(
+        signal(np.full(2, 0.1), (ball,)), scene.goal
+    )
+    with pytest.raises(NoPathError, match="the goal is inside ball"):
+        Harmonic(np.zeros(2), np.ones(2), 0.05, SCALE, 0.2).evaluate(
+            signal(np.full(2, 0.1), (ball,)), scene.goal
+        )
+
+
+@pytest.mark.parametrize(
+    ("value", "reference", "message"),
+    [
+        (np.zeros(2), None, "needs a goal for tip"),
+        (np.zeros(3), np.zeros(3), "tip has shape"),
+        (np.zeros(2), np.zeros(3), "its reference has shape"),
+        (np.zeros(2), np.array([0.5, np.nan]), "the reference of tip is not finite"),
+    ],
+)
+def test_what_cannot_be_used_is_refused_by_name(
+    value: Floats, reference: Floats | None, message: str
+) -> None:
+    with pytest.raises(SignalError, match=message):
+        potential(SCENES["empty square"]).evaluate(signal(value), reference)
+
+
+def test_obstacles_that_are_not_finite_are_refused() -> None:
+    with pytest.raises(SignalError, match="the obstacle ball is not finite"):
+        signal(np.zeros(2), (Obstacle.sphere("ball", np.array([0.0, np.nan]), 0.1),))
