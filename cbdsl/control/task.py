@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import numpy as np
 
@@ -36,7 +37,9 @@ class Task:
         self._acceleration = controller.acceleration
         self._kind = controller.feedback.type
         forces = self._kind.name in _FORCES
-        self._by_joints = forces or not POTENTIALS[controller.potential].residual
+        potential = POTENTIALS[controller.potential]
+        self._is_scalar = not potential.residual and not potential.field
+        self._by_joints = forces or self._is_scalar
         self._factors = self._kind.factors if forces else 1
         self._period = period
         self.reset()
@@ -52,6 +55,8 @@ class Task:
             SignalError: the evaluation is not finite; the message names the controller.
         """
         require_finite(evaluation.step, f"the step of {self._name}")
+        if self._is_scalar:
+            evaluation = _unit(evaluation)
         rate = self._gain * evaluation.step
         if self._acceleration is not None:
             rate = _braked(rate, evaluation.residual, self._acceleration)
@@ -80,6 +85,23 @@ class Task:
         change = rate - before
         self._rate = before + _shortened(change, _norm(change), acceleration * self._period)
         return self._rate
+
+
+def _unit(evaluation: Evaluation) -> Evaluation:
+    """The evaluation of a scalar potential, along its gradient instead of in its own unit.
+
+    What the joints do is the same. But the unit of a row says nothing about how near it is to
+    losing its influence, and the law would take a short gradient for a singularity and damp it.
+    """
+    length = _norm(evaluation.jacobian[0])
+    if length == 0.0:
+        return replace(evaluation, step=np.zeros_like(evaluation.step))
+    return Evaluation(
+        evaluation.phi,
+        evaluation.residual / length,
+        evaluation.jacobian / length,
+        evaluation.step / length,
+    )
 
 
 def _norm(vector: Floats) -> float:

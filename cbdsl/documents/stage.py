@@ -126,7 +126,9 @@ class Place(Section):
     gap: LengthSpan | None = None
     """Distance between its surface and the tip of ``hand`` along +z, instead of ``z``."""
     hand: Name | None = None
-    """Effector in whose reach it is put; x, y, z and yaw are then in the tip's frame."""
+    """Effector in whose reach it is put; x, y, z, yaw and pitch are then in the tip's frame."""
+    pitch: AngleSpan = (0.0, 0.0)
+    """Turn about its own y axis, after yaw; a positive one makes its -x side look upwards."""
     yaw: AngleSpan = (0.0, 0.0)
     """How it is turned about z."""
     held: bool = False

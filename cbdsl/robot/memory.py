@@ -73,6 +73,11 @@ class PositionMemory:
         if not explained and time - self._seen > self._settings.hold:
             self.position = None
 
+    def carry(self, displacement: Floats) -> None:
+        """Take the thing to have moved with the hands that hold it, m, shape (3,)."""
+        if self.position is not None:
+            self.position = self.position + displacement
+
     def rest(self) -> None:
         """Take the thing to stand still, as when a hand has touched it."""
         self._velocity = np.zeros(3)

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.robot.camera import direction, heading_jacobian, sighting_jacobian
 from cbdsl.robot.kinematics import Frame, Kinematics
+from cbdsl.robot.memory import PositionMemory
 from cbdsl.robot.reading import Reading, stacked
 from cbdsl.robot.resources import CYCLOPEAN
 from cbdsl.robot.stereo import Ray, triangulate
@@ -42,6 +43,27 @@ class Sight:
         self._tips = tips
         self._touch = touch
         self._still = np.zeros((3, len(kinematics.joints)))
+        self.reset()
+
+    def reset(self) -> None:
+        """Forget the episode before."""
+        self._holding: tuple[str, ...] = ()
+        self._centre: Reading | None = None
+
+    def update(self) -> None:
+        """Carry what is held along with the hands; tips and touch must be up to date."""
+        before, holding = self._centre, self._holding
+        self._holding = tuple(
+            arm for hand, arm in self._touch.carriers.items() if self._touch.touching(hand)
+        )
+        if not self._holding:
+            self._centre = None
+            return
+        self._centre = self._tips.mean([self._tips.position(arm) for arm in self._holding])
+        if before is not None and holding == self._holding:
+            for memory in self._vision.memories.values():
+                if self._holds(memory):
+                    memory.carry(self._centre.value - before.value)
 
     def heading(self, source: Heading) -> Reading | None:
         """The heading in one camera, or the mean over those that see the channel."""
@@ -115,13 +137,13 @@ class Sight:
     def _motion(self, channel: str) -> Floats | None:
         """Displacement of a held thing per joint, shape (3, n); ``None`` for what is not held."""
         memory = self._vision.memories.get(channel)
-        if memory is None or memory.position is None:
+        if self._centre is None or memory is None or not self._holds(memory):
             return None
-        holding = [arm for hand, arm in self._touch.carriers.items() if self._touch.touching(hand)]
-        if not holding:
-            return None
-        centre = self._tips.mean([self._tips.position(arm) for arm in holding])
+        return self._centre.jacobian
+
+    def _holds(self, memory: PositionMemory) -> bool:
+        """Whether a remembered thing is where the touching hands are."""
+        if memory.position is None or self._centre is None:
+            return False
         reach = memory.radius + self._robot.vision.regions.hand_radius
-        if float(np.linalg.norm(memory.position - centre.value)) > reach:
-            return None
-        return centre.jacobian
+        return float(np.linalg.norm(memory.position - self._centre.value)) <= reach

@@ -86,6 +86,7 @@ class Signals:
         """Forget the episode before."""
         self.vision.reset()
         self.touch.reset()
+        self.sight.reset()
         self.tips.stamp = 0
         self._known: dict[str, Reading | None] = {}
 
@@ -102,6 +103,7 @@ class Signals:
         self.positions = observation.positions
         self.kinematics.update(observation.positions)
         self.touch.update(observation.loads)
+        self.sight.update()
         self.vision.update(observation.time, observation.images)
         if any(self.touch.touching(hand) for hand in self._robot.load_cells):
             self.vision.touched()

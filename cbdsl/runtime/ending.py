@@ -8,6 +8,7 @@ from collections.abc import Sequence
 from cbdsl.program.controller import AlongNormals, Controller, Literal
 from cbdsl.runtime.controller_run import ControllerRun
 from cbdsl.runtime.program_run import ProgramRun
+from cbdsl.types.potential import POTENTIALS
 from cbdsl.types.resource import Origin
 
 # How errors of these types are told: factor from SI, and unit.
@@ -57,6 +58,9 @@ def _clause(lead: ControllerRun) -> str:
         return f"{controller.name} had no way: {lead.no_path}"
     if math.isnan(lead.error):
         return f"{controller.name} had no {_missing(controller)}"
+    if not POTENTIALS[controller.potential].residual:
+        verb = "came to rest" if lead.predicate == "1" else "was still"
+        return f"{controller.name} {verb} at a potential of {lead.phi:.3g}"
     factor, unit = _UNITS.get(controller.feedback.type.name, (1.0, ""))
     verb = "came to rest" if lead.predicate == "1" else "was still"
     return f"{controller.name} {verb} {factor * lead.error:.1f} {unit} from {_goal(controller)}"

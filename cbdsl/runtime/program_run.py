@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
@@ -23,6 +24,14 @@ class Active:
 
     run: ControllerRun
     peers: Mapping[str, ControllerRun]
+
+
+class _Lead(NamedTuple):
+    """The controller that gives a member's predicate, the member's place, and whether it counts."""
+
+    place: int
+    run: ControllerRun
+    rewarded: bool
 
 
 class ProgramRun:
@@ -62,7 +71,11 @@ class ProgramRun:
         self._background = make.stack(program.background) if program.background else ()
         self._leads = {
             action.name: [
-                (program.members.index(primitive.name), make.run(primitive.lead))
+                _Lead(
+                    program.members.index(primitive.name),
+                    make.run(primitive.lead),
+                    primitive.rewarded,
+                )
                 for primitive in action.composition.primitives
             ]
             for action in program.actions
@@ -120,7 +133,7 @@ class ProgramRun:
 
     def leads(self, action: Action) -> list[ControllerRun]:
         """The leading controllers of an action's primitives, highest priority first."""
-        return [lead for _, lead in reversed(self._leads.get(action.name, []))]
+        return [lead.run for lead in reversed(self._leads.get(action.name, []))]
 
     def advance(self) -> None:
         """Take in the predicates of this tick; change the action where the state changed."""
@@ -149,8 +162,8 @@ class ProgramRun:
             return "".join(state)
         # Nothing is at rest while another part of the composition still seeks contact.
         seeking = any(run.seeking for run in self._stacks[action.name])
-        for place, lead in self._leads[action.name]:
-            state[place] = "0" if seeking and lead.predicate == "1" else lead.predicate
+        for place, run, _ in self._leads[action.name]:
+            state[place] = "0" if seeking and run.predicate == "1" else run.predicate
         return "".join(state)
 
     def _transit(self, state: str) -> None:
@@ -183,10 +196,8 @@ class ProgramRun:
         """Controllers that newly quiesce on a signal from the environment (Eq 4.2-4.4)."""
         return sum(
             1
-            for place, lead in self._leads.get(action.name, ())
-            if lead.controller.rewarded
-            and state[place] == "1" != self.state[place]
-            and lead.settled
+            for place, run, rewarded in self._leads.get(action.name, ())
+            if rewarded and state[place] == "1" != self.state[place] and run.settled
         )
 
     def _choose(self, *, changed: bool) -> None:
@@ -225,7 +236,8 @@ class ProgramRun:
         A program that nothing in the environment can reward has done what it can when its last
         action came to rest.
         """
-        rewardable = any(run.controller.rewarded for run in self.runs)
+        leads = [lead for some in self._leads.values() for lead in some]
+        rewardable = any(lead.rewarded for lead in leads)
         return "1" if changed and not rewardable and "1" in self.state else "-"
 
     def _end(self, predicate: str, ending: str) -> None:

@@ -9,7 +9,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from cbdsl.control.potential import half_square
+from cbdsl.control.law import Law, LawSettings
+from cbdsl.control.potential import gradient_descent, half_square, newton
 from cbdsl.control.signal import Floats, SignalError
 from cbdsl.control.task import Task
 from cbdsl.program.controller import Controller, Quiescence
@@ -100,3 +101,30 @@ def test_non_finite_evaluations_are_refused_by_name(bad: float) -> None:
     task = Task(controller(POSITION, speed=0.35, acceleration=1.5), TICK)
     with pytest.raises(SignalError, match="reach"):
         task.level(half_square(np.array([0.0, bad, 0.0]), np.eye(3)))
+
+
+@pytest.mark.parametrize("size", [1e-6, 1e-2, 10.0])
+def test_a_gradient_moves_the_joints_by_gain_times_itself_however_short_it_is(size: float) -> None:
+    """The law must not mistake a short gradient for a singularity."""
+    gradient = size * np.array([[0.6, 0.0, 0.8]])
+    manipulability = controller(configuration(3), gain=2.0)
+    task = Task(replace(manipulability, potential="manipulability"), TICK)
+    limits = np.full(3, 1e3)
+    law = Law(-limits, limits, LawSettings(joint_step=1e3))
+    level = task.level(gradient_descent(-1.0, gradient[0]))
+    step = law.solve([level], np.zeros(3)).displacement
+    np.testing.assert_allclose(step, -2.0 * gradient[0] * TICK, rtol=1e-9)
+
+
+def test_a_potential_at_rest_asks_for_nothing() -> None:
+    task = Task(replace(controller(HEADING.times(2)), potential="localizability"), TICK)
+    level = task.level(newton(0.5, np.zeros(4)))
+    assert not level.velocity.any()
+
+
+@pytest.mark.parametrize("potential", ["manipulability", "localizability"])
+def test_the_speed_of_a_scalar_potential_is_that_of_the_joints(potential: str) -> None:
+    task = Task(replace(controller(configuration(3), speed=0.1), potential=potential), TICK)
+    level = task.level(newton(50.0, np.array([0.03, 0.0, 0.04])))
+    moved = level.jacobian[0] * level.velocity[0]
+    assert np.linalg.norm(moved) == pytest.approx(0.1 * TICK)

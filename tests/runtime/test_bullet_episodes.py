@@ -18,6 +18,7 @@ from cbdsl.documents.stage import StageDocument
 from cbdsl.program.transition import Transition
 from cbdsl.robot.kinematics import Kinematics
 from cbdsl.runtime.episode import EpisodeResult, Runner, Tick
+from cbdsl.types.resource import Centroid
 from tests.conftest import Checked
 
 pytestmark = pytest.mark.slow
@@ -163,3 +164,20 @@ def test_the_slower_renderer_does_as_well(perform: Perform, tiny: BulletBackend)
     judged = perform("reachtouch", "table_right", 70004, "in_view", tiny)
     assert "tiny" in judged.result.renderer.lower()
     require_touch(judged, "right_hand")
+
+
+@pytest.mark.parametrize("seed", [811, 812])
+def test_a_box_is_held_in_both_hands_and_brought_to_where_it_is_seen_best(
+    perform: Perform, seed: int
+) -> None:
+    """LOCALIZABILITY subject to TOUCH (Eq 3.44): phi_l falls, the box stays between the hands."""
+    judged = perform("bimanualinspect", "box_between_hands", seed)
+    assert judged.result.predicates[-1] == "X1-"
+    grabbed = [t for t in judged.transitions if t.program == "bimanualgrab" and t.reward]
+    assert grabbed
+    signals = judged.last.signals
+    box = judged.backend.truth.pose(thing_of(judged)).position
+    centroid = signals.tips.centroid(Centroid("arms")).value
+    assert np.linalg.norm(box - centroid) < 0.1
+    head = signals.kinematics.frame("left_camera").position
+    assert np.linalg.norm(box - head) < 0.62  # it was shown at 0.8 m

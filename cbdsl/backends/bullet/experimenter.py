@@ -22,6 +22,7 @@ Floats = NDArray[np.float64]
 _Entry = TypeVar("_Entry")
 
 _UP = np.array([0.0, 0.0, 1.0])
+_ACROSS = np.array([0.0, 1.0, 0.0])
 
 
 def _named(entries: Mapping[str, _Entry], name: str, kind: str, stage: str) -> _Entry:
@@ -97,6 +98,8 @@ class Experimenter:
     def _pose(self, place: Place, half_height: float) -> Pose:
         x, y = draw(place.x, self._rng), draw(place.y, self._rng)
         turned = Pose.turned(_UP, draw(place.yaw, self._rng))
+        if place.pitch != (0.0, 0.0):  # nothing is drawn that is not asked for
+            turned = turned @ Pose.turned(_ACROSS, draw(place.pitch, self._rng))
         if place.gap is not None:
             z = draw(place.gap, self._rng) + half_height
         elif place.z is not None:
