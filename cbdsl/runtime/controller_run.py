@@ -59,6 +59,7 @@ class ControllerRun:
         self._period = period
         self._rng = rng
         own = self._own = signals.joints.pick(controller.joints)
+        self._columns: Columns | None = None
         limits = signals.kinematics
         cameras = (
             signals.sight.cameras() if isinstance(controller.feedback.source, Headings) else ()
@@ -125,11 +126,15 @@ class ControllerRun:
         return self._task.level(evaluation)
 
     def _signal(self, feedback: Reading, columns: Columns) -> Signal:
+        """The feedback as the effector's joints move it; all others count as still (Eq 3.21)."""
+        if columns is not self._columns:
+            self._columns = columns
+            self._moved = np.isin(columns, self._own).astype(float)
         curvature = feedback.curvature
         return Signal(
             self.controller.feedback.name,
             feedback.value,
-            feedback.jacobian.take(columns, axis=1),
+            feedback.jacobian.take(columns, axis=1) * self._moved,
             None if curvature is None else curvature[:, columns[:, None], columns],
             () if self.controller.field is None else tuple(self._obstacles(self.controller.field)),
         )
