@@ -1,0 +1,121 @@
+"""``transport_hand``: the hand on its way around a wall, in a synthetic world and with physics."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+import pytest
+
+from cbdsl.backends.bullet.backend import BulletBackend
+from cbdsl.control.obstacle import Obstacle
+from cbdsl.control.signal import Floats
+from cbdsl.documents.robot import RobotDocument
+from cbdsl.documents.stage import StageDocument
+from cbdsl.program.checked import CheckedProgram
+from cbdsl.program.controller import Box, Controller, Field
+from cbdsl.robot.kinematics import Kinematics
+from cbdsl.runtime.episode import Runner, Tick
+from cbdsl.types.resource import Resource
+from tests.conftest import Checked
+from tests.runtime.conftest import Play
+from tests.runtime.synthetic import Ball, World
+
+
+def transport_of(program: CheckedProgram) -> Controller:
+    (found,) = {
+        controller
+        for action in program.actions
+        if action.composition is not None
+        for primitive in action.composition.primitives
+        for controller in primitive.controllers
+        if controller.potential == "harmonic"
+    }
+    return found
+
+
+def field_of(program: CheckedProgram) -> tuple[Field, Obstacle]:
+    """The field, and the wall in it without the clearance."""
+    field = transport_of(program).field
+    assert field is not None
+    (wall,) = field.obstacles
+    assert isinstance(wall, Box)
+    return field, Obstacle(wall.name, np.array(wall.lower), np.array(wall.upper))
+
+
+class Path:
+    """Where the point went that the hand is transported by: in front of the palm."""
+
+    def __init__(self, program: CheckedProgram) -> None:
+        standoff = transport_of(program).standoff
+        assert standoff is not None
+        self._standoff, self._palm = standoff, transport_of(program).feedback
+        goal = transport_of(program).reference
+        assert isinstance(goal, Resource)
+        self._goal = goal
+        self.points: list[Floats] = []
+        self.distance = np.inf
+
+    def note(self, tick: Tick) -> None:
+        goal = tick.signals.read(self._goal)
+        if goal is None:
+            return
+        reach = goal.radius + self._standoff.clearance
+        forward = min(max(reach, self._standoff.least), self._standoff.most)
+        palm, frame = tick.signals.read(self._palm), tick.signals.kinematics.frame("right_palm")
+        assert palm is not None
+        tip = palm.value + forward * frame.rotation[:, 2]
+        self.points.append(tip)
+        self.distance = float(np.linalg.norm(tip - goal.value))
+
+
+def wall_crossed(path: Path, wall: Obstacle) -> bool:
+    """Whether the straight way from the first to the last point would have met the wall."""
+    first, last = path.points[0], path.points[-1]
+    return any(wall.distance(first + s * (last - first)) <= 0.0 for s in np.linspace(0, 1, 100))
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", range(500, 506))
+def test_the_hand_goes_round_the_wall_and_arrives(
+    seed: int,
+    dexter: RobotDocument,
+    kinematics: Kinematics,
+    checked: Checked,
+    stage: Callable[[str], StageDocument],
+    bullet: BulletBackend,
+) -> None:
+    program = checked("transport_hand")
+    field, wall = field_of(program)
+    path, touched = Path(program), []
+
+    def note(tick: Tick) -> None:
+        path.note(tick)
+        touched.append(bullet.truth.touched("wall"))
+
+    result = Runner(dexter, kinematics, program, bullet).run(
+        stage("wall_right"), seed, on_tick=note
+    )
+    assert result.predicates[-1] == "X1", result.ending
+    assert path.distance < 0.005
+    assert min(wall.distance(point) for point in path.points) > field.clearance - field.spacing
+    assert not any(touched)
+    assert wall_crossed(path, wall.grown(field.clearance))
+
+
+def test_it_arrives_in_a_synthetic_world(checked: Checked, play: Play) -> None:
+    program = checked("transport_hand")
+    field, wall = field_of(program)
+    path = Path(program)
+    ball = World(Ball(np.array([0.62, -0.15, -0.35])))
+    played = play(program, lambda rng: ball, watch=path.note)
+    assert played.result.predicates[-1] == "X1", played.result.ending
+    assert path.distance < 0.005
+    assert min(wall.distance(point) for point in path.points) > field.clearance - field.spacing
+
+
+def test_what_is_inside_the_wall_is_said_to_have_no_way(checked: Checked, play: Play) -> None:
+    program = checked("transport_hand")
+    ball = World(Ball(np.array([0.40, -0.36, -0.18])))
+    played = play(program, lambda rng: ball)
+    assert "transport had no way: the goal is inside box 1 of the field" in played.result.ending
