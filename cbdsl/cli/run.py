@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
@@ -15,8 +15,16 @@ if TYPE_CHECKING:
     from cbdsl.documents.robot import RobotDocument
     from cbdsl.documents.stage import StageDocument
     from cbdsl.program.checked import CheckedProgram
-    from cbdsl.runtime.episode import EpisodeResult, Runner
+    from cbdsl.program.transition import Transition
+    from cbdsl.runtime.episode import (
+        EpisodeResult,
+        Runner,
+        Tick,
+        TickListener,
+        TransitionListener,
+    )
     from cbdsl.runtime.policy import Policy
+    from cbdsl.runtime.recording import Recording
     from cbdsl.yaml_text.library import Library
 
 Program = Annotated[str, typer.Argument(help="A program: its file, or its name.")]
@@ -45,6 +53,12 @@ Record = Annotated[
     Path | None,
     typer.Option("--record", help="Folder to keep every tick of each episode in, as NPZ and JSON."),
 ]
+Explain = Annotated[
+    bool,
+    typer.Option(
+        "--explain", help="Tell also why each level of the stack moves as it does; not with --json."
+    ),
+]
 Json = Annotated[bool, typer.Option("--json", help="Print one JSON object per episode.")]
 
 
@@ -59,6 +73,21 @@ class Order:
     policy: Policy | None
 
 
+@dataclass(frozen=True)
+class Telling:
+    """Who gets to know what of an episode.
+
+    Attributes:
+        record: folder for recordings.
+        explain: whether people are told of the stack's levels.
+        as_json: whether scripts are told, instead of people.
+    """
+
+    record: Path | None
+    explain: bool
+    as_json: bool
+
+
 def run(
     program: Program,
     stage: Stage = None,
@@ -70,6 +99,7 @@ def run(
     with_: With = [],  # noqa: B006 (typer)
     gui: Gui = False,
     record: Record = None,
+    explain: Explain = False,
     as_json: Json = False,
 ) -> None:
     """Run a program on a simulated robot, and tell each change of its state.
@@ -86,13 +116,14 @@ def run(
     with shown_on_failure(), _simulation(order, backend, gui) as (body, runner):
         if record is not None:
             _require_folder(record)
+        telling = Telling(record, explain, as_json)
         if not as_json:
             print(f"{order.program.name} on {order.stage.name}; images by {body.renderer}")
         results: list[EpisodeResult] = []
         for index in range(episodes):
             if not as_json:
                 print(_heading(seed + index, index, episodes, results))
-            results.append(_episode(runner, order, seed + index, context, record, as_json))
+            results.append(_episode(body, runner, order, seed + index, context, telling))
     if episodes > 1 and not as_json:
         _summarise(results)
 
@@ -217,43 +248,62 @@ def _simulation(order: Order, backend: str, gui: bool) -> Iterator[tuple[Backend
 
 
 def _episode(
-    runner: Runner,
-    order: Order,
-    seed: int,
-    context: str | None,
-    record: Path | None,
-    as_json: bool,
+    body: Backend, runner: Runner, order: Order, seed: int, context: str | None, telling: Telling
 ) -> EpisodeResult:
     from cbdsl.backends.backend import BackendError
-    from cbdsl.cli.narration import json_line, narrate
+    from cbdsl.cli.narration import json_line
     from cbdsl.errors.errors import UsageError
-    from cbdsl.program.transition import Transition
     from cbdsl.robot.signals import SensorError
-    from cbdsl.runtime.episode import resources_of
-    from cbdsl.runtime.recording import Recording
 
-    recording = None
-    if record is not None:
-        recording = Recording(runner.signals.joints.names, resources_of(order.program))
-    listeners: list[Callable[[Transition], None]] = [] if as_json else [narrate]
-    if recording is not None:
-        listeners.append(recording.note_transition)
-
-    def tell(transition: Transition) -> None:
-        for listener in listeners:
-            listener(transition)
-
+    recording = None if telling.record is None else _recording(body, order)
+    on_transition, on_tick = _listeners(telling, recording)
     try:
-        note = recording.note_tick if recording is not None else lambda tick: None
-        result = runner.run(order.stage, seed, context, on_transition=tell, on_tick=note)
+        result = runner.run(order.stage, seed, context, on_transition, on_tick)
     except (BackendError, SensorError) as error:
         raise UsageError(f"seed {seed}: {error}") from error
-    if recording is not None and record is not None:
-        file = recording.write(record, result)
-        if not as_json:
+    if recording is not None and telling.record is not None:
+        file = recording.write(telling.record, result)
+        if not telling.as_json:
             print(f"  recorded in {file}")
-    print(json_line(result) if as_json else f"  {result.ending}", flush=True)
+    print(json_line(result) if telling.as_json else f"  {result.ending}", flush=True)
     return result
+
+
+def _recording(body: Backend, order: Order) -> Recording:
+    from cbdsl.backends.scenery import Witness
+    from cbdsl.runtime.recording import Recording
+
+    # What a backend knows of its world is in the recording only: people look at that.
+    scenery = (lambda: body.truth) if isinstance(body, Witness) else None
+    return Recording(order.program, order.robot, order.urdf, scenery)
+
+
+def _listeners(
+    telling: Telling, recording: Recording | None
+) -> tuple[TransitionListener, TickListener]:
+    """Who is told of an episode's transitions, and of its ticks."""
+    from cbdsl.cli.narration import narrate
+    from cbdsl.cli.stack_narration import StackNarration
+
+    transitions: list[TransitionListener] = [] if telling.as_json else [narrate]
+    ticks: list[TickListener] = []
+    if telling.explain and not telling.as_json:
+        stack = StackNarration()
+        transitions.append(stack.note_transition)
+        ticks.append(stack.note_tick)
+    if recording is not None:
+        transitions.append(recording.note_transition)
+        ticks.append(recording.note_tick)
+
+    def on_transition(transition: Transition) -> None:
+        for listener in transitions:
+            listener(transition)
+
+    def on_tick(tick: Tick) -> None:
+        for listener in ticks:
+            listener(tick)
+
+    return on_transition, on_tick
 
 
 def _heading(seed: int, index: int, episodes: int, results: list[EpisodeResult]) -> str:

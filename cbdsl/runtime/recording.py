@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import os
 import tempfile
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import asdict
 from pathlib import Path
 from typing import Any
@@ -14,18 +14,36 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
+from cbdsl.backends.scenery import Part, Scenery
+from cbdsl.documents.robot import RobotDocument
+from cbdsl.program.checked import CheckedProgram
+from cbdsl.program.controller import AlongNormals, Controller, Literal
 from cbdsl.program.transition import Transition
+from cbdsl.robot.joints import Joints
 from cbdsl.robot.signals import Signals
-from cbdsl.runtime.controller_run import ControllerRun
-from cbdsl.runtime.episode import EpisodeResult, Tick
-from cbdsl.runtime.program_run import ProgramRun
+from cbdsl.runtime.episode import EpisodeResult, Tick, resources_of
+from cbdsl.runtime.explanation import LIMITS, Explanation, LevelExplanation, named_runs
 from cbdsl.types.resource import Origin, Resource
+
+#: Of the files; raised where a reader of older ones would be misled.
+VERSION = 2
 
 # Half of the images' width is enough to see what happened.
 _THUMBNAIL_SCALE = 0.5
 
 # An orientation is a rotation matrix and a pose a homogeneous transform; the rest are vectors.
 _SHAPES = {"orientation": (3, 3), "pose": (4, 4)}
+
+#: What is kept of a level, and how.
+_LEVEL = {
+    "level_priority": np.int8,
+    "level_share": np.float32,
+    "level_rank": np.int8,
+    "level_singular_value": np.float32,
+    "level_predicted": np.float64,
+    "level_held_by": np.int16,
+}
+_ABSENT = (-1, np.nan, 0, np.nan, np.nan, -1)
 
 
 def require_writable(directory: Path) -> None:
@@ -44,26 +62,46 @@ class Recording:
 
     The NPZ holds, per control tick: ``time`` s, ``positions`` and ``references`` of the actuated
     joints in rad (T, n), ``potentials`` (T, c) and ``errors`` (T, c) with NaN where undefined,
-    ``loads`` in N and N m (T, cells, 6), and as ``signal_<resource>`` the value of each resource
-    in SI (T, ...), NaN while undefined; per image: ``image_time`` and ``image_<camera>``.
+    ``loads`` in N and N m (T, cells, 6), ``level_...`` (T, c) and ``at_limits`` (T, n) as in
+    ``LevelExplanation``, as ``signal_<resource>`` the value of each resource in SI (T, ...), NaN
+    while undefined, and ``scene`` (T, bodies, 7), where each body truly is: its position, m, and
+    its quaternion (x, y, z, w), NaN while it is not in the world. Per image: ``image_time`` and
+    ``image_<camera>``.
 
     Args:
-        joints: names of the actuated joints.
-        resources: what the program can read; what it draws from internal models is no signal.
+        program: what runs; what it draws from internal models is no signal.
+        robot: on what.
+        urdf: its model.
+        scenery: the world, for people who look at the recording; nothing else asks for it.
     """
 
-    def __init__(self, joints: tuple[str, ...], resources: Iterable[Resource]) -> None:
-        self._joints = joints
-        self._resources = [each for each in resources if each.origin is not Origin.MODEL]
+    def __init__(
+        self,
+        program: CheckedProgram,
+        robot: RobotDocument,
+        urdf: Path,
+        scenery: Callable[[], Scenery] | None = None,
+    ) -> None:
+        self._program, self._robot, self._urdf = program, robot, urdf
+        self._joints = Joints(robot).names
+        self._resources = [
+            each for each in resources_of(program) if each.origin is not Origin.MODEL
+        ]
         self._rows: dict[str, list[Any]] = {
             key: [] for key in ("time", "positions", "references", "potentials", "errors", "loads")
         }
         self._rows |= {f"signal_{each.name}": [] for each in self._resources}
+        self._explanation = Explanation()
+        self._levels: list[list[tuple[float, ...]]] = []
+        self._at_limits: list[list[bool]] = []
+        self._scenery = scenery
+        self._bodies: dict[str, tuple[Part, ...]] = {}
+        self._poses: list[dict[str, list[float]]] = []
         self._images: dict[str, list[Any]] = {}
         self._image_time: list[float] = []
         self._predicates: list[str] = []
         self._transitions: list[Transition] = []
-        self._controllers: tuple[str, ...] = ()
+        self._controllers: dict[str, Controller] = {}
         self._cells: tuple[str, ...] = ()
 
     def note_transition(self, transition: Transition) -> None:
@@ -72,9 +110,9 @@ class Recording:
 
     def note_tick(self, tick: Tick) -> None:
         """Keep a control tick."""
-        runs = list(_all_runs(tick.run))
+        runs = list(named_runs(tick.run))
         observation = tick.observation
-        self._controllers = tuple(name for name, _ in runs)
+        self._controllers = {name: run.controller for name, run in runs}
         self._cells = tuple(".".join(key) for key in observation.loads)
         self._predicates.append("".join(run.predicate for _, run in runs))
         row = {
@@ -88,11 +126,34 @@ class Recording:
         row |= {f"signal_{each.name}": _value(each, tick.signals) for each in self._resources}
         for key, value in row.items():
             self._rows[key].append(value)
+        self._note_levels(tick)
+        self._note_scene()
         if observation.images:
             self._image_time.append(observation.time)
         for camera, image in observation.images.items():
             small = cv2.resize(image, None, fx=_THUMBNAIL_SCALE, fy=_THUMBNAIL_SCALE)
             self._images.setdefault(f"image_{camera}", []).append(small)
+
+    def _note_levels(self, tick: Tick) -> None:
+        explained = self._explanation.note(tick)
+        names = list(self._controllers)
+        rows: list[tuple[float, ...]] = [_ABSENT] * len(names)
+        for priority, level in enumerate(explained.levels):
+            rows[names.index(level.name)] = _numbers(priority, level, names)
+        self._levels.append(rows)
+        self._at_limits.append([joint in explained.at_limits for joint in self._joints])
+
+    def _note_scene(self) -> None:
+        if self._scenery is None:
+            return
+        scenery = self._scenery()
+        poses = {}
+        for name in scenery.names():
+            if name not in self._bodies:
+                self._bodies[name] = tuple(scenery.parts(name))
+            pose = scenery.pose(name)
+            poses[name] = [*pose.position.tolist(), *pose.quaternion()]
+        self._poses.append(poses)
 
     def write(self, directory: Path, result: EpisodeResult) -> Path:
         """Write ``episode_<seed>.npz`` and ``.json`` below ``directory``; returns the latter.
@@ -101,30 +162,92 @@ class Recording:
             OSError: the directory cannot be written.
         """
         directory.mkdir(parents=True, exist_ok=True)
-        arrays = {key: np.array(rows, dtype=float) for key, rows in self._rows.items()}
-        arrays |= {key: np.array(images) for key, images in self._images.items()}
-        arrays["image_time"] = np.array(self._image_time)
         stem = directory / f"episode_{result.seed}"
-        _write_arrays(stem.with_suffix(".npz"), arrays)
-        summary = {
-            "result": asdict(result),
-            "joints": self._joints,
-            "controllers": self._controllers,
-            "load_cells": self._cells,
-            "predicates": self._predicates,
-            "transitions": [asdict(transition) for transition in self._transitions],
-        }
-        text = json.dumps(summary, indent=1, ensure_ascii=False)
+        _write_arrays(stem.with_suffix(".npz"), self._arrays())
+        text = json.dumps(self._summary(result), indent=1, ensure_ascii=False)
         _replace(stem.with_suffix(".json"), text.encode())
         return stem.with_suffix(".json")
 
+    def _arrays(self) -> dict[str, NDArray[Any]]:
+        arrays: dict[str, NDArray[Any]] = {
+            key: np.array(rows, dtype=float) for key, rows in self._rows.items()
+        }
+        levels = np.array(self._levels, dtype=float)
+        levels = levels.reshape(len(self._levels), len(self._controllers), len(_LEVEL))
+        for index, (key, kind) in enumerate(_LEVEL.items()):
+            arrays[key] = levels[:, :, index].astype(kind)
+        arrays["at_limits"] = np.array(self._at_limits, dtype=bool)
+        gone = [np.nan] * 7
+        scene = [[poses.get(name, gone) for name in self._bodies] for poses in self._poses]
+        arrays["scene"] = np.array(scene, dtype=float).reshape(len(scene), len(self._bodies), 7)
+        arrays |= {key: np.array(images) for key, images in self._images.items()}
+        arrays["image_time"] = np.array(self._image_time)
+        return arrays
 
-def _all_runs(run: ProgramRun, prefix: str = "") -> list[tuple[str, ControllerRun]]:
-    """All controllers of a program and of the programs it uses, with qualified names."""
-    found = [(prefix + item.controller.name, item) for item in run.runs]
-    for name, child in run.children.items():
-        found += _all_runs(child, f"{prefix}{name}.")
+    def _summary(self, result: EpisodeResult) -> dict[str, object]:
+        return {
+            "cbdsl": 1,
+            "kind": "recording",
+            "version": VERSION,
+            "result": asdict(result),
+            "joints": self._joints,
+            "controllers": list(self._controllers),
+            "load_cells": self._cells,
+            "predicates": self._predicates,
+            "transitions": [asdict(transition) for transition in self._transitions],
+            "members": _members(self._program),
+            "triples": {name: _triple(each) for name, each in self._controllers.items()},
+            "signals": {
+                each.name: {"type": str(each.type), "origin": each.origin.value}
+                for each in self._resources
+            },
+            "scene": {
+                name: [part._asdict() for part in parts] for name, parts in self._bodies.items()
+            },
+            "robot": {
+                "name": self._robot.name,
+                "urdf": self._urdf.read_text("utf-8", errors="replace"),
+                "folder": str(self._urdf.parent.resolve()),
+                "couplings": {
+                    name: [coupling.follows, coupling.ratio]
+                    for name, coupling in self._robot.couplings.items()
+                },
+            },
+        }
+
+
+def _numbers(priority: int, level: LevelExplanation, names: list[str]) -> tuple[float, ...]:
+    """A level as ``_LEVEL`` has it; who held it by index, the limits behind all controllers."""
+    holders = [*names, LIMITS]
+    held_by = holders.index(level.held_by) if level.held_by else -1
+    return (priority, level.share, level.rank, level.singular_value, level.predicted, held_by)
+
+
+def _members(program: CheckedProgram) -> dict[str, tuple[str, ...]]:
+    """What the letters of the states are, by program."""
+    found = {program.name: program.members}
+    for action in program.actions:
+        if action.program is not None:
+            found |= _members(action.program)
     return found
+
+
+def _triple(controller: Controller) -> dict[str, object]:
+    """What a controller is, for people; the unit is that of its error."""
+    reference = controller.reference
+    if isinstance(reference, Literal):
+        told = ", ".join(f"{value:g}" for value in reference.values)
+    elif isinstance(reference, AlongNormals):
+        told = f"{reference.force:g} N along normals"
+    else:
+        told = "" if reference is None else reference.name
+    return {
+        "potential": controller.potential,
+        "feedback": controller.feedback.name,
+        "reference": told,
+        "effector": controller.effector.name,
+        "unit": controller.feedback.type.unit,
+    }
 
 
 def _value(resource: Resource, signals: Signals) -> NDArray[np.float64]:

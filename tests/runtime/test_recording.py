@@ -9,9 +9,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from cbdsl.robot.kinematics import Kinematics
+from cbdsl.backends.scenery import Part
+from cbdsl.documents.robot import RobotDocument
 from cbdsl.robot.reading import Reading
 from cbdsl.runtime.episode import Tick, resources_of
+from cbdsl.runtime.explanation import LIMITS, Explanation
 from cbdsl.runtime.recording import Recording, require_writable
 from cbdsl.types.resource import Origin
 from tests.conftest import Checked
@@ -19,9 +21,11 @@ from tests.runtime.conftest import Play, Played
 
 
 @pytest.fixture(scope="module")
-def recorded(checked: Checked, play: Play, kinematics: Kinematics) -> tuple[Played, Recording]:
+def recorded(
+    checked: Checked, play: Play, dexter: RobotDocument, urdf: Path
+) -> tuple[Played, Recording]:
     program = checked("searchtrack")
-    recording = Recording(kinematics.joints.names, resources_of(program))
+    recording = Recording(program, dexter, urdf)
     played = play(program, watch=recording.note_tick, seed=4)
     for transition in played.transitions:
         recording.note_transition(transition)
@@ -55,7 +59,7 @@ def test_what_was_kept_is_what_happened(recorded: tuple[Played, Recording], tmp_
 
 
 def test_signals_are_kept_and_undefined_ones_are_nan(
-    checked: Checked, play: Play, kinematics: Kinematics, tmp_path: Path
+    checked: Checked, play: Play, dexter: RobotDocument, urdf: Path, tmp_path: Path
 ) -> None:
     program = checked("reachtouch")
     resources = [each for each in resources_of(program) if each.origin is not Origin.MODEL]
@@ -65,7 +69,7 @@ def test_signals_are_kept_and_undefined_ones_are_nan(
         read.append({each.name: tick.signals.read(each) for each in resources})
         recording.note_tick(tick)
 
-    recording = Recording(kinematics.joints.names, resources_of(program))
+    recording = Recording(program, dexter, urdf)
     played = play(program, watch=watch)
     file = recording.write(tmp_path, played.result)
     with np.load(file.with_suffix(".npz")) as arrays:
@@ -81,6 +85,87 @@ def test_signals_are_kept_and_undefined_ones_are_nan(
                     assert np.array_equal(value, reading.value)
         forces = arrays["signal_right_hand.finger_forces"]
         assert np.isnan(forces[0]).all() and np.isfinite(forces[-1]).all()
+
+
+def test_levels_are_kept_as_they_were_explained(
+    checked: Checked, play: Play, dexter: RobotDocument, urdf: Path, tmp_path: Path
+) -> None:
+    program = checked("reachtouch")
+    recording, explanation = Recording(program, dexter, urdf), Explanation()
+    told = []
+
+    def watch(tick: Tick) -> None:
+        told.append(explanation.note(tick))
+        recording.note_tick(tick)
+
+    played = play(program, watch=watch)
+    file = recording.write(tmp_path, played.result)
+    summary = json.loads(file.read_text("utf-8"))
+    names, joints = summary["controllers"], summary["joints"]
+    holders = ["", *names, LIMITS]
+    with np.load(file.with_suffix(".npz")) as arrays:
+        kept = {key: arrays[key] for key in arrays}
+    for index, tick in enumerate(told):
+        acting = np.flatnonzero(kept["level_priority"][index] >= 0)
+        order = acting[np.argsort(kept["level_priority"][index, acting])]
+        assert [names[column] for column in order] == [level.name for level in tick.levels]
+        for column, level in zip(order, tick.levels, strict=True):
+            assert kept["level_share"][index, column] == pytest.approx(level.share)
+            assert kept["level_rank"][index, column] == level.rank
+            assert kept["level_singular_value"][index, column] == pytest.approx(
+                level.singular_value
+            )
+            assert kept["level_predicted"][index, column] == pytest.approx(
+                level.predicted, nan_ok=True
+            )
+            assert holders[kept["level_held_by"][index, column] + 1] == level.held_by
+        assert [joints[column] for column in np.flatnonzero(kept["at_limits"][index])] == [
+            joint for joint in joints if joint in tick.at_limits
+        ]
+    assert any(level.held_by for tick in told for level in tick.levels)
+
+
+class _Fair:
+    """A ball that rolls, and is taken away after a while."""
+
+    def __init__(self) -> None:
+        self.time = 0
+
+    def names(self) -> tuple[str, ...]:
+        return ("ball",) if self.time < 3 else ()
+
+    def parts(self, name: str) -> list[Part]:
+        return [Part("ball", (0.1,), (0, 0, 0), (0, 0, 0, 1), (1, 0, 0))]
+
+    def pose(self, name: str) -> _Fair:
+        return self
+
+    @property
+    def position(self) -> np.ndarray:
+        return np.array([0.1 * self.time, 0.0, 0.0])
+
+    def quaternion(self) -> tuple[float, float, float, float]:
+        return (0.0, 0.0, 0.0, 1.0)
+
+
+def test_what_is_in_the_world_is_kept_while_it_is_there(
+    checked: Checked, play: Play, dexter: RobotDocument, urdf: Path, tmp_path: Path
+) -> None:
+    program, fair = checked("searchtrack"), _Fair()
+    recording = Recording(program, dexter, urdf, lambda: fair)
+
+    def watch(tick: Tick) -> None:
+        recording.note_tick(tick)
+        fair.time += 1
+
+    played = play(program, watch=watch)
+    file = recording.write(tmp_path, played.result)
+    (part,) = json.loads(file.read_text("utf-8"))["scene"]["ball"]
+    assert part["shape"] == "ball" and part["size"] == [0.1]
+    with np.load(file.with_suffix(".npz")) as arrays:
+        scene = arrays["scene"][:, 0]
+    assert scene[:3, 0] == pytest.approx([0.0, 0.1, 0.2])
+    assert np.isnan(scene[3:]).all() and len(scene) == played.result.ticks + 1
 
 
 def test_a_failed_write_leaves_what_was_there(

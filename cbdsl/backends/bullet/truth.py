@@ -10,8 +10,16 @@ from cbdsl.backends.bullet.body import Body
 from cbdsl.backends.bullet.pose import Pose
 from cbdsl.backends.bullet.scene import Scene
 from cbdsl.backends.bullet.touch import Fingertips, Touch
+from cbdsl.backends.scenery import Part
 
 Floats = NDArray[np.float64]
+
+# The simulator counts a cylinder's height before its radius.
+_SHAPES = {
+    p.GEOM_SPHERE: ("ball", (0,)),
+    p.GEOM_BOX: ("box", (0, 1, 2)),
+    p.GEOM_CYLINDER: ("cylinder", (1, 0)),
+}
 
 
 class Truth:
@@ -32,6 +40,15 @@ class Truth:
         return Pose.of(
             *p.getBasePositionAndOrientation(self._scene.bodies[name], physicsClientId=self._client)
         )
+
+    def parts(self, name: str) -> list[Part]:
+        """The shapes that a fixture or thing is made of."""
+        parts = []
+        for row in p.getVisualShapeData(self._scene.bodies[name], physicsClientId=self._client):
+            shape, order = _SHAPES[row[2]]
+            size = tuple(row[3][index] for index in order)
+            parts.append(Part(shape, size, row[5], row[6], row[7][:3]))
+        return parts
 
     def velocity(self, name: str) -> Floats:
         """Velocity of a thing's centre, m/s, shape (3,)."""

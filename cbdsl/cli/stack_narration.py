@@ -1,0 +1,86 @@
+"""What ``cb run --explain`` tells: why each level of the stack moves as it does."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+from cbdsl.program.transition import Transition
+from cbdsl.runtime.episode import Tick
+from cbdsl.runtime.explanation import Explanation, LevelExplanation, TickExplanation
+
+#: Simulated time between tables while nothing changes, s.
+_PAUSE = 1.0
+
+# As wide as the time in front of a table.
+_INDENT = " " * 12
+_HEADINGS = ("level", "phi", "predicted", "measured", "share", "rank", "s_min", "held by")
+
+
+class StackNarration:
+    """Prints a table of the levels at every transition, and every second between them.
+
+    ``predicted`` and ``measured`` are the changes of phi since the last table: what the law's steps
+    were to do to first order, and what happened.
+    """
+
+    def __init__(self) -> None:
+        self._explanation = Explanation()
+        self._told = 0.0
+        self._changes: dict[str, tuple[float, float]] = {}
+        self._last = TickExplanation((), ())
+
+    def note_transition(self, transition: Transition) -> None:
+        """Tell of the levels that led to this transition, once for all that end with them."""
+        if self._changes:
+            self._tell(transition.time)
+
+    def note_tick(self, tick: Tick) -> None:
+        """Take in a tick; to be called once for each."""
+        self._last = self._explanation.note(tick)
+        for level in self._last.levels:
+            predicted, measured = self._changes.get(level.name, (math.nan, math.nan))
+            if not math.isnan(level.measured):
+                predicted = _sum(predicted, level.predicted)
+                measured = _sum(measured, level.measured)
+            self._changes[level.name] = (predicted, measured)
+        if tick.observation.time >= self._told + _PAUSE:
+            self._tell(tick.observation.time)
+
+    def _tell(self, time: float) -> None:
+        rows = [_HEADINGS, *(_row(each, self._changes[each.name]) for each in self._last.levels)]
+        self._told, self._changes = time, {}
+        if len(rows) > 1:
+            heading, *lines = _aligned(rows)
+            print("\n".join([f"  {time:6.2f} s  {heading}", *(_INDENT + line for line in lines)]))
+        if self._last.at_limits:
+            print(f"{_INDENT}at their limits: {', '.join(self._last.at_limits)}")
+
+
+def _sum(so_far: float, change: float) -> float:
+    """What was not known before counts for nothing."""
+    return change if math.isnan(so_far) else so_far + change
+
+
+def _row(level: LevelExplanation, changes: tuple[float, float]) -> tuple[str, ...]:
+    numbers = [_number(each) for each in (level.phi, *changes)]
+    share = _number(level.share, ".2f")
+    smallest = _number(level.singular_value, ".2g")
+    return (level.name, *numbers, share, str(level.rank), smallest, level.held_by)
+
+
+def _number(value: float, how: str = ".3g") -> str:
+    return "-" if math.isnan(value) else format(value, how)
+
+
+def _aligned(rows: Sequence[Sequence[str]]) -> list[str]:
+    """Names to the left, numbers to the right."""
+    widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
+    lines = []
+    for row in rows:
+        cells = [
+            cell.ljust(width) if place in (0, len(row) - 1) else cell.rjust(width)
+            for place, (cell, width) in enumerate(zip(row, widths, strict=True))
+        ]
+        lines.append("  ".join(cells).rstrip())
+    return lines

@@ -1,0 +1,152 @@
+"""Explanations: why each level moved as it did in a tick, and what that did to its potential."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cbdsl.control.law import Level, LevelReport, Step
+from cbdsl.runtime.controller_run import ControllerRun
+from cbdsl.runtime.episode import Tick
+from cbdsl.runtime.program_run import ProgramRun
+from cbdsl.types.potential import POTENTIALS
+
+Floats = NDArray[np.float64]
+
+#: What a level is held by where joints at their limits took its freedom.
+LIMITS = "joint limits"
+
+# A level that achieves less of what it wants is asked who took the rest.
+_SMALL_SHARE = 0.5
+# Whoever responds to less of a level's wish than this did not take it.
+_TAKEN = 0.1
+
+
+@dataclass(frozen=True)
+class LevelExplanation:
+    """Why a level moved as it did.
+
+    Attributes:
+        name: the controller, qualified by the programs that use it.
+        phi: its potential, NaN while undefined.
+        share, rank, singular_value: as in ``LevelReport``.
+        predicted: change of phi that the step of the tick before was to make by now, to first
+            order; NaN where that is not known.
+        measured: change of phi since the tick before; NaN where there was none.
+        held_by: the level above, or ``LIMITS``, that took most of its freedom; empty where it
+            achieves what it wants, or nobody else is the cause.
+    """
+
+    name: str
+    phi: float
+    share: float
+    rank: int
+    singular_value: float
+    predicted: float
+    measured: float
+    held_by: str
+
+
+@dataclass(frozen=True)
+class TickExplanation:
+    """What acted in a tick.
+
+    Attributes:
+        levels: highest priority first.
+        at_limits: joints that their limits held back.
+    """
+
+    levels: tuple[LevelExplanation, ...]
+    at_limits: tuple[str, ...]
+
+
+class Explanation:
+    """Explains the ticks of one episode, each compared with the one before."""
+
+    def __init__(self) -> None:
+        self._before: dict[str, tuple[float, float]] = {}
+
+    def note(self, tick: Tick) -> TickExplanation:
+        """Explain a tick; to be called once for each."""
+        step = tick.actuation.step
+        if step is None:
+            self._before = {}
+            return TickExplanation((), ())
+        found = [_run(tick.run, level.name) for level in step.levels]
+        names = [name for name, _ in found]
+        holders = [_holder(step, place, names) for place in range(len(names))]
+        levels = tuple(
+            self._level(name, run, report, holder)
+            for (name, run), report, holder in zip(found, step.reports, holders, strict=True)
+        )
+        self._before = {
+            name: (run.phi, _change(run, level, step.displacement))
+            for (name, run), level in zip(found, step.levels, strict=True)
+        }
+        return TickExplanation(levels, tick.actuation.at_limits())
+
+    def _level(
+        self, name: str, run: ControllerRun, report: LevelReport, holder: str
+    ) -> LevelExplanation:
+        phi, predicted = self._before.get(name, (math.nan, math.nan))
+        return LevelExplanation(
+            name,
+            run.phi,
+            report.share,
+            report.rank,
+            report.singular_value,
+            predicted,
+            run.phi - phi,
+            holder if report.share < _SMALL_SHARE else "",
+        )
+
+
+def named_runs(run: ProgramRun, prefix: str = "") -> Iterator[tuple[str, ControllerRun]]:
+    """All controllers of a program and of the programs it uses, with qualified names."""
+    for each in run.runs:
+        yield prefix + each.controller.name, each
+    for name, child in run.children.items():
+        yield from named_runs(child, f"{prefix}{name}.")
+
+
+def _run(program: ProgramRun, name: str) -> tuple[str, ControllerRun]:
+    """The controller that a level belongs to: of several with its name, one that is active."""
+    found = [each for each in named_runs(program) if each[1].controller.name == name]
+    return next((each for each in found if each[1].predicate != "X"), found[0])
+
+
+def _change(run: ControllerRun, level: Level, displacement: Floats) -> float:
+    """The change of phi that a displacement, rad, shape (n,), makes to first order."""
+    evaluation = run.evaluation
+    kind = POTENTIALS[run.controller.potential]
+    if evaluation is None or kind.field:
+        return math.nan
+    if kind.residual:
+        return -float(evaluation.residual @ (evaluation.jacobian @ displacement))
+    return float((evaluation.jacobian @ displacement)[0])
+
+
+def _holder(step: Step, place: int, names: Sequence[str]) -> str:
+    """Who took most of what a level would do if it were alone: a level above, or the limits."""
+    level = step.levels[place]
+    wish = np.linalg.pinv(level.jacobian) @ level.velocity
+    size = float(wish @ wish)
+    if size == 0.0:
+        return ""
+    taken = {
+        names[above]: float(np.square(_projected(step.levels[above].jacobian, wish)).sum()) / size
+        for above in range(place)
+    }
+    taken[LIMITS] = float(np.square(wish[step.locked]).sum()) / size
+    holder = max(taken, key=lambda name: taken[name])
+    return holder if taken[holder] > _TAKEN else ""
+
+
+def _projected(jacobian: Floats, displacement: Floats) -> Floats:
+    """The part of a displacement, shape (n,), that a task of this Jacobian responds to."""
+    part: Floats = np.linalg.pinv(jacobian) @ (jacobian @ displacement)
+    return part

@@ -1,0 +1,58 @@
+"""``cb run --explain``: tables of the stack at transitions and every second."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from cbdsl.cli.narration import narrate
+from cbdsl.cli.stack_narration import StackNarration
+from cbdsl.documents.robot import RobotDocument
+from cbdsl.robot.kinematics import Kinematics
+from cbdsl.runtime.episode import Runner
+from tests.conftest import Checked
+from tests.runtime.conftest import made_stage, on_table
+from tests.runtime.synthetic import SyntheticBackend
+
+TABLE = re.compile(r"^ +([\d.]+) s  level +phi ", re.MULTILINE)
+TRANSITION = re.compile(r"^ +([\d.]+) s +\w+  \S+ -> ", re.MULTILINE)
+
+
+@pytest.fixture(scope="module")
+def told(checked: Checked, dexter: RobotDocument, urdf: Path, kinematics: Kinematics) -> str:
+    """What is printed of an episode in the synthetic world."""
+    with pytest.MonkeyPatch.context() as patch:
+        lines: list[str] = []
+        patch.setattr("builtins.print", lambda text, **_: lines.append(text))
+        backend = SyntheticBackend(dexter, urdf, lambda rng: on_table())
+        stack = StackNarration()
+        runner = Runner(dexter, kinematics, checked("reachtouch"), backend)
+
+        def on_transition(transition: object) -> None:
+            narrate(transition)  # type: ignore[arg-type]
+            stack.note_transition(transition)  # type: ignore[arg-type]
+
+        result = runner.run(made_stage({}), 0, None, on_transition, stack.note_tick)
+        assert result.rewarded
+    return "\n".join(lines)
+
+
+def test_there_is_a_table_every_second_at_least(told: str) -> None:
+    times = np.array([float(time) for time in TABLE.findall(told)])
+    assert len(times) > 3
+    assert np.diff(times).max() < 1.1
+
+
+def test_every_transition_has_one(told: str) -> None:
+    """But the first, which nothing has led to."""
+    tables = set(TABLE.findall(told))
+    assert set(TRANSITION.findall(told)[1:]) <= tables
+
+
+def test_the_stack_is_told_from_the_highest_priority(told: str) -> None:
+    last = told[told.rindex("  level ") :].splitlines()[1:]
+    names = [line.split()[0] for line in last if not line.lstrip().startswith("at their")]
+    assert names[:4] == ["touch", "approach", "orient", "posture"]
