@@ -20,6 +20,9 @@ _UNITS = {
     "configuration": (180 / math.pi, "deg"),
 }
 
+# Potential below which a field's displacement leads to its goal itself.
+_NEAR = 1e-2
+
 
 def describe(run: ProgramRun, seconds: float, at_limits: Sequence[str]) -> str:
     """A sentence that says how a program ended and what its controllers had to do with it.
@@ -58,12 +61,15 @@ def _clause(lead: ControllerRun) -> str:
         return f"{controller.name} had no way: {lead.no_path}"
     if math.isnan(lead.error):
         return f"{controller.name} had no {_missing(controller)}"
-    if not POTENTIALS[controller.potential].residual:
-        verb = "came to rest" if lead.predicate == "1" else "was still"
+    verb = "came to rest" if lead.predicate == "1" else "was still"
+    potential = POTENTIALS[controller.potential]
+    if not (potential.residual or potential.field):
         return f"{controller.name} {verb} at a potential of {lead.phi:.3g}"
     factor, unit = _UNITS.get(controller.feedback.type.name, (1.0, ""))
-    verb = "came to rest" if lead.predicate == "1" else "was still"
-    return f"{controller.name} {verb} {factor * lead.error:.1f} {unit} from {_goal(controller)}"
+    # The residual of a field is bounded: far from the goal the goal is farther away than that.
+    at_least = "at least " if potential.field and lead.phi > _NEAR else ""
+    distance = f"{at_least}{factor * lead.error:.1f} {unit}"
+    return f"{controller.name} {verb} {distance} from {_goal(controller)}"
 
 
 def _goal(controller: Controller) -> str:

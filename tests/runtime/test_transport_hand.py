@@ -110,6 +110,7 @@ def test_it_arrives_in_a_synthetic_world(checked: Checked, play: Play) -> None:
     ball = World(Ball(np.array([0.62, -0.15, -0.35])))
     played = play(program, lambda rng: ball, watch=path.note)
     assert played.result.predicates[-1] == "X1", played.result.ending
+    assert "transport came to rest 0.0 cm from stereo.sat_10" in played.result.ending
     assert path.distance < 0.005
     assert min(wall.distance(point) for point in path.points) > field.clearance - field.spacing
 
