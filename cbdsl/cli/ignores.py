@@ -44,12 +44,17 @@ def heed_ignores(
 
 def _ignores(path: Path, library: Library) -> list[Ignore]:
     from cbdsl.errors.errors import DiagnosticsError
-    from cbdsl.yaml_text.ignores import read_ignores
 
     try:
-        return read_ignores(library.text(path), str(path))
+        text = library.text(path)
     except DiagnosticsError:
         return []  # it cannot be read, which is a finding already
+    # Most texts have none, and to find that out takes no parser.
+    if "cb: ignore" not in text:
+        return []
+    from cbdsl.yaml_text.ignores import read_ignores
+
+    return read_ignores(text, str(path))
 
 
 def _faults(ignore: Ignore, hits: set[Ignore]) -> Iterator[Diagnostic]:

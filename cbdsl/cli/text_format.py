@@ -7,19 +7,20 @@ import sys
 
 from cbdsl.cli.report import Report
 from cbdsl.errors.counting import count
-from cbdsl.errors.rendering import render
 
 
 def text(report: Report) -> str:
     """Findings, and how many there are; in colour where a terminal shows them."""
+    if not report.findings:
+        return f"{count(report.documents, 'document')}, no findings"
+    from cbdsl.errors.rendering import render  # only a finding needs it
+
     color = _is_colorful()
     told = [render(d, report.text_of(d.place.file), color) for d in report.findings]
     return "\n".join([*told, _tally(report)])
 
 
 def _tally(report: Report) -> str:
-    if not report.findings:
-        return f"{count(report.documents, 'document')}, no findings"
     numbers = {"error": report.errors, "warning": report.warnings}
     tally = ", ".join(count(number, noun) for noun, number in numbers.items() if number)
     return tally + (f"; {report.left_out} more are left out" if report.left_out else "")

@@ -13,7 +13,6 @@ from cbdsl.errors.diagnostic import Place
 from cbdsl.errors.lines import lines_of
 from cbdsl.yaml_text.composer import LOADER, MOST_CHARACTERS
 
-_MARK = "cb: ignore"
 _IGNORE = re.compile(r"(?:^|(?<=\s))#\s*cb: ignore\b[ \t]*(?P<code>\w*)(?P<reason>.*)")
 _COMMENT = re.compile(r"\s*(?:#|$)")
 
@@ -40,13 +39,13 @@ def read_ignores(text: str, file: str) -> list[Ignore]:
     One behind a value is for its own line, one on a line of its own for the next line that is
     neither empty nor a comment.
     """
-    if _MARK not in text or len(text) > MOST_CHARACTERS:
+    if len(text) > MOST_CHARACTERS:
         return []
     lines, quoted = lines_of(text), _Scalars(text)
     below = _lines_below(lines)
     found = []
     for number, line in enumerate(lines, 1):
-        match = _IGNORE.search(line) if _MARK in line else None
+        match = _IGNORE.search(line)
         if match and not quoted.hold(number, match.start()):
             place = Place(file, number, match.start() + 1, len(line.rstrip()) + 1)
             target = number if line[: match.start()].strip() else below[number - 1]
