@@ -138,6 +138,19 @@ def test_finer_grids_converge() -> None:
     assert errors[2] < 0.7 * errors[1]
 
 
+@pytest.mark.parametrize("name", SCENES)
+def test_towards_the_goal_nothing_jumps(name: str, rng: np.random.Generator) -> None:
+    scene, field = SCENES[name], FIELDS[name]
+    ray = rng.normal(size=len(scene.goal))
+    ray *= scene.grid.spacing / np.linalg.norm(ray)
+    slopes = [field.slope(scene.goal + s * ray, scene.goal) for s in np.linspace(0.01, 3, 1000)]
+    potentials = np.array([slope.potential for slope in slopes])
+    directions = np.array([slope.direction for slope in slopes])
+    assert potentials[0] < 0.02
+    assert np.abs(np.diff(potentials)).max() < 0.01
+    assert np.abs(np.diff(directions, axis=0)).max() < 0.05
+
+
 def test_far_from_the_goal_no_digit_is_lost() -> None:
     u = FIELDS["narrow maze"].u
     assert 0.0 < u[u > 0].min() < 1e-30 * u.max()
