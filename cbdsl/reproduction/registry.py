@@ -12,6 +12,7 @@ _ALL: tuple[Experiment, ...] = (
     Experiment("law-as-printed", "The control law taken literally", "Sections 3.1.3 and 3.3.2, Equations 3.18 to 3.26", "law_as_printed"),  # noqa: E501
     Experiment("fig-3.4", "Reaching alone, and with two conditioning potentials below", "Section 3.3.3.1, Figure 3.4", "fig_3_4"),  # noqa: E501
     Experiment("table-3.2", "Pixels per period, and localizability, at three depths", "Section 3.3.3.2, Table 3.2", "table_3_2"),  # noqa: E501
+    Experiment("fig-3.5", "A box held in both hands and brought to where it is seen best", "Section 3.3.3.2, Figure 3.5", "fig_3_5"),  # noqa: E501
     Experiment("fig-3.6", "Barcodes read at three ranges", "Section 3.3.3.2, Figure 3.6", "fig_3_6"),  # noqa: E501
 )
 # fmt: on

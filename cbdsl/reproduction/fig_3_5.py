@@ -1,0 +1,155 @@
+"""Figure 3.5: a box with a barcode on the table, held in both hands, and brought to the optimum."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+
+import numpy as np
+
+from cbdsl.reproduction.barcode import barcodes
+from cbdsl.reproduction.chart import Chart, Line
+from cbdsl.reproduction.experiment import Outcome, Settings
+from cbdsl.reproduction.inspection import Handling, Look, inspection
+from cbdsl.reproduction.interval import bootstrap_interval, exact_interval
+from cbdsl.reproduction.quantity import Quantity, above, at_least, at_most, near
+
+_TRIALS, _QUICK_TRIALS = 10, 1
+#: Depths of Table 3.2, m, and how far from them a depth may be to count as the same place.
+_DEPTHS = {"table": 1.0, "held": 0.75, "optimum": 0.5}
+_TOLERANCE = 0.1
+_PRINTED = {"held": 0.95 / 0.43, "optimum": 0.95 / 0.14}
+_SQUEEZE = 10.0  # N, the reference in the programs
+_POINT = 6  # ticks between the points of the chart
+
+_NOTES = (
+    "An experimenter holds the box out between the hands, its print towards the cameras, and lets "
+    "go after two seconds. The program grabs it with the fingertips of both hands (TOUCH), and "
+    "then runs LOCALIZABILITY subject to that hold until a camera no longer sees all of the box.",
+    "The source presses with 0.2 N. Here 10 N along each palm's normal hold a box of 150 g.",
+    "Further levels keep what is between the hands in its place: the palms keep facing each "
+    "other, and stay level with each other. Forces along two normals alone let the box turn.",
+    "What ends the approach is the field of view: nearer, the box no longer fits into both images. "
+    "The source does not say what ended it there.",
+)
+
+
+def run(settings: Settings) -> Outcome:
+    """Look at boxes on the table and in the hands."""
+    trials = _QUICK_TRIALS if settings.quick else _TRIALS
+    everything = [barcode for each in barcodes().values() for barcode in each]
+    on_table: list[Look] = []
+    in_hands: list[Handling] = []
+    with inspection() as dexter:
+        for trial in range(trials):
+            barcode, seed = everything[trial % len(everything)], settings.seed + trial
+            on_table.append(dexter.on_table(barcode, seed))
+            in_hands.append(dexter.in_hands(barcode, seed))
+            settings.progress(trial + 1, trials)
+        period = dexter.period
+    return Outcome(
+        tuple(_quantities(on_table, in_hands, settings.seed)), _charts(in_hands, period), _NOTES
+    )
+
+
+def _quantities(
+    on_table: Sequence[Look], in_hands: Sequence[Handling], seed: int
+) -> Iterator[Quantity]:
+    yield _held(in_hands)
+    looks = {
+        "table": list(on_table),
+        "held": [each.held for each in in_hands if each.held is not None],
+        "optimum": [each.optimum for each in in_hands if each.optimum is not None],
+    }
+    for place, source in _DEPTHS.items():
+        depths = [look.depth for look in looks[place]]
+        yield _depth(place, source, depths, seed)
+    table = [look.phi for look in on_table]
+    ends = {
+        "held": [each.phis[0] for each in in_hands if each.phis],
+        "optimum": [each.phis[-1] for each in in_hands if each.phis],
+    }
+    for place, values in ends.items():
+        yield _ratio(place, table, values)
+    yield Quantity(
+        "largest rise of φ_l on the way to the optimum, of its start",
+        "%",
+        "descends",
+        max((_rise(each.phis) for each in in_hands if each.phis), default=math.nan),
+        at_most(2.0),
+        note="while the box is in both hands",
+    )
+    errors = [np.abs(force - _SQUEEZE) for each in in_hands for force in each.forces]
+    yield Quantity(
+        "mean error of the forces along the palms' normals",
+        "N",
+        "the hold is kept",
+        float(np.mean(errors)) if errors else math.nan,
+        at_most(0.2 * _SQUEEZE),
+        note=f"the reference is {_SQUEEZE:g} N",
+    )
+
+
+def _held(in_hands: Sequence[Handling]) -> Quantity:
+    held, trials = sum(each.is_held for each in in_hands), len(in_hands)
+    low, high = exact_interval(held, trials)
+    slips = [100 * each.slip for each in in_hands if each.held is not None]
+    note = f"{held} of {trials}"
+    return Quantity(
+        "boxes held to the end",
+        "%",
+        "held",
+        100 * held / trials,
+        at_least(95),
+        interval=(100 * low, 100 * high),
+        note=f"{note}; largest slip in the hands {max(slips):.1f} cm" if slips else note,
+    )
+
+
+def _depth(place: str, source: float, depths: Sequence[float], seed: int) -> Quantity:
+    """How far the print is from the left camera, along its axis."""
+    return Quantity(
+        f"depth, {place}",
+        "m",
+        f"{source:g} m",
+        float(np.mean(depths)) if depths else math.nan,
+        near(source, _TOLERANCE),
+        interval=bootstrap_interval(depths, seed) if depths else None,
+    )
+
+
+def _ratio(place: str, table: Sequence[float], values: Sequence[float]) -> Quantity:
+    """How much smaller phi_l is than on the table."""
+    ours = float(np.mean(table) / np.mean(values)) if values else math.nan
+    printed = _PRINTED[place]
+    return Quantity(
+        f"φ_l on the table by φ_l, {place}",
+        "",
+        f"{printed:.2f}",
+        ours,
+        near(printed, 0.25 * printed),
+        above(1.0),
+        note="at the depths above, which differ a little from the source's",
+    )
+
+
+def _rise(phis: Sequence[float]) -> float:
+    """The largest rise of a curve above what it was before, % of its start."""
+    curve = np.array(phis)
+    return 100 * float((curve - np.minimum.accumulate(curve)).max() / curve[0])
+
+
+def _charts(in_hands: Sequence[Handling], period: float) -> tuple[Chart, ...]:
+    curves = [each.phis for each in in_hands if each.phis][:4]
+    if not curves:
+        return ()
+    lines = tuple(
+        Line(
+            f"episode {number}",
+            tuple(tick * period for tick in range(0, len(curve), _POINT)),
+            tuple(curve[tick] for tick in range(0, len(curve), _POINT)),
+        )
+        for number, curve in enumerate(curves, 1)
+    )
+    title = "Localizability subject to a hold in both hands"
+    return (Chart("fig-3.5-localizability", title, "time, s", "φ_l, m²/rad²", lines),)

@@ -1,0 +1,163 @@
+"""Looks that the robot takes at a printed box: on the table, and in both of its hands."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from cbdsl.control.localizability import Localizability
+from cbdsl.control.signal import Floats, Signal
+from cbdsl.documents.stage import Box
+from cbdsl.reproduction.barcode import Barcode
+from cbdsl.reproduction.laboratory import Laboratory, laboratory
+from cbdsl.robot.observation import Image
+from cbdsl.robot.signals import Signals
+from cbdsl.runtime.episode import Tick
+from cbdsl.types.resource import Centroid, Headings, NetForces
+
+#: How many times as many pixels as 640 x 480 the pictures have, each way.
+FINENESS = 4
+
+_FEATURE, _BOX, _CAMERA, _ARMS = "int_10", "box", "left", "arms"
+_WIDTH = 640
+# A box that moved less than this in the hands was held, m.
+_SLIP = 0.03
+
+
+@dataclass(frozen=True)
+class Look:
+    """What the left camera's lens gets to see, and from how far.
+
+    Attributes:
+        picture: RGB, with ``FINENESS`` times as many pixels as 640 x 480 each way, no noise.
+        depth: of the printed side along the camera's axis, by the simulator, m.
+        phi: localizability by the robot's own headings, m^2/rad^2; NaN where not both cameras see
+            the whole box.
+    """
+
+    picture: Image
+    depth: float
+    phi: float
+
+
+@dataclass
+class Handling:
+    """One episode of taking a box in both hands and bringing it nearer.
+
+    Attributes:
+        held: the look when both hands have it, or ``None`` where they never had.
+        optimum: the look at the end.
+        phis: localizability in every tick between the two.
+        forces: along the palms' normals in each of those ticks, N.
+        slip: how far the box ended from where it was in the hands, by the simulator, m.
+    """
+
+    held: Look | None = None
+    optimum: Look | None = None
+    phis: list[float] = field(default_factory=list)
+    forces: list[Floats] = field(default_factory=list)
+    slip: float = math.inf
+
+    @property
+    def is_held(self) -> bool:
+        """Whether the box stayed in the hands to the end."""
+        return self.held is not None and self.slip < _SLIP
+
+
+class Inspection:
+    """Dexter, which looks at boxes with barcodes."""
+
+    def __init__(self, table: Laboratory, hands: Laboratory) -> None:
+        self._table = table
+        self._hands = hands
+        self._looker, self._handler = table.runner(), hands.runner()
+        #: Of the control ticks, s.
+        self.period = hands.backend.control_period
+
+    def on_table(self, barcode: Barcode, seed: int) -> Look:
+        """The look when the head has the box in the middle of its images."""
+        stage = barcode.printed_on(self._table.stage, _BOX)
+        last: list[Tick] = []
+
+        def note(tick: Tick) -> None:
+            last[:] = [tick]
+
+        self._looker.run(stage, seed, on_tick=note)
+        return _look(self._table, last[0].signals)
+
+    def in_hands(self, barcode: Barcode, seed: int) -> Handling:
+        """Take the box, and bring it to where the cameras resolve it best (Eq 3.44)."""
+        stage = barcode.printed_on(self._hands.stage, _BOX)
+        found = Handling()
+        at_first: list[Floats] = []
+        last: list[Tick] = []
+
+        def note(tick: Tick) -> None:
+            last[:] = [tick]
+            localizability = next(
+                run for run in tick.run.runs if run.controller.name == "localizability"
+            )
+            if math.isnan(localizability.phi):
+                return
+            if found.held is None:
+                found.held = _look(self._hands, tick.signals)
+                at_first.append(_place_in_hands(self._hands, tick.signals))
+            found.phis.append(localizability.phi)
+            found.forces.append(_forces(tick.signals))
+
+        self._handler.run(stage, seed, on_tick=note)
+        if at_first:
+            found.optimum = _look(self._hands, last[0].signals)
+            moved = _place_in_hands(self._hands, last[0].signals) - at_first[0]
+            found.slip = float(np.linalg.norm(moved))
+        return found
+
+
+@contextmanager
+def inspection() -> Iterator[Inspection]:
+    """Set up both experiments on the simulator.
+
+    Raises:
+        BackendError: the simulator cannot embody the robot.
+    """
+    feature = {"feature": _FEATURE}
+    with (
+        laboratory("searchtrack", feature, "barcode_on_table") as table,
+        laboratory("bimanualinspect", feature) as hands,
+    ):
+        yield Inspection(table, hands)
+
+
+def _look(lab: Laboratory, signals: Signals) -> Look:
+    view = lab.backend.cameras.views()[_CAMERA]
+    times = FINENESS * _WIDTH // view.camera.width
+    box = lab.stage.things[_BOX].form
+    assert isinstance(box, Box)
+    pose = lab.backend.truth.pose(_BOX)
+    side = pose.position - pose.rotation[:, 0] * box.size[0][0] / 2
+    depth = float((side - view.pose.position) @ view.pose.rotation[:, 0])
+    return Look(lab.backend.cameras.resolve(times)[_CAMERA], depth, _phi(signals))
+
+
+def _phi(signals: Signals) -> float:
+    headings = signals.sight.headings(Headings(_FEATURE))
+    if headings is None:
+        return math.nan
+    signal = Signal(f"cameras.{_FEATURE}", headings.value, headings.jacobian)
+    return Localizability(signals.sight.cameras()).evaluate(signal, None).phi
+
+
+def _place_in_hands(lab: Laboratory, signals: Signals) -> Floats:
+    """The box's position relative to the middle between the hands, m."""
+    centroid = signals.tips.centroid(Centroid(_ARMS)).value
+    place: Floats = lab.backend.truth.pose(_BOX).position - centroid
+    return place
+
+
+def _forces(signals: Signals) -> Floats:
+    """Along each palm's normal, N."""
+    return signals.touch.normal_forces(NetForces("hands")).value
