@@ -44,7 +44,7 @@ def _section(entry: Entry) -> str:
 
 def _difference(entry: Entry) -> Iterator[str]:
     """The lines of both examples; none where the bad one is no file at all."""
-    if entry.bad is None or entry.good is None:
+    if entry.bad is None:
         return
     bad, good = _shown(entry.bad), _shown(entry.good)
     lines = unified_diff(bad, good, lineterm="", n=len(bad) + len(good))

@@ -33,4 +33,4 @@ class Entry:
     path: str = "programs/example.yaml"
     beside: Mapping[str, str] = field(default_factory=lambda: MappingProxyType({}))
     severity: Severity = Severity.ERROR
-    good: str | None = field(default=None, kw_only=True)
+    good: str = field(kw_only=True)
