@@ -10,7 +10,6 @@ import pytest
 
 from cbdsl.backends.bullet.backend import BulletBackend
 from cbdsl.checking.program import check_program
-from cbdsl.documents.program import ProgramDocument
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.documents.stage import StageDocument
 from cbdsl.program.checked import CheckedProgram
@@ -32,13 +31,8 @@ ARMS = [
     for name, arm in robot.effectors.items()
     if arm.tip is not None
 ]
-# Dexter's programs have tests of their own.
-OTHERS = [
-    name
-    for name in LIBRARY.names(ProgramDocument)
-    if LIBRARY.read(LIBRARY.locate(ProgramDocument, name), ProgramDocument).document.robot
-    != "dexter"
-]
+# Every robot but Dexter, whose programs have tests of their own, has a program of this name.
+OTHERS = [f"{name}_reach" for name in ROBOTS if name != "dexter"]
 
 STEP = 1e-6
 
@@ -72,10 +66,7 @@ def played(robot: RobotDocument, program: str, folder: Path) -> tuple[EpisodeRes
 def test_there_are_robots_without_cameras_hands_and_head() -> None:
     plain = [robot for robot in ROBOTS.values() if not (robot.cameras or robot.load_cells)]
     assert len(plain) >= 2
-    assert {robot.name for robot in plain} == {
-        LIBRARY.read(LIBRARY.locate(ProgramDocument, name), ProgramDocument).document.robot
-        for name in OTHERS
-    }
+    assert len({len(robot.effectors["arm"].joints) for robot in plain}) >= 2
 
 
 @pytest.mark.parametrize(("robot", "arm", "posture"), ARMS)
