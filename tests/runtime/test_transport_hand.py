@@ -120,3 +120,42 @@ def test_what_is_inside_the_wall_is_said_to_have_no_way(checked: Checked, play: 
     ball = World(Ball(np.array([0.40, -0.36, -0.18])))
     played = play(program, lambda rng: ball)
     assert "transport had no way: the goal is inside box 1 of the field" in played.result.ending
+
+
+AROUND = """
+controllers:
+  move:
+    potential: harmonic
+    reference: [68 cm, -5 cm, -20 cm]
+    feedback: right_arm.position
+    effector: right_arm
+    field:
+      lower: [0 cm, -80 cm, -42 cm]
+      upper: [90 cm, 40 cm, 30 cm]
+      spacing: 3 cm
+      clearance: 6 cm
+      obstacles: [stereo.sat_10, {center: left_arm.position, radius: 20 cm}]
+actions: [move]
+policy: {X: move, "0": move}
+"""
+
+
+def test_what_is_seen_is_gone_round(written: Callable[..., CheckedProgram], play: Play) -> None:
+    program = written(AROUND)
+    ball = Ball(np.array([0.5, -0.2, -0.25]))
+    points: list[Floats] = []
+
+    def note(tick: Tick) -> None:
+        (run,) = tick.run.runs
+        tip = tick.signals.read(run.controller.feedback)
+        assert tip is not None
+        points.append(tip.value)
+
+    played = play(program, lambda rng: World(ball), watch=note)
+    assert played.result.predicates[-1] == "1", played.result.ending
+    goal = np.array([0.68, -0.05, -0.2])
+    assert np.linalg.norm(points[-1] - goal) < 0.005
+    seen = Obstacle.sphere("ball", ball.position, ball.radius)
+    assert min(seen.distance(point) for point in points) > 0.06 - 0.03
+    shares = np.linspace(0.0, 1.0, 50)
+    assert min(seen.distance(points[0] + s * (goal - points[0])) for s in shares) < 0.0
