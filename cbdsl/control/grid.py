@@ -98,6 +98,7 @@ class Grid:
         The border must not be free.
         """
         left, found = free.ravel().copy(), np.zeros(free.size, bool)
+        last = np.empty(free.size, np.intp)
         front = np.array([np.ravel_multi_index(start, self.shape)])
         left[front] = False
         steps = np.array([step for stride in self.strides() for step in (-stride, stride)])
@@ -106,7 +107,10 @@ class Grid:
             near = (front[:, None] + steps).ravel()
             near = near[left[near]]
             left[near] = False
-            front = np.unique(near)
+            # Each once, without sorting: the one of its copies that was written last.
+            order = np.arange(len(near))
+            last[near] = order
+            front = near[last[near] == order]
         return found.reshape(self.shape)
 
     def strides(self) -> Iterator[int]:

@@ -72,7 +72,7 @@ class Multigrid:
         for cycle in range(_CYCLES):
             if _accurate(u, residual, accuracy, floor):
                 return u.reshape(shape), cycle
-            z = self._cycle(residual.astype(np.float32), 0)
+            z = self._cycle(residual.astype(np.float32), 0).astype(np.float64)
             # Rounding makes the cycle differ a little each time: the flexible variant allows it.
             direction *= (_dot(z, residual) - _dot(z, before)) / slope
             direction += z
