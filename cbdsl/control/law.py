@@ -9,13 +9,8 @@ from functools import cached_property
 
 import numpy as np
 
-from cbdsl.control.inverse import Damping
-from cbdsl.control.row_space import RowSpace
-from cbdsl.control.selection import Booleans
+from cbdsl.control.composition import Booleans, Integers, compose
 from cbdsl.control.signal import Floats, SignalError, require_finite
-
-# Bounds are this much wider, rad, so that rounding never counts as passing one.
-_SLACK = 1e-12
 
 
 @dataclass(frozen=True)
@@ -78,29 +73,30 @@ class Step:
         displacement: of the joints, rad, shape (n,).
         locked: joints that a limit held back, shape (n,).
         levels: what was wanted, highest priority first.
-        spaces: what each level had to leave alone.
+        singular_values: of what was left to each level, unsorted and 0 where its rows were
+            dependent, level by level, shape (k,).
     """
 
     displacement: Floats
     locked: Booleans
     levels: tuple[Level, ...]
-    spaces: tuple[RowSpace, ...]
+    singular_values: Floats
 
     @cached_property
     def reports(self) -> tuple[LevelReport, ...]:
         """Explains each level, highest priority first."""
-        return tuple(
-            self._report(level, space)
-            for level, space in zip(self.levels, self.spaces, strict=True)
-        )
+        found, end = [], 0
+        for level in self.levels:
+            start, end = end, end + len(level.velocity)
+            values = self.singular_values[start:end]
+            found.append(self._report(level, values[values > 0.0]))
+        return tuple(found)
 
-    def _report(self, level: Level, space: RowSpace) -> LevelReport:
-        size = float(np.linalg.norm(level.jacobian))
-        values = space.singular_values(level.jacobian, size)
+    def _report(self, level: Level, values: Floats) -> LevelReport:
         achieved = level.jacobian @ self.displacement
         wanted = float(level.velocity @ level.velocity)
         share = float(level.velocity @ achieved) / wanted if wanted else 1.0
-        smallest = float(values[-1]) if len(values) else 0.0
+        smallest = float(values.min()) if len(values) else 0.0
         return LevelReport(level.name, share, len(values), smallest)
 
 
@@ -125,13 +121,10 @@ class Law:
     """
 
     def __init__(self, lower: Floats, upper: Floats, settings: LawSettings) -> None:
-        self._settings = settings
-        self._damping = Damping(settings.damping, settings.singular_value)
-        self._nothing = RowSpace.empty(len(lower))
         if not (lower + settings.limit_margin <= upper - settings.limit_margin).all():
             raise ValueError("a joint's limits are closer together than twice their margin")
-        self._lower = lower + settings.limit_margin - _SLACK
-        self._upper = upper - settings.limit_margin + _SLACK
+        self._limits = np.stack((lower + settings.limit_margin, upper - settings.limit_margin))
+        self._guards = settings.joint_step, settings.damping, settings.singular_value
 
     def solve(self, levels: Sequence[Level], q: Floats) -> Step:
         """One tick's displacement.
@@ -143,108 +136,35 @@ class Law:
         Raises:
             SignalError: the posture or a level is not finite, or a level's shape does not fit.
         """
-        require_finite(q, "the posture")
-        lowest, highest = self._lower - q, self._upper - q
-        composition = _Composition(
-            lowest, highest, self._settings.joint_step, self._damping, self._nothing
-        )
-        spaces = tuple([composition.add(level) for level in levels])
-        locked = composition.locked
-        return Step(
-            composition.displacement(),
-            np.zeros(len(q), dtype=bool) if locked is None else locked,
-            tuple(levels),
-            spaces,
-        )
+        rows, wanted, ends = _stacked(levels, len(q))
+        displacement, locked, values = compose(rows, wanted, ends, q, self._limits, *self._guards)
+        if math.isnan(displacement.item(0)):
+            _require_sound(levels, q)
+        return Step(displacement, locked, tuple(levels), values)
 
 
-class _Composition:
-    """The displacement of the levels composed so far, and the joints' directions that they took.
-
-    Args:
-        lowest: smallest displacement within the limits, positive below the lower one, shape (n,).
-        highest: largest displacement within the limits, shape (n,).
-        step: largest displacement of a joint.
-        damping: of the steps.
-        taken: the row space of no rows.
-    """
-
-    def __init__(
-        self, lowest: Floats, highest: Floats, step: float, damping: Damping, taken: RowSpace
-    ) -> None:
-        self._step = step + _SLACK
-        self._damping = damping
-        # Limits come before what the levels want, the largest step before limits.
-        most = self._step + _SLACK
-        self._lowest = np.maximum(np.minimum(lowest, step), -most)
-        self._highest = np.minimum(np.maximum(highest, -step), most)
-        self._sum = np.zeros(len(lowest))
-        self._taken = taken
-        self.locked: Booleans | None = None
-
-    def displacement(self) -> Floats:
-        """The displacement of all joints, within limits and the largest step."""
-        return np.minimum(np.maximum(self._sum, self._lowest), self._highest)
-
-    def add(self, level: Level) -> RowSpace:
-        """Compose one more level below the others; returns what it had to leave alone.
-
-        Every pass locks a joint or is the last, so there are at most n + 1.
-        """
-        rows, size = level.jacobian, _size(level, len(self._sum))
-        while True:
-            above = self._taken
-            inverse = above.inverse(rows, size, self._damping)
-            if inverse is None:
-                return above
-            change = inverse.displacement(level.velocity - rows.dot(self._sum))
-            if self.locked is not None:
-                change[self.locked] = 0.0  # not rounding, which could look like passing a bound
-            target = self._sum + change
-            if not np.count_nonzero(self._exceeds(target)):
-                break
-            target = self._sum + change * self._share(change)
-            stopped = self._exceeds(target)
-            if not np.count_nonzero(stopped):
-                break
-            self._lock(stopped)
-        self._sum = target
-        self._taken = above.extended(inverse)
-        return above
-
-    def _exceeds(self, target: Floats) -> Booleans:
-        """Joints that would pass a bound, or not come back from beyond a limit."""
-        outside: Booleans = (target < self._lowest) | (target > self._highest)
-        return outside
-
-    def _share(self, change: Floats) -> float:
-        """The part of a change that keeps every joint within the largest step."""
-        room = np.maximum(self._step - np.sign(change) * self._sum, 0.0)
-        size = np.abs(change)
-        too_far = size > room + _SLACK
-        return float((room[too_far] / size[too_far]).min()) if too_far.any() else 1.0
-
-    def _lock(self, joints: Booleans) -> None:
-        """Keep joints where they are, or where they have to go to come inside their limits."""
-        self.locked = joints if self.locked is None else self.locked | joints
-        self._sum = np.where(joints, self.displacement(), self._sum)
-        rows = np.eye(len(joints))[joints]
-        inverse = self._taken.inverse(rows, float(len(rows)) ** 0.5, self._damping)
-        if inverse is not None:
-            self._taken = self._taken.extended(inverse)
+def _stacked(levels: Sequence[Level], joints: int) -> tuple[Floats, Floats, Integers]:
+    """Jacobians, velocities, and the index after the last row of each level."""
+    ends, end = [], 0
+    for level in levels:
+        count = len(level.velocity)
+        end += count
+        ends.append(end)
+        if level.jacobian.shape != (count, joints):
+            raise SignalError(
+                f"{level.name} wants {count} coordinates of {joints} joints, "
+                f"but its Jacobian has shape {level.jacobian.shape}"
+            )
+    if not levels:
+        return np.empty((0, joints)), np.empty(0), np.empty(0, dtype=np.int64)
+    rows = np.concatenate([level.jacobian for level in levels])
+    return rows, np.concatenate([level.velocity for level in levels]), np.array(ends)
 
 
-def _size(level: Level, joints: int) -> float:
-    """Frobenius norm of a level's Jacobian, once the level is found to be sound."""
-    rows, velocity = level.jacobian, level.velocity
-    if rows.shape != (len(velocity), joints):
-        raise SignalError(
-            f"{level.name} wants {len(velocity)} coordinates of {joints} joints, "
-            f"but its Jacobian has shape {rows.shape}"
-        )
-    # A norm is finite only where all numbers are.
-    size = math.sqrt(float(np.vdot(rows, rows)))
-    if not math.isfinite(size + float(velocity.dot(velocity))):
-        require_finite(rows, f"the Jacobian of {level.name}")
-        require_finite(velocity, f"the velocity of {level.name}")
-    return size
+def _require_sound(levels: Sequence[Level], q: Floats) -> None:
+    """Say which number is not finite."""
+    require_finite(q, "the posture")
+    for level in levels:
+        require_finite(level.jacobian, f"the Jacobian of {level.name}")
+        require_finite(level.velocity, f"the velocity of {level.name}")
+    raise SignalError("the levels' numbers are too large to compute with")

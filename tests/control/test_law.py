@@ -22,6 +22,12 @@ DEXTER = LawSettings(joint_step=1.5 * TICK, limit_margin=0.03)
 seeds = st.integers(0, 2**32 - 1)
 
 
+@pytest.fixture(scope="module", autouse=True)
+def compiled() -> None:
+    """What is compiled at first is not for the first example to wait for."""
+    law_of(3).solve([], np.zeros(3))
+
+
 def rows_of(rng: np.random.Generator, count: int, joints: int) -> Floats:
     """Rows of a level: dense, or reading some joints, with dependent rows now and then."""
     rows = rng.normal(size=(count, joints))

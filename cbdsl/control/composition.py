@@ -1,0 +1,270 @@
+"""The arithmetic of the control law, for all levels at once.
+
+It is compiled: in loops over a dozen numbers, calling numpy takes longer than computing.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cbdsl.control.compiled import compiled, compiled_once
+from cbdsl.control.signal import Floats
+
+Booleans = NDArray[np.bool_]
+Integers = NDArray[np.int64]
+
+# Rows count as dependent where what is left of them is rounding of the Jacobian. What a larger
+# tolerance would ignore, lower levels would be free to disturb.
+_ROUNDING = 1e-13
+
+# Rows count as orthogonal at this cosine of their angle.
+_ORTHOGONAL = 1e-14
+
+# Bounds are this much wider, rad, so that rounding never counts as passing one.
+_SLACK = 1e-12
+
+
+@compiled_once
+def compose(
+    rows: Floats,
+    wanted: Floats,
+    ends: Integers,
+    positions: Floats,
+    limits: Floats,
+    step: float,
+    damping: float,
+    threshold: float,
+) -> tuple[Floats, Booleans, Floats]:
+    """The displacement of all levels together.
+
+    Args:
+        rows: task coordinates per joint of all levels, highest priority first, shape (k, n).
+        wanted: displacement of the task coordinates, shape (k,).
+        ends: index after the last row of each level, shape (levels,).
+        positions: of the joints, rad, shape (n,).
+        limits: lower and upper limits, rad, shape (2, n); may be infinite.
+        step: largest displacement of a joint.
+        damping: largest damping.
+        threshold: singular value below which damping sets in.
+
+    Returns:
+        The displacement, NaN if an argument is not finite, shape (n,); whether a limit held a
+        joint back, shape (n,); the singular values of what was left to each level, unsorted, 0
+        where rows were dependent, shape (k,).
+    """
+    joints = rows.shape[1]
+    total, locked = np.zeros(joints), np.zeros(joints, dtype=np.bool_)
+    values = np.zeros(len(rows))
+    squares = _dot(rows.ravel(), rows.ravel()) + _dot(wanted, wanted)
+    if not math.isfinite(squares + _dot(positions, positions)):
+        return np.full(joints, np.nan), locked, values
+    # Limits come before what the levels want, the largest step before limits.
+    bounds = np.empty((2, joints))
+    for joint in range(joints):
+        lowest = limits[0, joint] - positions[joint] - _SLACK
+        highest = limits[1, joint] - positions[joint] + _SLACK
+        bounds[0, joint] = max(min(lowest, step), -step - 2 * _SLACK)
+        bounds[1, joint] = min(max(highest, -step), step + 2 * _SLACK)
+    basis, taken = np.empty((joints, joints)), 0
+    start = 0
+    for end in ends:
+        level, found = rows[start:end], values[start:end]
+        # Every pass locks a joint or is the last.
+        while taken < joints:
+            missing = _missing(level, wanted[start:end], total)
+            change, below = _invert(level, missing, basis, taken, found, damping, threshold)
+            _shorten(change, total, locked, bounds, step + _SLACK)
+            if not _lock(change, total, locked, bounds):
+                _add(total, change, 1.0)
+                taken = below
+                break
+            taken = _without(locked, basis, taken)
+        start = end
+    for joint in range(joints):
+        total[joint] = min(max(total[joint], bounds[0, joint]), bounds[1, joint])
+    return total, locked, values
+
+
+@compiled
+def _shorten(change: Floats, total: Floats, locked: Booleans, bounds: Floats, step: float) -> None:
+    """Shorten a change as a whole to what keeps every joint within the largest step."""
+    share, exceeds = 1.0, False
+    for joint in range(len(change)):
+        if locked[joint]:
+            change[joint] = 0.0  # not rounding, which could look like passing a bound
+        target = total[joint] + change[joint]
+        exceeds |= target < bounds[0, joint] or target > bounds[1, joint]
+        size = abs(change[joint])
+        ahead = total[joint] if change[joint] > 0.0 else -total[joint]
+        left = max(step - ahead, 0.0)
+        if size > left + _SLACK:
+            share = min(share, left / size)
+    if exceeds:
+        for joint in range(len(change)):
+            change[joint] *= share
+
+
+@compiled
+def _lock(change: Floats, total: Floats, locked: Booleans, bounds: Floats) -> bool:
+    """Keep joints that would pass a bound where they are, or on their way back inside."""
+    found = False
+    for joint in range(len(change)):
+        target = total[joint] + change[joint]
+        if target < bounds[0, joint] or target > bounds[1, joint]:
+            found = locked[joint] = True
+            total[joint] = min(max(total[joint], bounds[0, joint]), bounds[1, joint])
+    return found
+
+
+@compiled
+def _without(locked: Booleans, basis: Floats, taken: int) -> int:
+    """Add the locked joints to the basis; returns how many rows it has then."""
+    for joint in range(len(locked)):
+        if locked[joint] and taken < len(basis):
+            for column in range(len(locked)):
+                basis[taken, column] = 1.0 if column == joint else 0.0
+            _project(basis[taken], basis, taken)
+            if _norm(basis[taken]) > _ROUNDING:
+                _orthonormalize(basis, taken)
+                taken += 1
+    return taken
+
+
+@compiled
+def _missing(rows: Floats, wanted: Floats, total: Floats) -> Floats:
+    """What the displacement composed so far lacks of the wanted one of the rows (k,)."""
+    missing = np.empty(len(wanted))
+    for i in range(len(wanted)):
+        missing[i] = wanted[i] - _dot(rows[i], total)
+    return missing
+
+
+@compiled
+def _invert(
+    rows: Floats,
+    velocity: Floats,
+    basis: Floats,
+    taken: int,
+    values: Floats,
+    damping: float,
+    threshold: float,
+) -> tuple[Floats, int]:
+    """Move rows by ``velocity`` at right angles to the first ``taken`` rows of the basis.
+
+    A displacement at right angles to the basis is one that no level above notices. It serves as
+    an exact projector, whatever the ranks and conditions of the rows; I - J^# J does not.
+
+    Returns:
+        The displacement, damped along small singular values, shape (n,); how many rows the basis
+        has with the level's directions added to it.
+    """
+    size = _norm(rows.ravel())
+    rest = np.empty(rows.shape)
+    for i in range(len(rows)):
+        _set(rest[i], rows[i], 1.0)
+        _project(rest[i], basis, taken)
+    _separate(rest, velocity, _ROUNDING * size)
+    change, below = np.zeros(rows.shape[1]), taken
+    for i in range(len(rest)):
+        values[i] = 0.0
+        value = _norm(rest[i])
+        if value > _ROUNDING * size and below < len(basis):
+            values[i] = value
+            _set(basis[below], rest[i], 1.0)
+            _orthonormalize(basis, below)
+            _add(change, basis[below], velocity[i] * _damped_inverse(value, damping, threshold))
+            below += 1
+    return change, below
+
+
+@compiled
+def _separate(rows: Floats, velocity: Floats, least: float) -> None:
+    """Turn rows until they are orthogonal, and ``velocity`` with them: one-sided Jacobi.
+
+    The lengths of the rows are then their singular values, and small ones are as precise as large
+    ones. Rows no longer than ``least`` are left alone.
+    """
+    turned = True
+    while turned:
+        turned = False
+        for i in range(len(rows) - 1):
+            for j in range(i + 1, len(rows)):
+                turned |= _turn(rows, velocity, i, j, least)
+
+
+@compiled
+def _turn(rows: Floats, velocity: Floats, i: int, j: int, least: float) -> bool:
+    """Turn two rows until they are orthogonal; returns whether they were not."""
+    first, second = _dot(rows[i], rows[i]), _dot(rows[j], rows[j])
+    both = _dot(rows[i], rows[j])
+    if min(first, second) <= least * least or abs(both) <= _ORTHOGONAL * (
+        math.sqrt(first) * math.sqrt(second)
+    ):
+        return False
+    ratio = (second - first) / (2.0 * both)
+    tangent = math.copysign(1.0, ratio) / (abs(ratio) + math.sqrt(1.0 + ratio * ratio))
+    cosine = 1.0 / math.sqrt(1.0 + tangent * tangent)
+    sine = cosine * tangent
+    for joint in range(rows.shape[1]):
+        one, other = rows[i, joint], rows[j, joint]
+        rows[i, joint], rows[j, joint] = cosine * one - sine * other, sine * one + cosine * other
+    one, other = velocity[i], velocity[j]
+    velocity[i], velocity[j] = cosine * one - sine * other, sine * one + cosine * other
+    return True
+
+
+@compiled
+def _damped_inverse(value: float, damping: float, threshold: float) -> float:
+    """What stands for a singular value's inverse: Levenberg-Marquardt damping, one by one.
+
+    It grows from 0 at ``threshold`` to ``damping`` at 0, so that steps stay bounded and
+    continuous through singularities, and are exact away from them.
+    """
+    weight = max(0.0, 1.0 - (value / threshold) ** 2)
+    return value / (value * value + damping * weight)
+
+
+@compiled
+def _project(row: Floats, basis: Floats, count: int) -> None:
+    """Make a row orthogonal to the first ``count`` of the basis."""
+    for i in range(count):
+        _add(row, basis[i], -_dot(row, basis[i]))
+
+
+@compiled
+def _orthonormalize(basis: Floats, last: int) -> None:
+    """Make row ``last``, nearly orthogonal to those above it, orthonormal to them.
+
+    What was subtracted from it before has left rounding, which dividing by its length magnifies.
+    """
+    _set(basis[last], basis[last], 1.0 / _norm(basis[last]))
+    _project(basis[last], basis, last)
+    _set(basis[last], basis[last], 1.0 / _norm(basis[last]))
+
+
+@compiled
+def _set(row: Floats, other: Floats, factor: float) -> None:
+    for i in range(len(row)):
+        row[i] = factor * other[i]
+
+
+@compiled
+def _add(row: Floats, other: Floats, factor: float) -> None:
+    for i in range(len(row)):
+        row[i] += factor * other[i]
+
+
+@compiled
+def _norm(row: Floats) -> float:
+    return math.sqrt(_dot(row, row))
+
+
+@compiled
+def _dot(first: Floats, second: Floats) -> float:
+    total = 0.0
+    for i in range(len(first)):
+        total += first[i] * second[i]
+    return total

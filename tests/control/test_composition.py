@@ -1,0 +1,71 @@
+"""The law's arithmetic: exact, whatever the rank and condition of the rows."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from cbdsl.control.composition import compose
+from cbdsl.control.signal import Floats
+
+FREE = 1e300
+
+
+def composed(blocks: list[Floats], wanted: list[Floats]) -> tuple[Floats, Floats]:
+    """Displacement and singular values of levels without limits, bounds or damping."""
+    joints = blocks[0].shape[1]
+    limits = np.array([np.full(joints, -FREE), np.full(joints, FREE)])
+    ends = np.cumsum([len(rows) for rows in blocks])
+    step, locked, values = compose(
+        np.vstack(blocks), np.concatenate(wanted), ends, np.zeros(joints), limits, FREE, 0.0, 1e-300
+    )
+    assert not locked.any()
+    return step, values
+
+
+@pytest.mark.parametrize("exponent", range(0, 17))
+def test_nearly_dependent_rows_neither_leak_nor_spoil_what_is_below(
+    exponent: int, rng: np.random.Generator
+) -> None:
+    for _ in range(20):
+        first = rng.normal(size=(3, 9))
+        second = rng.normal(size=(3, 3)) @ first + 10.0**-exponent * rng.normal(size=(3, 9))
+        wanted = rng.normal(size=9)
+        blocks = [first, second, np.eye(9)]
+        step, values = composed(blocks, [np.zeros(3), np.zeros(3), wanted])
+        # What counts as rounding, 1e-13 of the rows, is left to the step.
+        assert np.abs(np.vstack((first, second)) @ step).max() < 1e-11
+        rank = np.count_nonzero(values[:6])
+        np.testing.assert_allclose(sorted(values[6:]), [0.0] * rank + [1.0] * (9 - rank), atol=1e-9)
+        # The shortest way: a projection of what is wanted.
+        assert step @ step == pytest.approx(step @ wanted)
+
+
+@pytest.mark.parametrize("count", [1, 2, 3, 5, 7])
+def test_levels_move_as_pseudoinverses_of_what_is_left(
+    count: int, rng: np.random.Generator
+) -> None:
+    above, rows = rng.normal(size=(2, 9)), rng.normal(size=(count, 9))
+    velocities = [rng.normal(size=2), rng.normal(size=count)]
+    rest = rows @ (np.eye(9) - np.linalg.pinv(above) @ above)
+    first = np.linalg.pinv(above) @ velocities[0]
+    expected = first + np.linalg.pinv(rest) @ (velocities[1] - rows @ first)
+    step, values = composed([above, rows], velocities)
+    np.testing.assert_allclose(step, expected, atol=1e-10)
+    found = np.sort(values[2:])[::-1]
+    np.testing.assert_allclose(found, np.linalg.svd(rest, compute_uv=False), atol=1e-13)
+
+
+@pytest.mark.parametrize("rows", [np.zeros((1, 4)), np.zeros((3, 4)), np.eye(1, 4)])
+def test_rows_of_no_effect_move_nothing(rows: Floats) -> None:
+    step, values = composed([np.eye(4), rows], [np.ones(4), np.full(len(rows), 7.0)])
+    np.testing.assert_allclose(step, np.ones(4))
+    np.testing.assert_array_equal(values[4:], 0.0)
+    step, values = composed([np.zeros((3, 4)), rows], [np.ones(3), np.zeros(len(rows))])
+    np.testing.assert_array_equal(step, np.zeros(4))
+
+
+@pytest.mark.parametrize("scale", [1e-160, 1e-80, 1e80, 1e140])
+def test_extreme_numbers_end(scale: float, rng: np.random.Generator) -> None:
+    step, _ = composed([scale * rng.normal(size=(3, 5))], [scale * rng.normal(size=3)])
+    assert np.isfinite(step).all()
