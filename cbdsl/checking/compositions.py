@@ -9,6 +9,9 @@ from cbdsl.errors.counting import count
 from cbdsl.language.expression import Expression, Term
 from cbdsl.program.controller import Composition, Controller, Primitive
 
+# Compositions of compositions; Python gives up where people long have.
+_DEEPEST = 64
+
 
 class Compositions:
     """Builds the primitives of one program, each once."""
@@ -28,9 +31,9 @@ class Compositions:
     def composition(self, expression: Expression, steps: Steps) -> Composition | None:
         """A composition of primitives, or ``None`` where it has faults."""
         primitives = [self.primitive(term, steps) for term in expression.terms]
-        self._no_repetition(expression, primitives, steps)
         whole = [primitive for primitive in primitives if primitive is not None]
-        return Composition(tuple(whole)) if len(whole) == len(primitives) else None
+        repeats = self._repeats(expression, primitives, steps)
+        return None if repeats or len(whole) < len(primitives) else Composition(tuple(whole))
 
     def primitive(self, term: Term, steps: Steps) -> Primitive | None:
         """The primitive that a term names, or ``None`` where it has faults."""
@@ -78,6 +81,10 @@ class Compositions:
             place = self._context.source.key("controllers", key)
             self._context.add("CB405", place, name=key, cycle=cycle.replace("◁", "→"))
             return None
+        if len(stack) == _DEEPEST:
+            place = self._context.source.key("controllers", key)
+            self._context.add("CB119", place, bound=_DEEPEST)
+            return None
         if key not in self._built:
             self._built[key] = self._flatten(key, text, (*stack, key))
         return self._built[key]
@@ -92,21 +99,25 @@ class Compositions:
         parts = [self._controllers(term, steps, stack) for term in expression.terms]
         whole = [part for part in parts if part is not None]
         primitives = [None if part is None else Primitive("", part) for part in parts]
-        self._no_repetition(expression, primitives, steps)
-        if len(whole) < len(parts):
+        # Built of what repeats itself, a few lines would stand for billions of controllers.
+        if self._repeats(expression, primitives, steps) or len(whole) < len(parts):
             return None
         return tuple(controller for part in whole for controller in part)
 
-    def _no_repetition(
+    def _repeats(
         self, expression: Expression, primitives: list[Primitive | None], steps: Steps
-    ) -> None:
+    ) -> bool:
+        """Report controllers that occur twice; whether there are any."""
         seen: set[str] = set()
+        repeats = False
         for term, primitive in zip(expression.terms, primitives, strict=True):
             for controller in primitive.controllers if primitive is not None else ():
                 if controller.name in seen:
                     place = self._context.at(steps, term.span)
                     self._context.add("CB407", place, name=controller.name)
+                    repeats = True
                 seen.add(controller.name)
+        return repeats
 
     def _unknown(self, term: Term, steps: Steps) -> None:
         document, place = self._context.document, self._context.at(steps, term.span)

@@ -6,11 +6,13 @@ from collections.abc import Mapping
 from pathlib import Path
 
 from cbdsl.checking.findings import Findings
+from cbdsl.checking.model import examine_model
 from cbdsl.checking.policy import examine_policy
 from cbdsl.checking.program import examine_program
 from cbdsl.checking.session import Session
 from cbdsl.checking.stage import examine_stage
 from cbdsl.documents.document import Document
+from cbdsl.documents.model import ModelDocument
 from cbdsl.documents.policy import PolicyDocument
 from cbdsl.documents.program import ProgramDocument
 from cbdsl.documents.robot import RobotDocument
@@ -53,5 +55,7 @@ def _examine(
         session.body(path, findings)
     elif isinstance(document, StageDocument):
         examine_stage(Loaded(document, loaded.source), session, findings)
+    elif isinstance(document, ModelDocument):
+        examine_model(Loaded(document, loaded.source), session, findings)
     elif isinstance(document, PolicyDocument):
         examine_policy(Loaded(document, loaded.source), session, findings)

@@ -5,13 +5,16 @@ from __future__ import annotations
 from collections.abc import Mapping
 from pathlib import Path
 
+from cbdsl.checking.body import Body
 from cbdsl.checking.compositions import Compositions
 from cbdsl.checking.context import Context, Steps
 from cbdsl.checking.findings import Findings
+from cbdsl.checking.model import model_resource
 from cbdsl.checking.scope import Scope
 from cbdsl.checking.session import Session
 from cbdsl.checking.states import check_states
 from cbdsl.checking.unused import check_unused
+from cbdsl.documents.model import ModelDocument
 from cbdsl.documents.program import ProgramDocument, Use
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.documents.stage import StageDocument
@@ -20,6 +23,7 @@ from cbdsl.errors.nearest import nearest_name
 from cbdsl.language.expression import Expression, Term
 from cbdsl.program.checked import Action, CheckedProgram
 from cbdsl.program.controller import Composition, Primitive
+from cbdsl.types.resource import Resource
 from cbdsl.yaml_text.library import Library
 from cbdsl.yaml_text.reader import Loaded
 
@@ -110,7 +114,7 @@ class _ProgramCheck:
             self._used_programs[name] = self._use(name, use)
         if self._robot is None:
             return None
-        body = self._session.body(self._robot, self._findings)
+        body = self._with_models(self._session.body(self._robot, self._findings))
         context = Context(self._loaded, body, self._scope, self._findings)
         self._context, self._compositions = context, Compositions(context)
         return self._build()
@@ -153,6 +157,32 @@ class _ProgramCheck:
             names = library.names(RobotDocument, self._loaded.path)
             self._findings.add("CB601", self._loaded.source.place("robot"), names=names, name=name)
         return path
+
+    def _with_models(self, body: Body) -> Body:
+        """The robot with the internal models that this program draws from."""
+        found = [self._model(alias, name, body) for alias, name in self._document.models.items()]
+        named = {resource.name: resource for resource in found if resource is not None}
+        return body._replace(resources={**body.resources, **named}) if named else body
+
+    def _model(self, alias: str, name: str, body: Body) -> Resource | None:
+        steps: Steps = ("models", alias)
+        source, library = self._loaded.source, self._session.library
+        path = library.find(ModelDocument, name, self._loaded.path)
+        if path is None:
+            names = library.names(ModelDocument, self._loaded.path)
+            self._findings.add("CB632", source.place(*steps), names=names, name=name)
+            return None
+        try:
+            model = library.read(path, ModelDocument)
+        except DiagnosticsError as error:
+            self._findings.extend(error.diagnostics)
+            return None
+        self._same_robot(model.document.robot, name, steps)
+        resource = model_resource(alias, model, body, self._findings)
+        if resource is not None and resource.name in body.resources:
+            place = source.key(*steps)
+            self._findings.add("CB633", place, name=resource.name, robot=self._document.robot)
+        return resource
 
     def _stage(self) -> None:
         name, library = self._document.stage, self._session.library

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from itertools import combinations
+from collections.abc import Iterator, Mapping, Sequence
 
 from cbdsl.checking.findings import Findings
 from cbdsl.errors.counting import count
@@ -11,6 +10,8 @@ from cbdsl.yaml_text.source_map import SourceMap
 
 PREDICATES = "X-01"
 ANY = "*"
+# Enough for every policy that a person wrote; a document made on purpose needs any number.
+_MOST_SPLITS = 1_000
 
 
 def check_states(
@@ -22,17 +23,34 @@ def check_states(
         for pattern, action in policy.items()
         if _is_sound(pattern, members, source, findings)
     }
-    for one, other in combinations(sound, 2):
-        if sound[one] == sound[other] or one.count(ANY) != other.count(ANY):
-            continue
-        both = _overlap(one, other)
-        closer = [pattern for pattern in sound if pattern.count(ANY) < one.count(ANY)]
-        example = _left_over(both, closer) if both is not None else None
-        if example is not None:
-            first = (source.key("policy", one), f"'{one}' is here")
-            place = source.key("policy", other)
-            details = {"state": other, "other": one, "example": example}
-            findings.add("CB614", place, related=[first], **details)
+    patience = _Patience(_MOST_SPLITS)
+    for other, one, example in _contradictions(sound, patience):
+        first = (source.key("policy", one), f"'{one}' is here")
+        place = source.key("policy", other)
+        details = {"state": other, "other": one, "example": example}
+        findings.add("CB614", place, related=[first], **details)
+
+
+def _contradictions(
+    sound: Mapping[str, str], patience: _Patience
+) -> Iterator[tuple[str, str, str]]:
+    """Each pattern that contradicts an earlier one, that one, and a state that both match."""
+    equally_close: dict[int, list[str]] = {}
+    for pattern in sound:
+        equally_close.setdefault(pattern.count(ANY), []).append(pattern)
+    for stars, patterns in equally_close.items():
+        closer = [p for fewer, ps in equally_close.items() if fewer < stars for p in ps]
+        sets = {pattern: _bits(pattern) for pattern in patterns}
+        ones = _ones(len(patterns[0]))
+        for i, other in enumerate(patterns):
+            for one in patterns[:i]:
+                if sound[one] == sound[other] or not _meet(sets[one], sets[other], ones):
+                    continue
+                both = _overlap(one, other)
+                example = _left_over(both, closer, patience) if both is not None else None
+                if example is not None:
+                    yield other, one, example
+                    break
 
 
 def _is_sound(pattern: str, members: Sequence[str], source: SourceMap, findings: Findings) -> bool:
@@ -59,8 +77,43 @@ def _overlap(one: str, other: str) -> str | None:
     return "".join(letters)
 
 
-def _left_over(region: str, covers: Sequence[str]) -> str | None:
-    """A part of a region that no cover touches, or ``None`` where they cover all of it."""
+def _bits(pattern: str) -> int:
+    """A pattern as a number of four bits per letter, one for each letter that it allows."""
+    bits = 0
+    for letter in pattern:
+        bits = bits << 4 | (15 if letter == ANY else 1 << PREDICATES.index(letter))
+    return bits
+
+
+def _ones(letters: int) -> int:
+    return int("1" * letters, 16)
+
+
+def _meet(one: int, other: int, ones: int) -> bool:
+    """Whether some state matches both: every letter leaves a bit."""
+    both = one & other
+    return (both | both >> 1 | both >> 2 | both >> 3) & ones == ones
+
+
+class _Patience:
+    """How often a region may still be split: to cover one with others is a hard problem."""
+
+    def __init__(self, splits: int) -> None:
+        self._splits = splits
+
+    def ends(self) -> bool:
+        """Count a split; whether there have been too many."""
+        self._splits -= 1
+        return self._splits < 0
+
+
+def _left_over(region: str, covers: Sequence[str], patience: _Patience) -> str | None:
+    """A part of a region that no cover touches, or ``None`` where they cover all of it.
+
+    Where patience ends, the region counts as covered.
+    """
+    if patience.ends():
+        return None
     touching = [cover for cover in covers if _overlap(region, cover) is not None]
     if not touching:
         return region
@@ -69,7 +122,7 @@ def _left_over(region: str, covers: Sequence[str]) -> str | None:
     # Some cover fixes a letter that the region leaves open: split the region there.
     split = next(i for i, letter in enumerate(region) if letter == ANY and touching[0][i] != ANY)
     for letter in PREDICATES:
-        part = _left_over(region[:split] + letter + region[split + 1 :], touching)
+        part = _left_over(region[:split] + letter + region[split + 1 :], touching, patience)
         if part is not None:
             return part
     return None

@@ -93,6 +93,8 @@ class _Generator(GenerateJsonSchema):
         if keys != {"type": "string"}:
             result["propertyNames"] = keys
         result["additionalProperties"] = self.generate_inner(schema["values_schema"])
+        if "min_length" in schema:
+            result["minProperties"] = schema["min_length"]
         return result
 
     def str_schema(self, schema: Any) -> JsonSchemaValue:

@@ -164,6 +164,8 @@ class ProgramDocument(Document):
     """Names that resources and compositions may refer to as ``$name``, with defaults."""
     use: dict[Name, Use] = {}
     """Other programs, usable as actions."""
+    models: dict[Name, Name] = {}
+    """Internal models that references can be drawn from, as ``<effector>.<name>``."""
     controllers: dict[Name, Controller | Text]
     """Triples, or compositions of them that are used as one controller."""
     background: Text | None = None

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cbdsl.documents.robot import RobotDocument
+from cbdsl.robot.density import DensitySampler, Sampler
 from cbdsl.robot.kinematics import Kinematics
 from cbdsl.robot.observation import Observation
 from cbdsl.robot.reading import Reading
@@ -23,8 +24,10 @@ from cbdsl.types.resource import (
     EffectorConfiguration,
     FingerForces,
     FingerLoad,
+    GaussianSample,
     Heading,
     Headings,
+    KernelSample,
     NetForces,
     NetLoad,
     Posture,
@@ -124,11 +127,15 @@ class Signals:
             return self.touch.all_touching(source.hand)
         return self.read(resource) is not None
 
-    def sampler(self, resource: Resource, rng: np.random.Generator) -> UniformSampler:
+    def sampler(self, resource: Resource, rng: np.random.Generator) -> Sampler:
         """Draws from an internal model."""
-        assert isinstance(resource.source, UniformSample)
-        own = self.joints.of(resource.source.effector)
-        return UniformSampler(self.kinematics.lower[own], self.kinematics.upper[own], rng)
+        source = resource.source
+        assert isinstance(source, (UniformSample, GaussianSample, KernelSample))
+        own = self.joints.of(source.effector)
+        limits = self.kinematics.lower[own], self.kinematics.upper[own]
+        if isinstance(source, UniformSample):
+            return UniformSampler(*limits, rng)
+        return DensitySampler(source, *limits, rng)
 
     def angles(self, joints: Sequence[str]) -> Floats:
         """Measured angles of the named joints, rad."""

@@ -19,9 +19,9 @@ from cbdsl.control.rotation import exp
 from cbdsl.control.signal import Signal
 from cbdsl.control.task import Task
 from cbdsl.program.controller import AlongNormals, Ball, Controller, Field, Funnel, Literal
+from cbdsl.robot.density import Sampler
 from cbdsl.robot.reading import Reading, transform
 from cbdsl.robot.signals import Signals
-from cbdsl.robot.uniform import UniformSampler
 from cbdsl.types.resource import (
     EffectorConfiguration,
     FingerForces,
@@ -69,7 +69,7 @@ class ControllerRun:
         quiescence = controller.quiescence
         self._monitor = QuiescenceMonitor(quiescence.rate, quiescence.window)
         self._constant = _constant_reference(controller, signals)
-        self._sampler: UniformSampler | None = None
+        self._sampler: Sampler | None = None
         self.deactivate()
 
     def deactivate(self) -> None:

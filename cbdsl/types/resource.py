@@ -104,6 +104,22 @@ class UniformSample(NamedTuple):
     effector: str
 
 
+class GaussianSample(NamedTuple):
+    """A draw from normal distributions of an effector's joints, rad."""
+
+    effector: str
+    mean: tuple[float, ...]
+    deviation: tuple[float, ...]
+
+
+class KernelSample(NamedTuple):
+    """A draw from Gaussian kernels around configurations of an effector, rad."""
+
+    effector: str
+    samples: tuple[tuple[float, ...], ...]
+    bandwidth: tuple[float, ...]
+
+
 Source = (
     EffectorConfiguration
     | Tip
@@ -118,6 +134,8 @@ Source = (
     | StereoPosition
     | Posture
     | UniformSample
+    | GaussianSample
+    | KernelSample
 )
 
 

@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any, TypeVar
 
 from cbdsl.documents.document import Document
+from cbdsl.documents.model import ModelDocument
 from cbdsl.documents.policy import PolicyDocument
 from cbdsl.documents.program import ProgramDocument
 from cbdsl.documents.robot import RobotDocument
@@ -21,6 +22,7 @@ FOLDERS: dict[type[Document], str] = {
     ProgramDocument: "programs",
     StageDocument: "programs/stages",
     PolicyDocument: "knowledge",
+    ModelDocument: "knowledge/models",
 }
 
 _KIND_LINE = re.compile(r"^kind:\s*(\w+)", re.MULTILINE)

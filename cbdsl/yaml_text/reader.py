@@ -8,6 +8,7 @@ from typing import Any, Generic, NamedTuple, TypeVar
 from pydantic import ValidationError
 
 from cbdsl.documents.document import Document
+from cbdsl.documents.model import ModelDocument
 from cbdsl.documents.policy import PolicyDocument
 from cbdsl.documents.program import ProgramDocument
 from cbdsl.documents.robot import RobotDocument
@@ -26,6 +27,7 @@ KINDS: dict[str, type[Document]] = {
     "program": ProgramDocument,
     "stage": StageDocument,
     "policy": PolicyDocument,
+    "model": ModelDocument,
 }
 
 D = TypeVar("D", bound=Document, covariant=True)

@@ -7,6 +7,7 @@ from typing import Any
 from hypothesis import strategies as st
 
 from cbdsl.documents.document import Document
+from cbdsl.documents.model import ModelDocument
 from cbdsl.documents.policy import PolicyDocument
 from cbdsl.documents.program import ProgramDocument
 from cbdsl.documents.robot import RobotDocument
@@ -140,10 +141,23 @@ POLICY = data(
     }
 )
 
+VECTOR = st.lists(NUMBER, min_size=1, max_size=3)
+WIDTHS = st.lists(POSITIVE, min_size=1, max_size=3)
+GAUSSIAN = data({"form": st.just("gaussian"), "mean": VECTOR, "deviation": WIDTHS})
+KERNEL = data(
+    {
+        "form": st.just("kernel"),
+        "samples": st.lists(VECTOR, min_size=1, max_size=3),
+        "bandwidth": WIDTHS,
+    }
+)
+MODEL = data({**head("model"), "robot": NAME, "effector": NAME, "density": GAUSSIAN | KERNEL})
+
 #: Documents of each kind.
 DOCUMENTS: dict[str, st.SearchStrategy[Document]] = {
     "robot": ROBOT.map(RobotDocument.model_validate),
     "program": PROGRAM.map(ProgramDocument.model_validate),
     "stage": STAGE.map(StageDocument.model_validate),
     "policy": POLICY.map(PolicyDocument.model_validate),
+    "model": MODEL.map(ModelDocument.model_validate),
 }

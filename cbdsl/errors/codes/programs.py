@@ -11,6 +11,11 @@ _SMALL_ROBOT = (
     "control: {rate: 100 Hz, tasks: {}}\n"
 )
 _OTHER_STAGE = "cbdsl: 1\nkind: stage\nname: other\nrobot: other\ncontexts: {always: {}}\n"
+_MODEL = (
+    "cbdsl: 1\nkind: model\nname: example\nrobot: dexter\neffector: head\n"
+    "density: {form: gaussian, mean: [0.1, 1], deviation: [0.3, 0.2]}\n"
+)
+_MODELS = {"knowledge/models/window.yaml": _MODEL.replace("example", "window")}
 _LOOKING = program("actions: [track]\n").replace("example", "looking")
 
 PROGRAMS = (
@@ -136,5 +141,33 @@ PROGRAMS = (
         {"programs/looking.yaml": _LOOKING},
         good="cbdsl: 1\nkind: policy\nname: example\nprogram: looking\npredicates: [track]\n"
         'policy: {"*": track}\n',
+    ),
+    Entry(
+        "CB631",
+        "model with the wrong number of angles",
+        "{found} given, and '{name}' has {wanted}",
+        "A model has one mean and one deviation, or one component of each sample and one "
+        "bandwidth, for every joint of its effector.",
+        _MODEL.replace("[0.3, 0.2]", "[0.3]"),
+        "knowledge/models/example.yaml",
+        good=_MODEL,
+    ),
+    Entry(
+        "CB632",
+        "unknown model",
+        "there is no model '{name}'",
+        "A model is `knowledge/models/<name>.yaml`, next to this document, here, or shipped.",
+        program("models: {window: windw}\nactions: [track]\n"),
+        beside=_MODELS,
+        good=program("models: {window: window}\nactions: [track]\n"),
+    ),
+    Entry(
+        "CB633",
+        "model with the name of a resource",
+        "robot '{robot}' has a resource '{name}' already",
+        "A program names a model `<effector>.<name>`, next to the effector's postures.",
+        program("models: {uniform: window}\nactions: [track]\n"),
+        beside=_MODELS,
+        good=program("models: {window: window}\nactions: [track]\n"),
     ),
 )

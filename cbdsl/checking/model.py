@@ -1,0 +1,71 @@
+"""Model documents against their robots, and what programs can name of them."""
+
+from __future__ import annotations
+
+from cbdsl.checking.body import Body
+from cbdsl.checking.findings import Findings
+from cbdsl.checking.session import Session
+from cbdsl.documents.model import Gaussian, ModelDocument
+from cbdsl.documents.robot import RobotDocument
+from cbdsl.errors.counting import count
+from cbdsl.types.resource import GaussianSample, KernelSample, Origin, Resource
+from cbdsl.types.resource_type import configuration
+from cbdsl.yaml_text.reader import Loaded
+from cbdsl.yaml_text.source_map import Step
+
+
+def examine_model(loaded: Loaded[ModelDocument], session: Session, findings: Findings) -> None:
+    """Check a model against its robot."""
+    name, library = loaded.document.robot, session.library
+    path = library.find(RobotDocument, name, loaded.path)
+    if path is None:
+        names = library.names(RobotDocument, loaded.path)
+        findings.add("CB601", loaded.source.place("robot"), names=names, name=name)
+        return
+    _fits(loaded, session.body(path, findings), findings)
+
+
+def model_resource(
+    alias: str, loaded: Loaded[ModelDocument], body: Body, findings: Findings
+) -> Resource | None:
+    """What a program names ``<effector>.<alias>``, or ``None`` where the model does not fit."""
+    if not _fits(loaded, body, findings):
+        return None
+    effector, density = loaded.document.effector, loaded.document.density
+    source: GaussianSample | KernelSample
+    if isinstance(density, Gaussian):
+        source = GaussianSample(effector, density.mean, density.deviation)
+    else:
+        source = KernelSample(effector, density.samples, density.bandwidth)
+    kind = configuration(len(body.document.joints(effector)))
+    return Resource(f"{effector}.{alias}", kind, Origin.MODEL, source)
+
+
+def _fits(loaded: Loaded[ModelDocument], body: Body, findings: Findings) -> bool:
+    """Whether a model's effector is there, and has as many joints as the model has angles."""
+    document, source, robot = loaded.document, loaded.source, body.document
+    names = [*robot.effectors, *robot.groups]
+    if document.effector not in names:
+        place = source.place("effector")
+        findings.add("CB308", place, names=names, name=document.effector, what="effector")
+        return False
+    wanted = len(robot.joints(document.effector))
+    wrong = [(steps, found) for steps, found in _lengths(document) if found != wanted]
+    for steps, found in wrong:
+        details = {"found": count(found, "angle"), "wanted": count(wanted, "joint")}
+        findings.add("CB631", source.place(*steps), name=document.effector, **details)
+    return not wrong
+
+
+def _lengths(document: ModelDocument) -> list[tuple[tuple[Step, ...], int]]:
+    """How many angles each part of a density has."""
+    density = document.density
+    if isinstance(density, Gaussian):
+        return [
+            (("density", "mean"), len(density.mean)),
+            (("density", "deviation"), len(density.deviation)),
+        ]
+    return [
+        (("density", "bandwidth"), len(density.bandwidth)),
+        *((("density", "samples", i), len(sample)) for i, sample in enumerate(density.samples)),
+    ]
