@@ -23,7 +23,7 @@ from cbdsl.robot.joints import Joints
 from cbdsl.robot.signals import Signals
 from cbdsl.runtime.episode import EpisodeResult, Tick, resources_of
 from cbdsl.runtime.explanation import LIMITS, Explanation, LevelExplanation, named_runs
-from cbdsl.types.resource import Origin, Resource
+from cbdsl.types.resource import Centroid, Origin, Resource, StereoPosition, Tip
 
 #: Of the files; raised where a reader of older ones would be misled.
 VERSION = 2
@@ -33,6 +33,9 @@ _THUMBNAIL_SCALE = 0.5
 
 # An orientation is a rotation matrix and a pose a homogeneous transform; the rest are vectors.
 _SHAPES = {"orientation": (3, 3), "pose": (4, 4)}
+
+# Sources of positions that can be shown in the world; others are differences of such.
+_PLACES = (Tip, Centroid, StereoPosition)
 
 #: What is kept of a level, and how.
 _LEVEL = {
@@ -198,7 +201,7 @@ class Recording:
             "members": _members(self._program),
             "triples": {name: _triple(each) for name, each in self._controllers.items()},
             "signals": {
-                each.name: {"type": str(each.type), "origin": each.origin.value}
+                each.name: {"type": str(each.type), "place": isinstance(each.source, _PLACES)}
                 for each in self._resources
             },
             "scene": {
@@ -208,6 +211,7 @@ class Recording:
                 "name": self._robot.name,
                 "urdf": self._urdf.read_text("utf-8", errors="replace"),
                 "folder": str(self._urdf.parent.resolve()),
+                "singular_value": self._robot.control.singular_value,
                 "couplings": {
                     name: [coupling.follows, coupling.ratio]
                     for name, coupling in self._robot.couplings.items()

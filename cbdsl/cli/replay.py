@@ -1,0 +1,60 @@
+"""``cb replay``: a recorded episode as a page to look at."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+What = Annotated[
+    Path,
+    typer.Argument(metavar="FILE|FOLDER", help="What cb run --record wrote: a file, or all of it."),
+]
+Out = Annotated[
+    Path | None, typer.Option("--out", help="The page's file [beside the recording, .html].")
+]
+Open = Annotated[
+    bool, typer.Option("--open/--no-open", help="Show the page in the browser when it is made.")
+]
+
+
+def replay(what: What, out: Out = None, open_: Open = True) -> None:
+    """Make one page of a recorded episode: everything in it, nothing loaded.
+
+    Exit 0 when the page was written, 2 when it could not be made.
+    """
+    from cbdsl.cli.quiet import quiet_stderr
+    from cbdsl.errors.errors import UsageError
+
+    try:
+        from cbdsl.reporting.recorded import find_recordings
+    except ModuleNotFoundError as error:
+        raise UsageError(
+            f"a replay needs {error.name}, which is not installed: pip install 'cbdsl[sim]'"
+        ) from error
+    recordings = find_recordings(what)
+    if out is not None and len(recordings) > 1:
+        raise UsageError(
+            f"--out {out}: {what} holds {len(recordings)} recordings; name one of them"
+        )
+    pages = [_write(file, out or file.with_suffix(".html")) for file in recordings]
+    if open_ and len(pages) == 1 and sys.stdout.isatty():
+        with quiet_stderr():  # a machine without a browser has much to say about it
+            typer.launch(str(pages[0]))
+
+
+def _write(recording: Path, target: Path) -> Path:
+    from cbdsl.errors.errors import UsageError
+    from cbdsl.reporting.page import page
+    from cbdsl.reporting.recorded import read_recording
+    from cbdsl.yaml_text.writer import write_text
+
+    text = page(read_recording(recording))
+    try:
+        write_text(text, target)
+    except OSError as error:
+        raise UsageError(f"{target}: cannot be written ({error.strerror or error})") from error
+    print(f"{target}: {len(text.encode()) / 1e6:.1f} MB")
+    return target

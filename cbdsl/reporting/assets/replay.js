@@ -1,0 +1,174 @@
+// The page: what time it is, and who is told when that changes.
+
+const byId = (id) => document.getElementById(id);
+
+function tellProblem(error) {
+  byId("problem").hidden = false;
+  byId("problem").textContent = `This page cannot show everything: ${error.message ?? error}`;
+}
+addEventListener("error", (event) => tellProblem(event.error ?? event.message));
+addEventListener("unhandledrejection", (event) => tellProblem(event.reason));
+
+function tellResult({ result, reasons }) {
+  byId("program").textContent = result.program;
+  byId("where").textContent = `on ${result.stage}, ${result.context}, seed ${result.seed}`;
+  byId("verdict").textContent = result.ending.split(" after ")[0].toLowerCase();
+  byId("verdict").className = result.ending.startsWith("Not") ? "not" : "rewarded";
+  byId("ending").textContent = result.ending;
+  byId("reasons-heading").hidden = !reasons.length;
+  byId("reasons").replaceChildren(...reasons.map((text) => Object.assign(document.createElement("li"), { textContent: text })));
+}
+
+function makeViews(world) {
+  const views = { "3-D": [0.9, -0.8, 0.55], front: [1.15, 0, 0.15], side: [0, -1.15, 0.15], top: [0.01, 0, 1.2] };
+  for (const [name, from] of Object.entries(views)) {
+    const button = Object.assign(document.createElement("button"), { type: "button", textContent: name });
+    button.addEventListener("click", () => world.lookFrom(...from));
+    byId("views").append(button);
+  }
+}
+
+function makePoints(world, redraw) {
+  for (const point of world.points) {
+    const label = document.createElement("label"), box = document.createElement("input"), dot = document.createElement("i");
+    Object.assign(box, { type: "checkbox", checked: true });
+    box.addEventListener("change", () => { point.group.visible = box.checked; redraw(); });
+    dot.className = "swatch";
+    dot.style.background = point.color;
+    label.append(box, dot, `${point.name}, as sensed`);
+    byId("points").append(label);
+  }
+}
+
+// Draws each camera's last image; returns how to change the time.
+function makeCameras({ cameras }) {
+  const shown = Object.entries(cameras.images).map(([name, images]) => {
+    const figure = document.createElement("figure"), canvas = document.createElement("canvas"), caption = document.createElement("figcaption");
+    caption.textContent = `camera ${name}`;
+    figure.append(canvas, caption);
+    byId("cameras").append(figure);
+    return { canvas, images, index: -1 };
+  });
+  return (t) => {
+    const index = indexAt(cameras.time, t);
+    for (const each of shown) {
+      if (each.index === index) continue;
+      each.index = index;
+      createImageBitmap(new Blob([each.images[index]], { type: "image/webp" })).then((bitmap) => {
+        if (each.index !== index) return;
+        if (each.canvas.width !== bitmap.width) Object.assign(each.canvas, { width: bitmap.width, height: bitmap.height });
+        each.canvas.getContext("2d").drawImage(bitmap, 0, 0);
+      });
+    }
+  };
+}
+
+// The stack in a tick: who acts, and who takes whose freedom.
+function makeLevels(data) {
+  const { arrays, controllers } = data, count = controllers.length, holders = [...controllers, "joint limits"];
+  const period = arrays.time.length > 1 ? arrays.time[1] - arrays.time[0] : 1;
+  const cell = (content, kind = "") => {
+    const td = Object.assign(document.createElement("td"), { className: kind });
+    td.append(content);
+    return td;
+  };
+  function levelRow(tick, index) {
+    const at = tick * count + index, share = arrays.level_share[at], triple = data.triples[controllers[index]];
+    const bar = Object.assign(document.createElement("span"), { className: "bar" }), part = document.createElement("i");
+    part.style.width = `${100 * Math.max(0, Math.min(1, share))}%`;
+    bar.append(part);
+    const told = document.createDocumentFragment();
+    told.append(bar, Number.isFinite(share) ? share.toFixed(2) : "–");
+    const measured = tick > 0 ? (arrays.potentials[at] - arrays.potentials[at - count]) / period : NaN;
+    const held = arrays.level_held_by[at];
+    const tr = document.createElement("tr");
+    tr.title = `${triple.potential} of ${triple.feedback}${triple.reference && ` towards ${triple.reference}`}, moved by ${triple.effector}`;
+    tr.append(cell(controllers[index]), cell(numberText(arrays.potentials[at])), cell(numberText(arrays.level_predicted[at] / period)),
+      cell(numberText(measured)), cell(told, share < 0.5 ? "little" : ""),
+      cell(`${arrays.level_rank[at]}, ${numberText(arrays.level_singular_value[at])}`), cell(held < 0 ? "" : holders[held], "little"));
+    return tr;
+  }
+  return (t, tick) => {
+    const priority = row(arrays.level_priority, tick);
+    const acting = controllers.map((_, index) => index).filter((index) => priority[index] >= 0)
+      .sort((a, b) => priority[a] - priority[b]);
+    byId("levels-time").textContent = `${t.toFixed(2)} s`;
+    byId("levels").tBodies[0].replaceChildren(...acting.map((index) => levelRow(tick, index)));
+    const held = row(arrays.at_limits, tick), names = data.joints.filter((_, index) => held[index]);
+    byId("limits").textContent = names.length ? `at their limits: ${names.join(", ")}` : "";
+  };
+}
+
+async function main() {
+  const data = await readData();
+  const times = data.arrays.time, last = times[times.length - 1];
+  const period = times.length > 1 ? times[1] - times[0] : 1;
+  for (const each of data.transitions) each.period = period;
+  tellResult(data);
+  const listeners = [];
+  let now = 0, playing = false, drawn = 0;
+
+  function seek(t) {
+    now = Math.max(times[0], Math.min(last, t));
+    const tick = indexAt(times, now);
+    byId("scrub").value = now;
+    byId("scrub").setAttribute("aria-valuetext", `${now.toFixed(2)} seconds`);
+    byId("clock").textContent = `${now.toFixed(2)} / ${last.toFixed(2)} s`;
+    for (const listener of listeners) listener(now, tick);
+  }
+  function play(on) {
+    playing = on && last > times[0];
+    byId("play").textContent = playing ? "⏸ Pause" : "▶ Play";
+    if (!playing) return;
+    if (now >= last) seek(times[0]);
+    drawn = performance.now();
+    requestAnimationFrame(frame);
+  }
+  function frame(clock) {
+    if (!playing) return;
+    const passed = Math.max(0, clock - drawn) / 1000 * Number(byId("speed").value);
+    drawn = clock;
+    seek(now + passed);
+    if (now >= last) play(false); else requestAnimationFrame(frame);
+  }
+  function toTransition(direction) {
+    const others = data.transitions.map((each) => each.time).filter((t) => (t - now) * direction > 1e-6);
+    if (others.length) seek(direction > 0 ? Math.min(...others) : Math.max(...others));
+  }
+
+  const keys = {
+    " ": () => play(!playing), Home: () => seek(times[0]), End: () => seek(last),
+    n: () => toTransition(1), p: () => toTransition(-1),
+    ArrowLeft: (event) => seek(now - (event.shiftKey ? 1 : period)),
+    ArrowRight: (event) => seek(now + (event.shiftKey ? 1 : period)),
+  };
+  addEventListener("keydown", (event) => {
+    const key = event.key.length === 1 ? event.key.toLowerCase() : event.key;
+    if (!(key in keys) || event.ctrlKey || event.altKey || event.metaKey || event.target.tagName === "SELECT") return;
+    if (key === " " && event.target.matches("button:not(#play), input[type=checkbox]")) return;
+    event.preventDefault();
+    keys[key](event);
+  });
+  byId("play").addEventListener("click", () => play(!playing));
+  byId("play").addEventListener("keyup", (event) => { if (event.key === " ") event.preventDefault(); });
+  byId("previous").addEventListener("click", () => toTransition(-1));
+  byId("next").addEventListener("click", () => toTransition(1));
+  Object.assign(byId("scrub"), { min: times[0], max: last });
+  byId("scrub").addEventListener("input", () => seek(Number(byId("scrub").value)));
+
+  try {
+    const world = makeWorld(data, byId("view"));
+    listeners.push((t, tick) => world.show(tick));
+    makeViews(world);
+    makePoints(world, () => seek(now));
+    window.linkAt = world.linkAt;
+  } catch (error) {
+    tellProblem(new Error(`no 3-D view, since this browser offers no WebGL (${error.message})`));
+  }
+  listeners.push(makeCameras(data), makeLevels(data), makeTimeline(data, seek));
+  const openHere = () => seek(Number(new URLSearchParams(location.hash.slice(1)).get("t")) || times[0]);
+  addEventListener("hashchange", openHere);
+  openHere();
+}
+
+main().catch(tellProblem);

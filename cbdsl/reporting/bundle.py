@@ -1,0 +1,42 @@
+"""The data of a page: a JSON header and arrays behind it, compressed."""
+
+from __future__ import annotations
+
+import base64
+import json
+import zlib
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+# JavaScript's typed arrays begin at multiples of their items' size.
+_ALIGNMENT = 8
+
+_NAMES = {"f4": "Float32Array", "f8": "Float64Array", "u1": "Uint8Array", "i2": "Int16Array",
+          "u2": "Uint16Array", "i1": "Int8Array"}  # fmt: skip
+
+
+class Bundle:
+    """Collects arrays; ``add`` gives what the header refers to them by."""
+
+    def __init__(self) -> None:
+        self._content = bytearray()
+
+    def add(self, array: NDArray[Any]) -> Mapping[str, object]:
+        """Keep an array, as it is."""
+        kind = _NAMES[array.dtype.str[1:]]
+        place = len(self._content)
+        little = array.astype(array.dtype.newbyteorder("<"), copy=False)
+        self._content += np.ascontiguousarray(little).tobytes()
+        self._content += bytes(-len(self._content) % _ALIGNMENT)
+        return {"array": kind, "at": place, "shape": list(array.shape)}
+
+    def text(self, header: Mapping[str, object]) -> str:
+        """The header's size, the header and the arrays: compressed, in letters and digits."""
+        plain = json.dumps(header, ensure_ascii=False, separators=(",", ":")).encode()
+        plain += b" " * (-(4 + len(plain)) % _ALIGNMENT)
+        size = len(plain).to_bytes(4, "little")
+        packed = zlib.compress(size + plain + bytes(self._content), level=9)
+        return base64.b64encode(packed).decode()

@@ -1,0 +1,113 @@
+"""The page: one HTML file with everything in it, which loads nothing."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping
+from html import escape
+from importlib.resources import files
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cbdsl.reporting.bundle import Bundle
+from cbdsl.reporting.model import Link, Shape, read_links
+from cbdsl.reporting.reasons import reasons
+from cbdsl.reporting.recorded import Recorded
+from cbdsl.reporting.thumbnails import chosen, encoded
+
+_SCRIPTS = ("vendor/three.min.js", "vendor/uPlot.iife.min.js", "data.js", "world.js", "timeline.js",
+            "replay.js")  # fmt: skip
+_STYLES = ("vendor/uPlot.min.css", "replay.css")
+_SLOT = re.compile(r"\{\{(\w+)\}\}")
+# Would end a script that it is a part of, whatever it means there.
+_END_OF_SCRIPT = re.compile(r"</(?=script)", re.IGNORECASE)
+
+
+def page(recorded: Recorded) -> str:
+    """The page of a recording; the same recording gives the same text."""
+    result = recorded.summary["result"]
+    slots = {
+        "title": escape(f"{result['program']}, seed {result['seed']}"),
+        "licenses": _asset("vendor/LICENSES.txt"),
+        "styles": "\n".join(map(_asset, _STYLES)),
+        "scripts": "\n".join(_END_OF_SCRIPT.sub(r"<\\/", _asset(name)) for name in _SCRIPTS),
+        "data": _data(recorded),
+    }
+    return _SLOT.sub(lambda slot: slots[slot[1]], _asset("replay.html"))
+
+
+def _asset(name: str) -> str:
+    return files("cbdsl.reporting").joinpath("assets", name).read_text("utf-8")
+
+
+def _data(recorded: Recorded) -> str:
+    summary, bundle = recorded.summary, Bundle()
+    header = {
+        "result": {key: summary["result"][key] for key in _RESULT},
+        "reasons": reasons(recorded),
+        "joints": summary["joints"],
+        "controllers": summary["controllers"],
+        "triples": summary["triples"],
+        "members": summary["members"],
+        "transitions": summary["transitions"],
+        "predicates": summary["predicates"],
+        "cells": summary["load_cells"],
+        "links": [_link(link, bundle) for link in read_links(summary["robot"], summary["joints"])],
+        "bodies": summary["scene"],
+        "arrays": {key: bundle.add(array) for key, array in _series(recorded).items()},
+        "cameras": _cameras(recorded, bundle),
+    }
+    return bundle.text(header)
+
+
+#: What a page tells of the result: nothing that depends on the machine.
+_RESULT = ("program", "stage", "context", "seed", "rewarded", "sim_seconds", "ending")
+
+
+def _series(recorded: Recorded) -> dict[str, NDArray[Any]]:
+    """Values per tick, as exact as a page needs them."""
+    arrays = recorded.arrays
+    series: dict[str, NDArray[Any]] = {
+        key: arrays[key].astype(np.float32)
+        for key in (
+            "positions", "potentials", "scene", "level_share", "level_singular_value",
+            "level_predicted",
+        )
+    }  # fmt: skip
+    series |= {key: arrays[key] for key in ("level_priority", "level_rank", "level_held_by")}
+    series["time"] = arrays["time"]
+    series["at_limits"] = arrays["at_limits"].astype(np.uint8)
+    series["forces"] = np.linalg.norm(arrays["loads"][..., :3], axis=-1).astype(np.float32)
+    for name, told in recorded.summary["signals"].items():
+        if told["type"] == "position" and told["place"]:
+            series[f"point_{name}"] = arrays[f"signal_{name}"].astype(np.float32)
+    return series
+
+
+def _cameras(recorded: Recorded, bundle: Bundle) -> dict[str, Any]:
+    """When images were taken, and by camera where each image's file begins and ends."""
+    kept = chosen(len(recorded.arrays["image_time"]))
+    found: dict[str, Any] = {"time": bundle.add(recorded.arrays["image_time"][kept]), "images": {}}
+    for key, images in recorded.arrays.items():
+        if key.startswith("image_") and key != "image_time":
+            found["images"][key.removeprefix("image_")] = [
+                bundle.add(np.frombuffer(content, dtype=np.uint8))
+                for content in encoded(images[kept])
+            ]
+    return found
+
+
+def _link(link: Link, bundle: Bundle) -> dict[str, object]:
+    return {**link._asdict(), "shapes": [_shape(shape, bundle) for shape in link.shapes]}
+
+
+def _shape(shape: Shape, bundle: Bundle) -> Mapping[str, object]:
+    told = shape._asdict()
+    if shape.mesh is not None:
+        told["mesh"] = {
+            "corners": bundle.add(shape.mesh.corners.astype(np.float32)),
+            "triangles": bundle.add(shape.mesh.triangles.astype(np.uint16)),
+        }
+    return told

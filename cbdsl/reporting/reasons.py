@@ -1,0 +1,109 @@
+"""Why an episode stopped: what was missing, who held whom back, which joints were at limits."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cbdsl.reporting.recorded import Recorded
+
+#: How long before its end an episode is looked at, s.
+_LOOKED_AT = 0.5
+# A level that achieves less of what it wants is told of.
+_SMALL_SHARE = 0.5
+# A level at rest that wants no more than this share of its largest potential is not worth telling.
+_SMALL_PHI = 1e-4
+
+
+def reasons(recorded: Recorded) -> list[str]:
+    """Sentences, the most telling first; none where nothing stood in the way."""
+    end = _last_ticks(recorded)
+    return [*_missing(recorded), *_held(recorded, end), *_limits(recorded, end)]
+
+
+def _last_ticks(recorded: Recorded) -> NDArray[np.intp]:
+    """Indices of the last ticks in which anything acted."""
+    time = recorded.arrays["time"]
+    acted = np.flatnonzero((recorded.arrays["level_priority"] >= 0).any(axis=1))
+    late = time[acted] > time[acted[-1:]] - _LOOKED_AT
+    last: NDArray[np.intp] = acted[late]
+    return last
+
+
+def _missing(recorded: Recorded) -> Iterator[str]:
+    """What controllers lacked in the last tick."""
+    triples, signals = recorded.summary["triples"], recorded.signals
+    last = recorded.summary["predicates"][-1]
+    for name, predicate in zip(recorded.controllers, last, strict=True):
+        if predicate != "-":
+            continue
+        inputs = [triples[name]["feedback"], triples[name]["reference"]]
+        gone = [each for each in inputs if each in signals and np.isnan(signals[each][-1]).all()]
+        if gone:
+            yield f"{name} had no {' and no '.join(gone)}{_last_seen(recorded, gone[0])}."
+        else:
+            yield f"{name} was undefined: its effector did not move its feedback."
+
+
+def _last_seen(recorded: Recorded, signal: str) -> str:
+    values = recorded.signals[signal]
+    defined = ~np.isnan(values.reshape(len(values), -1)).all(axis=1)
+    if not defined.any():
+        return " in the whole episode"
+    last = recorded.arrays["time"][np.flatnonzero(defined)[-1]]
+    return f", last at {last:.1f} s"
+
+
+def _held(recorded: Recorded, end: NDArray[np.intp]) -> Iterator[str]:
+    """Levels that achieved little of what they wanted, highest priority first."""
+    arrays, names = recorded.arrays, recorded.controllers
+    if not len(end):
+        return
+    priority = arrays["level_priority"][end[-1]]
+    for column in sorted(np.flatnonzero(priority >= 0), key=lambda each: priority[each]):
+        acting = end[arrays["level_priority"][end, column] >= 0]
+        share = float(np.median(arrays["level_share"][acting, column]))
+        phi, largest = arrays["potentials"][acting[-1], column], _largest(recorded, int(column))
+        if share >= _SMALL_SHARE or not abs(phi) > _SMALL_PHI * largest:
+            continue
+        yield (
+            f"{names[column]} {_achieved(share)}, "
+            f"{_cause(recorded, int(acting[-1]), int(column))} (φ stayed at {phi:.3g})."
+        )
+
+
+def _largest(recorded: Recorded, column: int) -> float:
+    potentials = np.abs(recorded.arrays["potentials"][:, column])
+    return float(np.nanmax(potentials, initial=0.0))
+
+
+def _achieved(share: float) -> str:
+    if share < -0.005:
+        return "was moved away from what it wanted"
+    return f"got {100 * abs(share):.0f} % of what it wanted"
+
+
+def _cause(recorded: Recorded, tick: int, column: int) -> str:
+    """Who or what kept a level from moving."""
+    arrays, names = recorded.arrays, recorded.controllers
+    holder = int(arrays["level_held_by"][tick, column])
+    if holder == len(names):
+        return "because joints were at their limits"
+    if holder >= 0:
+        return f"because {names[holder]} above it needed the same joints"
+    if arrays["level_rank"][tick, column] == 0:
+        return "because none of its directions was left"
+    smallest = arrays["level_singular_value"][tick, column]
+    if smallest < recorded.summary["robot"]["singular_value"]:
+        return f"close to a singularity: its smallest singular value was {smallest:.2g}"
+    return "because its step was as long as a step may be"
+
+
+def _limits(recorded: Recorded, end: NDArray[np.intp]) -> Iterator[str]:
+    """Joints that their limits held back in the last ticks."""
+    held = np.flatnonzero(recorded.arrays["at_limits"][end].any(axis=0))
+    names = [recorded.summary["joints"][index] for index in held]
+    if names:
+        yield f"At their limits: {', '.join(names)}."

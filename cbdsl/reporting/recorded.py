@@ -1,0 +1,122 @@
+"""Recordings as they are read again, with clear words for what is none."""
+
+from __future__ import annotations
+
+import json
+import zipfile
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cbdsl.errors.errors import UsageError
+from cbdsl.runtime.recording import VERSION
+
+_NEEDED = (
+    "time", "positions", "potentials", "loads", "level_priority", "level_share", "level_rank",
+    "level_singular_value", "level_predicted", "level_held_by", "at_limits", "scene", "image_time",
+)  # fmt: skip
+
+
+@dataclass(frozen=True)
+class Recorded:
+    """A recorded episode.
+
+    Attributes:
+        file: its JSON file.
+        summary: what that holds.
+        arrays: what the NPZ file holds, by name.
+    """
+
+    file: Path
+    summary: Mapping[str, Any]
+    arrays: Mapping[str, NDArray[Any]]
+
+    @property
+    def controllers(self) -> list[str]:
+        """Names of the columns of what is kept by controller."""
+        return list(self.summary["controllers"])
+
+    @property
+    def signals(self) -> Mapping[str, NDArray[Any]]:
+        """Values by name of the resource, NaN while undefined, shape (T, ...)."""
+        return {name: self.arrays[f"signal_{name}"] for name in self.summary["signals"]}
+
+
+def find_recordings(path: Path) -> list[Path]:
+    """The JSON files of a recording, or of all in a folder, by seed.
+
+    Args:
+        path: a folder, or either file of a recording.
+
+    Raises:
+        UsageError: there is none.
+    """
+    if not path.exists():
+        raise UsageError(f"{path}: there is no such file or folder")
+    if path.is_file():
+        return [path.with_suffix(".json") if path.suffix == ".npz" else path]
+    found = {each.with_suffix(".json") for each in path.glob("episode_*.json")}
+    found |= {each.with_suffix(".json") for each in path.glob("episode_*.npz")}
+    if not found:
+        raise UsageError(
+            f"{path}: no recording is in this folder; cb run --record writes one when an episode "
+            "ends, and none for a run that was ended before"
+        )
+    return sorted(found, key=lambda each: (len(each.name), each.name))
+
+
+def read_recording(file: Path) -> Recorded:
+    """Read a recording by its JSON file; the arrays are beside it.
+
+    Raises:
+        UsageError: it is no recording, an old one, or one of which something is missing.
+    """
+    summary = _summary(file)
+    arrays = _arrays(file.with_suffix(".npz"))
+    missing = [key for key in _NEEDED if key not in arrays]
+    missing += [f"signal_{name}" for name in summary["signals"] if f"signal_{name}" not in arrays]
+    if missing:
+        raise UsageError(f"{file.with_suffix('.npz')}: lacks {', '.join(missing)}")
+    ticks = {len(summary["predicates"])}
+    ticks |= {len(array) for key, array in arrays.items() if not key.startswith("image_")}
+    ticks -= {0} if not len(arrays["scene"]) else set()
+    if len(ticks) != 1:
+        raise UsageError(f"{file}: the two files of this recording are not of the same episode")
+    return Recorded(file, summary, arrays)
+
+
+def _summary(file: Path) -> Mapping[str, Any]:
+    if not file.exists():
+        raise UsageError(
+            f"{file}: missing; this recording was cut short, or only its .npz file was copied"
+        )
+    try:
+        summary = json.loads(file.read_text("utf-8"))
+    except (OSError, ValueError) as error:
+        raise UsageError(f"{file}: no recording, or one cut short ({error})") from error
+    if isinstance(summary, dict) and summary.get("kind") == "recording":
+        if summary.get("version") == VERSION:
+            return summary
+        raise UsageError(
+            f"{file}: a recording of version {summary.get('version')}, but this cb reads "
+            f"version {VERSION}; record the episode again"
+        )
+    if isinstance(summary, dict) and {"result", "predicates"} <= summary.keys():
+        raise UsageError(
+            f"{file}: recorded by an older cb, without what a replay needs; record it again"
+        )
+    raise UsageError(f"{file}: no recording of cb run --record")
+
+
+def _arrays(file: Path) -> Mapping[str, NDArray[Any]]:
+    if not file.exists():
+        raise UsageError(f"{file}: missing; a recording is two files, .json and .npz")
+    try:
+        with np.load(file, allow_pickle=False) as loaded:
+            return {key: loaded[key] for key in loaded}
+    except (OSError, ValueError, EOFError, zipfile.BadZipFile) as error:
+        raise UsageError(f"{file}: damaged, or cut short ({error})") from error
