@@ -30,17 +30,16 @@ _ARM, _REACH = "right_arm", "reach"
 #: The actions of the program by the source's names of the laws.
 _LAWS = {"c0": _REACH, "c1": f"posturalbias ◁ {_REACH}", "c2": f"manipulability ◁ {_REACH}"}
 
-# Five by five places, 0.4 m x 0.8 m, in front of the robot, m.
+# Five by five places, 0.4 m x 0.8 m, on the table in front of the robot, m.
 _PLACES = tuple(product(np.linspace(0.32, 0.72, 5).tolist(), np.linspace(-0.4, 0.4, 5).tolist()))
 _QUICK_PLACES = (_PLACES[0], _PLACES[14])
-_RADIUS = 0.05
-# Heights of the ball's centre: on the table, and 12 cm above that.
-_ON_TABLE: dict[str, Any] = {"on": "table"}
-_ABOVE_TABLE: dict[str, Any] = {"z": (-0.25, -0.25)}
+_RADIUS = 0.03
 
 # Of the postures that hold the hand at (0.3, -0.5, -0.2) m with the palm down, that nearest to the
 # middle of the joints' limits by the range potential.
 _START = (1.09, -1.62, 0.15, 2.30, -2.91, 0.69, -0.07)
+# Closed, the hand neither gets caught nor pushes.
+_FINGERS, _FIST = ("right_finger_1", "right_finger_2", "right_finger_3"), (2.4, 2.4, 2.4)
 _ARRIVED = 0.01  # m
 _STEADY = 1.0  # %, largest rise of a potential that falls steadily, of its value at the start
 _MOST_PLACES = 80.0  # %: 20 of 25
@@ -57,29 +56,24 @@ _NOTES = (
     "still turn the back of the hand to the table, and push against the ball. So the range "
     "potential is not at its minimum at the start, and falls where the source's rises; what is "
     "compared is the change.",
-    "The source's object stands on the table; our ball is held 12 cm above that, but for the last "
-    "row. A reach controls the position of the hand alone: on its way the hand tilts, and low over "
-    "the table its fingers are caught by the top. The point that is brought to the ball is 9 cm in "
-    "front of the palm, so that the hand closes in without pushing.",
+    "The ball stays where it is when it is touched, and the hand is closed: a reach controls the "
+    "position of the hand alone, which tilts on its way, and open fingers got caught by the top of "
+    "the table. The point that is brought to the ball is 9 cm in front of the palm.",
 )
 
 
 def run(settings: Settings) -> Outcome:
     """Reach for every place under every law."""
     places = _QUICK_PLACES if settings.quick else _PLACES
-    series = [(law, _ABOVE_TABLE) for law in _LAWS] + [("c0", _ON_TABLE)]
-    found: list[list[_Reach]] = []
+    reaches: dict[str, list[_Reach]] = {law: [] for law in _LAWS}
     with laboratory("reach") as lab:
-        for law, height in series:
+        for number, (law, index) in enumerate(product(_LAWS, range(len(places))), start=1):
             runner = lab.runner(_policy(lab.program.policy, _LAWS[law]))
-            found.append([])
-            for index, place in enumerate(places):
-                stage = _stage(lab, place, height)
-                found[-1].append(_reach(lab, runner, stage, _LAWS[law], settings.seed + index))
-                settings.progress(sum(map(len, found)), len(series) * len(places))
+            stage, seed = _stage(lab, places[index]), settings.seed + index
+            reaches[law].append(_reach(lab, runner, stage, _LAWS[law], seed))
+            settings.progress(number, len(_LAWS) * len(places))
         period = lab.backend.control_period
-    reaches = dict(zip(_LAWS, found, strict=False))
-    quantities = (*_quantities(reaches, settings.seed), _on_table(found[-1]))
+    quantities = tuple(_quantities(reaches, settings.seed))
     return Outcome(quantities, _charts(reaches, period), _NOTES)
 
 
@@ -106,15 +100,17 @@ def _policy(written: Mapping[str, str], action: str) -> WrittenPolicy:
     )
 
 
-def _stage(lab: Laboratory, place: tuple[float, float], height: dict[str, Any]) -> StageDocument:
+def _stage(lab: Laboratory, place: tuple[float, float]) -> StageDocument:
     """The program's stage with a ball at one place, and the arm at its start."""
     x, y = place
-    radius, joints = (_RADIUS, _RADIUS), lab.robot.effectors[_ARM].joints
+    radius, joints = (_RADIUS, _RADIUS), lab.robot.effectors[_ARM].joints + _FINGERS
     ball: dict[str, Any] = {"form": {"shape": "ball", "radius": radius}, "mass": (0.3, 0.3)}
     context = {
         "things": ["ball"],
-        "place": {"x": (x, x), "y": (y, y), "held": True, **height},
-        "joints": {joint: (angle, angle) for joint, angle in zip(joints, _START, strict=True)},
+        "place": {"on": "table", "x": (x, x), "y": (y, y), "held": True},
+        "joints": {
+            joint: (angle, angle) for joint, angle in zip(joints, _START + _FIST, strict=True)
+        },
     }
     changes = {"things": {"ball": ball}, "contexts": {"place": context}}
     return StageDocument.model_validate(lab.stage.model_dump(by_alias=True) | changes)
@@ -155,20 +151,20 @@ def _tip(tick: Tick, columns: Any) -> Signal:
 def _quantities(reaches: Mapping[str, Sequence[_Reach]], seed: int) -> Iterator[Quantity]:
     everything = [reach for found in reaches.values() for reach in found]
     arrived = sum(reach.arrived for reach in everything)
-    yield _share("reaches that come to rest at the ball", "all", arrived, len(everything), 100)
+    share = _share("reaches that come to rest at the ball", "all", arrived, len(everything), 100)
+    yield replace(share, note=f"{share.note}; {_touching(reaches)}")
     for law, found in reaches.items():
         yield _fall(law, found)
     yield from _less("range", "φ_r", reaches["c1"], reaches["c0"], "c1", seed)
     yield from _less("manipulability", "φ_m", reaches["c2"], reaches["c0"], "c2", seed)
 
 
-def _on_table(found: Sequence[_Reach]) -> Quantity:
-    arrived, touched = (
-        sum(getattr(each, what) for each in found) for what in ("arrived", "touched")
+def _touching(reaches: Mapping[str, Sequence[_Reach]]) -> str:
+    """In how many reaches something was in the way."""
+    counts = {law: sum(reach.touched for reach in found) for law, found in reaches.items()}
+    return "the arm touched the table in " + ", ".join(
+        f"{n} under {law}" for law, n in counts.items()
     )
-    name = "c0, ball on the table: reaches that come to rest at it"
-    quantity = _share(name, "all 25", arrived, len(found), 100)
-    return replace(quantity, note=f"{quantity.note}; the hand touched the table in {touched}")
 
 
 def _share(name: str, source: str, hits: int, trials: int, least: float) -> Quantity:
