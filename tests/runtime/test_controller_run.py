@@ -19,7 +19,7 @@ from cbdsl.robot.resources import resources
 from cbdsl.robot.signals import Signals
 from cbdsl.runtime.controller_run import ControllerRun
 from cbdsl.runtime.episode import resources_of
-from cbdsl.types.resource import Tip
+from cbdsl.types.resource import NetForces, Tip
 from tests.conftest import Checked
 from tests.runtime.conftest import TABLE_BALL, made_stage
 from tests.runtime.synthetic import Ball, SyntheticBackend, World
@@ -254,6 +254,23 @@ def test_without_a_reference_it_is_undefined_and_wants_nothing(
     run = start(approach_of(reachtouch))
     assert evaluate(run) is None
     assert (run.predicate, math.isnan(run.phi), math.isnan(run.error)) == ("-", True, True)
+
+
+def test_joints_other_than_the_effectors_count_as_still(
+    checked: Checked, dexter: RobotDocument, kinematics: Kinematics, backend: SyntheticBackend
+) -> None:
+    """Eq 3.21: fingers move the net forces of the hands too, but pressing is up to the arms."""
+    squeeze = checked("bimanualgrab").primitives["squeeze"].lead
+    assert isinstance(squeeze.feedback.source, NetForces)
+    signals = Signals(dexter, kinematics, [squeeze.feedback])
+    look_at(None, signals, backend)
+    run = ControllerRun(squeeze, signals, PERIOD, np.random.default_rng(0))
+    level = run.evaluate(np.arange(len(signals.joints)), {})
+    assert level is not None
+    arms, hands = signals.joints.of("arms"), signals.joints.of("hands")
+    assert signals.touch.normal_forces(squeeze.feedback.source).jacobian[:, hands].any()
+    assert level.jacobian[:, arms].any()
+    assert not np.delete(level.jacobian, arms, axis=1).any()
 
 
 def test_deactivated_it_is_as_good_as_new(

@@ -275,6 +275,21 @@ def test_a_composite_reads_as_its_lead(checked: Checked, play: Play) -> None:
     assert runs["posture"].error > 0.1
 
 
+@pytest.mark.parametrize(
+    ("actions", "state", "reward"), [("search, track, search ◁ track", "**", 1), ("look", "*", 0)]
+)
+def test_what_was_composed_into_one_controller_is_habituated(
+    written: Written, play: Play, actions: str, state: str, reward: int
+) -> None:
+    program = written(
+        f"controllers:\n  search: {SEARCH}\n  track: {LOOK}\n  look: search ◁ track\n"
+        f"actions: [{actions}]\npolicy: {{'{state}': {actions.split(', ')[-1]}}}\n"
+    )
+    episode = play(program)
+    first = next(each for each in episode.at(0) if "1" in each.next_state)
+    assert first.reward == reward
+
+
 def test_nothing_reads_as_at_rest_while_a_part_still_seeks(checked: Checked, play: Play) -> None:
     at_rest_and_seeking = 0
 
