@@ -62,12 +62,12 @@ def _clause(lead: ControllerRun) -> str:
     if math.isnan(lead.error):
         return f"{controller.name} had no {_missing(controller)}"
     verb = "came to rest" if lead.predicate == "1" else "was still"
-    potential = POTENTIALS[controller.potential]
-    if not (potential.residual or potential.field):
+    if controller.reference is None:
         return f"{controller.name} {verb} at a potential of {lead.phi:.3g}"
     factor, unit = _UNITS.get(controller.feedback.type.name, (1.0, ""))
     # The residual of a field is bounded: far from the goal the goal is farther away than that.
-    at_least = "at least " if potential.field and lead.phi > _NEAR else ""
+    is_field = POTENTIALS[controller.potential].field
+    at_least = "at least " if is_field and lead.phi > _NEAR else ""
     distance = f"{at_least}{factor * lead.error:.1f} {unit}"
     return f"{controller.name} {verb} {distance} from {_goal(controller)}"
 
@@ -75,7 +75,7 @@ def _clause(lead: ControllerRun) -> str:
 def _goal(controller: Controller) -> str:
     reference = controller.reference
     if reference is None:
-        return "its minimum"
+        return controller.feedback.name
     if isinstance(reference, (Literal, AlongNormals)):
         return "its reference"
     return reference.name
