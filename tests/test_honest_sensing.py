@@ -21,7 +21,7 @@ from cbdsl.robot.observation import Observation
 from cbdsl.runtime.episode import Runner
 from tests.conftest import Checked
 
-SENSORS = {"time", "positions", "velocities", "loads", "images"}
+SENSORS = {"time", "positions", "velocities", "loads", "images", "regions"}
 
 
 class Only:
@@ -49,6 +49,7 @@ def test_what_bullet_observes_is_exactly_that(
     assert type(observation) is Observation
     assert set(vars(observation)) == SENSORS
     assert set(observation.images) == set(dexter.cameras)
+    assert not observation.regions
     cells = {(hand, finger) for hand, found in dexter.load_cells.items() for finger in found}
     assert set(observation.loads) == cells
     assert observation.positions.shape == observation.velocities.shape == (24,)

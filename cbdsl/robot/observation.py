@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
+
+from cbdsl.robot.channels import Region
 
 Floats = NDArray[np.float64]
 Image = NDArray[np.uint8]
@@ -23,6 +25,8 @@ class Observation:
         loads: force and torque exerted by each load cell on the world, in the world frame, N and
             N m, by (hand, finger), shape (6,) each.
         images: RGB, shape (height, width, 3), top row first, by camera; empty between images.
+        regions: instead of images, what the channels of an ideal camera's image would hold, by
+            camera and channel; empty between images.
     """
 
     time: float
@@ -30,3 +34,4 @@ class Observation:
     velocities: Floats
     loads: Mapping[tuple[str, str], Floats]
     images: Mapping[str, Image]
+    regions: Mapping[str, Mapping[str, Region]] = field(default_factory=dict)

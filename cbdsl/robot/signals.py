@@ -107,7 +107,7 @@ class Signals:
         self.kinematics.update(observation.positions)
         self.touch.update(observation.loads)
         self.sight.update()
-        self.vision.update(observation.time, observation.images)
+        self.vision.update(observation)
         if any(self.touch.touching(hand) for hand in self._robot.load_cells):
             self.vision.touched()
 

@@ -1,4 +1,4 @@
-"""Vision: images in, headings and remembered positions out, channel by channel."""
+"""Vision: what cameras see in, headings and remembered positions out, channel by channel."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from cbdsl.robot.camera import focal_scale, heading, sight
 from cbdsl.robot.channels import ChannelFilter, Region
 from cbdsl.robot.kinematics import Frame, Kinematics
 from cbdsl.robot.memory import PositionMemory
-from cbdsl.robot.observation import Image
+from cbdsl.robot.observation import Observation
 from cbdsl.robot.stereo import Ray, triangulate
 
 Floats = NDArray[np.float64]
@@ -79,15 +79,17 @@ class Vision:
         for channel_filter in self._filters.values():
             channel_filter.reset()
 
-    def update(self, time: float, images: Mapping[str, Image]) -> None:
-        """Take in the images of a tick, if there are any; the kinematics must be up to date."""
+    def update(self, observation: Observation) -> None:
+        """Take in what the cameras saw, if they saw anything; the kinematics must be up to date."""
+        time = observation.time
         for memory in self.memories.values():
             memory.predict(time - self._time, time)
         self._time = time
-        if not images:
+        seen = self._seen(observation)
+        if not seen:
             return
         self.images += 1
-        self._look(images)
+        self._look(seen)
         for channel, memory in self.memories.items():
             self._remember(time, channel, memory)
 
@@ -96,17 +98,28 @@ class Vision:
         for memory in self.memories.values():
             memory.rest()
 
-    def _look(self, images: Mapping[str, Image]) -> None:
+    def _seen(self, observation: Observation) -> Mapping[str, Mapping[str, Region]]:
+        """The region of each wanted channel that has one, by camera."""
+        seen: dict[str, Mapping[str, Region]] = {
+            name: self._filters[name].regions(image) for name, image in observation.images.items()
+        }
+        for name, regions in observation.regions.items():
+            seen[name] = {
+                channel: region
+                for channel, region in regions.items()
+                if channel in self._channels and region.area >= self._settings.least_area
+            }
+        return seen
+
+    def _look(self, seen: Mapping[str, Mapping[str, Region]]) -> None:
         self.headings.clear()
         self.regions.clear()
-        for name, image in images.items():
+        for name, regions in seen.items():
             camera = self._cameras[name]
             frame = self._kinematics.frame(camera.link)
-            moved = name not in self._frames or not np.allclose(
-                frame.rotation, self._frames[name].rotation, atol=1e-3
-            )
+            moved = "motion" in regions and self._moved(name, frame)
             self._frames[name] = frame
-            for channel, region in self._filters[name].regions(image).items():
+            for channel, region in regions.items():
                 # A turning camera sees everything move, which says nothing about the world.
                 if channel == "motion" and moved:
                     continue
@@ -114,6 +127,11 @@ class Vision:
                 line = sight(camera, region.column, region.row)
                 self._sights[name, channel] = _Sight(frame.rotation @ line, self._time, self.images)
             self._head_for(name, frame)
+
+    def _moved(self, camera: str, frame: Frame) -> bool:
+        """Whether a camera has turned since its last image; also before its first."""
+        before = self._frames.get(camera)
+        return before is None or not np.allclose(frame.rotation, before.rotation, atol=1e-3)
 
     def _head_for(self, camera: str, frame: Frame) -> None:
         """Headings to all that a camera sees, or saw a moment ago.

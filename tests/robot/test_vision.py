@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -9,6 +10,7 @@ import pytest
 from numpy.typing import NDArray
 
 from cbdsl.documents.robot import RobotDocument
+from cbdsl.robot.channels import ChannelFilter
 from cbdsl.robot.kinematics import Kinematics
 from cbdsl.robot.resources import resources
 from cbdsl.robot.signals import Signals
@@ -128,3 +130,33 @@ def test_a_heading_outlives_its_region_for_a_moment_and_is_not_measured_anew(
     assert kept.stamp == signals.vision.stamps["left", "hue_1"] < signals.vision.images
     look(backend, signals, dexter.vision.regions.linger)
     assert signals.read(heading) is None
+
+
+def test_what_ideal_cameras_see_counts_as_images_do(
+    backend: SyntheticBackend, signals: Signals, dexter: RobotDocument
+) -> None:
+    """And what is too small, or wanted by nobody, counts for nothing."""
+    backend.world.ball = Ball(BALL)
+    observation = backend.observe()
+    signals.update(observation)
+    regions, headings = dict(signals.vision.regions), dict(signals.vision.headings)
+    assert len(regions) == 2
+    channels, least = dexter.vision.channels, dexter.vision.regions.least_area
+    ideal = {
+        camera: ChannelFilter(channels, ["hue_1", "sat_10"], least).regions(image)
+        for camera, image in observation.images.items()
+    }
+    signals.reset()
+    signals.update(replace(observation, images={}, regions=ideal))
+    assert signals.vision.regions == regions
+    assert {key: value.tolist() for key, value in signals.vision.headings.items()} == {
+        key: value.tolist() for key, value in headings.items()
+    }
+    tiny = {
+        camera: {name: replace(region, area=least - 1) for name, region in found.items()}
+        for camera, found in ideal.items()
+    }
+    signals.reset()
+    signals.update(replace(observation, images={}, regions=tiny))
+    assert not signals.vision.regions
+    assert signals.vision.images == 1

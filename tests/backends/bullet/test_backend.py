@@ -61,7 +61,7 @@ def test_sensor_noise_does_not_depend_on_who_else_draws(blind: BulletBackend) ->
 def test_an_observation_holds_sensors_only(backend: BulletBackend) -> None:
     backend.reset(stage_named("table_right"), None, np.random.default_rng(0))
     fields = {field.name for field in dataclasses.fields(backend.observe())}
-    assert fields == {"time", "positions", "velocities", "loads", "images"}
+    assert fields == {"time", "positions", "velocities", "loads", "images", "regions"}
 
 
 def test_asking_twice_changes_nothing(backend: BulletBackend) -> None:
