@@ -31,14 +31,17 @@ def model_resource(
     """What a program names ``<effector>.<alias>``, or ``None`` where the model does not fit."""
     if not _fits(loaded, body, findings):
         return None
-    effector, density = loaded.document.effector, loaded.document.density
-    source: GaussianSample | KernelSample
-    if isinstance(density, Gaussian):
-        source = GaussianSample(effector, density.mean, density.deviation)
-    else:
-        source = KernelSample(effector, density.samples, density.bandwidth)
+    effector = loaded.document.effector
     kind = configuration(len(body.document.joints(effector)))
-    return Resource(f"{effector}.{alias}", kind, Origin.MODEL, source)
+    return Resource(f"{effector}.{alias}", kind, Origin.MODEL, model_source(loaded.document))
+
+
+def model_source(document: ModelDocument) -> GaussianSample | KernelSample:
+    """What a model is drawn from."""
+    effector, density = document.effector, document.density
+    if isinstance(density, Gaussian):
+        return GaussianSample(effector, density.mean, density.deviation, density.uniform)
+    return KernelSample(effector, density.samples, density.bandwidth, density.uniform)
 
 
 def _fits(loaded: Loaded[ModelDocument], body: Body, findings: Findings) -> bool:

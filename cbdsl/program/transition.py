@@ -18,6 +18,7 @@ class Transition:
         next_state: predicates after; equal to ``state`` where the action ran out of time.
         ticks: control ticks that the action ran.
         reward: Eq 4.4.
+        rewarding: the members that earned it.
     """
 
     program: str
@@ -28,3 +29,4 @@ class Transition:
     next_state: str
     ticks: int
     reward: int
+    rewarding: tuple[str, ...] = ()

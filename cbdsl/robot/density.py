@@ -7,6 +7,7 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from cbdsl.robot.uniform import UniformSampler
 from cbdsl.types.resource import GaussianSample, KernelSample
 
 Floats = NDArray[np.float64]
@@ -24,7 +25,7 @@ class Sampler(Protocol):
 
 
 class DensitySampler:
-    """Draws from a Gaussian or from a sum of kernels, within joint limits.
+    """Draws from a Gaussian or from a sum of kernels, within joint limits, or from all of them.
 
     What falls outside the limits is drawn again, so that the density within them keeps its shape.
 
@@ -46,9 +47,14 @@ class DensitySampler:
         else:
             self._centres, self._deviation = np.array(source.samples), np.array(source.bandwidth)
         self._lower, self._upper, self._rng = lower, upper, rng
+        # Nothing is drawn that is not asked for.
+        self._anywhere = UniformSampler(lower, upper, rng) if source.uniform else None
+        self._uniform = source.uniform
 
     def draw(self) -> Floats:
         """The next sample, rad, shape (n,)."""
+        if self._anywhere is not None and self._rng.random() < self._uniform:
+            return self._anywhere.draw()
         for _ in range(_MOST_DRAWS):
             sample = self._any()
             if np.all((sample >= self._lower) & (sample <= self._upper)):

@@ -169,7 +169,7 @@ class ProgramRun:
     def _transit(self, state: str) -> None:
         assert self._action is not None
         changed = state != self.state
-        reward = self._reward(self._action, state) if changed else 0
+        rewarding = self._rewarding(self._action, state) if changed else ()
         self.transitions += 1
         self._listener(
             Transition(
@@ -180,11 +180,12 @@ class ProgramRun:
                 self._action.name,
                 state,
                 self._ticks,
-                reward,
+                len(rewarding),
+                rewarding,
             )
         )
         self.state = state
-        if reward:
+        if rewarding:
             self.rewarded = True
             self._end("1", "")
         elif self.transitions >= self.program.transitions:
@@ -192,10 +193,10 @@ class ProgramRun:
         else:
             self._choose(changed=changed)
 
-    def _reward(self, action: Action, state: str) -> int:
-        """Controllers that newly quiesce on a signal from the environment (Eq 4.2-4.4)."""
-        return sum(
-            1
+    def _rewarding(self, action: Action, state: str) -> tuple[str, ...]:
+        """The members that newly quiesce on a signal from the environment (Eq 4.2-4.4)."""
+        return tuple(
+            self.program.members[place]
             for place, run, rewarded in self._leads.get(action.name, ())
             if rewarded and state[place] == "1" != self.state[place] and run.settled
         )

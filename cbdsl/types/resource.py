@@ -105,19 +105,27 @@ class UniformSample(NamedTuple):
 
 
 class GaussianSample(NamedTuple):
-    """A draw from normal distributions of an effector's joints, rad."""
+    """A draw from normal distributions of an effector's joints, rad.
+
+    A share of ``uniform`` of the draws is uniform between the joint limits instead.
+    """
 
     effector: str
     mean: tuple[float, ...]
     deviation: tuple[float, ...]
+    uniform: float = 0.0
 
 
 class KernelSample(NamedTuple):
-    """A draw from Gaussian kernels around configurations of an effector, rad."""
+    """A draw from Gaussian kernels around configurations of an effector, rad.
+
+    A share of ``uniform`` of the draws is uniform between the joint limits instead.
+    """
 
     effector: str
     samples: tuple[tuple[float, ...], ...]
     bandwidth: tuple[float, ...]
+    uniform: float = 0.0
 
 
 Source = (

@@ -14,6 +14,7 @@ SOURCES = (
     GaussianSample("head", (0.1, -0.2), (0.05, 0.02)),
     GaussianSample("head", (0.9, 0.4), (0.5, 0.5)),
     KernelSample("head", SAMPLES, (0.05, 0.05)),
+    KernelSample("head", SAMPLES, (0.05, 0.05), uniform=0.5),
 )
 
 
@@ -42,6 +43,14 @@ def test_a_kernel_is_drawn_as_often_as_its_sample_occurs() -> None:
 def test_a_density_outside_the_limits_gives_the_nearest_configuration() -> None:
     found = draws(GaussianSample("head", (5.0, 5.0), (0.01, 0.01)), 2)
     assert found == pytest.approx(np.tile(UPPER, (2, 1)))
+
+
+@pytest.mark.parametrize("share", [0.0, 0.25, 1.0])
+def test_a_share_of_the_draws_is_uniform(share: float) -> None:
+    found = draws(GaussianSample("head", (0.9, 0.4), (0.01, 0.01), share), 4000)
+    far = np.abs(found - (0.9, 0.4)).max(axis=1) > 0.06
+    assert far.mean() == pytest.approx(share, abs=0.03)
+    assert share == 0.0 or found[far].mean(axis=0) == pytest.approx([0, 0], abs=0.05)
 
 
 def test_the_same_seed_gives_the_same_draws() -> None:
