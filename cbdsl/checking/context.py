@@ -6,11 +6,11 @@ from typing import Any
 
 from cbdsl.checking.body import Body
 from cbdsl.checking.findings import Findings
+from cbdsl.checking.parsing import parse_at
 from cbdsl.checking.scope import Scope
 from cbdsl.documents.program import ProgramDocument
 from cbdsl.errors.diagnostic import Place
 from cbdsl.language.expression import Expression, Span
-from cbdsl.language.parser import CompositionError, parse
 from cbdsl.types.resource import Resource
 from cbdsl.yaml_text.reader import Loaded
 from cbdsl.yaml_text.source_map import SourceMap, Step
@@ -54,11 +54,7 @@ class Context:
 
     def parse(self, text: str, steps: Steps) -> Expression | None:
         """The composition at a path, or ``None`` where it is none."""
-        try:
-            return parse(text)
-        except CompositionError as error:
-            self.add("CB401", self.at(steps, error.span), problem=str(error))
-            return None
+        return parse_at(text, self.source, steps, self.findings)
 
     def at(self, steps: Steps, span: Span) -> Place:
         """Where a stretch of a composition stands."""

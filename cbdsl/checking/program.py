@@ -27,6 +27,10 @@ from cbdsl.types.resource import Resource
 from cbdsl.yaml_text.library import Library
 from cbdsl.yaml_text.reader import Loaded
 
+# Programs within one another, and programs that one uses in all, each with other values.
+_DEEPEST = 64
+_MOST = 256
+
 
 def check_program(
     path_or_name: str | Path,
@@ -63,31 +67,66 @@ def _no_parameter(name: str, known: list[str]) -> str:
     return f"there is no parameter '{name}'{hint} (known: {', '.join(known) or 'none'})"
 
 
+class Budget:
+    """How far the uses below one program have gone; without bounds they could multiply for ever.
+
+    Attributes:
+        depth: how many programs are within one another.
+        count: how many were checked so far.
+    """
+
+    def __init__(self) -> None:
+        self.depth = 0
+        self.count = 0
+
+    @property
+    def ended(self) -> bool:
+        """Whether there are more than anybody writes."""
+        return self.depth > _DEEPEST or self.count > _MOST
+
+
 def examine_program(
     path: Path,
     values: Mapping[str, str],
     session: Session,
     findings: Findings,
-    users: tuple[str, ...] = (),
+    budget: Budget | None = None,
 ) -> CheckedProgram | None:
     """Check a program; findings gather in ``findings``.
 
     Args:
         path: its file.
         values: values of its parameters that replace the defaults.
-        session: documents that were read before.
+        session: documents that were read before, and programs that were checked before.
         findings: where its findings go.
-        users: names of the programs that use it, outermost first.
+        budget: what has been used on the way to it.
 
     Returns:
         ``None`` where it cannot run.
     """
+    known = session.recall(path, values)
+    if known is None:
+        own = Findings()
+        known = _examine(path, values, session, own, budget or Budget()), own
+        session.remember(path, values, *known)
+    checked, own = known
+    findings.extend(own.sorted())
+    return checked
+
+
+def _examine(
+    path: Path, values: Mapping[str, str], session: Session, findings: Findings, budget: Budget
+) -> CheckedProgram | None:
+    budget.depth += 1
+    budget.count += 1
     try:
         loaded = session.library.read(path, ProgramDocument)
-        return _ProgramCheck(loaded, values, session, findings, users).check()
+        return _ProgramCheck(loaded, values, session, findings, budget).check()
     except DiagnosticsError as error:
         findings.extend(error.diagnostics)
         return None
+    finally:
+        budget.depth -= 1
 
 
 class _ProgramCheck:
@@ -97,13 +136,13 @@ class _ProgramCheck:
         values: Mapping[str, str],
         session: Session,
         findings: Findings,
-        users: tuple[str, ...],
+        budget: Budget,
     ) -> None:
         self._loaded = loaded
         self._document = loaded.document
         self._session = session
         self._findings = findings
-        self._users = (*users, loaded.document.name)
+        self._budget = budget
         self._scope = Scope({**self._document.parameters, **values})
         self._used_programs: dict[str, CheckedProgram | None] = {}
 
@@ -217,14 +256,18 @@ class _ProgramCheck:
             names = library.names(ProgramDocument, self._loaded.path)
             self._findings.add("CB604", source.place(*steps), names=names, name=use.program)
             return None
-        if use.program in self._users:
-            cycle = " → ".join((*self._users[self._users.index(use.program) :], use.program))
-            self._findings.add("CB605", source.place(*steps), name=use.program, cycle=cycle)
+        way = self._session.uses.way(path, self._loaded.path)
+        if way:
+            cycle = " → ".join(file.stem for file in (way[-1], *way))
+            self._findings.add("CB605", source.place(*steps), name=way[-1].stem, cycle=cycle)
+            return None
+        if self._budget.ended:
+            self._findings.add("CB610", source.place(*steps), depth=_DEEPEST, bound=_MOST)
             return None
         used = library.read(path, ProgramDocument).document
         self._same_robot(used.robot, use.program, steps)
         values = self._values(name, use, used)
-        return examine_program(path, values, self._session, self._findings, self._users)
+        return examine_program(path, values, self._session, self._findings, self._budget)
 
     def _values(self, name: str, use: Use, used: ProgramDocument) -> dict[str, str]:
         """The parameters of a used program, with this program's own replaced."""

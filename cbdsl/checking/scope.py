@@ -8,6 +8,8 @@ from collections.abc import Mapping
 from cbdsl.checking.findings import Findings
 from cbdsl.yaml_text.source_map import SourceMap, Step
 
+# Values made of values would double in length from program to program.
+_LONGEST = 1_000
 _PARAMETER = re.compile(r"\$([A-Za-z][A-Za-z0-9_]*)")
 
 
@@ -46,16 +48,20 @@ class Scope:
             offset: where in that value the text begins, from 0.
 
         Returns:
-            ``None`` where a parameter is unknown.
+            ``None`` where a parameter is unknown, or the text would be too long.
         """
-        known = True
+        known, length = True, 0
         for match in _PARAMETER.finditer(text):
             name = match[1]
             self.used.add(name)
+            length += len(self.values.get(name, ""))
             if name not in self.values:
                 known = False
                 place = source.inside(steps, offset + match.start() + 1, offset + match.end() + 1)
                 findings.add("CB402", place, names=sorted(self.values), name=name)
+        if known and length > _LONGEST:
+            findings.add("CB409", source.place(*steps), bound=_LONGEST)
+            known = False
         return _PARAMETER.sub(lambda match: self.values[match[1]], text) if known else None
 
 

@@ -2,13 +2,18 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from pathlib import Path
 
 from cbdsl.checking.body import Body
 from cbdsl.checking.findings import Findings
 from cbdsl.checking.robot import examine_robot
+from cbdsl.checking.uses import Uses
 from cbdsl.documents.robot import RobotDocument
+from cbdsl.program.checked import CheckedProgram
 from cbdsl.yaml_text.library import Library
+
+_Key = tuple[Path, frozenset[tuple[str, str]]]
 
 
 class Session:
@@ -16,11 +21,14 @@ class Session:
 
     Attributes:
         library: where documents are found by name.
+        uses: which programs use which.
     """
 
     def __init__(self, library: Library | None = None) -> None:
         self.library = library or Library()
+        self.uses = Uses(self.library)
         self._bodies: dict[Path, tuple[Body, Findings]] = {}
+        self._programs: dict[_Key, tuple[CheckedProgram | None, Findings]] = {}
 
     def body(self, path: Path, findings: Findings) -> Body:
         """The robot of a file, whose own findings are added.
@@ -36,3 +44,19 @@ class Session:
         body, own = self._bodies[key]
         findings.extend(own.sorted())
         return body
+
+    def recall(
+        self, path: Path, values: Mapping[str, str]
+    ) -> tuple[CheckedProgram | None, Findings] | None:
+        """What was remembered of a program with these values of its parameters."""
+        return self._programs.get((path.resolve(), frozenset(values.items())))
+
+    def remember(
+        self,
+        path: Path,
+        values: Mapping[str, str],
+        checked: CheckedProgram | None,
+        findings: Findings,
+    ) -> None:
+        """Keep what became of a program, so that it is checked once however often it is used."""
+        self._programs[path.resolve(), frozenset(values.items())] = checked, findings

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from functools import cache
 from typing import Any
 
@@ -21,8 +22,9 @@ _WORDS = {
     "COMMA": "','",
     "$END": "the end",
 }
-# Characters that people take for the subject-to sign.
-_LOOKALIKES = frozenset("<⊲◀◂◃⋖«←⟵⇐")
+# What people take for the subject-to sign, and what points the other way.
+_LOOK_ALIKE = re.compile("<(?!\\|)[<-]*|[⊲◀◂◃⋖«←⟵⇐]")
+_TURNED = re.compile("\\|>|>+|->|[▷⊳▶▸▹⋗»→⟶⇒]")
 
 
 class CompositionError(ValueError):
@@ -31,6 +33,20 @@ class CompositionError(ValueError):
     def __init__(self, message: str, span: Span) -> None:
         super().__init__(message)
         self.span = span
+
+
+class LookAlikeError(CompositionError):
+    """There is a sign where an operator should be, and it is not the operator.
+
+    Attributes:
+        found: the sign.
+        meant: what to write instead, as a clause.
+    """
+
+    def __init__(self, found: str, meant: str, span: Span) -> None:
+        super().__init__(f"'{found}' is not the operator: {meant}", span)
+        self.found = found
+        self.meant = meant
 
 
 @cache
@@ -79,10 +95,22 @@ def _located(error: UnexpectedInput, text: str) -> CompositionError:
         end = len(text.rstrip()) + 1
         return CompositionError(f"it ends where {allowed} should follow", Span(end, end + 1))
     start = (error.pos_in_stream or 0) + 1
+    look_alike = _look_alike(text, start) if "_SUBJECT_TO" in _expected(error) else None
+    if look_alike is not None:
+        return look_alike
     found = str(error.token) if isinstance(error, UnexpectedToken) else text[start - 1]
-    if found in _LOOKALIKES:
-        allowed = "'◁' or its ASCII spelling '<|'"
     return CompositionError(f"'{found}' where {allowed} should be", Span(start, start + len(found)))
+
+
+def _look_alike(text: str, start: int) -> LookAlikeError | None:
+    """The operator that was meant by what stands at a column, from 1."""
+    for pattern, meant in (
+        (_LOOK_ALIKE, "write '◁', or '<|' in ASCII"),
+        (_TURNED, "'b ▷ a' is written 'a ◁ b', or 'a <| b' in ASCII"),
+    ):
+        if sign := pattern.match(text, start - 1):
+            return LookAlikeError(sign[0], meant, Span(start, sign.end() + 1))
+    return None
 
 
 def _expected(error: UnexpectedInput) -> set[str]:

@@ -73,4 +73,26 @@ COMPOSITIONS = (
         _TWO + "actions: [search, track, track ◁ search ◁ track]\n",
         good=_TWO + "actions: [search, track, search ◁ track]\n",
     ),
+    Entry(
+        "CB408",
+        "sign that looks like the operator",
+        "'{found}' is not the operator: {meant}",
+        "The operator is `◁` (U+25C1), or `<|` in ASCII. What points the other way has to be "
+        "turned round: the controller with priority is written last.",
+        _TWO + "actions: [search, track, search ⊲ track]\n",
+        good=_TWO + "actions: [search, track, search ◁ track]\n",
+    ),
+    Entry(
+        "CB409",
+        "value that is too long",
+        "with its parameters replaced, this has more than {bound} characters",
+        "Nothing has a name of that length. Programs that pass on their values twice to others, "
+        "which do the same, would never end.",
+        controller(
+            "potential: spring, reference: 0, feedback: cyclopean.$feature, effector: head"
+        ).replace("actions", f"parameters: {{feature: {'hue_1' * 220}}}\nactions"),
+        good=controller(
+            "potential: spring, reference: 0, feedback: cyclopean.hue_1, effector: head"
+        ),
+    ),
 )

@@ -17,6 +17,12 @@ _MODEL = (
 )
 _MODELS = {"knowledge/models/window.yaml": _MODEL.replace("example", "window")}
 _LOOKING = program("actions: [track]\n").replace("example", "looking")
+_STEPS = {
+    f"programs/step_{n}.yaml": program(
+        f"use: {{next: {{program: step_{n + 1}}}}}\nactions: [track, next]\n"
+    ).replace("example", f"step_{n}")
+    for n in range(1, 70)
+} | {"programs/step_70.yaml": _LOOKING.replace("looking", "step_70")}
 
 PROGRAMS = (
     Entry(
@@ -94,6 +100,16 @@ PROGRAMS = (
         "controller no policy could tell whether it has converged.",
         _TWO + "actions: [track, search ◁ track]\n",
         good=_TWO + "actions: [search, track, search ◁ track]\n",
+    ),
+    Entry(
+        "CB610",
+        "too many programs",
+        "there are more than {depth} programs one within the other, or more than {bound} in all",
+        "What one program uses, and what that uses in turn, counts with each set of parameters for "
+        "itself. So many can neither be followed nor checked.",
+        program("use: {next: {program: step_1}}\nactions: [track, next]\n"),
+        beside=_STEPS,
+        good=program("use: {next: {program: step_70}}\nactions: [track, next]\n"),
     ),
     Entry(
         "CB611",

@@ -1,0 +1,23 @@
+"""Compositions in a document: parsed, or reported where they are none."""
+
+from __future__ import annotations
+
+from cbdsl.checking.findings import Findings
+from cbdsl.language.expression import Expression
+from cbdsl.language.parser import CompositionError, LookAlikeError, parse
+from cbdsl.yaml_text.source_map import SourceMap, Step
+
+
+def parse_at(
+    text: str, source: SourceMap, steps: tuple[Step, ...], findings: Findings
+) -> Expression | None:
+    """The composition at a path, or ``None`` where it is none."""
+    try:
+        return parse(text)
+    except LookAlikeError as error:
+        place = source.inside(steps, error.span.start, error.span.end)
+        findings.add("CB408", place, found=error.found, meant=error.meant)
+    except CompositionError as error:
+        place = source.inside(steps, error.span.start, error.span.end)
+        findings.add("CB401", place, problem=str(error))
+    return None

@@ -1,0 +1,57 @@
+"""Which programs use which: whether one of them ends up in itself."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from cbdsl.documents.program import ProgramDocument
+from cbdsl.errors.errors import DiagnosticsError
+from cbdsl.yaml_text.library import Library
+
+
+class Uses:
+    """The graph of programs, by their files: a name may differ from its file's."""
+
+    def __init__(self, library: Library) -> None:
+        self._library = library
+        self._used: dict[Path, tuple[Path, ...]] = {}
+
+    def way(self, start: Path, goal: Path) -> tuple[Path, ...]:
+        """The fewest uses that lead from one program to another, with both; empty for none.
+
+        Args:
+            start: a program's file.
+            goal: another's; the same one is reached in no use at all.
+        """
+        wanted, before = goal.resolve(), {start.resolve(): start.resolve()}
+        waiting = list(before)
+        for path in waiting:  # which grows
+            if path == wanted:
+                return _traced(path, before)
+            for used in self._uses(path):
+                if used not in before:
+                    before[used] = path
+                    waiting.append(used)
+        return ()
+
+    def _uses(self, path: Path) -> tuple[Path, ...]:
+        """The programs that one uses, as far as they are there."""
+        if path not in self._used:
+            self._used[path] = tuple(self._read(path))
+        return self._used[path]
+
+    def _read(self, path: Path) -> list[Path]:
+        try:
+            document = self._library.read(path, ProgramDocument).document
+        except DiagnosticsError:
+            return []
+        uses = document.use.values()
+        found = [self._library.find(ProgramDocument, use.program, path) for use in uses]
+        return [file.resolve() for file in found if file is not None]
+
+
+def _traced(path: Path, before: dict[Path, Path]) -> tuple[Path, ...]:
+    way = [path]
+    while before[way[-1]] != way[-1]:
+        way.append(before[way[-1]])
+    return tuple(reversed(way))
