@@ -21,6 +21,12 @@ _NEEDED = (
 )  # fmt: skip
 
 
+_TOLD = (
+    "result", "joints", "controllers", "load_cells", "predicates", "transitions", "members",
+    "triples", "signals", "scene", "robot",
+)  # fmt: skip
+
+
 @dataclass(frozen=True)
 class Recorded:
     """A recorded episode.
@@ -76,6 +82,9 @@ def read_recording(file: Path) -> Recorded:
         UsageError: it is no recording, an old one, or one of which something is missing.
     """
     summary = _summary(file)
+    absent = [key for key in _TOLD if key not in summary]
+    if absent:
+        raise UsageError(f"{file}: lacks {', '.join(absent)}")
     arrays = _arrays(file.with_suffix(".npz"))
     missing = [key for key in _NEEDED if key not in arrays]
     missing += [f"signal_{name}" for name in summary["signals"] if f"signal_{name}" not in arrays]

@@ -23,7 +23,7 @@ _FLAGS = (
     "--headless", "--no-sandbox", "--remote-debugging-pipe", "--disable-background-networking",
     "--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--no-first-run", "--hide-scrollbars",
 )  # fmt: skip
-_PATIENCE = 60.0
+_PATIENCE = 20.0
 
 
 class Page:
@@ -34,6 +34,8 @@ class Page:
         self._rest = b""
         self._number = 0
         self._session: str | None = None
+        #: A script that runs before the page's own.
+        self.before = ""
         self.errors: list[str] = []
         self.requests: list[str] = []
 
@@ -44,6 +46,7 @@ class Page:
         self._session = session["sessionId"]
         for domain in ("Page", "Runtime", "Log", "Network"):
             self.send(f"{domain}.enable")
+        self.send("Page.addScriptToEvaluateOnNewDocument", source=self.before)
         self.size(width, height)
         self.send("Page.navigate", url=f"{file.resolve().as_uri()}{hash_}")
         self.wait("document.getElementById('clock')?.textContent")

@@ -161,7 +161,7 @@ async function main() {
     listeners.push((t, tick) => world.show(tick));
     makeViews(world);
     makePoints(world, () => seek(now));
-    window.linkAt = world.linkAt;
+    window.linkAt = world.linkAt; // for whoever asks on the console where a link is
   } catch (error) {
     tellProblem(new Error(`no 3-D view, since this browser offers no WebGL (${error.message})`));
   }

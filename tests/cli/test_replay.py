@@ -1,0 +1,138 @@
+"""``cb replay``: pages are written in one step, or a sentence says why not."""
+
+from __future__ import annotations
+
+import os
+import shutil
+import sys
+from pathlib import Path
+
+import pytest
+
+from cbdsl.cli import main as command
+from tests.reporting.conftest import Record, kept, play, record
+
+__all__ = ["Record", "kept", "play", "record"]
+
+
+def cb(monkeypatch: pytest.MonkeyPatch, *arguments: str | Path) -> int:
+    """Run ``cb replay`` in this process; its exit code."""
+    monkeypatch.setattr(sys, "argv", ["cb", "replay", *map(str, arguments)])
+    try:
+        command.main()
+    except SystemExit as end:
+        return int(end.code or 0)
+    return 0
+
+
+@pytest.fixture
+def folder(kept: Path, tmp_path: Path) -> Path:
+    """Two recordings."""
+    folder = tmp_path / "kept"
+    folder.mkdir()
+    for suffix in (".json", ".npz"):
+        for name in ("episode_0", "episode_1"):
+            shutil.copy(kept.with_suffix(suffix), folder / f"{name}{suffix}")
+    return folder
+
+
+def test_a_recording_gets_a_page_beside_it(
+    folder: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert cb(monkeypatch, folder / "episode_0.json") == 0
+    target = folder / "episode_0.html"
+    assert capsys.readouterr().out.startswith(f"{target}: ")
+    assert target.read_text("utf-8").startswith("<!doctype html>")
+    assert not (folder / "episode_1.html").exists()
+
+
+def test_a_folder_gets_a_page_for_each(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    assert cb(monkeypatch, folder) == 0
+    pages = [folder / f"episode_{seed}.html" for seed in (0, 1)]
+    assert pages[0].read_bytes() == pages[1].read_bytes()
+
+
+def test_a_page_goes_where_it_is_wanted(
+    folder: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    target = tmp_path / "page.html"
+    target.write_text("before", encoding="utf-8")
+    assert cb(monkeypatch, folder / "episode_1.npz", "--out", target) == 0
+    assert "Why it stopped" in target.read_text("utf-8")
+    assert {each.name for each in tmp_path.iterdir()} == {"kept", "page.html"}
+
+
+def test_a_failed_write_leaves_what_was_there(
+    folder: Path,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    def fail(*_: object) -> None:
+        raise OSError(28, "No space left on device")
+
+    target = tmp_path / "page.html"
+    target.write_text("before", encoding="utf-8")
+    monkeypatch.setattr(os, "replace", fail)
+    assert cb(monkeypatch, folder / "episode_0.json", "--out", target) == 2
+    assert "cannot be written (No space left on device)" in capsys.readouterr().err
+    assert target.read_text("utf-8") == "before"
+    assert {each.name for each in tmp_path.iterdir()} == {"kept", "page.html"}
+
+
+MISTAKES: list[tuple[list[str], list[str]]] = [
+    (["none"], ["none: there is no such file"]),
+    (["kept/episode_7.json"], ["episode_7.json", "no such file"]),
+    (["empty"], ["empty: no recording", "--record"]),
+    (["kept", "--out", "page.html"], ["2 recordings"]),
+    (["kept/episode_0.json", "--out", "missing/page.html"], ["missing/page.html", "cannot be"]),
+    (["kept/episode_0.json", "--out", "empty"], ["empty: cannot be written"]),
+    (["program.yaml"], ["program.yaml: no recording"]),
+    ([], ["FILE|FOLDER"]),
+]
+
+
+@pytest.mark.parametrize(("arguments", "named"), MISTAKES, ids=[" ".join(m[0]) for m in MISTAKES])
+def test_a_mistake_is_one_clear_message(
+    folder: Path,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+    arguments: list[str],
+    named: list[str],
+) -> None:
+    (tmp_path / "empty").mkdir()
+    (tmp_path / "program.yaml").write_text("kind: program\n", encoding="utf-8")
+    monkeypatch.chdir(tmp_path)
+    assert cb(monkeypatch, *arguments) == 2
+    out, err = capsys.readouterr()
+    assert out == ""
+    assert "Traceback" not in err and "internal error" not in err
+    for part in named:
+        assert part in err
+
+
+def test_a_browser_opens_only_for_people(
+    folder: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    opened: list[str] = []
+    monkeypatch.setattr("typer.launch", opened.append)
+    file = folder / "episode_0.json"
+    assert cb(monkeypatch, file) == 0
+    assert opened == []
+    monkeypatch.setattr(sys.stdout, "isatty", lambda: True, raising=False)
+    assert cb(monkeypatch, file, "--no-open") == 0
+    assert opened == []
+    assert cb(monkeypatch, file) == 0
+    assert opened == [str(folder / "episode_0.html")]
+
+
+def test_without_numpy_it_says_what_to_install(
+    folder: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    for name in [*sys.modules]:
+        if name == "numpy" or name.startswith(("cbdsl.reporting", "cbdsl.runtime")):
+            monkeypatch.delitem(sys.modules, name)
+    monkeypatch.setitem(sys.modules, "numpy", None)
+    assert cb(monkeypatch, folder / "episode_0.json") == 2
+    assert "pip install 'cbdsl[sim]'" in capsys.readouterr().err

@@ -1,0 +1,100 @@
+"""Links are where the robot's kinematics have them, for every robot file; meshes are found."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pybullet_data
+import pytest
+
+from cbdsl.backends.bullet.pose import rotations
+from cbdsl.documents.robot import RobotDocument
+from cbdsl.reporting.model import Link, read_links
+from cbdsl.robot.kinematics import Kinematics
+from cbdsl.yaml_text.library import Library
+from tests.conftest import ROOT
+
+LIBRARY = Library(ROOT)
+ROBOTS = [
+    LIBRARY.read(LIBRARY.locate(RobotDocument, name), RobotDocument).document
+    for name in LIBRARY.names(RobotDocument)
+]
+
+
+def told(robot: RobotDocument, urdf: Path) -> dict[str, object]:
+    """A robot as recordings have it."""
+    couplings = {name: [each.follows, each.ratio] for name, each in robot.couplings.items()}
+    text = urdf.read_text("utf-8")
+    return {"urdf": text, "folder": str(urdf.parent), "couplings": couplings}
+
+
+def placed(links: list[Link], angles: np.ndarray) -> dict[str, np.ndarray]:
+    """The links' frames in the world, shape (4, 4) each, as the page's script moves them."""
+    frames: list[np.ndarray] = []
+    for link in links:
+        frame = np.eye(4) if link.parent < 0 else frames[link.parent]
+        frame = frame @ transform(link.position, link.quaternion)
+        if link.motion == "turn":
+            driven = link.ratio * angles[link.column] if link.column >= 0 else 0.0
+            half = (driven + link.offset) / 2
+            axis = np.array(link.axis) / np.linalg.norm(link.axis)
+            frame = frame @ transform((0, 0, 0), (*(np.sin(half) * axis), np.cos(half)))
+        frames.append(frame)
+    return dict(zip((link.name for link in links), frames, strict=True))
+
+
+def transform(position: tuple[float, ...], quaternion: tuple[float, ...]) -> np.ndarray:
+    result = np.eye(4)
+    result[:3, :3], result[:3, 3] = rotations(np.array(quaternion)), position
+    return result
+
+
+@pytest.mark.parametrize("robot", ROBOTS, ids=[robot.name for robot in ROBOTS])
+def test_links_are_where_the_kinematics_have_them(robot: RobotDocument) -> None:
+    urdf = ROOT / "robots" / robot.model
+    kinematics = Kinematics(robot, urdf)
+    links = read_links(told(robot, urdf), kinematics.joints.names)
+    rng = np.random.default_rng(1)
+    for _ in range(5):
+        angles = rng.uniform(kinematics.lower, kinematics.upper)
+        kinematics.update(angles)
+        for name, frame in placed(links, angles).items():
+            expected = kinematics.frame(name)
+            assert frame[:3, 3] == pytest.approx(expected.position, abs=1e-9)
+            assert frame[:3, :3] == pytest.approx(expected.rotation, abs=1e-9)
+
+
+@pytest.mark.parametrize("robot", ROBOTS, ids=[robot.name for robot in ROBOTS])
+def test_everything_visible_has_a_shape_and_a_color(robot: RobotDocument) -> None:
+    urdf = ROOT / "robots" / robot.model
+    links = read_links(told(robot, urdf), Kinematics(robot, urdf).joints.names)
+    shapes = [shape for link in links for shape in link.shapes]
+    assert len(shapes) == urdf.read_text("utf-8").count("<visual>")
+    sizes = {"ball": 1, "box": 3, "cylinder": 2}
+    assert all(len(shape.size) == sizes[shape.shape] for shape in shapes)
+    assert all(0 <= part <= 1 for shape in shapes for part in shape.color)
+    assert len({shape.color for shape in shapes}) > 1
+
+
+def test_meshes_are_found_beside_the_model_and_left_out_where_they_have_gone(
+    tmp_path: Path,
+) -> None:
+    urdf = Path(pybullet_data.getDataPath()) / "kuka_iiwa" / "model.urdf"
+    robot = {"urdf": urdf.read_text("utf-8"), "folder": str(urdf.parent), "couplings": {}}
+    shapes = [shape for link in read_links(robot, ()) for shape in link.shapes]
+    assert len(shapes) == 8 and {shape.shape for shape in shapes} == {"mesh"}
+    gone = read_links({**robot, "folder": str(tmp_path)}, ())
+    assert len(gone) == 8
+    assert not [shape for link in gone for shape in link.shapes]
+
+
+def test_a_mimicking_joint_moves_with_the_one_it_follows() -> None:
+    text = """<robot name="pair"><link name="a"/><link name="b"/><link name="c"/>
+    <joint name="ab" type="revolute"><parent link="a"/><child link="b"/><axis xyz="0 0 1"/></joint>
+    <joint name="bc" type="prismatic"><parent link="b"/><child link="c"/><axis xyz="1 0 0"/>
+      <mimic joint="ab" multiplier="-2" offset="0.5"/></joint></robot>"""
+    links = read_links({"urdf": text, "folder": ".", "couplings": {}}, ["ab"])
+    last = links[-1]
+    assert (last.name, last.motion, last.column) == ("c", "slide", 0)
+    assert (last.ratio, last.offset) == (-2.0, 0.5)

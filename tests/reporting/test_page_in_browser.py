@@ -1,0 +1,236 @@
+"""The page in a real browser: it renders, plays, obeys the keyboard, and loads nothing.
+
+Needs Chromium, which is no dependency: without it these tests are skipped.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from pathlib import Path
+
+import cv2
+import numpy as np
+import pytest
+
+from cbdsl.checking.program import check_program
+from cbdsl.documents.robot import RobotDocument
+from cbdsl.documents.stage import StageDocument
+from cbdsl.reporting.page import page
+from cbdsl.reporting.recorded import Recorded, read_recording
+from cbdsl.robot.kinematics import Kinematics
+from cbdsl.runtime.episode import Runner
+from cbdsl.runtime.recording import Recording
+from cbdsl.yaml_text.library import Library
+from tests.conftest import ROOT
+from tests.reporting.browser import CHROMIUM, Page, browser
+from tests.runtime.synthetic import SyntheticBackend
+
+pytestmark = pytest.mark.skipif(CHROMIUM is None, reason="Chromium is not installed")
+
+NOW = "Number(document.getElementById('scrub').value)"
+
+
+@pytest.fixture(scope="module")
+def file(recorded: Recorded, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    file = tmp_path_factory.mktemp("page") / "episode.html"
+    file.write_text(page(recorded), encoding="utf-8")
+    return file
+
+
+@pytest.fixture(scope="module")
+def shown(file: Path) -> Iterator[Page]:
+    """The page of a rewarded reachtouch."""
+    with browser() as opened:
+        opened.open(file, "#t=1")
+        yield opened
+
+
+@pytest.fixture(autouse=True)
+def sound(shown: Page) -> Iterator[None]:
+    """Nothing has gone wrong, and nothing was asked for, after each test."""
+    go_to(shown, 1.0)
+    yield
+    assert shown.errors == []
+    assert shown.text("problem") == ""
+    assert [url for url in shown.requests if not url.startswith(("file:", "blob:"))] == []
+
+
+def go_to(shown: Page, time: float) -> None:
+    """Move the slider, as a mouse would."""
+    shown.value(
+        f"(() => {{ const s = document.getElementById('scrub'); s.value = {time};"
+        "s.dispatchEvent(new Event('input')); })()"
+    )
+
+
+def pixels(shown: Page, element: str) -> np.ndarray:
+    """What is to be seen of an element."""
+    box = shown.value(
+        f"(() => {{ scrollTo(0, 0); const r = document.querySelector('{element}')"
+        ".getBoundingClientRect(); return [r.left, r.top, r.right, r.bottom]; })()"
+    )
+    left, top, right, bottom = (round(side) for side in box)
+    image = cv2.imdecode(np.frombuffer(shown.picture(), np.uint8), cv2.IMREAD_COLOR)
+    return image[top:bottom, left:right].astype(int)
+
+
+def test_it_opens_at_the_time_behind_its_address(shown: Page) -> None:
+    assert shown.text("clock").startswith("1.00 / ")
+    assert shown.text("program") == "reachtouch"
+
+
+def test_it_says_why_the_episode_stopped(shown: Page, recorded: Recorded) -> None:
+    assert shown.text("ending") == recorded.summary["result"]["ending"]
+    assert shown.text("verdict") == "rewarded"
+
+
+def test_the_robot_and_the_ball_are_to_be_seen_and_move(shown: Page) -> None:
+    before = pixels(shown, "#view")
+    colors = np.unique((before // 8).reshape(-1, 3), axis=0)
+    assert len(colors) > 50
+    blue, green, red = np.moveaxis(before, -1, 0)
+    assert ((red > 120) & (green < 60) & (blue < 60)).sum() > 100  # the ball
+    shown.press("End")
+    assert (np.abs(pixels(shown, "#view") - before).max(axis=-1) > 30).mean() > 0.005
+
+
+def test_links_are_where_the_kinematics_have_them(
+    shown: Page, recorded: Recorded, dexter: RobotDocument, urdf: Path
+) -> None:
+    kinematics = Kinematics(dexter, urdf)
+    tips = [cell.link for cells in dexter.load_cells.values() for cell in cells.values()]
+    for tick in (0, 60, len(recorded.arrays["time"]) - 1):
+        time = recorded.arrays["time"][tick]
+        go_to(shown, time + 1e-6)
+        kinematics.update(recorded.arrays["positions"][tick])
+        for link in [*tips, *(camera.link for camera in dexter.cameras.values())]:
+            found = shown.value(f"linkAt('{link}')")
+            assert found == pytest.approx(kinematics.frame(link).position, abs=1e-5)
+
+
+def test_it_plays_and_pauses(shown: Page) -> None:
+    shown.press(" ")
+    shown.wait(f"{NOW} > 1.1")
+    assert "Pause" in shown.text("play")
+    shown.press(" ")
+    stopped = shown.value(NOW)
+    assert "Play" in shown.text("play")
+    shown.value("new Promise((done) => setTimeout(done, 200))")
+    assert shown.value(NOW) == stopped
+
+
+def test_it_stops_at_the_end_and_begins_anew(shown: Page, recorded: Recorded) -> None:
+    last = float(recorded.arrays["time"][-1])
+    shown.value("document.getElementById('speed').value = '10'")
+    shown.click("#play")
+    shown.wait(f"{NOW} >= {last} - 1e-3")
+    shown.wait("document.getElementById('play').textContent.includes('Play')")
+    shown.click("#play")
+    shown.wait(f"{NOW} < {last / 2}")
+    shown.click("#play")
+    shown.value("document.getElementById('speed').value = '1'")
+
+
+def test_keys_step_and_go_to_transitions(shown: Page, recorded: Recorded) -> None:
+    shown.press("ArrowRight")
+    assert shown.value(NOW) == pytest.approx(1 + 1 / 60)
+    shown.press("ArrowLeft")
+    assert shown.value(NOW) == pytest.approx(1)
+    times = sorted({each["time"] for each in recorded.summary["transitions"]})
+    shown.press("n")
+    assert shown.value(NOW) == pytest.approx(next(time for time in times if time > 1))
+    shown.press("Home")
+    assert shown.value(NOW) == 0
+    shown.press("End")
+    shown.press("p")
+    assert shown.value(NOW) == pytest.approx(times[-1] if times[-1] < recorded.arrays["time"][-1]
+                                             else times[-2])  # fmt: skip
+
+
+def test_a_click_on_a_time_line_goes_there(shown: Page, recorded: Recorded) -> None:
+    last = float(recorded.arrays["time"][-1])
+    for line in (".row .track", ".u-over"):
+        shown.click(line, across=0.25)
+        assert shown.value(NOW) == pytest.approx(0.25 * 1.02 * last, abs=0.01 * last)
+        cursor, left, width = shown.value(
+            f"(() => {{ const r = document.querySelector('{line}').getBoundingClientRect();"
+            "const c = document.getElementById('cursor').getBoundingClientRect();"
+            "return [c.left + 1, r.left, r.width]; })()"
+        )
+        assert (cursor - left) / width == pytest.approx(0.25, abs=0.01)
+
+
+def test_rows_say_every_letter_of_the_state(shown: Page, recorded: Recorded) -> None:
+    names = shown.value("[...document.querySelectorAll('.row > span')].map((e) => e.textContent)")
+    members = recorded.summary["members"]
+    assert names == [name for program, own in members.items() for name in (program, *own)]
+    last = shown.value("[...document.querySelectorAll('.row.member .track')].slice(0, 3)"
+                       ".map((e) => e.lastChild.textContent).join('')")  # fmt: skip
+    assert last == recorded.summary["result"]["predicates"][-1]
+
+
+def test_the_table_is_the_stack(shown: Page, recorded: Recorded) -> None:
+    shown.press("End")
+    names = shown.value("[...document.querySelectorAll('#levels tbody tr')]"
+                        ".map((row) => row.cells[0].textContent)")  # fmt: skip
+    priority = recorded.arrays["level_priority"][-1]
+    order = [index for index in np.argsort(priority) if priority[index] >= 0]
+    assert names == [recorded.controllers[index] for index in order] and len(names) > 3
+
+
+def test_cameras_show_the_image_of_the_time(shown: Page, recorded: Recorded) -> None:
+    seen = pixels(shown, "#cameras canvas")
+    assert ((seen[..., 2] > 180) & (seen[..., 1] < 60)).sum() > 20
+    size = shown.value("(() => { const c = document.querySelector('#cameras canvas');"
+                       "return [c.height, c.width]; })()")  # fmt: skip
+    assert tuple(size) == recorded.arrays["image_left"].shape[1:3]
+
+
+def test_potentials_have_two_scales(shown: Page) -> None:
+    before = pixels(shown, ".chart canvas")
+    shown.value("(() => { const s = document.querySelector('.chart select');"
+                "s.selectedIndex = 1; s.dispatchEvent(new Event('change')); })()")  # fmt: skip
+    assert (pixels(shown, ".chart canvas") != before).any()
+
+
+def test_it_is_dark_where_that_is_preferred(shown: Page) -> None:
+    light = pixels(shown, "header").mean()
+    shown.dark()
+    shown.wait("getComputedStyle(document.body).backgroundColor === 'rgb(21, 24, 28)'")
+    assert pixels(shown, "header").mean() < light - 100
+
+
+def test_without_webgl_the_rest_is_there(file: Path) -> None:
+    with browser() as opened:
+        opened.before = (
+            "const own = HTMLCanvasElement.prototype.getContext;"
+            "HTMLCanvasElement.prototype.getContext = function (kind, ...more) {"
+            "return kind.startsWith('webgl') ? null : own.call(this, kind, ...more); };"
+        )
+        opened.open(file, "#t=1")
+        assert "WebGL" in opened.text("problem")
+        opened.press("ArrowRight")
+        assert opened.value(NOW) == pytest.approx(1 + 1 / 60)
+        assert opened.value("document.querySelectorAll('#levels tbody tr').length") > 0
+
+
+def test_a_robot_without_cameras_and_hands(tmp_path: Path) -> None:
+    library = Library(ROOT)
+    robot = library.read(library.locate(RobotDocument, "sixaxis"), RobotDocument).document
+    urdf = ROOT / "robots" / robot.model
+    program = check_program("sixaxis_reach", {}, library)
+    made = {"cbdsl": 1, "kind": "stage", "name": "bare", "robot": "sixaxis"}
+    stage = StageDocument.model_validate({**made, "contexts": {"only": {}}})
+    recording = Recording(program, robot, urdf)
+    runner = Runner(robot, Kinematics(robot, urdf), program, SyntheticBackend(robot, urdf))
+    result = runner.run(stage, 0, None, recording.note_transition, recording.note_tick)
+    recorded = read_recording(recording.write(tmp_path, result))
+    file = tmp_path / "bare.html"
+    file.write_text(page(recorded), encoding="utf-8")
+    with browser() as opened:
+        opened.open(file)
+        opened.press("End")
+        assert opened.text("program") == "sixaxis_reach"
+        assert opened.errors == [] and opened.text("problem") == ""
+        assert opened.value("document.querySelectorAll('#cameras canvas').length") == 0
+        assert opened.value("document.querySelectorAll('.chart').length") == 2

@@ -1,0 +1,99 @@
+"""What is no recording, an old one or half of one is told in one sentence."""
+
+from __future__ import annotations
+
+import json
+import shutil
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from cbdsl.errors.errors import UsageError
+from cbdsl.reporting.recorded import find_recordings, read_recording
+
+
+def rewrite(file: Path, change: Callable[[dict[str, Any]], object]) -> None:
+    """Change what the JSON file holds."""
+    summary = json.loads(file.read_text("utf-8"))
+    change(summary)
+    file.write_text(json.dumps(summary), encoding="utf-8")
+
+
+def without(file: Path, *keys: str, ticks: int | None = None) -> None:
+    """Leave arrays out of the NPZ file, or ticks of all."""
+    with np.load(file) as loaded:
+        arrays = {key: loaded[key][:ticks] for key in loaded if key not in keys}
+    np.savez_compressed(file, **arrays)
+
+
+def old(summary: dict[str, Any]) -> None:
+    for key in ("cbdsl", "kind", "version", "members", "triples"):
+        del summary[key]
+
+
+SPOILED: dict[str, tuple[Callable[[Path], object], str]] = {
+    "killed between the files": (lambda file: file.unlink(), "cut short"),
+    "arrays not copied": (lambda file: file.with_suffix(".npz").unlink(), "two files"),
+    "half of the text": (
+        lambda file: file.write_text(file.read_text("utf-8")[:999], encoding="utf-8"),
+        "cut short",
+    ),
+    "half of the arrays": (
+        lambda file: file.with_suffix(".npz").write_bytes(
+            file.with_suffix(".npz").read_bytes()[:5000]
+        ),
+        "damaged",
+    ),
+    "empty arrays": (lambda file: file.with_suffix(".npz").write_bytes(b""), "damaged"),
+    "something else": (lambda file: file.write_text("[1, 2]", encoding="utf-8"), "no recording"),
+    "not text": (lambda file: file.write_bytes(b"\x89PNG\x00\xff"), "no recording"),
+    "older": (lambda file: rewrite(file, old), "older cb"),
+    "newer": (lambda file: rewrite(file, lambda s: s.update(version=99)), "version 99"),
+    "no robot": (lambda file: rewrite(file, lambda s: s.pop("robot")), "lacks robot"),
+    "no levels": (
+        lambda file: without(file.with_suffix(".npz"), "level_share"),
+        "lacks level_share",
+    ),
+    "no signal": (
+        lambda file: without(file.with_suffix(".npz"), "signal_stereo.sat_10"),
+        "lacks signal_stereo.sat_10",
+    ),
+    "of two episodes": (
+        lambda file: without(file.with_suffix(".npz"), ticks=5),
+        "same episode",
+    ),
+}
+
+
+@pytest.mark.parametrize("how", SPOILED)
+def test_a_spoiled_recording_is_refused(how: str, kept: Path, tmp_path: Path) -> None:
+    for suffix in (".json", ".npz"):
+        shutil.copy(kept.with_suffix(suffix), tmp_path)
+    file = tmp_path / kept.name
+    spoil, named = SPOILED[how]
+    spoil(file)
+    with pytest.raises(UsageError, match=named) as caught:
+        read_recording(file)
+    assert str(tmp_path) in str(caught.value)
+
+
+def test_either_file_or_the_folder_finds_it(kept: Path) -> None:
+    for path in (kept, kept.with_suffix(".npz"), kept.parent):
+        assert find_recordings(path) == [kept]
+
+
+def test_all_of_a_folder_are_found_by_seed(tmp_path: Path) -> None:
+    for name in ("episode_10.json", "episode_9.json", "episode_11.npz", "notes.json"):
+        (tmp_path / name).touch()
+    found = [file.name for file in find_recordings(tmp_path)]
+    assert found == ["episode_9.json", "episode_10.json", "episode_11.json"]
+
+
+def test_a_folder_without_any_says_why(tmp_path: Path) -> None:
+    with pytest.raises(UsageError, match="when an episode ends"):
+        find_recordings(tmp_path)
+    with pytest.raises(UsageError, match="no such file"):
+        find_recordings(tmp_path / "none")
