@@ -267,6 +267,11 @@ class _Triple:
             if not fits:
                 place = self._context.source.key(*self._steps, key)
                 self._context.add("CB513", place, name=key, feedback=feedback.type)
+        # Only fingers flex.
+        is_of_hands = isinstance(feedback.source, NetForces)
+        if document.seek is not None and document.seek.until is not None and is_of_hands:
+            place = self._context.source.key(*self._steps, "seek", "until")
+            self._context.add("CB513", place, name="until", feedback=feedback.type)
         check_settings(
             feedback.type.name, self._context.source, self._steps, self._context.findings
         )

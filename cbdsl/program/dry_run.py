@@ -6,7 +6,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from typing import NamedTuple
 
 from cbdsl.program.checked import Action, CheckedProgram
-from cbdsl.program.controller import Composition, Controller
+from cbdsl.program.controller import AlongNormals, Composition, Controller
 from cbdsl.types.potential import POTENTIALS
 from cbdsl.types.resource import Resource
 
@@ -50,7 +50,9 @@ def rows(controller: Controller) -> int:
     task, potential = 1, POTENTIALS[controller.potential]
     if potential.residual or potential.field:
         kind = controller.feedback.type
-        task = kind.size - (kind.factors if controller.free_axis else 0)
+        # A force along normals is one number a finger or hand.
+        along = isinstance(controller.reference, AlongNormals)
+        task = kind.factors if along else kind.size - (kind.factors if controller.free_axis else 0)
     return min(task, len(controller.joints))
 
 
@@ -93,8 +95,7 @@ def rewarding(action: Action) -> tuple[str, ...]:
         earns = any(rewarding(inner) for inner in action.program.actions)
         return (action.name,) if earns else ()
     assert action.composition is not None, "an action is a program or a composition"
-    leads = (primitive.lead for primitive in action.composition.primitives)
-    return tuple(lead.name for lead in leads if lead.rewarded)
+    return tuple(p.name for p in action.composition.primitives if p.rewarded)
 
 
 class Coverage(NamedTuple):

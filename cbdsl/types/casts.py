@@ -49,7 +49,7 @@ CASTS: tuple[Cast, ...] = (
     Cast("stereo triangulation", "heading", "position", "Eq 3.14", factors=2),
     Cast("oculomotor Jacobian", "position", "heading", "section 3.2.2", value=False),
     *(
-        Cast("compliance", load, "configuration", "control.stiffness", value=False)
+        Cast("compliance", load, "configuration", "Eq 3.37", value=False)
         for load in ("force", "torque", "wrench")
     ),
 )

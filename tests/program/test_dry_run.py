@@ -68,7 +68,7 @@ def test_a_free_axis_frees_a_row() -> None:
         "approach": 3,
         "orient": 2,
         "posture": 7,
-        "touch": 4,  # nine components of force, and four joints to exert them
+        "touch": 3,  # one force along the normal of each finger
     }
 
 
