@@ -160,6 +160,21 @@ def test_a_click_on_a_time_line_goes_there(shown: Page, recorded: Recorded) -> N
         assert (cursor - left) / width == pytest.approx(0.25, abs=0.01)
 
 
+def test_a_closer_look_is_one_for_all_and_ends(shown: Page) -> None:
+    whole = [pixels(shown, chart) for chart in (".chart canvas", ".chart + .chart canvas")]
+    widths = "[...document.querySelectorAll('.row b')].map((e) => e.style.width).join()"
+    before = shown.value(widths)
+    shown.press("+")
+    assert shown.value(widths) != before
+    for chart, image in zip((".chart canvas", ".chart + .chart canvas"), whole, strict=True):
+        assert (pixels(shown, chart) != image).any()
+    shown.press("-")
+    shown.press("-")
+    assert shown.value(widths) == before
+    for chart, image in zip((".chart canvas", ".chart + .chart canvas"), whole, strict=True):
+        assert (pixels(shown, chart) == image).all()
+
+
 def test_rows_say_every_letter_of_the_state(shown: Page, recorded: Recorded) -> None:
     names = shown.value("[...document.querySelectorAll('.row > span')].map((e) => e.textContent)")
     members = recorded.summary["members"]

@@ -139,6 +139,7 @@ async function main() {
   const keys = {
     " ": () => play(!playing), Home: () => seek(times[0]), End: () => seek(last),
     n: () => toTransition(1), p: () => toTransition(-1),
+    "+": () => timeline.zoomBy(0.5), "-": () => timeline.zoomBy(2),
     ArrowLeft: (event) => seek(now - (event.shiftKey ? 1 : period)),
     ArrowRight: (event) => seek(now + (event.shiftKey ? 1 : period)),
   };
@@ -165,7 +166,8 @@ async function main() {
   } catch (error) {
     tellProblem(new Error(`no 3-D view, since this browser offers no WebGL (${error.message})`));
   }
-  listeners.push(makeCameras(data), makeLevels(data), makeTimeline(data, seek));
+  const timeline = makeTimeline(data, seek);
+  listeners.push(makeCameras(data), makeLevels(data), timeline.show);
   const openHere = () => seek(Number(new URLSearchParams(location.hash.slice(1)).get("t")) || times[0]);
   addEventListener("hashchange", openHere);
   openHere();

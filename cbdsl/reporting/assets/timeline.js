@@ -51,9 +51,17 @@ function makeTimeline(data, seek) {
   view = [0, 0];
   zoom(whole);
 
-  return (t) => {
-    now = t;
-    showCursor();
+  return {
+    show(t) {
+      now = t;
+      showCursor();
+    },
+    // Around the cursor, within the whole.
+    zoomBy(factor) {
+      const half = Math.min((view[1] - view[0]) * factor, whole[1] - whole[0]) / 2;
+      const middle = Math.max(whole[0] + half, Math.min(whole[1] - half, now));
+      zoom([middle - half, middle + half]);
+    },
   };
 }
 
@@ -120,9 +128,11 @@ function addRow(parent, name, kind) {
     },
     place([start, stop]) {
       for (const { piece, from, to } of pieces) {
-        const percent = (t) => 100 * (t - start) / (stop - start);
-        piece.style.left = `${percent(from)}%`;
-        if (to > from) piece.style.width = `${percent(to) - percent(from)}%`;
+        // What begins before the view begins to be told at its edge.
+        const percent = (t) => Math.max(-1, Math.min(101, 100 * (t - start) / (stop - start)));
+        const left = from < start && to > start ? 0 : percent(from);
+        piece.style.left = `${left}%`;
+        if (to > from) piece.style.width = `${percent(to) - left}%`;
         if (piece.className === "star") piece.style.transform = "translateX(-100%)";
       }
     },
