@@ -1,0 +1,204 @@
+"""A backend without physics: ideal servos, ideal cameras, and contacts by geometry."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cbdsl.backends.backend import BackendError
+from cbdsl.backends.kinematic.cameras import Cameras, limbs
+from cbdsl.backends.kinematic.experimenter import Experimenter
+from cbdsl.backends.kinematic.handling import Handling
+from cbdsl.backends.kinematic.hands import Hands
+from cbdsl.backends.kinematic.links import Links
+from cbdsl.backends.kinematic.load_cells import LoadCells
+from cbdsl.backends.kinematic.servos import Servos
+from cbdsl.backends.kinematic.shape import draw
+from cbdsl.backends.kinematic.truth import Truth
+from cbdsl.backends.kinematic.world import World
+from cbdsl.documents.robot import RobotDocument
+from cbdsl.documents.stage import Context, StageDocument
+from cbdsl.robot.chains import root
+from cbdsl.robot.kinematics import Kinematics
+from cbdsl.robot.observation import Observation
+from cbdsl.robot.urdf import UrdfError, UrdfModel, read_urdf
+
+Floats = NDArray[np.float64]
+
+
+class KinematicBackend:
+    """A robot that is moved, in a world that gives way.
+
+    Joints are where their references are. Cameras see regions of colour where things are, as far
+    as nothing hides them. Fingertips are springs along the surfaces that they are pressed into;
+    those that go too deep are held back. What is grasped goes where the hands go, and what nobody
+    holds falls onto fixtures, rolls and slides, but never topples.
+
+    Args:
+        robot: what can be sensed and moved.
+        urdf: its model.
+        gui: must be false, since there is no window.
+
+    Attributes:
+        renderer: what makes the images, for people.
+        control_period: simulated time of one step, s.
+
+    Raises:
+        BackendError: robot file and model do not fit together, or a window is asked for.
+    """
+
+    renderer = "nothing (ideal cameras)"
+
+    def __init__(self, robot: RobotDocument, urdf: Path, gui: bool = False) -> None:
+        if gui:
+            raise BackendError("the kinematic backend has no window")
+        model = _fitting(robot, urdf)
+        links = Links(urdf)
+        self._robot = robot
+        self._kinematics = Kinematics(robot, urdf)
+        self._joints = self._kinematics.joints
+        self.control_period = 1 / robot.control.rate
+        self._servos = Servos(self._kinematics, links, self.control_period)
+        self._hands = Hands(robot, self._kinematics, model, links)
+        self._limbs = limbs(robot, self._kinematics, model, links)
+        self._nearest_to_zero = np.clip(0.0, self._kinematics.lower, self._kinematics.upper)
+
+    def reset(self, stage: StageDocument, context: str | None, rng: np.random.Generator) -> str:
+        """Begin an episode; see ``Backend.reset``."""
+        name = _choose(stage, context, rng)
+        chosen = stage.contexts[name]
+        # The sensors' noise has a stream of its own: who else draws from rng cannot change it.
+        noise = np.random.default_rng(rng.integers(2**63))
+        self._tick = 0
+        self._positions = self._reference = self._start(chosen, rng)
+        self._velocities = np.zeros_like(self._positions)
+        self._kinematics.update(self._positions)
+        self._world = World()
+        self._experimenter = Experimenter(stage, self._robot, self._kinematics, self._world, rng)
+        self._experimenter.furnish()
+        self._experimenter.present(chosen)
+        self._handling = Handling(self._world, self._hands, self._experimenter.shown)
+        #: What only the simulator knows, for tests.
+        self.truth = Truth(self._world, self._kinematics)
+        self._cells = LoadCells(self._hands.cells, self._robot, noise)
+        self._cameras = Cameras(self._robot, self._kinematics, self._limbs, stage.disturbance, rng)
+        self._observation = self._sense()
+        return name
+
+    def _start(self, context: Context, rng: np.random.Generator) -> Floats:
+        """Where the joints start, rad, shape (n,)."""
+        unknown = set(context.joints) - set(self._joints.names)
+        if unknown:
+            raise BackendError(
+                f"robot '{self._robot.name}' has no actuated joint "
+                + ", ".join(map(repr, sorted(unknown)))
+            )
+        start: Floats = self._nearest_to_zero.copy()
+        for name, effector in self._robot.effectors.items():
+            if effector.start is not None:
+                start[self._joints.of(name)] = effector.postures[effector.start]
+        for joint, span in context.joints.items():
+            start[self._joints.index[joint]] = draw(span, rng)
+        return start
+
+    def observe(self) -> Observation:
+        """The sensors now."""
+        return self._observation
+
+    def _sense(self) -> Observation:
+        return Observation(
+            time=self._tick * self.control_period,
+            positions=self._positions,
+            velocities=self._velocities,
+            loads=self._cells.read(),
+            images={},
+            regions=self._cameras.look(self._world) if self._image_is_due() else {},
+        )
+
+    def _image_is_due(self) -> bool:
+        """Whether the time for an image came within the last step; the first is at the start."""
+        per_tick = self._robot.vision.rate * self.control_period
+        # The small shares keep rounding from putting an image off to the next tick.
+        before, now = (int(tick * per_tick + 1e-6) for tick in (self._tick - 1, self._tick))
+        return self._tick == 0 or now > before
+
+    def apply(self, reference: Floats) -> None:
+        """Set the references of the actuated joints, rad, shape (n,), for the end of the step."""
+        self._reference = np.array(reference, dtype=np.float64)
+
+    def step(self) -> None:
+        """Let one control period pass."""
+        before = self._positions
+        self._positions = self._servos.follow(before, self._reference)
+        self._kinematics.update(self._positions)
+        self._experimenter.act(self._tick * self.control_period, touched=self._handling.touched)
+        self._handling.move(self.control_period)
+        blocked = self._handling.touch()
+        if blocked:
+            # What a fingertip cannot push away holds back the joints that push.
+            self._positions[blocked] = before[blocked]
+            self._kinematics.update(self._positions)
+            self._handling.touch()
+        self._cells.sample(self._handling.press())
+        self.truth.contacts = self._handling.contacts
+        self._velocities = (self._positions - before) / self.control_period
+        self._tick += 1
+        self._observation = self._sense()
+
+    def close(self) -> None:
+        """Nothing is held."""
+
+
+def _fitting(robot: RobotDocument, urdf: Path) -> UrdfModel:
+    """The model of a robot.
+
+    Raises:
+        BackendError: it cannot be read, or lacks something that the robot file names.
+    """
+    try:
+        model = read_urdf(urdf)
+    except UrdfError as error:
+        raise BackendError(f"the model cannot be read: {error}") from error
+    base = root(model)
+    if base != robot.base:
+        raise BackendError(
+            f"robot '{robot.name}' has the base '{robot.base}', "
+            f"but the root link of {urdf.name} is '{base}'"
+        )
+    joints = [joint for effector in robot.effectors.values() for joint in effector.joints]
+    missing = set(joints + list(robot.couplings)) - set(model.revolute)
+    if missing:
+        raise BackendError(
+            f"{urdf.name} has no revolute joint {', '.join(map(repr, sorted(missing)))}, "
+            f"which robot '{robot.name}' names"
+        )
+    _require_links(robot, model)
+    return model
+
+
+def _require_links(robot: RobotDocument, model: UrdfModel) -> None:
+    named = [camera.link for camera in robot.cameras.values()]
+    named += [cell.link for fingers in robot.load_cells.values() for cell in fingers.values()]
+    named += [each.tip.link for each in robot.effectors.values() if each.tip is not None]
+    for link in named:
+        if link not in model.links:
+            raise BackendError(
+                f"{model.path.name} has no link '{link}', which robot '{robot.name}' names"
+            )
+
+
+def _choose(stage: StageDocument, context: str | None, rng: np.random.Generator) -> str:
+    """The name of the context, drawn by the shares of all when it is ``None``.
+
+    Raises:
+        BackendError: the stage has no such context.
+    """
+    if context is None:
+        shares = np.array([each.share for each in stage.contexts.values()])
+        return list(stage.contexts)[int(rng.choice(len(shares), p=shares / shares.sum()))]
+    if context not in stage.contexts:
+        known = ", ".join(stage.contexts)
+        raise BackendError(f"stage '{stage.name}' has no context '{context}'; it has: {known}")
+    return context

@@ -1,0 +1,83 @@
+"""Grasps: what is held between fingertips goes where they go."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from itertools import combinations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cbdsl.backends.bullet.pose import Pose
+from cbdsl.backends.kinematic.hands import Contact, Hands
+from cbdsl.backends.kinematic.thing import GRAVITY, Thing
+
+Floats = NDArray[np.float64]
+
+#: Force per depth of a fingertip, N/m: what the force controllers of the robot file settle on
+#: within a few control ticks, where the softness of a real fingertip would need faster ones.
+STIFFNESS = 500.0
+
+
+class Grasp:
+    """Who holds one thing.
+
+    Two fingertips hold it if the way from one to the other lies within both of their friction
+    cones, and if the friction of all that belong to them can bear its weight. Those of one hand
+    come first, and whoever holds it keeps it as long as that lasts.
+
+    Attributes:
+        holders: names of the one or two hands that hold it; empty while nobody does.
+    """
+
+    def __init__(self, thing: Thing, hands: Hands) -> None:
+        self._thing = thing
+        self._hands = hands
+        self._relative = Pose(np.zeros(3), np.eye(3))
+        self.holders: tuple[str, ...] = ()
+
+    def follow(self) -> None:
+        """Move the thing with the hands that hold it."""
+        if self.holders:
+            self._thing.put(self._hands.carrier_pose(self.holders) @ self._relative)
+
+    def update(self, contacts: Sequence[Contact]) -> None:
+        """Find out who holds the thing now, and where."""
+        if not contacts:
+            self.holders = ()
+            return
+        hands = tuple(dict.fromkeys(contact.hand for contact in contacts))
+        wanted = (self.holders, *((hand,) for hand in hands), *combinations(hands, 2))
+        self.holders = next((each for each in wanted if each and self._holds(each, contacts)), ())
+        if self.holders:
+            carrier, pose = self._hands.carrier_pose(self.holders), self._thing.pose
+            turned = carrier.rotation.T
+            self._relative = Pose(
+                turned @ (pose.position - carrier.position), turned @ pose.rotation
+            )
+
+    def _holds(self, hands: tuple[str, ...], contacts: Sequence[Contact]) -> bool:
+        own = [contact for contact in contacts if contact.hand in hands]
+        friction = sum(self._friction(each) * STIFFNESS * each.depth for each in own)
+        return friction >= self._thing.mass * GRAVITY and any(
+            self._opposed(one, other) for one, other in combinations(own, 2)
+        )
+
+    def _opposed(self, one: Contact, other: Contact) -> bool:
+        way = other.point - one.point
+        distance = float(np.linalg.norm(way))
+        return distance > 0.0 and all(
+            sign * float(contact.normal @ way)
+            >= distance * math.cos(math.atan(self._friction(contact)))
+            for sign, contact in ((1, one), (-1, other))
+        )
+
+    def _friction(self, contact: Contact) -> float:
+        return contact.fingertip.friction * self._thing.surface.friction
+
+    def stick(self, contacts: Sequence[Contact]) -> float:
+        """The largest sidewise force that the fingertips' friction resists, N."""
+        if not self.holders:
+            return 0.0
+        return sum(self._friction(each) * STIFFNESS * each.depth for each in contacts)

@@ -1,0 +1,57 @@
+"""The fingertip load cells: what they read of the forces that act on them."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cbdsl.documents.robot import RobotDocument
+
+Floats = NDArray[np.float64]
+Cell = tuple[str, str]
+
+#: Noise of the torques per noise of the forces, m: about the radius of a fingertip.
+_LEVER = 0.012
+
+
+class LoadCells:
+    """Noisy readings of wrenches behind a first-order low-pass filter.
+
+    They read once per control tick what cells that sample at the physics rate would read: the
+    filter lags as much, and as much noise passes it.
+
+    Args:
+        cells: the load cells, as (hand, finger).
+        robot: states the cells' noise and filter, and the rates.
+        rng: draws the noise.
+    """
+
+    def __init__(
+        self, cells: tuple[Cell, ...], robot: RobotDocument, rng: np.random.Generator
+    ) -> None:
+        contact = robot.contact
+        self._cells = cells
+        self._gain = _gain(contact.filter, robot.control.rate)
+        often = _gain(contact.filter, robot.simulation.physics_rate)
+        passed = often / (2 - often) / (self._gain / (2 - self._gain))
+        levers = np.array([1.0, 1.0, 1.0, _LEVER, _LEVER, _LEVER])
+        self._noise = contact.noise * math.sqrt(passed) * levers
+        self._rng = rng
+        self._readings: Floats = np.zeros((len(cells), 6))
+
+    def sample(self, wrenches: Floats) -> None:
+        """Take in the wrenches of one control tick, shape (cells, 6)."""
+        noise = self._noise * self._rng.standard_normal(self._readings.shape)
+        self._readings += self._gain * (wrenches + noise - self._readings)
+
+    def read(self) -> Mapping[Cell, Floats]:
+        """Force, N, and torque, N m, that each fingertip exerts, world frame, shape (6,) each."""
+        return dict(zip(self._cells, self._readings.copy(), strict=True))
+
+
+def _gain(time_constant: float, rate: float) -> float:
+    """Share of a step that passes the filter within one of ``rate`` samples a second."""
+    return -math.expm1(-1 / (rate * time_constant)) if time_constant else 1.0

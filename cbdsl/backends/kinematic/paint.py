@@ -1,0 +1,24 @@
+"""Colours as the robot's channels have them."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from cbdsl.documents.robot import Channels
+from cbdsl.robot.channel_names import channel_names
+from cbdsl.robot.channels import ChannelFilter
+
+
+class Palette:
+    """Tells in which channels a colour is, in white light."""
+
+    def __init__(self, channels: Channels) -> None:
+        wanted = [name for name in channel_names(channels) if name != "motion"]
+        self._filter = ChannelFilter(channels, wanted, least_area=1)
+
+    def channels(self, color: Sequence[float]) -> tuple[str, ...]:
+        """Names of the channels of red, green and blue, each from 0 to 1."""
+        pixel = np.rint(255 * np.array(color)).astype(np.uint8)
+        return tuple(self._filter.regions(pixel.reshape(1, 1, 3)))

@@ -1,0 +1,70 @@
+"""Something that a stage has put into the world."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cbdsl.backends.bullet.pose import Pose
+from cbdsl.backends.kinematic.shape import Shape
+from cbdsl.backends.kinematic.solids import BALL, POSITION, ROTATION
+from cbdsl.documents.stage import Surface
+
+Floats = NDArray[np.float64]
+
+#: Acceleration of falling things, m/s^2.
+GRAVITY = 9.81
+
+
+class Thing:
+    """A fixture, or a thing that can be moved.
+
+    Attributes:
+        name: as the stage has it.
+        shape: of definite size.
+        surface: its colour and friction.
+        mass: kg; 0 for a fixture.
+        solid: as ``solids`` has it, shape (16,); its pose.
+        velocity: of its centre, m/s, shape (3,).
+        gripped: whether the experimenter holds it.
+    """
+
+    def __init__(self, name: str, shape: Shape, surface: Surface, mass: float, pose: Pose) -> None:
+        self.name = name
+        self.shape = shape
+        self.surface = surface
+        self.mass = mass
+        self.solid = shape.row(pose)
+        self.velocity: Floats = np.zeros(3)
+        self.gripped = False
+
+    @property
+    def position(self) -> Floats:
+        """Of its centre, m, shape (3,)."""
+        return self.solid[POSITION]
+
+    @property
+    def pose(self) -> Pose:
+        """Where it is now."""
+        return Pose(self.solid[POSITION].copy(), self.solid[ROTATION].reshape(3, 3).copy())
+
+    def put(self, pose: Pose) -> None:
+        """Put it there."""
+        self.solid[POSITION], self.solid[ROTATION] = pose.position, pose.rotation.ravel()
+
+    def shift(self, displacement: Floats) -> None:
+        """Move it, m, shape (3,)."""
+        self.solid[POSITION] += displacement
+
+    @property
+    def bottom(self) -> float:
+        """Height of its lowest point, m."""
+        return float(self.solid[6]) - self.shape.depth(self.solid[ROTATION].reshape(3, 3))
+
+    def resistance(self, floor: Thing) -> float:
+        """Deceleration while it rolls, or slides if it cannot roll, on a level floor, m/s^2."""
+        surface = self.surface
+        if self.shape.kind == BALL:
+            # A rolling ball has two fifths more inertia than its mass.
+            return 5 / 7 * surface.rolling_friction / self.shape.halves[0] * GRAVITY
+        return surface.friction * floor.surface.friction * GRAVITY

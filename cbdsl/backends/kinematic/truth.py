@@ -1,0 +1,66 @@
+"""The true state of the world. The experimenter and tests may ask; no observation tells."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cbdsl.backends.bullet.pose import Pose
+from cbdsl.backends.kinematic.hands import Contact
+from cbdsl.backends.kinematic.solids import BALL, BOX
+from cbdsl.backends.kinematic.thing import Thing
+from cbdsl.backends.kinematic.world import World
+from cbdsl.backends.scenery import Part
+from cbdsl.robot.kinematics import Kinematics
+
+Floats = NDArray[np.float64]
+
+
+class Truth:
+    """The true state of the world in one episode.
+
+    Attributes:
+        contacts: of all fingertips, as of the last step.
+    """
+
+    def __init__(self, world: World, kinematics: Kinematics) -> None:
+        self._world = world
+        self._kinematics = kinematics
+        self.contacts: list[Contact] = []
+
+    def names(self) -> tuple[str, ...]:
+        """What the stage has put into the world and not taken away."""
+        return tuple(self._world.things)
+
+    def pose(self, name: str) -> Pose:
+        """Where a fixture or thing is: its centre and axes."""
+        return self._world.things[name].pose
+
+    def parts(self, name: str) -> list[Part]:
+        """The shapes that a fixture or thing is made of."""
+        thing = self._world.things[name]
+        shape, size = _size(thing)
+        return [Part(shape, size, (0.0, 0.0, 0.0), (0.0, 0.0, 0.0, 1.0), thing.surface.color)]
+
+    def velocity(self, name: str) -> Floats:
+        """Velocity of a thing's centre while nothing holds it, m/s, shape (3,)."""
+        return self._world.things[name].velocity.copy()
+
+    def link_pose(self, link: str) -> Pose:
+        """Where a link of the robot is."""
+        frame = self._kinematics.frame(link)
+        return Pose(frame.position, frame.rotation)
+
+    def touched(self, name: str) -> bool:
+        """Whether any fingertip touches a fixture or thing."""
+        return any(contact.thing.name == name for contact in self.contacts)
+
+
+def _size(thing: Thing) -> tuple[str, tuple[float, ...]]:
+    """As ``Part`` names shapes and their sizes."""
+    a, b, c = thing.shape.halves
+    if thing.shape.kind == BALL:
+        return "ball", (a,)
+    if thing.shape.kind == BOX:
+        return "box", (2 * a, 2 * b, 2 * c)
+    return "cylinder", (a, 2 * c)

@@ -1,0 +1,107 @@
+"""The world besides the robot: what stands, rolls, falls, and goes along with hands."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cbdsl.backends.bullet.pose import Pose
+from cbdsl.backends.kinematic.shape import Shape
+from cbdsl.backends.kinematic.solids import BALL, CYLINDER, WIDTH
+from cbdsl.backends.kinematic.thing import GRAVITY, Thing
+from cbdsl.documents.stage import Surface
+
+Floats = NDArray[np.float64]
+
+# What is this near to a floor stands on it, m.
+_CLOSE = 1e-3
+# What has sunk further than this below a top is beside it, m.
+_BESIDE = 0.02
+
+
+class World:
+    """Things in one episode, moved without forces: they stay upright where they fall and roll.
+
+    Attributes:
+        things: fixtures and things by name.
+        solids: all of them in that order, as ``solids`` has them, shape (k, 16).
+    """
+
+    def __init__(self) -> None:
+        self.things: dict[str, Thing] = {}
+        self.solids: Floats = np.empty((0, WIDTH))
+
+    def add(self, name: str, shape: Shape, surface: Surface, mass: float, pose: Pose) -> Thing:
+        """Put something there; without mass it does not move."""
+        thing = self.things[name] = Thing(name, shape, surface, mass, pose)
+        self._gather()
+        return thing
+
+    def remove(self, name: str) -> None:
+        """Take something out of the world."""
+        del self.things[name]
+        self._gather()
+
+    def _gather(self) -> None:
+        """Let all things keep their poses in one array."""
+        self.solids = np.array([thing.solid for thing in self.things.values()])
+        self.solids = self.solids.reshape(len(self.things), WIDTH)
+        for thing, solid in zip(self.things.values(), self.solids, strict=True):
+            thing.solid = solid
+
+    def let_go(self, thing: Thing, period: float) -> None:
+        """Let something that nobody holds move for ``period``, s."""
+        floor = self.floor(thing)
+        if floor is not None and thing.velocity[2] <= 0.0:
+            self._roll(thing, floor, period)
+            return
+        thing.velocity[2] -= GRAVITY * period
+        thing.shift(period * thing.velocity)
+        self.land(thing)
+
+    def land(self, thing: Thing) -> None:
+        """Lift what has sunk into a fixture's top onto it."""
+        sunk = max((top - thing.bottom for top in self._tops(thing)), default=-math.inf)
+        if sunk > 0.0:
+            thing.shift(np.array([0.0, 0.0, sunk]))
+            thing.velocity[2] = 0.0
+
+    def floor(self, thing: Thing) -> Thing | None:
+        """The fixture that something stands on, if any."""
+        bottom = thing.bottom
+        for fixture in self.things.values():
+            top = _top(fixture, thing)
+            if top is not None and abs(bottom - top) < _CLOSE:
+                return fixture
+        return None
+
+    def _tops(self, thing: Thing) -> list[float]:
+        """Heights of the fixtures' tops below something, or not far above its lowest point."""
+        tops = [_top(fixture, thing) for fixture in self.things.values()]
+        return [top for top in tops if top is not None and top - thing.bottom < _BESIDE]
+
+    @staticmethod
+    def _roll(thing: Thing, floor: Thing, period: float) -> None:
+        speed = math.hypot(*thing.velocity[:2].tolist())
+        if speed == 0.0:
+            return
+        left = max(speed - thing.resistance(floor) * period, 0.0)
+        thing.velocity *= left / speed
+        thing.velocity[2] = 0.0
+        thing.shift(period * thing.velocity)
+
+
+def _top(fixture: Thing, thing: Thing) -> float | None:
+    """Height of a fixture's top under the middle of a thing, m, ``None`` where it is not under."""
+    if fixture.mass or fixture is thing:
+        return None
+    x, y, _ = (thing.position - fixture.position).tolist()
+    a, b, c = fixture.shape.halves
+    height = float(fixture.solid[6])
+    if fixture.shape.kind == BALL:
+        level = a * a - x * x - y * y
+        return height + math.sqrt(level) if level > 0 else None
+    inside = math.hypot(x, y) < a if fixture.shape.kind == CYLINDER else abs(x) < a and abs(y) < b
+    return height + c if inside else None
