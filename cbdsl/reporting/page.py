@@ -81,7 +81,7 @@ def _series(recorded: Recorded) -> dict[str, NDArray[Any]]:
     series["at_limits"] = arrays["at_limits"].astype(np.uint8)
     series["forces"] = np.linalg.norm(arrays["loads"][..., :3], axis=-1).astype(np.float32)
     for name, told in recorded.summary["signals"].items():
-        if told["type"] == "position" and told["place"]:
+        if told["place"]:
             series[f"point_{name}"] = arrays[f"signal_{name}"].astype(np.float32)
     return series
 

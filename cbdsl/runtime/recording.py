@@ -201,7 +201,7 @@ class Recording:
             "members": _members(self._program),
             "triples": {name: _triple(each) for name, each in self._controllers.items()},
             "signals": {
-                each.name: {"type": str(each.type), "place": isinstance(each.source, _PLACES)}
+                each.name: {"type": str(each.type), "place": _is_place(each)}
                 for each in self._resources
             },
             "scene": {
@@ -252,6 +252,11 @@ def _triple(controller: Controller) -> dict[str, object]:
         "effector": controller.effector.name,
         "unit": controller.feedback.type.unit,
     }
+
+
+def _is_place(resource: Resource) -> bool:
+    """Whether a resource's value is a point in the world."""
+    return str(resource.type) == "position" and isinstance(resource.source, _PLACES)
 
 
 def _value(resource: Resource, signals: Signals) -> NDArray[np.float64]:
