@@ -8,7 +8,8 @@ from cbdsl.checking.session import Session
 from cbdsl.documents.model import Gaussian, ModelDocument
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.errors.counting import count
-from cbdsl.types.resource import GaussianSample, KernelSample, Origin, Resource
+from cbdsl.program.binding import density_source
+from cbdsl.types.resource import Origin, Resource
 from cbdsl.types.resource_type import configuration
 from cbdsl.yaml_text.reader import Loaded
 from cbdsl.yaml_text.source_map import Step
@@ -33,15 +34,8 @@ def model_resource(
         return None
     effector = loaded.document.effector
     kind = configuration(len(body.document.joints(effector)))
-    return Resource(f"{effector}.{alias}", kind, Origin.MODEL, model_source(loaded.document))
-
-
-def model_source(document: ModelDocument) -> GaussianSample | KernelSample:
-    """What a model is drawn from."""
-    effector, density = document.effector, document.density
-    if isinstance(density, Gaussian):
-        return GaussianSample(effector, density.mean, density.deviation, density.uniform)
-    return KernelSample(effector, density.samples, density.bandwidth, density.uniform)
+    source = density_source(effector, loaded.document.density)
+    return Resource(f"{effector}.{alias}", kind, Origin.MODEL, source)
 
 
 def _fits(loaded: Loaded[ModelDocument], body: Body, findings: Findings) -> bool:

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
-from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -12,10 +10,10 @@ import typer
 
 if TYPE_CHECKING:
     from cbdsl.backends.backend import Backend
-    from cbdsl.documents.robot import RobotDocument
+    from cbdsl.cli.order import Order
     from cbdsl.documents.stage import StageDocument
-    from cbdsl.program.checked import CheckedProgram
     from cbdsl.program.transition import Transition
+    from cbdsl.robot.kinematics import Kinematics
     from cbdsl.runtime.episode import (
         EpisodeResult,
         Runner,
@@ -23,9 +21,7 @@ if TYPE_CHECKING:
         TickListener,
         TransitionListener,
     )
-    from cbdsl.runtime.policy import Policy
     from cbdsl.runtime.recording import Recording
-    from cbdsl.yaml_text.library import Library
 
 Program = Annotated[str, typer.Argument(help="A program: its file, or its name.")]
 Stage = Annotated[
@@ -60,17 +56,6 @@ Explain = Annotated[
     ),
 ]
 Json = Annotated[bool, typer.Option("--json", help="Print one JSON object per episode.")]
-
-
-@dataclass(frozen=True)
-class Order:
-    """What to run, read and checked."""
-
-    program: CheckedProgram
-    robot: RobotDocument
-    urdf: Path
-    stage: StageDocument
-    policy: Policy | None
 
 
 @dataclass(frozen=True)
@@ -109,11 +94,14 @@ def run(
     Exit 0 when it ran, rewarded or not, 1 when a document has errors, 2 when it could not run.
     """
     from cbdsl.cli.assignments import read_assignments
+    from cbdsl.cli.order import read_order
     from cbdsl.cli.quiet import shown_on_failure
+    from cbdsl.cli.simulation import simulation
 
-    order = _read(program, stage, policy, read_assignments(with_))
+    order = read_order(program, stage, policy, read_assignments(with_))
     _require_context(order.stage, context)
-    with shown_on_failure(), _simulation(order, backend, gui) as (body, runner):
+    with shown_on_failure(), simulation(order, backend, gui=gui) as (body, kinematics):
+        runner = _runner(order, kinematics, body)
         if record is not None:
             _require_folder(record)
         telling = Telling(record, explain, as_json)
@@ -126,73 +114,6 @@ def run(
             results.append(_episode(body, runner, order, seed + index, context, telling))
     if episodes > 1 and not as_json:
         _summarise(results)
-
-
-def _read(program: str, stage: str | None, policy: Path | None, values: Mapping[str, str]) -> Order:
-    from cbdsl.checking.program import check_program
-    from cbdsl.documents.program import ProgramDocument
-    from cbdsl.documents.robot import RobotDocument
-    from cbdsl.yaml_text.library import Library
-
-    library = Library()
-    path = library.locate(ProgramDocument, program)
-    checked = check_program(path, values, library)
-    robot_file = library.find(RobotDocument, checked.robot, path)
-    assert robot_file is not None, "a checked program has a robot"
-    robot = library.read(robot_file, RobotDocument).document
-    return Order(
-        program=checked,
-        robot=robot,
-        urdf=robot_file.parent / robot.model,
-        stage=_read_stage(stage, checked, path, library),
-        policy=None if policy is None else _read_policy(policy, checked, library),
-    )
-
-
-def _read_stage(
-    name: str | None, program: CheckedProgram, program_file: Path, library: Library
-) -> StageDocument:
-    from cbdsl.documents.stage import StageDocument
-    from cbdsl.errors.errors import UsageError
-
-    wanted = name or program.stage
-    if wanted is None:
-        known = ", ".join(library.names(StageDocument, program_file))
-        raise UsageError(f"{program.name} names no stage; give one with --stage (known: {known})")
-    file = library.find(StageDocument, wanted, program_file)
-    file = file or library.locate(StageDocument, wanted)
-    _require_clean(file, library)
-    stage = library.read(file, StageDocument).document
-    if stage.robot != program.robot:
-        raise UsageError(
-            f"{file}: stage '{stage.name}' is for robot '{stage.robot}', "
-            f"but program '{program.name}' is for '{program.robot}'"
-        )
-    return stage
-
-
-def _read_policy(file: Path, program: CheckedProgram, library: Library) -> Policy:
-    from cbdsl.documents.policy import PolicyDocument
-    from cbdsl.errors.errors import UsageError
-    from cbdsl.runtime.policy import WrittenPolicy
-
-    _require_clean(file, library)
-    document = library.read(file, PolicyDocument).document
-    if document.program != program.name:
-        raise UsageError(
-            f"{file}: this policy serves program '{document.program}', not '{program.name}'"
-        )
-    return WrittenPolicy(document.policy)
-
-
-def _require_clean(file: Path, library: Library) -> None:
-    from cbdsl.checking.document import check_document
-    from cbdsl.checking.session import Session
-    from cbdsl.errors.errors import DiagnosticsError
-
-    found = check_document(file, session=Session(library))
-    if any(diagnostic.is_error for diagnostic in found):
-        raise DiagnosticsError(found)
 
 
 def _require_context(stage: StageDocument, context: str | None) -> None:
@@ -218,33 +139,10 @@ def _require_folder(folder: Path) -> None:
         raise UsageError(f"--record {folder}: {error.strerror or error}") from error
 
 
-@contextmanager
-def _simulation(order: Order, backend: str, gui: bool) -> Iterator[tuple[Backend, Runner]]:
-    from cbdsl.cli.quiet import quiet_stderr
-    from cbdsl.errors.errors import UsageError
+def _runner(order: Order, kinematics: Kinematics, body: Backend) -> Runner:
+    from cbdsl.runtime.episode import Runner
 
-    try:
-        from cbdsl.backends.backend import BackendError, find_backend
-        from cbdsl.robot.kinematics import Kinematics
-        from cbdsl.runtime.episode import Runner
-
-        with quiet_stderr():
-            factory = find_backend(backend)
-        body = factory(order.robot, order.urdf, gui=gui)
-    except ModuleNotFoundError as error:
-        raise UsageError(
-            f"running needs {error.name}, which is not installed: pip install 'cbdsl[sim]'"
-        ) from error
-    except ImportError as error:
-        # A package is there, but not a system library that it needs, such as libgomp.
-        raise UsageError(f"running needs more than is installed: {error}; see README") from error
-    except BackendError as error:
-        raise UsageError(str(error)) from error
-    kinematics = Kinematics(order.robot, order.urdf)
-    try:
-        yield body, Runner(order.robot, kinematics, order.program, body, order.policy)
-    finally:
-        body.close()
+    return Runner(order.robot, kinematics, order.program, body)
 
 
 def _episode(

@@ -83,4 +83,7 @@ EXAMPLES: Mapping[str, tuple[Any, ...]] = {
     "Disturbance.camera_position": ("5 mm",),
     "PolicyDocument.predicates": (["search", "track"],),
     "PolicyDocument.policy": ({"**": "search ◁ track"},),
+    "PolicyDocument.models": ({"head.uniform": "searchtrack_head"},),
+    "PolicyDocument.values": ({"X0": {"track": 0.95}},),
+    "PolicyDocument.transitions": ({"XX": {"track": {"X0": 12, "X-": 13}}},),
 }

@@ -6,6 +6,7 @@ from cbdsl.errors.codes.compositions import COMPOSITIONS
 from cbdsl.errors.codes.controllers import CONTROLLERS
 from cbdsl.errors.codes.fields import FIELDS
 from cbdsl.errors.codes.ignores import IGNORES
+from cbdsl.errors.codes.policies import POLICIES
 from cbdsl.errors.codes.programs import PROGRAMS
 from cbdsl.errors.codes.reading import READING
 from cbdsl.errors.codes.robots import ROBOTS
@@ -25,6 +26,7 @@ CATALOGUE: dict[str, Entry] = {
         CONTROLLERS,
         FIELDS,
         PROGRAMS,
+        POLICIES,
         UNUSED,
         IGNORES,
     )

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import tempfile
+from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
 
@@ -29,6 +30,14 @@ class _Dumper(yaml.SafeDumper):
 
     def ignore_aliases(self, data: Any) -> bool:
         return True
+
+    def represent_sequence(
+        self, tag: str, sequence: Iterable[Any], flow_style: bool | None = None
+    ) -> yaml.SequenceNode:
+        """A row of numbers is written as one, not as a column."""
+        items = list(sequence)
+        plain = not any(isinstance(item, (dict, list, tuple)) for item in items)
+        return super().represent_sequence(tag, items, flow_style or plain)
 
     def text(self, data: str) -> yaml.ScalarNode:
         # YAML folds these line breaks into spaces unless they are escaped.

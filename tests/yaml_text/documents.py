@@ -132,13 +132,28 @@ STAGE = data(
         ),
     }
 )
+COUNT = st.integers(1, 10**9)
+STATES = st.text("X-01", min_size=1, max_size=4)
 POLICY = data(
     {
         **head("policy"),
         "program": NAME,
         "predicates": st.lists(TEXT, max_size=3),
         "policy": many(TEXT, TEXT),
-    }
+    },
+    {
+        "models": many(NAME, TEXT),
+        "values": many(many(NUMBER, TEXT), STATES),
+        "transitions": many(many(many(COUNT, STATES), TEXT), STATES),
+        "curve": data(
+            {
+                "context": st.just(["here", "there"]),
+                "reward": st.tuples(COUNT, COUNT),
+                "transitions": st.tuples(COUNT, COUNT),
+                "ticks": st.tuples(COUNT, COUNT),
+            }
+        ),
+    },
 )
 
 VECTOR = st.lists(NUMBER, min_size=1, max_size=3)

@@ -1,0 +1,117 @@
+"""What a command is to run: a program on a stage, found, read and checked."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from cbdsl.documents.robot import RobotDocument
+    from cbdsl.documents.stage import StageDocument
+    from cbdsl.program.checked import CheckedProgram
+    from cbdsl.yaml_text.library import Library
+
+
+@dataclass(frozen=True)
+class Order:
+    """What to run, read and checked.
+
+    Attributes:
+        program: as it will run.
+        program_file: its document.
+        robot: what runs it.
+        urdf: the robot's model.
+        stage: who is shown what, where.
+        library: where all of them were found.
+    """
+
+    program: CheckedProgram
+    program_file: Path
+    robot: RobotDocument
+    urdf: Path
+    stage: StageDocument
+    library: Library
+
+
+def read_order(
+    program: str, stage: str | None, policy: Path | None, values: Mapping[str, str]
+) -> Order:
+    """Read and check what a user asks for.
+
+    Args:
+        program: a file or a name.
+        stage: a file or a name; without it the program's own.
+        policy: file of a policy that takes the place of the program's.
+        values: of the program's parameters.
+
+    Raises:
+        DiagnosticsError: a document has errors.
+        UsageError: there is no such document, or they do not fit each other.
+    """
+    from cbdsl.checking.program import check_program
+    from cbdsl.documents.program import ProgramDocument
+    from cbdsl.documents.robot import RobotDocument
+    from cbdsl.yaml_text.library import Library
+
+    library = Library()
+    path = library.locate(ProgramDocument, program)
+    checked = check_program(path, values, library)
+    robot_file = library.find(RobotDocument, checked.robot, path)
+    assert robot_file is not None, "a checked program has a robot"
+    robot = library.read(robot_file, RobotDocument).document
+    return Order(
+        program=checked if policy is None else _under_policy(checked, policy, library),
+        program_file=path,
+        robot=robot,
+        urdf=robot_file.parent / robot.model,
+        stage=_read_stage(stage, checked, path, library),
+        library=library,
+    )
+
+
+def _read_stage(
+    name: str | None, program: CheckedProgram, program_file: Path, library: Library
+) -> StageDocument:
+    from cbdsl.documents.stage import StageDocument
+    from cbdsl.errors.errors import UsageError
+
+    wanted = name or program.stage
+    if wanted is None:
+        known = ", ".join(library.names(StageDocument, program_file))
+        raise UsageError(f"{program.name} names no stage; give one with --stage (known: {known})")
+    file = library.find(StageDocument, wanted, program_file)
+    file = file or library.locate(StageDocument, wanted)
+    _require_clean(file, library)
+    stage = library.read(file, StageDocument).document
+    if stage.robot != program.robot:
+        raise UsageError(
+            f"{file}: stage '{stage.name}' is for robot '{stage.robot}', "
+            f"but program '{program.name}' is for '{program.robot}'"
+        )
+    return stage
+
+
+def _under_policy(program: CheckedProgram, file: Path, library: Library) -> CheckedProgram:
+    from cbdsl.checking.policy import with_policy
+    from cbdsl.documents.policy import PolicyDocument
+    from cbdsl.errors.errors import UsageError
+
+    _require_clean(file, library)
+    loaded = library.read(file, PolicyDocument)
+    if loaded.document.program != program.name:
+        raise UsageError(
+            f"{file}: this policy serves program '{loaded.document.program}', not '{program.name}'"
+        )
+    return with_policy(program, loaded, library)
+
+
+def _require_clean(file: Path, library: Library) -> None:
+    from cbdsl.checking.document import check_document
+    from cbdsl.checking.session import Session
+    from cbdsl.errors.errors import DiagnosticsError
+
+    found = check_document(file, session=Session(library))
+    if any(diagnostic.is_error for diagnostic in found):
+        raise DiagnosticsError(found)

@@ -1,0 +1,46 @@
+"""The body that a command runs programs on."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from cbdsl.backends.backend import Backend
+    from cbdsl.cli.order import Order
+    from cbdsl.robot.kinematics import Kinematics
+
+
+@contextmanager
+def simulation(
+    order: Order, backend: str, *, gui: bool = False
+) -> Iterator[tuple[Backend, Kinematics]]:
+    """The robot of an order on a backend, and its kinematics.
+
+    Raises:
+        UsageError: there is no such backend, or what it needs is not installed.
+    """
+    from cbdsl.cli.quiet import quiet_stderr
+    from cbdsl.errors.errors import UsageError
+
+    try:
+        from cbdsl.backends.backend import BackendError, find_backend
+        from cbdsl.robot.kinematics import Kinematics
+
+        with quiet_stderr():
+            factory = find_backend(backend)
+        body = factory(order.robot, order.urdf, gui=gui)
+    except ModuleNotFoundError as error:
+        raise UsageError(
+            f"running needs {error.name}, which is not installed: pip install 'cbdsl[sim]'"
+        ) from error
+    except ImportError as error:
+        # A package is there, but not a system library that it needs, such as libgomp.
+        raise UsageError(f"running needs more than is installed: {error}; see README") from error
+    except BackendError as error:
+        raise UsageError(str(error)) from error
+    try:
+        yield body, Kinematics(order.robot, order.urdf)
+    finally:
+        body.close()

@@ -1,0 +1,79 @@
+"""Where knowledge comes from, so that it can be had again, and is not taken for other."""
+
+from __future__ import annotations
+
+import platform
+from dataclasses import asdict, dataclass
+from importlib.metadata import PackageNotFoundError, version
+
+from cbdsl.documents.digest import digest
+from cbdsl.documents.document import Document
+from cbdsl.documents.policy import Identity, Provenance
+from cbdsl.documents.robot import RobotDocument
+from cbdsl.documents.stage import StageDocument
+from cbdsl.training.trial import Trial
+
+# What episodes and documents are computed with; those that are not installed had no part in it.
+_PACKAGES = ("cbdsl", "moderngl", "numba", "numpy", "opencv-python-headless", "pin", "pybullet")
+
+
+@dataclass(frozen=True)
+class Setting:
+    """What an outcome depends on besides the trial itself.
+
+    Attributes:
+        program_sha256: of the program's text; see ``program_digest``.
+        robot: what runs it.
+        stage: where.
+        backend: name of what embodies the robot.
+        renderer: what makes its images.
+    """
+
+    program_sha256: str
+    robot: RobotDocument
+    stage: StageDocument
+    backend: str
+    renderer: str
+
+
+def provenance_of(trial: Trial, setting: Setting, episodes: int, command: str) -> Provenance:
+    """All that the outcome of a trial depends on.
+
+    Args:
+        trial: what is learned, by which constants and chance.
+        setting: where.
+        episodes: how many.
+        command: what learns it again.
+    """
+    program = trial.program
+    limits = {"transitions": program.transitions, "transition_time": program.transition_time}
+    return Provenance(
+        command=command,
+        program=Identity(name=program.name, sha256=setting.program_sha256),
+        parameters=dict(program.parameters),
+        actions=tuple(action.name for action in program.actions),
+        robot=_identity(setting.robot),
+        stage=_identity(setting.stage),
+        algorithm="accommodate",
+        constants=asdict(trial.constants) | limits,
+        seed=trial.seed,
+        trial=trial.number,
+        episodes=episodes,
+        backend=setting.backend,
+        renderer=setting.renderer,
+        versions=_versions(),
+    )
+
+
+def _identity(document: Document) -> Identity:
+    return Identity(name=document.name, sha256=digest(document))
+
+
+def _versions() -> dict[str, str]:
+    found = {"python": platform.python_version()}
+    for package in _PACKAGES:
+        try:
+            found[package] = version(package)
+        except PackageNotFoundError:
+            continue
+    return found

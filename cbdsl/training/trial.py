@@ -1,0 +1,79 @@
+"""One trial: episodes from which one learner learns (Algorithm 1)."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from cbdsl.learning.accommodate import Accommodate, Constants
+from cbdsl.learning.experience import Experience
+from cbdsl.program.binding import bind, density_source, internal_models
+from cbdsl.program.checked import CheckedProgram
+from cbdsl.training.classroom import Classroom
+from cbdsl.types.resource import GaussianSample, KernelSample, UniformSample
+
+# What an episode's seed is used for besides the world (0) and the program's draws (1).
+_EXPLORATION = 2
+
+
+class Trial:
+    """Learns a program from zero, one episode at a time.
+
+    All that it knows follows from its experiences: to give them to another trial in the same
+    order makes that the same trial.
+
+    Attributes:
+        program: what is learned; its actions are what can be chosen.
+        constants: of the algorithm.
+        seed: of all chance.
+        number: which of several trials with this seed.
+        learner: what was learned so far.
+        experiences: the episodes so far.
+    """
+
+    def __init__(
+        self, program: CheckedProgram, constants: Constants, seed: int, number: int = 0
+    ) -> None:
+        self.program, self.constants = program, constants
+        self.seed, self.number = seed, number
+        self.learner = Accommodate([action.name for action in program.actions], constants)
+        self.experiences: list[Experience] = []
+
+    def replay(self, experience: Experience) -> None:
+        """Take in the next episode, which was run before."""
+        self.learner.replay(experience)
+        self.experiences.append(experience)
+
+    def run(self, classroom: Classroom) -> Experience:
+        """Run the next episode and learn from it."""
+        seed = self._next_seed()
+        explorer = self.learner.explorer(np.random.default_rng([seed, _EXPLORATION]))
+        program = bind(self.program, self._sources())
+        experience = classroom.hold(program, explorer, seed, self.learner.see)
+        self.learner.remember(experience)
+        self.experiences.append(experience)
+        return experience
+
+    def learned_models(self) -> dict[str, str]:
+        """By internal model of the program that starts uniform, the effector that it is of.
+
+        Only those of effectors that were rewarded so far; models that the program names itself
+        are known already, and stay as they are.
+        """
+        known = self.learner.densities()
+        return {
+            name: resource.source.effector
+            for name, resource in internal_models(self.program).items()
+            if isinstance(resource.source, UniformSample) and resource.source.effector in known
+        }
+
+    def _sources(self) -> dict[str, GaussianSample | KernelSample]:
+        densities = self.learner.densities()
+        return {
+            name: density_source(effector, densities[effector])
+            for name, effector in self.learned_models().items()
+        }
+
+    def _next_seed(self) -> int:
+        """Seed of the next episode, with which ``cb run`` meets the same world."""
+        entropy = np.random.SeedSequence([self.seed, self.number, len(self.experiences)])
+        return int(entropy.generate_state(1)[0])
