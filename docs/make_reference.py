@@ -1,0 +1,345 @@
+"""Writes docs/reference.md: everything that programs, documents and ``cb`` are made of.
+
+Run ``python docs/make_reference.py`` after a change of types, potentials, units, documents,
+commands, findings or Dexter. Equal code gives an equal page.
+"""
+
+from __future__ import annotations
+
+import json
+import re
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+import typer
+
+from cbdsl.cli.main import build_app
+from cbdsl.documents.json_schema import json_schema
+from cbdsl.documents.robot import RobotDocument
+from cbdsl.errors.catalogue import CATALOGUE
+from cbdsl.errors.entry import Entry
+from cbdsl.robot.channel_names import channel_names
+from cbdsl.robot.resources import resources
+from cbdsl.types.casts import CASTS, Cast
+from cbdsl.types.potential import POTENTIALS, PotentialType
+from cbdsl.types.resource import Resource
+from cbdsl.types.resource_type import TYPES
+from cbdsl.types.unit import UNITS
+from cbdsl.yaml_text.library import Library
+from cbdsl.yaml_text.reader import KINDS
+from cbdsl.yaml_text.writer import write_text
+
+ROOT = Path(__file__).parents[1]
+FILE = ROOT / "docs" / "reference.md"
+
+_HEAD = """\
+# Reference
+
+[Types and casts](#types-and-casts), [potentials](#potentials), [resources](#resources-of-dexter),
+[units](#units), [commands](#commands), [documents](#documents) and [findings](#findings). This page
+is written from the code by `python docs/make_reference.py`: it lists what
+[documents.md](documents.md) and [control.md](control.md) explain.
+"""
+
+Rows = Iterable[Sequence[object]]
+
+
+def page() -> str:
+    """The whole page."""
+    parts = (_types(), _potentials(), _dexter(), _units(), _commands(), _documents(), _findings())
+    return "\n".join([_HEAD, *parts])
+
+
+def _section(level: int, title: str, *parts: str) -> str:
+    return "\n".join([f"{'#' * level} {title}\n", *parts])
+
+
+def _table(head: Sequence[str], rows: Rows) -> str:
+    lines = [head, ["---"] * len(head), *rows]
+    return "".join("| " + " | ".join(map(_cell, line)) + " |\n" for line in lines)
+
+
+def _cell(value: object) -> str:
+    if isinstance(value, bool):
+        return "yes" if value else ""
+    return str(value).replace("|", "\\|").replace("*(", "\\*(")
+
+
+def _code(text: object) -> str:
+    return f"`{text}`"
+
+
+def _types() -> str:
+    types = ((_code(t.name), t.space, t.dimension or "n", t.unit) for t in TYPES.values())
+    casts = (
+        (_factors(cast), cast.name, cast.target, _carried(cast), cast.equation) for cast in CASTS
+    )
+    return "\n".join(
+        [
+            _section(
+                2,
+                "Types and casts",
+                "The types of signals (Table 3.1), and what leads from one to another.\n",
+                _table(("type", "space", "components", "unit"), types),
+            ),
+            _table(("from", "cast", "to", "carries", "defined by"), casts),
+        ]
+    )
+
+
+def _factors(cast: Cast) -> str:
+    return cast.source if cast.factors == 1 else f"{cast.source} x {cast.factors}"
+
+
+def _carried(cast: Cast) -> str:
+    return "values" if cast.value else "displacements"
+
+
+def _potentials() -> str:
+    head = ("potential", "defined by", "feedback", "reference", "minimum is 0")
+    navigation = ("potential", "analytic", "polar", "admissible", "Morse", "for")
+    signatures = (
+        (
+            _code(each.name),
+            f"{each.symbol}, {each.equation}",
+            _accepted(each),
+            each.reference,
+            each.zero_minimum,
+        )
+        for each in POTENTIALS.values()
+    )
+    conditions = ((_code(each.name), *each.navigation) for each in POTENTIALS.values())
+    return "\n".join(
+        [
+            _section(2, "Potentials", _table(head, signatures)),
+            "Which conditions of a navigation function each meets, and for which feedback:\n",
+            _table(navigation, conditions),
+        ]
+    )
+
+
+def _accepted(potential: PotentialType) -> str:
+    """The types that a potential is defined on, in the order of Table 3.1."""
+    if potential.accepts == set(TYPES):
+        return "any"
+    several = f" x {potential.factors}" if (potential.factors or 1) > 1 else ""
+    return ", ".join(f"{name}{several}" for name in TYPES if name in potential.accepts)
+
+
+def _dexter() -> str:
+    """Dexter's resources by pattern: each name that differs in one kind of word only."""
+    library = Library(ROOT)
+    robot = library.read(library.locate(RobotDocument, "dexter"), RobotDocument).document
+    words = _placeholders(robot)
+    patterns: dict[str, list[Resource]] = {}
+    for resource in resources(robot).values():
+        pattern = ".".join(_placeholder(word, words) for word in resource.name.split("."))
+        patterns.setdefault(pattern, []).append(resource)
+    head = ("resource", "type", "unit", "origin", "can be moved", "how many")
+    rows = (
+        (
+            _code(pattern),
+            ", ".join(dict.fromkeys(_any_size(str(each.type)) for each in found)),
+            found[0].type.unit,
+            found[0].origin.value,
+            found[0].movable,
+            len(found),
+        )
+        for pattern, found in patterns.items()
+    )
+    names = ((_code(f"<{word}>"), ", ".join(map(_code, each))) for word, each in words.items())
+    return "\n".join(
+        [
+            _section(
+                2,
+                "Resources of Dexter",
+                "`cb show resources` lists every name, `--robot NAME` those of another robot.\n",
+                _table(head, rows),
+            ),
+            _table(("word", "stands for"), names),
+        ]
+    )
+
+
+def _placeholders(robot: RobotDocument) -> dict[str, list[str]]:
+    """What the words in the names of a robot's resources stand for."""
+    effectors = robot.effectors
+    postures = [name for effector in effectors.values() for name in effector.postures]
+    fingers = [finger for cells in robot.load_cells.values() for finger in cells]
+    channels = [*channel_names(robot.vision.channels), *robot.vision.channels.aliases]
+    hands = list(robot.load_cells)
+    words = {
+        "arm": [name for name, effector in effectors.items() if effector.tip],
+        "hand": hands,
+        "group": list(robot.groups),
+        "posture": postures,
+        "finger": fingers,
+        "camera": list(robot.cameras),
+        "channel": channels,
+    }
+    return {word: list(dict.fromkeys(names)) for word, names in words.items()}
+
+
+def _placeholder(word: str, words: Mapping[str, Sequence[str]]) -> str:
+    return next((f"<{name}>" for name, known in words.items() if word in known), word)
+
+
+def _any_size(kind: str) -> str:
+    return re.sub(r"\[\d+\]", "[n]", kind)
+
+
+def _units() -> str:
+    dimensions = dict.fromkeys(unit.dimension for unit in UNITS.values())
+    rows = []
+    for dimension in dimensions:
+        si, *others = (unit for unit in UNITS.values() if unit.dimension == dimension)
+        written = (
+            _code(u.symbol) if u.factor == 1 else f"`{u.symbol}` ({u.factor:.6g})" for u in others
+        )
+        rows.append((dimension, _code(si.symbol), ", ".join(written)))
+    return _section(
+        2,
+        "Units",
+        "A number without a unit is in the first one; in brackets, how much of it others are.\n",
+        _table(("quantity", "unit", "others"), rows),
+    )
+
+
+def _commands() -> str:
+    app = typer.main.get_command(build_app())
+    parts = [_command(name, command) for name, command in _leaves("cb", app)]
+    words = "Each has `--help`. In brackets is what can be left out.\n"
+    return _section(2, "Commands", words, *parts)
+
+
+def _leaves(name: str, command: Any) -> Iterator[tuple[str, Any]]:
+    """All commands that do something, with all that is typed for each."""
+    if not hasattr(command, "commands"):
+        yield name, command
+        return
+    for word, each in command.commands.items():
+        yield from _leaves(f"{name} {word}", each)
+
+
+def _command(name: str, command: Any) -> str:
+    given = [each for each in command.params if each.name != "help"]
+    typed = [_typed(each) for each in given if each.param_type_name == "argument"]
+    paragraphs = (" ".join(part.split()) for part in (command.help or "").split("\n\n"))
+    words = "".join(f"{part}\n\n" for part in paragraphs)
+    rows = [(_code(_typed(each)), each.help, _preset(each)) for each in given]
+    return _section(
+        3, _code(" ".join([name, *typed])), words + _table(("", "what it is", "default"), rows)
+    )
+
+
+def _typed(parameter: Any) -> str:
+    """An argument as a word in capitals, or all spellings of an option."""
+    if parameter.param_type_name == "option":
+        return ", ".join([*parameter.opts, *parameter.secondary_opts])
+    word = parameter.metavar or parameter.name.upper()
+    word += "..." if parameter.nargs == -1 else ""
+    return word if parameter.required else f"[{word}]"
+
+
+def _preset(parameter: Any) -> str:
+    """The value that an option has without being given."""
+    value = getattr(parameter.default, "value", parameter.default)
+    if parameter.required or value is None or value is False or value == []:
+        return ""
+    return _code(parameter.opts[0] if value is True else value)
+
+
+def _documents() -> str:
+    words = "Every key of every kind; what is a section of its own is linked.\n"
+    return _section(2, "Documents", words, *(_kind(kind) for kind in KINDS))
+
+
+def _kind(kind: str) -> str:
+    schema = _schema(kind)
+    sections = {
+        name: each for name, each in schema["$defs"].items() if each.get("type") == "object"
+    }
+    parts = [_keys(4, f"{kind}: {each['title']}", each, kind) for each in sections.values()]
+    return "\n".join([_keys(3, f"Kind {kind}", schema, kind), *parts])
+
+
+@cache
+def _schema(kind: str) -> dict[str, Any]:
+    return json_schema(KINDS[kind])
+
+
+def _keys(level: int, title: str, schema: Mapping[str, Any], kind: str) -> str:
+    needed = schema.get("required", ())
+    rows = (
+        (_code(key), *_meaning(value), _shape(value, kind), _filled(value, key in needed))
+        for key, value in schema["properties"].items()
+    )
+    head = ("key", "meaning", "unit", "value", "default")
+    return _section(level, title, schema["description"] + "\n", _table(head, rows))
+
+
+def _meaning(value: Mapping[str, Any]) -> tuple[str, str]:
+    """What a key says, and the SI units that it may have."""
+    words, _, units = value["description"].partition(" Unit: ")
+    symbols = re.sub(r" \(or written: [^)]*\)", "", units.rstrip("."))
+    return words, ", ".join(map(_code, symbols.split(", "))) if symbols else ""
+
+
+def _filled(value: Mapping[str, Any], needed: bool) -> str:
+    if needed:
+        return "required"
+    default = value.get("default")
+    return "" if default in (None, "", {}, []) else _code(json.dumps(default))
+
+
+_WORDS = {"string": "text", "boolean": "`true`, `false`", "integer": "whole number"}
+
+
+def _shape(value: Mapping[str, Any], kind: str) -> str:
+    """What a value looks like: a word, a list of words, or a link to a section."""
+    if "$ref" in value:
+        return _named(value["$ref"].rpartition("/")[2], kind)
+    for one_of in ("anyOf", "oneOf"):
+        if one_of in value:
+            given = (each for each in value[one_of] if each != {"type": "null"})
+            return " or ".join(dict.fromkeys(_shape(each, kind) for each in given))
+    if "const" in value or "enum" in value:
+        return ", ".join(map(_code, value.get("enum") or [value["const"]]))
+    if value["type"] == "array":
+        count = value.get("maxItems")
+        return f"list of {f'{count} x ' if count else ''}{_shape(value['items'], kind)}"
+    if value["type"] == "object":
+        return f"mapping to {_shape(value['additionalProperties'], kind)}"
+    return _WORDS.get(value["type"], "number")
+
+
+def _named(definition: str, kind: str) -> str:
+    """A definition: a section of this kind, a name, or else a quantity."""
+    schema = _schema(kind)["$defs"][definition]
+    if schema.get("type") == "object":
+        title = schema["title"]
+        return f"[{title}](#{anchor(f'{kind}: {title}')})"
+    return "name" if definition == "Name" else "quantity"
+
+
+def _findings() -> str:
+    entries = sorted(CATALOGUE.values(), key=lambda entry: entry.code)
+    rows = ((_finding(entry), entry.title, entry.severity.value) for entry in entries)
+    words = "`cb explain CODE` explains one, with an example.\n"
+    return _section(2, "Findings", words, _table(("code", "what is wrong", "severity"), rows))
+
+
+def _finding(entry: Entry) -> str:
+    kind = "" if entry.severity.value == "error" else " (warning)"
+    return f"[{entry.code}](diagnostics.md#{anchor(f'{entry.code}: {entry.title}{kind}')})"
+
+
+def anchor(heading: str) -> str:
+    """The name by which a heading of a page is linked to."""
+    return re.sub(r"[^\w -]", "", heading.lower()).replace(" ", "-")
+
+
+if __name__ == "__main__":
+    write_text(page(), FILE)
