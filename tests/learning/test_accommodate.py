@@ -1,0 +1,75 @@
+"""ACCOMMODATE learns from experience, and nothing but the experience matters."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from cbdsl.learning.accommodate import Accommodate, Constants
+from cbdsl.learning.experience import Experience
+from cbdsl.program.transition import Transition
+from tests.learning.conftest import Made
+
+ACTIONS = ("search", "track")
+
+
+def experience(transitions: tuple[Transition, ...], head: tuple[float, ...]) -> Experience:
+    return Experience("here", 1, transitions, {"head": head}, 9, 0.15)
+
+
+def knowledge(learner: Accommodate) -> object:
+    return dict(learner.values.items()), dict(learner.counts.items()), learner.densities()
+
+
+def test_a_rewarded_transition_ends_its_episode(made: Made) -> None:
+    learner = Accommodate(ACTIONS, Constants(alpha=1.0))
+    learner.see(made("X1", "search", "0X"))
+    learner.see(made("0X", "track", "X1"))
+    # Were the episode to go on, X1 would be worth something: the first transition leads there.
+    learner.see(made("X1", "search", "0X"))
+    learner.see(made("0X", "track", "X1"))
+    assert learner.values.value("X1", "search") == pytest.approx(0.8)
+    assert learner.values.value("0X", "track") == pytest.approx(1.0)
+
+
+def test_replayed_experience_is_the_same_knowledge(made: Made) -> None:
+    first = (made("XX", "track", "X-"), made("X-", "search", "0X"), made("0X", "track", "X1"))
+    second = (made("XX", "track", "X-"), made("X-", "track", "X-"), made("X-", "search", "0X"))
+    lived, told = Accommodate(ACTIONS, Constants()), Accommodate(ACTIONS, Constants())
+    for transitions in (first, second, first):
+        for transition in transitions:
+            lived.see(transition)
+        lived.remember(experience(transitions, (0.1, 0.2)))
+        told.replay(experience(transitions, (0.1, 0.2)))
+    assert knowledge(told) == knowledge(lived)
+
+
+def test_it_learns_to_search_where_nothing_is_seen_and_to_track_where_something_is(
+    made: Made,
+) -> None:
+    learner, rng = Accommodate(ACTIONS, Constants()), np.random.default_rng(5)
+    for _ in range(200):
+        state = "XX"
+        explorer = learner.explorer(rng)
+        while state != "X1":
+            action = explorer.choose(state, changed=True)
+            seen = state in ("X0", "1X") or (state == "XX" and rng.random() < 0.5)
+            after = "1X" if action == "search" else "X-" if not seen else "X0"
+            after = "X1" if (state, action) == ("X0", "track") else after
+            learner.see(made(state, action, after))
+            state = after
+    greedy = learner.greedy()
+    assert greedy == {"XX": "track", "X-": "search", "1X": "track", "X0": "track"}
+
+
+def test_what_was_never_rewarded_has_no_density(made: Made) -> None:
+    learner = Accommodate(ACTIONS, Constants())
+    learner.replay(Experience("here", 1, (made("XX", "track", "X-"),), {}, 9, 0.15))
+    assert learner.densities() == {}
+
+
+def test_a_policy_covers_the_states_in_which_something_was_tried(made: Made) -> None:
+    learner = Accommodate(ACTIONS, Constants())
+    learner.replay(experience((made("XX", "track", "X0"), made("X0", "track", "X1")), (0, 0)))
+    assert set(learner.greedy()) == {"XX", "X0"}
+    assert learner.explorer(np.random.default_rng(0)).choose("--", changed=False) in ACTIONS
