@@ -10,8 +10,8 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from cbdsl.control.compiled import compiled, compiled_once
 from cbdsl.control.signal import Floats
+from cbdsl.robot.compiled import compiled, compiled_once
 
 Booleans = NDArray[np.bool_]
 Integers = NDArray[np.int64]

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 import pinocchio
@@ -11,18 +12,9 @@ from numpy.typing import NDArray
 
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.robot.joints import Joints
+from cbdsl.robot.motion import curvature_at, jacobian_at
 
 Floats = NDArray[np.float64]
-
-
-#: The Levi-Civita symbol: ``_CROSS.dot(u)`` is the matrix that takes the product u x v from v.
-_CROSS: Floats = np.array(
-    [
-        [[0.0, 0.0, 0.0], [0.0, 0.0, -1.0], [0.0, 1.0, 0.0]],
-        [[0.0, 0.0, 1.0], [0.0, 0.0, 0.0], [-1.0, 0.0, 0.0]],
-        [[0.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 0.0]],
-    ]
-)
 
 
 @dataclass(frozen=True)
@@ -38,24 +30,34 @@ class Frame:
     rotation: Floats
 
 
-class _Support:
-    """The k joints that move a link.
+class Point(NamedTuple):
+    """A point of a link, and how it and the link move.
 
     Attributes:
-        velocities: their indices among the model's velocities, from the root outwards, shape (k,).
-        expansion: their velocities per velocity of the actuated joints, shape (k, n).
-        columns: indices of these joints among the actuated ones, where they are all actuated
-            themselves, shape (k,); otherwise ``None``.
-        in_order: whether joint i is not beyond joint j, shape (k, k).
+        position: world frame, m, shape (3,).
+        jacobian: linear above angular velocity, world axes, per joint velocity, shape (6, n).
     """
 
-    def __init__(self, velocities: NDArray[np.intp], expansion: Floats) -> None:
-        self.velocities = velocities
-        self.expansion = expansion
-        columns = np.argmax(expansion, axis=1)
-        direct = np.array_equal(expansion, np.eye(expansion.shape[1])[columns])
-        self.columns = columns if direct else None
-        self.in_order = np.triu(np.ones((len(velocities), len(velocities)), dtype=bool))
+    position: Floats
+    jacobian: Floats
+
+
+class _Link(NamedTuple):
+    """A link, and the k joints that move it.
+
+    Attributes:
+        position: its origin in the world frame, m, shape (3,), and
+        rotation: its axes as columns, shape (3, 3): memory that Pinocchio updates.
+        moved: their indices among the model's velocities, from the root outwards, shape (k,).
+        columns: indices of the actuated joints that they follow, shape (k,).
+        ratios: their velocities per velocity of those, shape (k,).
+    """
+
+    position: Floats
+    rotation: Floats
+    moved: NDArray[np.intp]
+    columns: NDArray[np.intp]
+    ratios: Floats
 
 
 class Kinematics:
@@ -83,75 +85,62 @@ class Kinematics:
         self._expansion[columns] = self.joints.expansion
         self.lower: Floats = self._model.lowerPositionLimit[own]
         self.upper: Floats = self._model.upperPositionLimit[own]
-        self._indices: dict[str, int] = {}
-        self._supports: dict[str, _Support] = {}
+        self._has_wheels = self._model.nq != self._model.nv
+        self._links: dict[str, _Link] = {}
         self._frames: dict[str, Frame] = {}
-        self._full: dict[str, Floats] = {}
         self._jacobians: dict[str, Floats] = {}
+        #: Spatial velocities per velocity of the model's joints, shape (6, nv), in place as well.
+        self._axes: Floats = self._data.J
         self.update(np.minimum(np.maximum(0.0, self.lower), self.upper))
 
     def update(self, positions: Floats) -> None:
         """Set the actuated joint positions, rad, shape (n,)."""
         turned = self._expansion.dot(positions)
-        if self._model.nq != self._model.nv:
+        if self._has_wheels:
             # A joint without limits has two coordinates and one velocity.
             turned = pinocchio.integrate(self._model, pinocchio.neutral(self._model), turned)
         pinocchio.computeJointJacobians(self._model, self._data, turned)
         pinocchio.updateFramePlacements(self._model, self._data)
         self._frames.clear()
-        self._full.clear()
         self._jacobians.clear()
 
     def frame(self, link: str) -> Frame:
-        """The placement of a link."""
+        """The placement of a link, which stays as it is now."""
         found = self._frames.get(link)
         if found is None:
-            placement = self._data.oMf[self._index(link)]
-            found = Frame(placement.translation.copy(), placement.rotation.copy())
-            self._frames[link] = found
+            here = self._link(link)
+            found = self._frames[link] = Frame(here.position.copy(), here.rotation.copy())
         return found
 
     def jacobian(self, link: str) -> Floats:
         """Linear and angular velocity of a link, world axes, per joint velocity, shape (6, n)."""
         found = self._jacobians.get(link)
         if found is None:
-            found = self._jacobians[link] = self._full_jacobian(link).dot(self._expansion)
+            here = self._link(link)
+            found = self._jacobians[link] = self._jacobian(here, here.position)
         return found
 
-    def curvature(self, link: str, lever: Floats) -> Floats:
-        """The derivative of a link's Jacobian by the joints.
+    def point(self, link: str, offset: Floats) -> Point:
+        """A point of a link, ``offset`` from its origin in its own axes, m, shape (3,)."""
+        here = self._link(link)
+        position = here.position + here.rotation.dot(offset)
+        return Point(position, self._jacobian(here, position))
 
-        A joint turns the axes and levers of the joints beyond it, and moves the point as it turns
-        those before it: of joints i before j, the column of either changes by the other as
-        omega_i x v_j; their axes change as omega_i x omega_j, by joint i alone.
+    def curvature(self, link: str, lever: Floats, rows: int = 6) -> Floats:
+        """The derivative of a link's Jacobian by the joints.
 
         Args:
             link: the link.
             lever: from the link's origin to the point that moves, world axes, m, shape (3,).
+            rows: 6, or 3 for the linear velocity alone.
 
         Returns:
-            Shape (6, n, n): entry (k, i, j) is the change of the Jacobian's entry (k, i) per
+            Shape (rows, n, n): entry (k, i, j) is the change of the Jacobian's entry (k, i) per
             joint j, linear above angular velocity.
         """
-        support = self._support(link)
-        full = self._full_jacobian(link)[:, support.velocities]
-        angular = full[3:]  # (3, k)
-        axes = _CROSS.dot(angular).transpose(0, 2, 1)  # (3, k, 3)
-        linear = full[:3] + axes.dot(lever)
-        moved = np.matmul(axes, linear)
-        turned = np.matmul(axes, angular)
-        own = np.concatenate(
-            (
-                np.where(support.in_order, moved, moved.transpose(0, 2, 1)),
-                np.where(support.in_order, 0.0, turned.transpose(0, 2, 1)),
-            )
-        )
-        if support.columns is None:
-            return np.asarray(np.matmul(support.expansion.T, np.matmul(own, support.expansion)))
-        joints = support.expansion.shape[1]
-        curvature: Floats = np.zeros((6, joints, joints))
-        curvature[:, support.columns[:, None], support.columns] = own
-        return curvature
+        here = self._link(link)
+        at, joints = here.position + lever, len(self.lower)
+        return curvature_at(at, self._axes, here.moved, here.columns, here.ratios, joints, rows)
 
     def moving(self, link: str) -> frozenset[str]:
         """Names of the model's joints that move a link, passive ones too."""
@@ -163,34 +152,30 @@ class Kinematics:
         model, data = self._model, self._data
         return np.array([data.oMi[model.getJointId(name)].translation for name in joints])
 
-    def _full_jacobian(self, link: str) -> Floats:
-        """By all velocities of the model, passive joints too, shape (6, nv)."""
-        found = self._full.get(link)
+    def _jacobian(self, link: _Link, point: Floats) -> Floats:
+        joints = len(self.lower)
+        return jacobian_at(point, self._axes, link.moved, link.columns, link.ratios, joints)
+
+    def _link(self, name: str) -> _Link:
+        found = self._links.get(name)
         if found is None:
-            found = self._full[link] = pinocchio.getFrameJacobian(
-                self._model,
-                self._data,
-                self._index(link),
-                pinocchio.ReferenceFrame.LOCAL_WORLD_ALIGNED,
-            )
+            found = self._links[name] = self._found(name)
         return found
 
-    def _support(self, link: str) -> _Support:
-        found = self._supports.get(link)
-        if found is None:
-            joint = self._model.frames[self._index(link)].parentJoint
-            # The first entry is the world; every further one is a joint, from the root outwards.
-            joints = [self._model.joints[i] for i in list(self._model.supports[joint])[1:]]
-            velocities = np.array([j.idx_v for j in joints], dtype=np.intp)
-            found = self._supports[link] = _Support(velocities, self._expansion[velocities])
-        return found
+    def _found(self, name: str) -> _Link:
+        index = self._index(name)
+        placement, joint = self._data.oMf[index], self._model.frames[index].parentJoint
+        # The first entry is the world; every further one is a joint, from the root outwards.
+        joints = [self._model.joints[i] for i in list(self._model.supports[joint])[1:]]
+        velocities = np.array([each.idx_v for each in joints], dtype=np.intp)
+        own = self._expansion[velocities]
+        rows, columns = np.nonzero(own)
+        ratios = own[rows, columns]
+        return _Link(placement.translation, placement.rotation, velocities[rows], columns, ratios)
 
     def _index(self, link: str) -> int:
-        index = self._indices.get(link)
-        if index is None:
-            # Frames of joints may have the same names as frames of links.
-            index = self._model.getFrameId(link, pinocchio.FrameType.BODY)
-            if index >= self._model.nframes:
-                raise KeyError(link)
-            self._indices[link] = index
+        # Frames of joints may have the same names as frames of links.
+        index: int = self._model.getFrameId(link, pinocchio.FrameType.BODY)
+        if index >= self._model.nframes:
+            raise KeyError(link)
         return index

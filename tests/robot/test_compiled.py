@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from cbdsl.control import compiled
+from cbdsl.robot import compiled
 
 
 def twice(x: float) -> float:

@@ -1,0 +1,107 @@
+"""How a point moves with the joints, from their axes (Eq 3.11 and 3.12); compiled."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cbdsl.robot.compiled import compiled, compiled_once
+
+Floats = NDArray[np.float64]
+Integers = NDArray[np.int64]
+
+
+@compiled_once
+def jacobian_at(
+    point: Floats, axes: Floats, moved: Integers, columns: Integers, ratios: Floats, joints: int
+) -> Floats:
+    """Linear above angular velocity of what is at a point now, per joint velocity.
+
+    Args:
+        point: world frame, m, shape (3,).
+        axes: spatial velocities at the world's origin, linear above angular, per velocity of the
+            model's joints, shape (6, nv).
+        moved: which of the model's joints move the point, from the root outwards, shape (k,).
+        columns: the actuated joint that each of them follows, shape (k,).
+        ratios: how far it follows, shape (k,).
+        joints: number of actuated joints, n.
+
+    Returns:
+        World axes, shape (6, n).
+    """
+    jacobian = np.zeros((6, joints))
+    for i in range(len(moved)):
+        twist = _twist(point, axes[:, moved[i]], ratios[i])
+        for row in range(6):
+            jacobian[row, columns[i]] += twist[row]
+    return jacobian
+
+
+@compiled_once
+def curvature_at(
+    point: Floats,
+    axes: Floats,
+    moved: Integers,
+    columns: Integers,
+    ratios: Floats,
+    joints: int,
+    rows: int,
+) -> Floats:
+    """The derivative of ``jacobian_at`` by the joints, of the point that moves along with them.
+
+    A joint turns the axes and levers of the joints beyond it, and moves the point as it turns
+    those before it: of joints i before j, the column of either changes by the other as
+    omega_i x v_j; their axes change as omega_i x omega_j, by joint i alone.
+
+    Args:
+        point, axes, moved, columns, ratios, joints: as above.
+        rows: 3 for the linear part alone, 6 for both.
+
+    Returns:
+        Shape (rows, n, n): entry (k, i, j) is the change of the Jacobian's entry (k, i) per joint
+        j.
+    """
+    curvature = np.zeros((rows, joints, joints))
+    for i in range(len(moved)):
+        first = _twist(point, axes[:, moved[i]], ratios[i])
+        for j in range(i, len(moved)):
+            second = _twist(point, axes[:, moved[j]], ratios[j])
+            one, other = columns[i], columns[j]
+            change = _cross(first[3:], second[:3])
+            for row in range(3):
+                curvature[row, other, one] += change[row]
+                if i != j:
+                    curvature[row, one, other] += change[row]
+            if rows == 6:
+                change = _cross(first[3:], second[3:])
+                for row in range(3):
+                    curvature[3 + row, other, one] += change[row]
+    return curvature
+
+
+Vector = tuple[float, float, float]
+
+
+@compiled
+def _twist(
+    point: Floats, axis: Floats, ratio: float
+) -> tuple[float, float, float, float, float, float]:
+    """Linear and angular velocity at a point, of a joint that turns by ``ratio``."""
+    vx, vy, vz, x, y, z = axis[0], axis[1], axis[2], axis[3], axis[4], axis[5]
+    return (
+        ratio * (vx + y * point[2] - z * point[1]),
+        ratio * (vy + z * point[0] - x * point[2]),
+        ratio * (vz + x * point[1] - y * point[0]),
+        ratio * x,
+        ratio * y,
+        ratio * z,
+    )
+
+
+@compiled
+def _cross(left: Vector, right: Vector) -> Vector:
+    return (
+        left[1] * right[2] - left[2] * right[1],
+        left[2] * right[0] - left[0] * right[2],
+        left[0] * right[1] - left[1] * right[0],
+    )
