@@ -12,9 +12,11 @@ from numpy.typing import NDArray
 
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.robot.joints import Joints
-from cbdsl.robot.motion import curvature_at, jacobian_at
+from cbdsl.robot.motion import Integers, Vector, curvature_at, point_at
 
 Floats = NDArray[np.float64]
+
+_ORIGIN = (0.0, 0.0, 0.0)
 
 
 @dataclass(frozen=True)
@@ -48,16 +50,14 @@ class _Link(NamedTuple):
     Attributes:
         position: its origin in the world frame, m, shape (3,), and
         rotation: its axes as columns, shape (3, 3): memory that Pinocchio updates.
-        moved: their indices among the model's velocities, from the root outwards, shape (k,).
-        columns: indices of the actuated joints that they follow, shape (k,).
-        ratios: their velocities per velocity of those, shape (k,).
+        support: their indices among the model's velocities, from the root outwards, shape (k,);
+            indices of the actuated joints that they follow, shape (k,); their velocities per
+            velocity of those, shape (k,).
     """
 
     position: Floats
     rotation: Floats
-    moved: NDArray[np.intp]
-    columns: NDArray[np.intp]
-    ratios: Floats
+    support: tuple[Integers, Integers, Floats]
 
 
 class Kinematics:
@@ -88,7 +88,7 @@ class Kinematics:
         self._has_wheels = self._model.nq != self._model.nv
         self._links: dict[str, _Link] = {}
         self._frames: dict[str, Frame] = {}
-        self._jacobians: dict[str, Floats] = {}
+        self._points: dict[tuple[str, Vector], Point] = {}
         #: Spatial velocities per velocity of the model's joints, shape (6, nv), in place as well.
         self._axes: Floats = self._data.J
         self.update(np.minimum(np.maximum(0.0, self.lower), self.upper))
@@ -102,7 +102,7 @@ class Kinematics:
         pinocchio.computeJointJacobians(self._model, self._data, turned)
         pinocchio.updateFramePlacements(self._model, self._data)
         self._frames.clear()
-        self._jacobians.clear()
+        self._points.clear()
 
     def frame(self, link: str) -> Frame:
         """The placement of a link, which stays as it is now."""
@@ -114,33 +114,32 @@ class Kinematics:
 
     def jacobian(self, link: str) -> Floats:
         """Linear and angular velocity of a link, world axes, per joint velocity, shape (6, n)."""
-        found = self._jacobians.get(link)
+        return self.point(link, _ORIGIN).jacobian
+
+    def point(self, link: str, offset: Vector) -> Point:
+        """A point of a link, ``offset`` from its origin in its own axes, m."""
+        found = self._points.get((link, offset))
         if found is None:
-            here = self._link(link)
-            found = self._jacobians[link] = self._jacobian(here, here.position)
+            here, axes, joints = self._link(link), self._axes, len(self.lower)
+            found = self._points[link, offset] = Point(
+                *point_at(here.position, here.rotation, offset, axes, *here.support, joints)
+            )
         return found
 
-    def point(self, link: str, offset: Floats) -> Point:
-        """A point of a link, ``offset`` from its origin in its own axes, m, shape (3,)."""
-        here = self._link(link)
-        position = here.position + here.rotation.dot(offset)
-        return Point(position, self._jacobian(here, position))
-
-    def curvature(self, link: str, lever: Floats, rows: int = 6) -> Floats:
-        """The derivative of a link's Jacobian by the joints.
+    def curvature(self, link: str, point: Floats, rows: int) -> Floats:
+        """The derivative of the Jacobian of a point of a link by the joints.
 
         Args:
-            link: the link.
-            lever: from the link's origin to the point that moves, world axes, m, shape (3,).
+            link: what the point moves with.
+            point: world frame, m, shape (3,).
             rows: 6, or 3 for the linear velocity alone.
 
         Returns:
             Shape (rows, n, n): entry (k, i, j) is the change of the Jacobian's entry (k, i) per
             joint j, linear above angular velocity.
         """
-        here = self._link(link)
-        at, joints = here.position + lever, len(self.lower)
-        return curvature_at(at, self._axes, here.moved, here.columns, here.ratios, joints, rows)
+        support = self._link(link).support
+        return curvature_at(point, self._axes, *support, len(self.lower), rows)
 
     def moving(self, link: str) -> frozenset[str]:
         """Names of the model's joints that move a link, passive ones too."""
@@ -151,10 +150,6 @@ class Kinematics:
         """Origins of the named joints in the world frame, m, shape (len(joints), 3)."""
         model, data = self._model, self._data
         return np.array([data.oMi[model.getJointId(name)].translation for name in joints])
-
-    def _jacobian(self, link: _Link, point: Floats) -> Floats:
-        joints = len(self.lower)
-        return jacobian_at(point, self._axes, link.moved, link.columns, link.ratios, joints)
 
     def _link(self, name: str) -> _Link:
         found = self._links.get(name)
@@ -170,8 +165,8 @@ class Kinematics:
         velocities = np.array([each.idx_v for each in joints], dtype=np.intp)
         own = self._expansion[velocities]
         rows, columns = np.nonzero(own)
-        ratios = own[rows, columns]
-        return _Link(placement.translation, placement.rotation, velocities[rows], columns, ratios)
+        support = velocities[rows], columns, own[rows, columns]
+        return _Link(placement.translation, placement.rotation, support)
 
     def _index(self, link: str) -> int:
         # Frames of joints may have the same names as frames of links.

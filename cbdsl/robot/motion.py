@@ -9,32 +9,48 @@ from cbdsl.robot.compiled import compiled, compiled_once
 
 Floats = NDArray[np.float64]
 Integers = NDArray[np.int64]
+Vector = tuple[float, float, float]
 
 
 @compiled_once
-def jacobian_at(
-    point: Floats, axes: Floats, moved: Integers, columns: Integers, ratios: Floats, joints: int
-) -> Floats:
-    """Linear above angular velocity of what is at a point now, per joint velocity.
+def point_at(
+    origin: Floats,
+    rotation: Floats,
+    offset: Vector,
+    axes: Floats,
+    moved: Integers,
+    columns: Integers,
+    ratios: Floats,
+    joints: int,
+) -> tuple[Floats, Floats]:
+    """A point of a link, and its Jacobian.
 
     Args:
-        point: world frame, m, shape (3,).
+        origin: of the link, world frame, m, shape (3,).
+        rotation: the link's axes as columns, shape (3, 3).
+        offset: from the origin to the point in the link's axes, m.
         axes: spatial velocities at the world's origin, linear above angular, per velocity of the
             model's joints, shape (6, nv).
-        moved: which of the model's joints move the point, from the root outwards, shape (k,).
+        moved: which of the model's joints move the link, from the root outwards, shape (k,).
         columns: the actuated joint that each of them follows, shape (k,).
         ratios: how far it follows, shape (k,).
         joints: number of actuated joints, n.
 
     Returns:
-        World axes, shape (6, n).
+        Position, world frame, m, shape (3,); linear above angular velocity, world axes, per joint
+        velocity, shape (6, n).
     """
+    point = np.empty(3)
+    for row in range(3):
+        point[row] = origin[row]
+        for column in range(3):
+            point[row] += rotation[row, column] * offset[column]
     jacobian = np.zeros((6, joints))
     for i in range(len(moved)):
         twist = _twist(point, axes[:, moved[i]], ratios[i])
         for row in range(6):
             jacobian[row, columns[i]] += twist[row]
-    return jacobian
+    return point, jacobian
 
 
 @compiled_once
@@ -47,14 +63,15 @@ def curvature_at(
     joints: int,
     rows: int,
 ) -> Floats:
-    """The derivative of ``jacobian_at`` by the joints, of the point that moves along with them.
+    """The derivative of a point's Jacobian by the joints, as the point moves along with them.
 
     A joint turns the axes and levers of the joints beyond it, and moves the point as it turns
     those before it: of joints i before j, the column of either changes by the other as
     omega_i x v_j; their axes change as omega_i x omega_j, by joint i alone.
 
     Args:
-        point, axes, moved, columns, ratios, joints: as above.
+        point: world frame, m, shape (3,).
+        axes, moved, columns, ratios, joints: as above.
         rows: 3 for the linear part alone, 6 for both.
 
     Returns:
@@ -77,9 +94,6 @@ def curvature_at(
                 for row in range(3):
                     curvature[3 + row, other, one] += change[row]
     return curvature
-
-
-Vector = tuple[float, float, float]
 
 
 @compiled

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cbdsl.documents.robot import RobotDocument
-from cbdsl.robot.kinematics import Kinematics
+from cbdsl.robot.kinematics import Kinematics, Point
 from cbdsl.robot.reading import Reading, stacked, transform
 from cbdsl.types.resource import Centroid, Separation
 from cbdsl.types.resource import Tip as TipSource
@@ -44,7 +44,8 @@ class Tips:
 
     def position(self, effector: str) -> Reading:
         """The position of one effector's tip."""
-        return self.tip(TipSource(effector, "position"), 0.0)
+        point = self._point(effector, 0.0)
+        return Reading(point.position, point.jacobian[:3], self.stamp)
 
     def mean(self, tips: list[Reading]) -> Reading:
         """The mean of positions."""
@@ -53,27 +54,19 @@ class Tips:
 
     def normal(self, effector: str) -> Floats:
         """The +z axis of a tip, the direction in which a palm faces, world frame, shape (3,)."""
-        tip = self._robot.effectors[effector].tip
-        assert tip is not None
-        return self._kinematics.frame(tip.link).rotation[:, 2]
+        return self._kinematics.frame(self._link(effector)).rotation[:, 2]
 
     def tip(self, source: TipSource, standoff: float) -> Reading:
         """A tip's reading, with its control point ``standoff`` metres along the tip's +z axis."""
-        tip = self._robot.effectors[source.effector].tip
-        assert tip is not None
-        kinematics = self._kinematics
-        frame, jacobian = kinematics.frame(tip.link), kinematics.jacobian(tip.link)
+        if source.part == "position":
+            point = self._point(source.effector, standoff)
+            return Reading(point.position, point.jacobian[:3], self.stamp)
+        link = self._link(source.effector)
+        rotation = self._kinematics.frame(link).rotation
         if source.part == "orientation":
-            return Reading(frame.rotation, jacobian[3:], self.stamp)
-        x, y, z = tip.offset
-        lever = frame.rotation.dot((x, y, z + standoff))
-        # The control point moves by v + omega x lever.
-        linear = jacobian[:3] - _cross_matrix(lever).dot(jacobian[3:])
-        position = frame.position + lever
-        if source.part == "pose":
-            pose = transform(frame.rotation, position)
-            return Reading(pose, np.vstack((linear, jacobian[3:])), self.stamp)
-        return Reading(position, linear, self.stamp)
+            return Reading(rotation, self._kinematics.jacobian(link)[3:], self.stamp)
+        point = self._point(source.effector, standoff)
+        return Reading(transform(rotation, point.position), point.jacobian, self.stamp)
 
     def manipulator(self, effector: str, part: str) -> Reading:
         """The manipulator Jacobian of an effector's tip, with its curvature (Eq 3.5).
@@ -82,25 +75,31 @@ class Tips:
             effector: an effector with a tip, or a group, whose members' Jacobians are stacked.
             part: ``position`` for three rows a tip, ``pose`` for six.
         """
-        rows = 3 if part == "position" else 6
-        tips = [self.tip(TipSource(name, part), 0.0) for name in self._robot.members(effector)]
+        members = self._robot.members(effector)
+        if len(members) == 1:
+            return self._manipulator(members[0], part)
+        tips = [self._manipulator(member, part) for member in members]
         return Reading(
-            np.concatenate([tip.value[:3, 3] if rows == 6 else tip.value for tip in tips]),
+            np.concatenate([tip.value for tip in tips]),
             np.concatenate([tip.jacobian for tip in tips]),
             self.stamp,
-            curvature=np.concatenate(
-                [self._curvature(name)[:rows] for name in self._robot.members(effector)]
-            ),
+            curvature=np.concatenate([tip.curvature for tip in tips]),
         )
 
-    def _curvature(self, effector: str) -> Floats:
+    def _manipulator(self, effector: str, part: str) -> Reading:
+        rows = 3 if part == "position" else 6
+        position, jacobian = self._point(effector, 0.0)
+        curvature = self._kinematics.curvature(self._link(effector), position, rows)
+        return Reading(position, jacobian[:rows], self.stamp, curvature=curvature)
+
+    def _point(self, effector: str, standoff: float) -> Point:
+        """The control point of an effector."""
         tip = self._robot.effectors[effector].tip
         assert tip is not None
-        lever = self._kinematics.frame(tip.link).rotation.dot(tip.offset)
-        return self._kinematics.curvature(tip.link, lever)
+        x, y, z = tip.offset
+        return self._kinematics.point(tip.link, (x, y, z + standoff))
 
-
-def _cross_matrix(v: Floats) -> Floats:
-    """The matrix that takes the cross product with ``v`` from the left."""
-    x, y, z = v.tolist()
-    return np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
+    def _link(self, effector: str) -> str:
+        tip = self._robot.effectors[effector].tip
+        assert tip is not None
+        return tip.link
