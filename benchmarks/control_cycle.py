@@ -88,8 +88,8 @@ class Cycle:
     @property
     def action(self) -> str:
         """What runs, and how many levels act."""
-        action = self._run.action
-        return f"{action.name if action else 'nothing'}, {len(self._actuation.levels)} levels"
+        action, step = self._run.action, self._actuation.step
+        return f"{action.name if action else 'nothing'}, {len(step.levels) if step else 0} levels"
 
 
 def whole(cycle: Cycle, restarts: int) -> list[float]:

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cbdsl.control.signal import Floats
-from cbdsl.robot.compiled import compiled, compiled_once
+from cbdsl.robot.compiled import compiled, compiled_once, compiled_sum
 
 Booleans = NDArray[np.bool_]
 Integers = NDArray[np.int64]
@@ -30,6 +30,7 @@ _SLACK = 1e-12
 @compiled_once
 def compose(
     rows: Floats,
+    before: Floats,
     wanted: Floats,
     ends: Integers,
     positions: Floats,
@@ -42,6 +43,7 @@ def compose(
 
     Args:
         rows: task coordinates per joint of all levels, highest priority first, shape (k, n).
+        before: the same one tick before, shape (k, n).
         wanted: displacement of the task coordinates, shape (k,).
         ends: index after the last row of each level, shape (levels,).
         positions: of the joints, rad, shape (n,).
@@ -55,7 +57,7 @@ def compose(
         joint back, shape (n,); the singular values of what was left to each level, unsorted, 0
         where rows were dependent, shape (k,).
     """
-    joints = rows.shape[1]
+    rows, joints = midway(rows, before), rows.shape[1]
     total, locked = np.zeros(joints), np.zeros(joints, dtype=np.bool_)
     values = np.zeros(len(rows))
     squares = _dot(rows.ravel(), rows.ravel()) + _dot(wanted, wanted)
@@ -86,6 +88,12 @@ def compose(
     for joint in range(joints):
         total[joint] = min(max(total[joint], bounds[0, joint]), bounds[1, joint])
     return total, locked, values
+
+
+@compiled_once
+def midway(rows: Floats, before: Floats) -> Floats:
+    """Rows half a tick ahead, turning on as since those of the tick before, shape (k, n)."""
+    return 1.5 * rows - 0.5 * before
 
 
 @compiled
@@ -126,7 +134,7 @@ def _without(locked: Booleans, basis: Floats, taken: int) -> int:
         if locked[joint] and taken < len(basis):
             for column in range(len(locked)):
                 basis[taken, column] = 1.0 if column == joint else 0.0
-            _project(basis[taken], basis, taken)
+            _project(basis, taken, basis, taken)
             if _norm(basis[taken]) > _ROUNDING:
                 _orthonormalize(basis, taken)
                 taken += 1
@@ -161,58 +169,80 @@ def _invert(
         The displacement, damped along small singular values, shape (n,); how many rows the basis
         has with the level's directions added to it.
     """
-    size = _norm(rows.ravel())
-    rest = np.empty(rows.shape)
+    rest = rows.copy()
     for i in range(len(rows)):
-        _set(rest[i], rows[i], 1.0)
-        _project(rest[i], basis, taken)
-    _separate(rest, velocity, _ROUNDING * size)
-    change, below = np.zeros(rows.shape[1]), taken
-    for i in range(len(rest)):
-        values[i] = 0.0
-        value = _norm(rest[i])
-        if value > _ROUNDING * size and below < len(basis):
-            values[i] = value
-            _set(basis[below], rest[i], 1.0)
-            _orthonormalize(basis, below)
-            _add(change, basis[below], velocity[i] * _damped_inverse(value, damping, threshold))
-            below += 1
-    return change, below
+        _project(rest, i, basis, taken)
+    parts = _extend(rest, basis, taken, _ROUNDING * _norm(rows.ravel()))
+    directions = basis[taken : taken + len(parts)]
+    _separate(parts, directions)
+    change, values[:] = np.zeros(rows.shape[1]), 0.0
+    for i in range(len(parts)):
+        values[i] = _norm(parts[i])
+        along = _dot(parts[i], velocity) / values[i]
+        _add(change, directions[i], along * _damped_inverse(values[i], damping, threshold))
+    return change, taken + len(parts)
 
 
 @compiled
-def _separate(rows: Floats, velocity: Floats, least: float) -> None:
-    """Turn rows until they are orthogonal, and ``velocity`` with them: one-sided Jacobi.
+def _extend(rest: Floats, basis: Floats, taken: int, least: float) -> Floats:
+    """Add orthonormal directions that span the rows to a basis, and subtract them from the rows.
+
+    Gram and Schmidt's way, longest row first, down to rows no longer than ``least``.
+
+    Returns:
+        The rows' parts in these directions, shape (rank, k).
+    """
+    parts = np.empty((min(len(rest), len(basis) - taken), len(rest)))
+    for found in range(len(parts)):
+        longest, size = 0, 0.0
+        for i in range(len(rest)):
+            length = _norm(rest[i])
+            if length > size:
+                longest, size = i, length
+        if size <= least:
+            return parts[:found]
+        direction = basis[taken + found]
+        _set(direction, rest[longest], 1.0)
+        _orthonormalize(basis, taken + found)
+        for i in range(len(rest)):
+            parts[found, i] = _dot(rest[i], direction)
+            _add(rest[i], direction, -parts[found, i])
+    return parts
+
+
+@compiled
+def _separate(parts: Floats, directions: Floats) -> None:
+    """Turn rows until they are orthogonal, and directions with them: one-sided Jacobi.
 
     The lengths of the rows are then their singular values, and small ones are as precise as large
-    ones. Rows no longer than ``least`` are left alone.
+    ones.
     """
     turned = True
     while turned:
         turned = False
-        for i in range(len(rows) - 1):
-            for j in range(i + 1, len(rows)):
-                turned |= _turn(rows, velocity, i, j, least)
+        for i in range(len(parts) - 1):
+            for j in range(i + 1, len(parts)):
+                turned |= _turn(parts, directions, i, j)
 
 
 @compiled
-def _turn(rows: Floats, velocity: Floats, i: int, j: int, least: float) -> bool:
+def _turn(parts: Floats, directions: Floats, i: int, j: int) -> bool:
     """Turn two rows until they are orthogonal; returns whether they were not."""
-    first, second = _dot(rows[i], rows[i]), _dot(rows[j], rows[j])
-    both = _dot(rows[i], rows[j])
-    if min(first, second) <= least * least or abs(both) <= _ORTHOGONAL * (
-        math.sqrt(first) * math.sqrt(second)
-    ):
+    first = second = both = 0.0
+    for k in range(parts.shape[1]):
+        one, other = parts[i, k], parts[j, k]
+        first += one * one
+        second += other * other
+        both += one * other
+    if abs(both) <= _ORTHOGONAL * math.sqrt(first) * math.sqrt(second):
         return False
     ratio = (second - first) / (2.0 * both)
     tangent = math.copysign(1.0, ratio) / (abs(ratio) + math.sqrt(1.0 + ratio * ratio))
     cosine = 1.0 / math.sqrt(1.0 + tangent * tangent)
-    sine = cosine * tangent
-    for joint in range(rows.shape[1]):
-        one, other = rows[i, joint], rows[j, joint]
-        rows[i, joint], rows[j, joint] = cosine * one - sine * other, sine * one + cosine * other
-    one, other = velocity[i], velocity[j]
-    velocity[i], velocity[j] = cosine * one - sine * other, sine * one + cosine * other
+    for rows in (parts, directions):
+        for k in range(rows.shape[1]):
+            one, other = cosine * rows[i, k], cosine * rows[j, k]
+            rows[i, k], rows[j, k] = one - tangent * other, tangent * one + other
     return True
 
 
@@ -227,11 +257,15 @@ def _damped_inverse(value: float, damping: float, threshold: float) -> float:
     return value / (value * value + damping * weight)
 
 
-@compiled
-def _project(row: Floats, basis: Floats, count: int) -> None:
+@compiled_sum
+def _project(rows: Floats, place: int, basis: Floats, count: int) -> None:
     """Make a row orthogonal to the first ``count`` of the basis."""
     for i in range(count):
-        _add(row, basis[i], -_dot(row, basis[i]))
+        along = 0.0
+        for joint in range(rows.shape[1]):
+            along += rows[place, joint] * basis[i, joint]
+        for joint in range(rows.shape[1]):
+            rows[place, joint] -= along * basis[i, joint]
 
 
 @compiled
@@ -241,7 +275,7 @@ def _orthonormalize(basis: Floats, last: int) -> None:
     What was subtracted from it before has left rounding, which dividing by its length magnifies.
     """
     _set(basis[last], basis[last], 1.0 / _norm(basis[last]))
-    _project(basis[last], basis, last)
+    _project(basis, last, basis, last)
     _set(basis[last], basis[last], 1.0 / _norm(basis[last]))
 
 
@@ -262,7 +296,7 @@ def _norm(row: Floats) -> float:
     return math.sqrt(_dot(row, row))
 
 
-@compiled
+@compiled_sum
 def _dot(first: Floats, second: Floats) -> float:
     total = 0.0
     for i in range(len(first)):

@@ -5,16 +5,16 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cache, cached_property
+from typing import NamedTuple
 
 import numpy as np
 
-from cbdsl.control.composition import Booleans, Integers, compose
+from cbdsl.control.composition import Booleans, Integers, compose, midway
 from cbdsl.control.signal import Floats, SignalError, require_finite
 
 
-@dataclass(frozen=True)
-class Level:
+class Level(NamedTuple):
     """What one controller wants in this tick.
 
     Attributes:
@@ -65,22 +65,36 @@ class LevelReport:
     singular_value: float
 
 
-@dataclass(frozen=True)
+@dataclass
 class Step:
     """The result of one tick.
 
     Attributes:
         displacement: of the joints, rad, shape (n,).
         locked: joints that a limit held back, shape (n,).
-        levels: what was wanted, highest priority first.
         singular_values: of what was left to each level, unsorted and 0 where its rows were
             dependent, level by level, shape (k,).
+        asked: the levels as they were asked for, highest priority first.
+        rows: their Jacobians, level by level, shape (k, n).
+        before: the same one tick before, shape (k, n).
+        ends: the index after the last row of each level, shape (levels,).
     """
 
     displacement: Floats
     locked: Booleans
-    levels: tuple[Level, ...]
     singular_values: Floats
+    asked: Sequence[Level]
+    rows: Floats
+    before: Floats
+    ends: Integers
+
+    @cached_property
+    def levels(self) -> tuple[Level, ...]:
+        """The levels, highest priority first, with the Jacobians that the law went by."""
+        rows = np.split(midway(self.rows, self.before), self.ends[:-1])
+        return tuple(
+            level._replace(jacobian=each) for level, each in zip(self.asked, rows, strict=True)
+        )
 
     @cached_property
     def reports(self) -> tuple[LevelReport, ...]:
@@ -126,39 +140,62 @@ class Law:
         self._limits = np.stack((lower + settings.limit_margin, upper - settings.limit_margin))
         self._guards = settings.joint_step, settings.damping, settings.singular_value
 
-    def solve(self, levels: Sequence[Level], q: Floats) -> Step:
+    def solve(self, levels: Sequence[Level], q: Floats, before: Floats | None = None) -> Step:
         """One tick's displacement.
+
+        Jacobians of where a tick starts let a lower level move those above by the square of its
+        step, tick after tick; those of its middle, by the cube, while it moves evenly. With those
+        of the tick before, the law goes by what half a tick ahead they will be, turning on evenly.
 
         Args:
             levels: highest priority first.
             q: joint positions, rad, shape (n,).
+            before: the levels' Jacobians one tick before, level by level, shape (k, n).
 
         Raises:
             SignalError: the posture or a level is not finite, or a level's shape does not fit.
         """
         rows, wanted, ends = _stacked(levels, len(q))
-        displacement, locked, values = compose(rows, wanted, ends, q, self._limits, *self._guards)
+        if before is None:
+            before = rows
+        displacement, locked, values = compose(
+            rows, before, wanted, ends, q, self._limits, *self._guards
+        )
         if math.isnan(displacement.item(0)):
             _require_sound(levels, q)
-        return Step(displacement, locked, tuple(levels), values)
+        return Step(displacement, locked, values, levels, rows, before, ends)
 
 
 def _stacked(levels: Sequence[Level], joints: int) -> tuple[Floats, Floats, Integers]:
     """Jacobians, velocities, and the index after the last row of each level."""
-    ends, end = [], 0
-    for level in levels:
-        count = len(level.velocity)
-        end += count
-        ends.append(end)
-        if level.jacobian.shape != (count, joints):
-            raise SignalError(
-                f"{level.name} wants {count} coordinates of {joints} joints, "
-                f"but its Jacobian has shape {level.jacobian.shape}"
-            )
     if not levels:
         return np.empty((0, joints)), np.empty(0), np.empty(0, dtype=np.int64)
-    rows = np.concatenate([level.jacobian for level in levels])
-    return rows, np.concatenate([level.velocity for level in levels]), np.array(ends)
+    jacobians = [level.jacobian for level in levels]
+    velocities = [level.velocity for level in levels]
+    counts = tuple(map(len, velocities))
+    if tuple([each.shape for each in jacobians]) != _shapes(counts, joints):
+        _refuse(levels, joints)
+    return np.concatenate(jacobians), np.concatenate(velocities), _ends(counts)
+
+
+@cache
+def _shapes(counts: tuple[int, ...], joints: int) -> tuple[tuple[int, int], ...]:
+    return tuple((count, joints) for count in counts)
+
+
+@cache
+def _ends(counts: tuple[int, ...]) -> Integers:
+    return np.cumsum(counts)
+
+
+def _refuse(levels: Sequence[Level], joints: int) -> None:
+    """Say which level's shape does not fit."""
+    for level in levels:
+        if level.jacobian.shape != (len(level.velocity), joints):
+            raise SignalError(
+                f"{level.name} wants {len(level.velocity)} coordinates of {joints} joints, "
+                f"but its Jacobian has shape {level.jacobian.shape}"
+            )
 
 
 def _require_sound(levels: Sequence[Level], q: Floats) -> None:

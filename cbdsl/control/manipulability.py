@@ -10,6 +10,7 @@ from cbdsl.control.body import Body
 from cbdsl.control.potential import Evaluation, gradient_descent
 from cbdsl.control.signal import Floats, Signal, SignalError
 from cbdsl.program.controller import Controller
+from cbdsl.robot.compiled import compiled, compiled_once
 
 # The determinant of J J^T above which, as part of its trace to the m-th power, J is so far from a
 # singularity that squaring its condition costs no more than 1e-7 of the gradient.
@@ -50,41 +51,76 @@ class Manipulability:
                 f"{signal.name} has {rows} components, which {joints} joints cannot all move: "
                 "its manipulability is 0 everywhere"
             )
-        volume, cofactors = _volume(jacobian)
-        slope = cofactors.ravel().dot(curvature.reshape(rows * joints, joints))
+        volume, slope = _volume(np.ascontiguousarray(jacobian), np.ascontiguousarray(curvature))
+        if math.isnan(volume):
+            volume, cofactors = _volume_near_singularity(jacobian)
+            slope = cofactors.ravel().dot(curvature.reshape(rows * joints, joints))
         return gradient_descent(-volume, -slope)
 
 
-def _volume(jacobian: Floats) -> tuple[float, Floats]:
-    """w, and its derivative by the entries of J, which is w times the transpose of J^#, (m, n)."""
-    gram = jacobian.dot(jacobian.T)
-    least = _CLEAR * float(np.vdot(jacobian, jacobian)) ** len(gram)
-    square, inverse = (_inverse_3 if len(gram) == 3 else _inverse)(gram, least)
-    if inverse is None:
-        return _volume_near_singularity(jacobian)
-    volume = math.sqrt(square)
-    cofactors: Floats = volume * inverse.dot(jacobian)
-    return volume, cofactors
+@compiled_once
+def _volume(jacobian: Floats, curvature: Floats) -> tuple[float, Floats]:
+    """w and its derivative by the joints, (n,), or NaN where J is near a singularity.
+
+    The derivative of w by the entries of J is w (J J^T)^-1 J; J J^T = L L^T (Cholesky).
+    """
+    rows, joints = jacobian.shape
+    gram = _gram(jacobian)
+    least = _CLEAR * np.trace(gram) ** rows
+    square = _factorize(gram)
+    if not square > least:
+        return math.nan, np.empty(0)
+    volume, slope = math.sqrt(square), np.zeros(joints)
+    cofactors = np.empty(rows)
+    for column in range(joints):
+        _solve(gram, jacobian[:, column], cofactors)
+        for i in range(rows):
+            for joint in range(joints):
+                slope[joint] += volume * cofactors[i] * curvature[i, column, joint]
+    return volume, slope
 
 
-def _inverse(gram: Floats, least: float) -> tuple[float, Floats | None]:
-    """The determinant, and the inverse where that is above ``least``."""
-    determinant = float(np.linalg.det(gram))
-    if not determinant > least:
-        return determinant, None
-    return determinant, np.asarray(np.linalg.inv(gram), dtype=np.float64)
+@compiled
+def _gram(rows: Floats) -> Floats:
+    products = np.zeros((len(rows), len(rows)))
+    for i in range(len(rows)):
+        for j in range(len(rows)):
+            for joint in range(rows.shape[1]):
+                products[i, j] += rows[i, joint] * rows[j, joint]
+    return products
 
 
-def _inverse_3(gram: Floats, least: float) -> tuple[float, Floats | None]:
-    """As above, for three rows: a sixth of the time."""
-    a, b, c, _, d, e, _, _, f = gram.ravel().tolist()
-    p, q, r = d * f - e * e, c * e - b * f, b * e - c * d
-    determinant = a * p + b * q + c * r
-    if not determinant > least:
-        return determinant, None
-    s, t, u = a * f - c * c, b * c - a * e, a * d - b * b
-    adjugate = np.array(((p, q, r), (q, s, t), (r, t, u)))
-    return determinant, adjugate / determinant
+@compiled
+def _factorize(gram: Floats) -> float:
+    """Make the lower triangle of a Gram matrix (m, m) L; returns its determinant."""
+    square = 1.0
+    for i in range(len(gram)):
+        for j in range(i + 1):
+            for k in range(j):
+                gram[i, j] -= gram[i, k] * gram[j, k]
+            if i != j:
+                gram[i, j] /= gram[j, j]
+        square *= gram[i, i]
+        if not gram[i, i] > 0.0:
+            return 0.0
+        gram[i, i] = math.sqrt(gram[i, i])
+    return square
+
+
+@compiled
+def _solve(lower: Floats, wanted: Floats, found: Floats) -> None:
+    """Solve ``L L^T found = wanted`` for a triangular L (m, m)."""
+    rows = len(lower)
+    for i in range(rows):
+        rest = wanted[i]
+        for k in range(i):
+            rest -= lower[i, k] * found[k]
+        found[i] = rest / lower[i, i]
+    for i in range(rows - 1, -1, -1):
+        rest = found[i]
+        for k in range(i + 1, rows):
+            rest -= lower[k, i] * found[k]
+        found[i] = rest / lower[i, i]
 
 
 def _volume_near_singularity(jacobian: Floats) -> tuple[float, Floats]:

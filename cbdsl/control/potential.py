@@ -2,16 +2,14 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import Protocol
+from typing import NamedTuple, Protocol
 
 import numpy as np
 
 from cbdsl.control.signal import Floats, Signal
 
 
-@dataclass(frozen=True)
-class Evaluation:
+class Evaluation(NamedTuple):
     """A potential at one posture, in k task coordinates and n joints.
 
     The gradient of phi by the joints is ``-jacobian.T @ residual`` wherever phi is half the

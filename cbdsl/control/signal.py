@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
 from cbdsl.control.obstacle import Obstacle
+from cbdsl.robot.compiled import compiled_once
 
 Floats = NDArray[np.float64]
 
@@ -23,12 +23,20 @@ def require_finite(values: Floats, what: str) -> None:
     Raises:
         SignalError: some of ``values`` is not finite; the message begins with ``what``.
     """
-    # A sum of squares is finite only where all numbers are; squares may be infinite all the same.
-    if not math.isfinite(np.vdot(values, values)) and not np.isfinite(values).all():
+    if not is_finite(values):
         raise SignalError(f"{what} is not finite: {values.tolist()}")
 
 
-@dataclass(frozen=True)
+@compiled_once
+def is_finite(values: Floats) -> bool:
+    """Whether all numbers are finite."""
+    total = 0.0
+    for value in values.flat:
+        total += 0.0 * value
+    return total == 0.0
+
+
+@dataclass(slots=True)
 class Signal:
     """The value of a resource in one tick, and its sensitivity to the composition's n joints.
 
@@ -53,8 +61,9 @@ class Signal:
     obstacles: tuple[Obstacle, ...] = ()
 
     def __post_init__(self) -> None:
-        require_finite(self.value, f"the value of {self.name}")
-        require_finite(self.jacobian, f"the Jacobian of {self.name}")
+        if not (is_finite(self.value) and is_finite(self.jacobian)):
+            require_finite(self.value, f"the value of {self.name}")
+            require_finite(self.jacobian, f"the Jacobian of {self.name}")
         if self.jacobian.ndim != 2:
             raise SignalError(f"the Jacobian of {self.name} has shape {self.jacobian.shape}")
         if self.curvature is not None:
@@ -64,7 +73,8 @@ class Signal:
             require_finite(corners, f"the obstacle {obstacle.name}")
 
     def _check_curvature(self, curvature: Floats) -> None:
-        require_finite(curvature, f"the curvature of {self.name}")
+        if not is_finite(curvature):
+            require_finite(curvature, f"the curvature of {self.name}")
         rows, joints = self.jacobian.shape
         if curvature.shape != (rows, joints, joints):
             raise SignalError(

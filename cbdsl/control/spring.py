@@ -7,7 +7,7 @@ import numpy as np
 from cbdsl.control.body import Body
 from cbdsl.control.potential import Evaluation, half_square
 from cbdsl.control.rotation import align, log
-from cbdsl.control.signal import Floats, Signal, SignalError, require_finite
+from cbdsl.control.signal import Floats, Signal, SignalError, is_finite, require_finite
 from cbdsl.program.controller import AlongNormals, Controller
 from cbdsl.types.resource_type import ORIENTATION, POSE, ResourceType
 
@@ -33,7 +33,11 @@ class Spring:
     ) -> None:
         self._kind = kind
         self._free_axis = None if free_axis is None else "xyz".index(free_axis)
-        self._matrix = {ORIENTATION.name: (3, 3), POSE.name: (4, 4)}.get(kind.name)
+        self._matrix: tuple[int, int] | None
+        self._matrix, self._difference = {
+            ORIENTATION.name: ((3, 3), self._turned),
+            POSE.name: ((4, 4), self._moved),
+        }.get(kind.name, (None, _subtracted))
 
     @classmethod
     def build(cls, controller: Controller, body: Body) -> Spring:
@@ -46,24 +50,28 @@ class Spring:
         if reference is None:
             raise SignalError(f"a spring needs a reference to compare {signal.name} with")
         shape = self._matrix or (len(signal.jacobian),)
-        for what, value in ((signal.name, signal.value), ("its reference", reference)):
-            if value.shape != shape:
-                raise SignalError(
-                    f"the {self._kind} {signal.name} needs values of shape {shape}, "
-                    f"but {what} has shape {value.shape}"
-                )
-        require_finite(reference, f"the reference of {signal.name}")
+        if signal.value.shape != shape or reference.shape != shape:
+            self._refuse(signal, reference, shape)
+        if not is_finite(reference):
+            require_finite(reference, f"the reference of {signal.name}")
         return half_square(*self._difference(signal, reference))
 
-    def _difference(self, signal: Signal, reference: Floats) -> Coordinates:
+    def _refuse(self, signal: Signal, reference: Floats, shape: tuple[int, ...]) -> None:
+        bad = signal.value.shape != shape
+        what, value = (signal.name, signal.value) if bad else ("its reference", reference)
+        raise SignalError(
+            f"the {self._kind} {signal.name} needs values of shape {shape}, "
+            f"but {what} has shape {value.shape}"
+        )
+
+    def _turned(self, signal: Signal, reference: Floats) -> Coordinates:
+        return self._turn(signal.value, reference, signal.jacobian)
+
+    def _moved(self, signal: Signal, reference: Floats) -> Coordinates:
         value, jacobian = signal.value, signal.jacobian
-        if self._kind.name == ORIENTATION.name:
-            return self._turn(value, reference, jacobian)
-        if self._kind.name == POSE.name:
-            turn, rows = self._turn(value[:3, :3], reference[:3, :3], jacobian[3:])
-            shift = reference[:3, 3] - value[:3, 3]
-            return np.concatenate((shift, turn)), np.vstack((jacobian[:3], rows))
-        return reference - value, jacobian
+        turn, rows = self._turn(value[:3, :3], reference[:3, :3], jacobian[3:])
+        shift = reference[:3, 3] - value[:3, 3]
+        return np.concatenate((shift, turn)), np.vstack((jacobian[:3], rows))
 
     def _turn(self, rotation: Floats, wanted: Floats, jacobian: Floats) -> Coordinates:
         """Residual and Jacobian of an orientation; ``jacobian`` is angular, (3, n)."""
@@ -73,3 +81,7 @@ class Spring:
         others = rotation.T[[(axis + 1) % 3, (axis + 2) % 3]]  # (2, 3), world to tip
         turn = align(rotation[:, axis], wanted[:, axis], fallback=others[0])
         return others @ turn, others @ jacobian
+
+
+def _subtracted(signal: Signal, reference: Floats) -> Coordinates:
+    return reference - signal.value, signal.jacobian

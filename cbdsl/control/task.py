@@ -3,15 +3,18 @@
 from __future__ import annotations
 
 import math
-from dataclasses import replace
 
 import numpy as np
 
 from cbdsl.control.law import Level
 from cbdsl.control.potential import Evaluation
-from cbdsl.control.signal import Floats, require_finite
+from cbdsl.control.signal import Floats, is_finite, require_finite
 from cbdsl.program.controller import Controller
+from cbdsl.robot.compiled import compiled, compiled_once
 from cbdsl.types.potential import POTENTIALS
+
+# What a speed bounds.
+_NORM, _LARGEST, _JOINTS = 0, 1, 2
 
 _FORCES = frozenset({"force", "torque", "wrench"})
 
@@ -33,20 +36,23 @@ class Task:
     def __init__(self, controller: Controller, period: float) -> None:
         self._name = controller.name
         self._gain = controller.gain
-        self._speed = controller.speed
-        self._acceleration = controller.acceleration
+        self._speed = math.inf if controller.speed is None else controller.speed
+        acceleration = controller.acceleration
+        self._acceleration = math.inf if acceleration is None else acceleration
         self._kind = controller.feedback.type
         forces = self._kind.name in _FORCES
         potential = POTENTIALS[controller.potential]
         self._is_scalar = not potential.residual and not potential.field
-        self._by_joints = forces or self._is_scalar
         self._factors = self._kind.factors if forces else 1
+        self._measure = _JOINTS if forces or self._is_scalar else _NORM
+        if self._kind.name == "configuration" and self._measure == _NORM:
+            self._measure = _LARGEST
         self._period = period
         self.reset()
 
     def reset(self) -> None:
         """Start from rest: the controller was activated."""
-        self._rate: Floats | None = None
+        self._before: Floats | None = None
 
     def level(self, evaluation: Evaluation) -> Level:
         """The displacement of the task coordinates that is wanted in this tick.
@@ -54,80 +60,113 @@ class Task:
         Raises:
             SignalError: the evaluation is not finite; the message names the controller.
         """
-        require_finite(evaluation.step, f"the step of {self._name}")
+        _, residual, jacobian, step = evaluation
+        if not is_finite(step):
+            require_finite(step, f"the step of {self._name}")
+        scale = 1.0
         if self._is_scalar:
-            evaluation = _unit(evaluation)
-        rate = self._gain * evaluation.step
-        if self._acceleration is not None:
-            rate = _braked(rate, evaluation.residual, self._acceleration)
-        if self._speed is not None:
-            rate = self._within_speed(rate, evaluation.jacobian, self._speed)
-        if self._acceleration is not None:
-            rate = self._within_acceleration(rate, self._acceleration)
-        return Level(self._name, evaluation.jacobian, rate * self._period)
-
-    def _within_speed(self, rate: Floats, jacobian: Floats, speed: float) -> Floats:
-        if self._by_joints and self._factors == 1:
-            stiffness = math.sqrt(np.vdot(jacobian, jacobian))
-            return _shortened(rate, _norm(rate), speed * stiffness)
-        if self._by_joints:
-            rates = rate.reshape(self._factors, -1)  # (factors, components)
-            most = speed * _norms(jacobian.reshape(self._factors, -1))
-            shares = np.minimum(1.0, most / np.maximum(_norms(rates), 1e-300))
-            bounded: Floats = (rates * shares[:, None]).ravel()
-            return bounded
-        if self._kind.name == "configuration":
-            return _shortened(rate, max(map(abs, rate.tolist())), speed)
-        return _shortened(rate, _norm(rate), speed)
-
-    def _within_acceleration(self, rate: Floats, acceleration: float) -> Floats:
-        before = np.zeros_like(rate) if self._rate is None else self._rate
-        change = rate - before
-        self._rate = before + _shortened(change, _norm(change), acceleration * self._period)
-        return self._rate
+            jacobian, scale = _unit(jacobian)
+        if self._before is None:
+            self._before = np.zeros(len(step))
+        self._before = _displacement(
+            step,
+            residual,
+            jacobian,
+            self._before,
+            scale,
+            self._gain,
+            self._speed,
+            self._acceleration,
+            self._period,
+            self._measure,
+            self._factors,
+        )
+        return Level(self._name, jacobian, self._before)
 
 
-def _unit(evaluation: Evaluation) -> Evaluation:
-    """The evaluation of a scalar potential, along its gradient instead of in its own unit.
+@compiled_once
+def _unit(gradient: Floats) -> tuple[Floats, float]:
+    """A scalar potential's gradient (1, n) made a unit vector, and what its coordinate scales by.
 
     What the joints do is the same. But the unit of a row says nothing about how near it is to
     losing its influence, and the law would take a short gradient for a singularity and damp it.
     """
-    length = _norm(evaluation.jacobian[0])
-    if length == 0.0:
-        return replace(evaluation, step=np.zeros_like(evaluation.step))
-    return Evaluation(
-        evaluation.phi,
-        evaluation.residual / length,
-        evaluation.jacobian / length,
-        evaluation.step / length,
-    )
+    length = _norm(gradient.ravel())
+    return (gradient / length, 1.0 / length) if length > 0.0 else (gradient, 0.0)
 
 
-def _norm(vector: Floats) -> float:
-    return math.sqrt(vector.dot(vector))
+@compiled_once
+def _displacement(
+    step: Floats,
+    residual: Floats,
+    jacobian: Floats,
+    before: Floats,
+    scale: float,
+    gain: float,
+    speed: float,
+    acceleration: float,
+    period: float,
+    measure: int,
+    factors: int,
+) -> Floats:
+    """What a task moves by in a tick, shape (k,).
+
+    Args:
+        step: of an evaluation, shape (k,).
+        residual: of the same, shape (k,).
+        jacobian: of the level, shape (k, n).
+        before: what the task moved by in the tick before, shape (k,).
+        scale: of the level's coordinates per coordinate of the evaluation.
+        gain: 1/s.
+        speed: bound of the rate; infinite for none.
+        acceleration: bound of the rate's change; infinite for none.
+        period: of the ticks, s.
+        measure: what the speed bounds: the norm, the largest component, or the joints' speed.
+        factors: parts of the task that are bounded by themselves where the joints' speed is.
+    """
+    rate = scale * gain * step
+    if acceleration < math.inf:
+        _brake(rate, scale * _norm(residual), acceleration)
+    if speed < math.inf:
+        size = len(rate) // factors
+        for start in range(0, len(rate), size):
+            part, most = rate[start : start + size], speed
+            if measure == _JOINTS:
+                most *= _norm(jacobian[start : start + size].ravel())
+            length = np.max(np.abs(part)) if measure == _LARGEST else _norm(part)
+            _shorten(part, length, most)
+    if acceleration < math.inf:
+        last = before / period
+        rate -= last
+        _shorten(rate, _norm(rate), acceleration * period)
+        rate += last
+    return rate * period
 
 
-def _norms(rows: Floats) -> Floats:
-    norms: Floats = np.sqrt((rows * rows).sum(axis=1))
-    return norms
-
-
-def _shortened(vector: Floats, length: float, most: float) -> Floats:
-    """``vector``, whose length is ``length``, made no longer than ``most``."""
-    return vector if length <= most else vector * (most / length)
-
-
-def _braked(rate: Floats, residual: Floats, acceleration: float) -> Floats:
-    """``rate`` made no faster than what ``acceleration`` can still stop within the residual.
+@compiled
+def _brake(rate: Floats, distance: float, acceleration: float) -> None:
+    """Make a rate no faster than what ``acceleration`` can still stop within the distance.
 
     A rate proportional to the distance d, k d, decelerates by k^2 d. Where that is too much, the
     square root of 2 a (d - a / (2 k^2)) joins it smoothly and decelerates by a.
     """
-    distance, speed = _norm(residual), _norm(rate)
-    if distance == 0.0 or speed * speed <= acceleration * distance:
-        return rate
-    gain = speed / distance
-    return _shortened(
-        rate, speed, math.sqrt(2 * acceleration * (distance - acceleration / (2 * gain**2)))
-    )
+    speed = _norm(rate)
+    if distance > 0.0 and speed * speed > acceleration * distance:
+        gain = speed / distance
+        most = math.sqrt(2.0 * acceleration * (distance - acceleration / (2.0 * gain**2)))
+        _shorten(rate, speed, most)
+
+
+@compiled
+def _shorten(vector: Floats, length: float, most: float) -> None:
+    """Make a vector, whose length is ``length``, no longer than ``most``."""
+    if length > most:
+        vector *= most / length
+
+
+@compiled
+def _norm(vector: Floats) -> float:
+    total = 0.0
+    for component in vector:
+        total += component * component
+    return math.sqrt(total)

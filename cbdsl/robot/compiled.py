@@ -15,6 +15,11 @@ def compiled(function: Function) -> Function:
     return cast(Function, njit(error_model="numpy")(function))
 
 
+def compiled_sum(function: Function) -> Function:
+    """A function that compiled ones call, whose sums may be added up in any order."""
+    return cast(Function, njit(error_model="numpy", fastmath={"reassoc"})(function))
+
+
 def compiled_once(function: Function) -> Function:
     """A function that Python calls, kept on disk with all it calls for the next process.
 

@@ -50,14 +50,12 @@ class _Link(NamedTuple):
     Attributes:
         position: its origin in the world frame, m, shape (3,), and
         rotation: its axes as columns, shape (3, 3): memory that Pinocchio updates.
-        support: their indices among the model's velocities, from the root outwards, shape (k,);
-            indices of the actuated joints that they follow, shape (k,); their velocities per
-            velocity of those, shape (k,).
+        support: what ``point_at`` wants to know of them, the axes in Pinocchio's memory as well.
     """
 
     position: Floats
     rotation: Floats
-    support: tuple[Integers, Integers, Floats]
+    support: tuple[Floats, Integers, Integers, Floats, int]
 
 
 class Kinematics:
@@ -89,8 +87,6 @@ class Kinematics:
         self._links: dict[str, _Link] = {}
         self._frames: dict[str, Frame] = {}
         self._points: dict[tuple[str, Vector], Point] = {}
-        #: Spatial velocities per velocity of the model's joints, shape (6, nv), in place as well.
-        self._axes: Floats = self._data.J
         self.update(np.minimum(np.maximum(0.0, self.lower), self.upper))
 
     def update(self, positions: Floats) -> None:
@@ -120,10 +116,9 @@ class Kinematics:
         """A point of a link, ``offset`` from its origin in its own axes, m."""
         found = self._points.get((link, offset))
         if found is None:
-            here, axes, joints = self._link(link), self._axes, len(self.lower)
-            found = self._points[link, offset] = Point(
-                *point_at(here.position, here.rotation, offset, axes, *here.support, joints)
-            )
+            here = self._link(link)
+            found = Point(*point_at(offset, here.position, here.rotation, *here.support))
+            self._points[link, offset] = found
         return found
 
     def curvature(self, link: str, point: Floats, rows: int) -> Floats:
@@ -138,8 +133,7 @@ class Kinematics:
             Shape (rows, n, n): entry (k, i, j) is the change of the Jacobian's entry (k, i) per
             joint j, linear above angular velocity.
         """
-        support = self._link(link).support
-        return curvature_at(point, self._axes, *support, len(self.lower), rows)
+        return curvature_at(rows, point, *self._link(link).support)
 
     def moving(self, link: str) -> frozenset[str]:
         """Names of the model's joints that move a link, passive ones too."""
@@ -165,7 +159,7 @@ class Kinematics:
         velocities = np.array([each.idx_v for each in joints], dtype=np.intp)
         own = self._expansion[velocities]
         rows, columns = np.nonzero(own)
-        support = velocities[rows], columns, own[rows, columns]
+        support = self._data.J, velocities[rows], columns, own[rows, columns], own.shape[1]
         return _Link(placement.translation, placement.rotation, support)
 
     def _index(self, link: str) -> int:

@@ -14,9 +14,9 @@ Vector = tuple[float, float, float]
 
 @compiled_once
 def point_at(
+    offset: Vector,
     origin: Floats,
     rotation: Floats,
-    offset: Vector,
     axes: Floats,
     moved: Integers,
     columns: Integers,
@@ -26,9 +26,9 @@ def point_at(
     """A point of a link, and its Jacobian.
 
     Args:
+        offset: from the link's origin to the point in the link's axes, m.
         origin: of the link, world frame, m, shape (3,).
         rotation: the link's axes as columns, shape (3, 3).
-        offset: from the origin to the point in the link's axes, m.
         axes: spatial velocities at the world's origin, linear above angular, per velocity of the
             model's joints, shape (6, nv).
         moved: which of the model's joints move the link, from the root outwards, shape (k,).
@@ -55,13 +55,13 @@ def point_at(
 
 @compiled_once
 def curvature_at(
+    rows: int,
     point: Floats,
     axes: Floats,
     moved: Integers,
     columns: Integers,
     ratios: Floats,
     joints: int,
-    rows: int,
 ) -> Floats:
     """The derivative of a point's Jacobian by the joints, as the point moves along with them.
 
@@ -70,9 +70,9 @@ def curvature_at(
     omega_i x v_j; their axes change as omega_i x omega_j, by joint i alone.
 
     Args:
+        rows: 3 for the linear part alone, 6 for both.
         point: world frame, m, shape (3,).
         axes, moved, columns, ratios, joints: as above.
-        rows: 3 for the linear part alone, 6 for both.
 
     Returns:
         Shape (rows, n, n): entry (k, i, j) is the change of the Jacobian's entry (k, i) per joint

@@ -14,7 +14,7 @@ Floats = NDArray[np.float64]
 Image = NDArray[np.uint8]
 
 
-@dataclass(frozen=True)
+@dataclass(slots=True)
 class Observation:
     """One reading of all sensors. It has no field for what only the simulator knows.
 

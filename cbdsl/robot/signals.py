@@ -121,7 +121,7 @@ class Signals:
     def defined(self, resource: Resource) -> bool:
         """Whether ``read`` would give a value."""
         source = resource.source
-        if isinstance(source, Tip):
+        if isinstance(source, (Tip, EffectorConfiguration)):
             return True
         if isinstance(source, FingerForces):
             return self.touch.all_touching(source.hand)
@@ -162,10 +162,8 @@ class Signals:
 
     def _require_finite(self, observation: Observation) -> None:
         # A sum of squares is NaN or infinite as soon as one of its terms is.
-        for what, values in (
-            ("position", observation.positions),
-            ("velocity", observation.velocities),
-        ):
+        positions, velocities = observation.positions, observation.velocities
+        for what, values in (("position", positions), ("velocity", velocities)):
             if not math.isfinite(values.dot(values)):
                 joint = self.joints.names[int(np.argmin(np.isfinite(values)))]
                 raise SensorError(f"the {what} of joint {joint} is not finite")

@@ -24,14 +24,18 @@ class Tips:
     def __init__(self, robot: RobotDocument, kinematics: Kinematics) -> None:
         self._robot = robot
         self._kinematics = kinematics
+        self._tips = {
+            name: (effector.tip.link, effector.tip.offset)
+            for name, effector in robot.effectors.items()
+            if effector.tip is not None
+        }
         self.stamp = 0
 
     def read(self, source: TipSource) -> Reading:
         """An effector's tip, or the positions of all of a group's."""
-        members = self._robot.members(source.effector)
-        if len(members) == 1:
+        if source.effector in self._tips:
             return self.tip(source, 0.0)
-        return stacked([self.position(member) for member in members])
+        return stacked([self.position(member) for member in self._robot.members(source.effector)])
 
     def centroid(self, source: Centroid) -> Reading:
         """The mean of a group's tip positions; x_avg of Eq 3.41."""
@@ -75,10 +79,9 @@ class Tips:
             effector: an effector with a tip, or a group, whose members' Jacobians are stacked.
             part: ``position`` for three rows a tip, ``pose`` for six.
         """
-        members = self._robot.members(effector)
-        if len(members) == 1:
-            return self._manipulator(members[0], part)
-        tips = [self._manipulator(member, part) for member in members]
+        if effector in self._tips:
+            return self._manipulator(effector, part)
+        tips = [self._manipulator(member, part) for member in self._robot.members(effector)]
         return Reading(
             np.concatenate([tip.value for tip in tips]),
             np.concatenate([tip.jacobian for tip in tips]),
@@ -94,12 +97,8 @@ class Tips:
 
     def _point(self, effector: str, standoff: float) -> Point:
         """The control point of an effector."""
-        tip = self._robot.effectors[effector].tip
-        assert tip is not None
-        x, y, z = tip.offset
-        return self._kinematics.point(tip.link, (x, y, z + standoff))
+        link, (x, y, z) = self._tips[effector]
+        return self._kinematics.point(link, (x, y, z + standoff))
 
     def _link(self, effector: str) -> str:
-        tip = self._robot.effectors[effector].tip
-        assert tip is not None
-        return tip.link
+        return self._tips[effector][0]

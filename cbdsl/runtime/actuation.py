@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from cbdsl.control.law import Law, LawSettings, Level, Step
 from cbdsl.documents.robot import RobotDocument
+from cbdsl.robot.compiled import compiled_once
 from cbdsl.robot.signals import Signals
 from cbdsl.runtime.controller_run import ControllerRun
 from cbdsl.runtime.program_run import Active
@@ -34,13 +35,54 @@ class _Body(NamedTuple):
     law: Law
 
 
+class _Tick(NamedTuple):
+    """What acted in a tick: joints, controllers from the highest priority, and what they did."""
+
+    body: _Body
+    runs: tuple[ControllerRun, ...]
+    step: Step
+
+    def rows(self, levels: Mapping[ControllerRun, Level]) -> Floats:
+        """The levels' Jacobians in this tick, (k, n); their own where a level had none."""
+        if self.runs == tuple(levels):
+            return self.step.rows
+        rows = dict(zip(self.runs, np.split(self.step.rows, self.step.ends[:-1]), strict=True))
+        return np.concatenate([rows.get(run, level.jacobian) for run, level in levels.items()])
+
+
+@compiled_once
+def advance(
+    reference: Floats,
+    columns: Columns,
+    displacement: Floats,
+    here: Floats,
+    lead: float,
+    lower: Floats,
+    upper: Floats,
+) -> None:
+    """Move references (all,) of the joints ``columns`` (n,) by a displacement (n,), rad.
+
+    Args:
+        here: measured positions, shape (n,).
+        lead: how far a reference may be from them; else a blocked joint's would run away.
+        lower: lower limits with their margin, shape (n,). A joint that is past one comes back at
+            the law's pace, not at once.
+        upper: upper limits with their margin, shape (n,).
+    """
+    for place in range(len(columns)):
+        before = reference[columns[place]]
+        wanted = before + displacement[place]
+        wanted = min(max(wanted, here[place] - lead), here[place] + lead)
+        lowest, highest = min(lower[place], before), max(upper[place], before)
+        reference[columns[place]] = min(max(wanted, lowest), highest)
+
+
 class Actuation:
     """Integrates the law's displacements into joint references.
 
     Attributes:
         reference: position references of all actuated joints, rad, shape (n,).
-        levels: the levels of the last tick, highest priority first.
-        step: what the law made of them, or ``None`` where nothing acted.
+        step: what the law made of the last tick's levels, or ``None`` where nothing acted.
     """
 
     def __init__(self, robot: RobotDocument, signals: Signals, period: float) -> None:
@@ -57,59 +99,44 @@ class Actuation:
     def reset(self, positions: Floats) -> None:
         """Start from measured positions, rad, shape (n,)."""
         self.reference = positions.copy()
-        self.levels: Sequence[Level] = ()
         self.step: Step | None = None
-        self._acting: _Body | None = None
-        self._before: dict[ControllerRun, Floats] = {}
+        self._last: _Tick | None = None
 
     def move(self, active: Sequence[Active]) -> None:
         """Evaluate the active controllers and move the references by the law's step."""
-        self.levels, self.step = (), None
+        last, self._last, self.step = self._last, None, None
         # A program that has ended leaves nothing to act.
         if not active:
-            self._acting = None
             return
         body = self._body(active)
-        columns = body.columns
-        found = [(item.run, item.run.evaluate(columns, item.peers)) for item in active]
-        self.levels = self._midway(body, [(run, level) for run, level in found if level])
-        if not self.levels:
+        found = [(run, run.evaluate(body.columns, peers)) for run, peers in active]
+        levels = {run: level for run, level in found if level is not None}
+        if not levels:
             return
-        here = self._signals.positions[columns]
-        self.step = body.law.solve(self.levels, here)
-        lead, reference = self._control.lead, self.reference[columns]
-        wanted = reference + self.step.displacement
-        # Without a bound on its lead, a blocked joint's reference would run away from it.
-        wanted = np.minimum(np.maximum(wanted, here - lead), here + lead)
-        # A joint that is past its margin comes back at the law's pace, not at once.
-        lowest = np.minimum(body.lower, reference)
-        highest = np.maximum(body.upper, reference)
-        self.reference[columns] = np.minimum(np.maximum(wanted, lowest), highest)
+        here = self._signals.positions[body.columns]
+        before = None if last is None or last.body is not body else last.rows(levels)
+        step = self.step = body.law.solve(list(levels.values()), here, before)
+        self._last = _Tick(body, tuple(levels), step)
+        advance(
+            self.reference,
+            body.columns,
+            step.displacement,
+            here,
+            self._control.lead,
+            body.lower,
+            body.upper,
+        )
 
     def at_limits(self) -> tuple[str, ...]:
         """The joints that their limits held back in the last tick."""
-        if self.step is None or self._acting is None:
+        if self._last is None:
             return ()
+        body, _, step = self._last
         return tuple(
             self._signals.joints.names[column]
-            for column, locked in zip(self._acting.columns, self.step.locked, strict=True)
+            for column, locked in zip(body.columns, step.locked, strict=True)
             if locked
         )
-
-    def _midway(self, body: _Body, levels: Sequence[tuple[ControllerRun, Level]]) -> list[Level]:
-        """Levels with their Jacobians half a tick ahead, turning on as in the tick before.
-
-        Jacobians of where a tick starts let a lower level move those above by the square of its
-        step, tick after tick; those of its middle, by the cube, while it moves evenly.
-        """
-        before = self._before if body is self._acting else {}
-        self._acting, self._before = body, {run: level.jacobian for run, level in levels}
-        return [
-            Level(level.name, 1.5 * level.jacobian - 0.5 * before[run], level.velocity)
-            if run in before
-            else level
-            for run, level in levels
-        ]
 
     def _body(self, active: Sequence[Active]) -> _Body:
         """The union of the active controllers' joints."""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,19 +21,25 @@ from cbdsl.control.task import Task
 from cbdsl.program.controller import AlongNormals, Ball, Controller, Field, Funnel, Literal
 from cbdsl.robot.density import Sampler
 from cbdsl.robot.reading import Reading, transform
+from cbdsl.robot.selection import columns_of, columns_of_both
 from cbdsl.robot.signals import Signals
 from cbdsl.types.resource import (
     EffectorConfiguration,
     FingerForces,
+    Heading,
     Headings,
     NetForces,
     Origin,
+    Posture,
+    Resource,
+    StereoPosition,
     Tip,
 )
 
 Floats = NDArray[np.float64]
 Columns = NDArray[np.intp]
 
+_SEEN = (Heading, Headings, StereoPosition)
 _NOTHING = Reading(np.zeros(0), np.zeros((0, 0)), 0)
 
 
@@ -59,13 +65,15 @@ class ControllerRun:
         self._period = period
         self._rng = rng
         own = self._own = signals.joints.pick(controller.joints)
-        self._columns: Columns | None = None
+        self._composition: Columns | None = None
+        self._read = _reader(controller, signals)
         limits = signals.kinematics
         cameras = (
             signals.sight.cameras() if isinstance(controller.feedback.source, Headings) else ()
         )
         self._potential = build(controller, Body(limits.lower[own], limits.upper[own], cameras))
         self._task = Task(controller, period)
+        self._moves = False
         quiescence = controller.quiescence
         self._monitor = QuiescenceMonitor(quiescence.rate, quiescence.window)
         self._constant = _constant_reference(controller, signals)
@@ -103,8 +111,8 @@ class ControllerRun:
         if reference is None:
             self._undefined()
             return None
-        feedback = self._feedback(reference)
-        defined = feedback is not None and self._defines(feedback, columns)
+        feedback = self._read(reference)
+        defined = feedback is not None and self._defines(feedback)
         if not defined:
             self._undefined()
             if not self._may_seek(peers):
@@ -127,16 +135,21 @@ class ControllerRun:
 
     def _signal(self, feedback: Reading, columns: Columns) -> Signal:
         """The feedback as the effector's joints move it; all others count as still (Eq 3.21)."""
-        if columns is not self._columns:
-            self._columns = columns
-            self._moved = np.isin(columns, self._own).astype(float)
-        curvature = feedback.curvature
+        if columns is not self._composition:
+            self._composition = columns
+            self._columns = np.where(np.isin(columns, self._own), columns, -1)
+            self._jacobian: Floats | None = None
+        # That of a configuration never changes.
+        if feedback.jacobian is not self._jacobian:
+            self._jacobian = feedback.jacobian
+            self._rows = columns_of(feedback.jacobian, self._columns)
+        curvature, field = feedback.curvature, self.controller.field
         return Signal(
             self.controller.feedback.name,
             feedback.value,
-            feedback.jacobian.take(columns, axis=1) * self._moved,
-            None if curvature is None else curvature[:, columns[:, None], columns],
-            () if self.controller.field is None else tuple(self._obstacles(self.controller.field)),
+            self._rows,
+            None if curvature is None else columns_of_both(curvature, self._columns),
+            () if field is None else tuple(self._obstacles(field)),
         )
 
     def _obstacles(self, field: Field) -> Iterator[Obstacle]:
@@ -151,14 +164,18 @@ class ControllerRun:
                 radius = reading.radius if obstacle.radius is None else obstacle.radius
                 yield Obstacle.sphere(obstacle.resource.name, reading.value, radius)
 
-    def _defines(self, feedback: Reading, columns: Columns) -> bool:
+    def _defines(self, feedback: Reading) -> bool:
         """Whether the feedback is measured, and the effector moves it.
 
-        What is seen moves with an arm only while the arm's hand holds it.
+        What is seen moves with an arm only while the arm's hand holds it; all else always does.
         """
         if not self._signals.defined(self.controller.feedback):
             return False
-        return bool(feedback.jacobian.take(self._own, axis=1).any())
+        if not self._moves:
+            moves = bool(feedback.jacobian.take(self._own, axis=1).any())
+            self._moves = moves and not isinstance(self.controller.feedback.source, _SEEN)
+            return moves
+        return True
 
     def _undefined(self) -> None:
         self.predicate = self._monitor.undefined()
@@ -211,9 +228,7 @@ class ControllerRun:
         if self._constant is not None:
             return self._constant
         resource = self.controller.reference
-        if resource is None:
-            return _NOTHING
-        assert not isinstance(resource, (Literal, AlongNormals))
+        assert isinstance(resource, Resource)
         if resource.origin is not Origin.MODEL:
             return self._signals.read(resource)
         if self._sample is None:
@@ -222,20 +237,25 @@ class ControllerRun:
             self._sample = self._sampler.draw()
         return Reading(self._sample, np.zeros((0, 0)), 0)
 
-    def _feedback(self, reference: Reading) -> Reading | None:
-        controller, source = self.controller, self.controller.feedback.source
-        if isinstance(source, (FingerForces, NetForces)) and isinstance(
-            controller.reference, AlongNormals
-        ):
-            return self._signals.touch.normal_forces(source)
-        if controller.manipulator is not None:
-            assert isinstance(source, EffectorConfiguration)
-            return self._signals.tips.manipulator(source.effector, controller.manipulator)
-        standoff = controller.standoff
-        if standoff is not None and isinstance(source, Tip):
-            distance = reference.radius + standoff.clearance
-            return self._signals.tips.tip(source, min(max(distance, standoff.least), standoff.most))
-        return self._signals.read(controller.feedback)
+
+def _reader(controller: Controller, signals: Signals) -> Callable[[Reading], Reading | None]:
+    """What reads the feedback, given the reference."""
+    feedback, source = controller.feedback, controller.feedback.source
+    tips, touch = signals.tips, signals.touch
+    if isinstance(source, (FingerForces, NetForces)) and isinstance(
+        controller.reference, AlongNormals
+    ):
+        return lambda reference: touch.normal_forces(source)
+    if controller.manipulator is not None:
+        assert isinstance(source, EffectorConfiguration)
+        effector, part = source.effector, controller.manipulator
+        return lambda reference: tips.manipulator(effector, part)
+    if controller.standoff is not None and isinstance(source, Tip):
+        clearance, least, most = controller.standoff
+        return lambda reference: tips.tip(
+            source, min(max(reference.radius + clearance, least), most)
+        )
+    return lambda reference: signals.read(feedback)
 
 
 def _constant_reference(controller: Controller, signals: Signals) -> Reading | None:
@@ -251,7 +271,9 @@ def _constant_reference(controller: Controller, signals: Signals) -> Reading | N
         elif controller.feedback.type.name == "pose":
             values = transform(exp(values[3:]), values[:3])
         return Reading(values, np.zeros((0, 0)), 0)
-    return None
+    if reference is None:
+        return _NOTHING
+    return signals.read(reference) if isinstance(reference.source, Posture) else None
 
 
 def _shares(source: FingerForces | NetForces, signals: Signals) -> Floats:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
@@ -18,8 +17,7 @@ from cbdsl.runtime.policy import Policy, WrittenPolicy
 Listener = Callable[[Transition], None]
 
 
-@dataclass(frozen=True)
-class Active:
+class Active(NamedTuple):
     """A controller that acts now, and the controllers it acts together with."""
 
     run: ControllerRun

@@ -16,8 +16,9 @@ def composed(blocks: list[Floats], wanted: list[Floats]) -> tuple[Floats, Floats
     joints = blocks[0].shape[1]
     limits = np.array([np.full(joints, -FREE), np.full(joints, FREE)])
     ends = np.cumsum([len(rows) for rows in blocks])
+    rows = np.vstack(blocks)
     step, locked, values = compose(
-        np.vstack(blocks), np.concatenate(wanted), ends, np.zeros(joints), limits, FREE, 0.0, 1e-300
+        rows, rows, np.concatenate(wanted), ends, np.zeros(joints), limits, FREE, 0.0, 1e-300
     )
     assert not locked.any()
     return step, values

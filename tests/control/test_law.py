@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import dataclasses
-
 import numpy as np
 import pytest
 from hypothesis import given
@@ -327,7 +325,7 @@ def test_non_finite_numbers_never_reach_a_joint(bad: float) -> None:
         law.solve([good], spoiled)
     for field, value in (("velocity", spoiled), ("jacobian", np.diag(spoiled))):
         with pytest.raises(SignalError, match=f"{field.title()[:4]}.* of reach|{field} of reach"):
-            law.solve([good, dataclasses.replace(good, **{field: value})], np.zeros(3))
+            law.solve([good, good._replace(**{field: value})], np.zeros(3))
 
 
 def test_shapes_must_fit() -> None:
