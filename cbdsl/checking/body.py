@@ -6,6 +6,7 @@ from collections.abc import Iterable, Mapping
 from typing import NamedTuple
 
 from cbdsl.documents.robot import RobotDocument
+from cbdsl.errors.diagnostic import Place
 from cbdsl.robot.resources import CYCLOPEAN
 from cbdsl.robot.urdf import UrdfModel
 from cbdsl.types.resource import (
@@ -13,17 +14,22 @@ from cbdsl.types.resource import (
     EffectorConfiguration,
     FingerForces,
     FingerLoad,
+    GaussianSample,
     Heading,
     Headings,
+    KernelSample,
     NetForces,
     NetLoad,
+    Posture,
     Resource,
     Separation,
     Source,
     StereoPosition,
     Tip,
+    UniformSample,
 )
 from cbdsl.yaml_text.reader import Loaded
+from cbdsl.yaml_text.source_map import Step
 
 
 class Body(NamedTuple):
@@ -43,6 +49,41 @@ class Body(NamedTuple):
     def document(self) -> RobotDocument:
         """The robot's document."""
         return self.loaded.document
+
+    def declaration(self, resource: Resource) -> Place:
+        """Where the robot's document says what a resource comes from."""
+        return self.loaded.source.key(*self._declared(resource.source))
+
+    def _declared(self, source: Source) -> tuple[Step, ...]:
+        """The path in the robot's document that gives rise to a resource."""
+        match source:
+            case Posture(effector=name, posture=posture) if name not in self.document.groups:
+                return ("effectors", name, "postures", posture)
+            case FingerLoad(hand=hand, finger=finger):
+                return ("load_cells", hand, finger)
+            case NetLoad(hand=hand) | FingerForces(hand=hand):
+                return ("load_cells", hand)
+            case Centroid(group=name) | Separation(group=name) | NetForces(group=name):
+                return ("groups", name)
+            case Heading(camera=camera) if camera in self.document.cameras:
+                return ("cameras", camera)
+            case Heading() | Headings() | StereoPosition():
+                return ("cameras",)
+            case (
+                EffectorConfiguration(effector=name)
+                | Tip(effector=name)
+                | Posture(effector=name)
+                | UniformSample(effector=name)
+                | GaussianSample(effector=name)
+                | KernelSample(effector=name)
+            ):
+                return ("groups" if name in self.document.groups else "effectors", name)
+
+    def limits(self, joints: Iterable[str]) -> list[tuple[float, float] | None]:
+        """The limits of joints, rad, or ``None`` where the model does not tell."""
+        known = {} if self.model is None else self.model.joints
+        found = [known.get(joint) for joint in joints]
+        return [None if joint is None else (joint.lower, joint.upper) for joint in found]
 
     def effector_joints(self, resource: Resource) -> tuple[str, ...]:
         """The actuated joints that an effector moves."""

@@ -28,6 +28,14 @@ class Compositions:
             elif not document.parameters:
                 self._triple(key, key, document, ())
 
+    def checked(self) -> list[tuple[str, Controller]]:
+        """The controllers without faults, each with its key in the document."""
+        return [
+            (name.split("(")[0], controllers[0])
+            for name, controllers in self._built.items()
+            if controllers is not None and controllers[0].name == name
+        ]
+
     def composition(self, expression: Expression, steps: Steps) -> Composition | None:
         """A composition of primitives, or ``None`` where it has faults."""
         primitives = [self.primitive(term, steps) for term in expression.terms]

@@ -34,10 +34,19 @@ def check_document(
     """
     session, findings = session or Session(), Findings()
     try:
-        _examine(path, session.library.read(path, Document), with_ or {}, session, findings)
+        loaded = session.library.read(path, Document)
+        _named_like_its_file(loaded, findings)
+        _examine(path, loaded, with_ or {}, session, findings)
     except DiagnosticsError as error:
         findings.extend(error.diagnostics)
     return list(findings.sorted())
+
+
+def _named_like_its_file(loaded: Loaded[Document], findings: Findings) -> None:
+    """What is on a disk is found by its file's name; what an editor holds may not have one."""
+    name, path = loaded.document.name, loaded.path
+    if name != path.stem and path.is_file():
+        findings.add("CB704", loaded.source.place("name"), name=name, file=path.name)
 
 
 def _examine(

@@ -13,6 +13,7 @@ from cbdsl.checking.model import model_resource
 from cbdsl.checking.scope import Scope
 from cbdsl.checking.session import Session
 from cbdsl.checking.states import check_states
+from cbdsl.checking.suspicious import check_suspicious
 from cbdsl.checking.unused import check_unused
 from cbdsl.documents.model import ModelDocument
 from cbdsl.documents.program import ProgramDocument, Use
@@ -159,30 +160,41 @@ class _ProgramCheck:
         return self._build()
 
     def _build(self) -> CheckedProgram | None:
-        document, context = self._document, self._context
+        context = self._context
         actions = self._actions()
         background = self._background()
         members = self._members(actions)
         checked = [self._action(expression, steps) for expression, steps in actions]
-        primitives = _primitives(checked)
-        self._seek(checked, primitives)
+        self._seek(checked, _primitives(checked))
         policy = self._policy([str(expression) for expression, _ in actions])
-        complete = len(actions) == len(document.actions)
-        if complete:
+        if len(actions) == len(self._document.actions):
             check_states(policy, members, context.source, context.findings)
         used = frozenset(context.used)
         self._compositions.check_all()
         if self._findings.failed:
             return None
         check_unused(context, used)
+        program = self._program(checked, members, policy, background)
+        places = {str(expression): steps for expression, steps in actions}
+        check_suspicious(context, program, self._compositions.checked(), places)
+        return program
+
+    def _program(
+        self,
+        actions: list[Action | None],
+        members: tuple[str, ...],
+        policy: dict[str, str],
+        background: Composition | None,
+    ) -> CheckedProgram:
+        document = self._document
         return CheckedProgram(
             name=document.name,
             robot=document.robot,
             stage=document.stage,
             parameters=self._scope.values,
             members=members,
-            primitives=primitives,
-            actions=tuple(action for action in checked if action is not None),
+            primitives=_primitives(actions),
+            actions=tuple(action for action in actions if action is not None),
             policy=policy,
             background=background,
             transitions=document.limits.transitions,

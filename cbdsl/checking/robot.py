@@ -5,7 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator
 
 from cbdsl.checking.body import Body
+from cbdsl.checking.constants import check_constants, check_margins
 from cbdsl.checking.findings import Findings
+from cbdsl.checking.names import check_names
 from cbdsl.checking.settings import check_settings
 from cbdsl.documents.robot import Effector, RobotDocument
 from cbdsl.errors.counting import count
@@ -23,6 +25,8 @@ Steps = tuple[Step, ...]
 def examine_robot(loaded: Loaded[RobotDocument], findings: Findings) -> Body:
     """Check a robot's document; programs can be checked on it even where it has faults."""
     _RobotCheck(loaded, findings).all()
+    check_names(loaded, findings)
+    check_constants(loaded, findings)
     robot = loaded.document
     try:
         model: UrdfModel | None = read_urdf(loaded.path.parent / robot.model)
@@ -31,6 +35,7 @@ def examine_robot(loaded: Loaded[RobotDocument], findings: Findings) -> Body:
         model = None
     if model is not None:
         _ModelCheck(loaded, findings, model).all()
+        check_margins(loaded, model, findings)
     return Body(loaded, resources(robot), model)
 
 
@@ -145,15 +150,21 @@ class _ModelCheck:
         for joint in self._robot.couplings:
             if joint not in self._model.revolute:
                 self._missing("CB302", joint, self._source.key("couplings", joint))
-        for steps, link in self._links():
-            if link not in self._model.links:
-                self._missing("CB303", link, self._source.place(*steps))
+        self._named_links()
         for joint in self._robot.simulation.efforts:
             if joint not in self._model.revolute:
                 self._missing("CB302", joint, self._source.key("simulation", "efforts", joint))
         self._base()
         for name, effector in self._robot.effectors.items():
             self._postures(name, effector)
+
+    def _named_links(self) -> None:
+        for steps, link in self._links():
+            if link not in self._model.links:
+                self._missing("CB303", link, self._source.place(*steps))
+        for steps, pattern in self._patterns():
+            if not self._matches(pattern):
+                self._missing("CB303", pattern, self._source.place(*steps))
 
     def _base(self) -> None:
         """The simulator puts the root of the model at the world's origin."""
@@ -178,6 +189,21 @@ class _ModelCheck:
                 yield ("load_cells", hand, finger, "link"), cell.link
         for name, camera in self._robot.cameras.items():
             yield ("cameras", name, "link"), camera.link
+
+    def _patterns(self) -> Iterator[tuple[Steps, str]]:
+        """Where links are named of which a trailing * matches any ending."""
+        simulation = self._robot.simulation
+        for i, surface in enumerate(simulation.surfaces):
+            for j, pattern in enumerate(surface.links):
+                yield ("simulation", "surfaces", i, "links", j), pattern
+        for i, group in enumerate(simulation.no_contact):
+            for j, pattern in enumerate(group):
+                yield ("simulation", "no_contact", i, j), pattern
+
+    def _matches(self, pattern: str) -> bool:
+        if not pattern.endswith("*"):
+            return pattern in self._model.links
+        return any(link.startswith(pattern[:-1]) for link in self._model.links)
 
     def _joint(self, joint: str, steps: Steps) -> None:
         if joint not in self._model.revolute:

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Collection, Iterator
 
+from cbdsl.checking.body import Body
 from cbdsl.checking.findings import Findings
 from cbdsl.checking.session import Session
 from cbdsl.documents.robot import RobotDocument
-from cbdsl.documents.stage import Context, StageDocument
+from cbdsl.documents.stage import Box, Context, Fixture, Place, StageDocument
 from cbdsl.yaml_text.node import Node
 from cbdsl.yaml_text.reader import Loaded
 from cbdsl.yaml_text.source_map import Step
@@ -20,13 +21,27 @@ def examine_stage(loaded: Loaded[StageDocument], session: Session, findings: Fin
     if path is None:
         names = session.library.names(RobotDocument, loaded.path)
         findings.add("CB601", source.place("robot"), names=names, name=name)
-        robot = None
+        body = None
     else:
-        robot = session.body(path, findings).document
+        body = session.body(path, findings)
     for node, (first, last) in _reversed_spans(loaded.document, source.root):
         findings.add("CB352", node.place, first=f"{first:g}", last=f"{last:g}")
     for key, context in loaded.document.contexts.items():
-        _ContextCheck(loaded, findings, ("contexts", key), context).all(robot)
+        _ContextCheck(loaded, findings, ("contexts", key), context).all(body)
+    _names(loaded, findings)
+
+
+def _names(loaded: Loaded[StageDocument], findings: Findings) -> None:
+    """Fixtures and things share the world, and things are there to be shown."""
+    stage, source = loaded.document, loaded.source
+    shown = {name for context in stage.contexts.values() for name in context.things}
+    for name in stage.things:
+        place = source.key("things", name)
+        if name in stage.fixtures:
+            related = [(source.key("fixtures", name), "the fixture")]
+            findings.add("CB354", place, related=related, name=name)
+        elif name not in shown and shown.issubset(stage.things):
+            findings.add("CB715", place, name=name)
 
 
 class _ContextCheck:
@@ -43,24 +58,55 @@ class _ContextCheck:
         self._steps = steps
         self._context = context
 
-    def all(self, robot: RobotDocument | None) -> None:
+    def all(self, body: Body | None) -> None:
         context, place = self._context, self._context.place
         for i, name in enumerate(context.things):
             self._known(name, self._stage.things, "thing of this stage", "things", i)
         if place is not None and place.on is not None:
             self._known(place.on, self._stage.fixtures, "fixture of this stage", "place", "on")
-        if robot is not None:
-            self._on_robot(robot)
+            self._on_fixture(place, place.on)
+        if body is not None:
+            self._on_robot(body)
         self._complete()
+        self._deeds()
 
-    def _on_robot(self, robot: RobotDocument) -> None:
-        place = self._context.place
+    def _on_robot(self, body: Body) -> None:
+        place, robot = self._context.place, body.document
         if place is not None and place.hand is not None:
             tips = [name for name, effector in robot.effectors.items() if effector.tip]
             self._known(place.hand, tips, "effector with a tip", "place", "hand")
         joints = [joint for effector in robot.effectors.values() for joint in effector.joints]
         for joint in self._context.joints:
             self._known(joint, joints, "actuated joint", "joints", joint, at_key=True)
+        self._within_limits(body)
+
+    def _within_limits(self, body: Body) -> None:
+        """Joints can start where their context puts them."""
+        starts = self._context.joints
+        for (joint, span), limits in zip(starts.items(), body.limits(starts), strict=True):
+            beyond = [a for a in span if limits and not limits[0] <= a <= limits[1]]
+            if limits is not None and beyond:
+                ends = {"lower": f"{limits[0]:.4g}", "upper": f"{limits[1]:.4g}"}
+                place = self._source.place(*self._steps, "joints", joint)
+                self._findings.add("CB355", place, angle=f"{beyond[0]:.4g}", joint=joint, **ends)
+
+    def _on_fixture(self, place: Place, name: str) -> None:
+        """What stands on a fixture has its centre above it, wherever it is drawn."""
+        if place.hand is not None:
+            self._lacks("place", "a place on a fixture is in the world, not in reach of a hand")
+            return
+        fixture = self._stage.fixtures.get(name)
+        if fixture is None:
+            return
+        for axis, span, half in zip("xy", (place.x, place.y), _halves(fixture), strict=True):
+            centre = fixture.position["xy".index(axis)]
+            # What is computed from centimetres may exceed an edge by a rounding error.
+            beyond = [x for x in span if abs(x - centre) > half + 1e-9]
+            if beyond:
+                where = self._source.place(*self._steps, "place", axis)
+                ends = {"first": f"{centre - half:.4g}", "last": f"{centre + half:.4g}"}
+                details = {"axis": axis, "value": f"{beyond[0]:.4g}", **ends}
+                self._findings.add("CB356", where, name=name, **details)
 
     def _known(
         self, name: str, names: Collection[str], what: str, *steps: Step, at_key: bool = False
@@ -81,8 +127,34 @@ class _ContextCheck:
         if context.released_after is not None and not (place is not None and place.held):
             self._lacks("released_after", "released_after needs a place with `held: true`")
 
+    def _deeds(self) -> None:
+        """What the experimenter does with a thing happens in some order."""
+        context = self._context
+        removed, released = context.removed_after, context.released_after
+        is_held = context.place is not None and context.place.held
+        if removed is not None and released is not None and removed <= released:
+            self._excluded("removed_after", f"it is let go of only after {released:g} s")
+        if context.motion is None:
+            return
+        start = context.motion.after[0]
+        if is_held and (released is None or start < released):
+            self._excluded("motion", "it is held still when the motion starts")
+        if removed is not None and removed <= start:
+            self._excluded("removed_after", "it is taken away before its motion starts")
+
+    def _excluded(self, key: str, problem: str) -> None:
+        self._findings.add("CB357", self._source.key(*self._steps, key), problem=problem)
+
     def _lacks(self, key: str, problem: str) -> None:
         self._findings.add("CB353", self._source.key(*self._steps, key), problem=problem)
+
+
+def _halves(fixture: Fixture) -> tuple[float, float]:
+    """Half the largest extent of a fixture along x and y, m."""
+    form = fixture.form
+    if isinstance(form, Box):
+        return form.size[0][1] / 2, form.size[1][1] / 2
+    return form.radius[1], form.radius[1]
 
 
 def _reversed_spans(value: object, node: Node) -> Iterator[tuple[Node, tuple[float, float]]]:

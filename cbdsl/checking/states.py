@@ -23,12 +23,15 @@ def check_states(
         for pattern, action in policy.items()
         if _is_sound(pattern, members, source, findings)
     }
-    patience = _Patience(_MOST_SPLITS)
+    patience, contradict = _Patience(_MOST_SPLITS), False
     for other, one, example in _contradictions(sound, patience):
         first = (source.key("policy", one), f"'{one}' is here")
         place = source.key("policy", other)
         details = {"state": other, "other": one, "example": example}
         findings.add("CB614", place, related=[first], **details)
+        contradict = True
+    for pattern in () if contradict else _idle(sound, patience):
+        findings.add("CB707", source.key("policy", pattern), state=pattern)
 
 
 def _contradictions(
@@ -51,6 +54,14 @@ def _contradictions(
                 if example is not None:
                     yield other, one, example
                     break
+
+
+def _idle(sound: Mapping[str, str], patience: _Patience) -> Iterator[str]:
+    """Patterns whose states are all decided by patterns with fewer stars."""
+    for pattern in sound:
+        closer = [other for other in sound if other.count(ANY) < pattern.count(ANY)]
+        if closer and _left_over(pattern, closer, patience) is None and not patience.has_ended:
+            yield pattern
 
 
 def _is_sound(pattern: str, members: Sequence[str], source: SourceMap, findings: Findings) -> bool:
@@ -101,10 +112,15 @@ class _Patience:
     def __init__(self, splits: int) -> None:
         self._splits = splits
 
+    @property
+    def has_ended(self) -> bool:
+        """Whether there have been too many splits."""
+        return self._splits < 0
+
     def ends(self) -> bool:
         """Count a split; whether there have been too many."""
         self._splits -= 1
-        return self._splits < 0
+        return self.has_ended
 
 
 def _left_over(region: str, covers: Sequence[str], patience: _Patience) -> str | None:

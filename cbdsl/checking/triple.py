@@ -10,6 +10,7 @@ from cbdsl.checking.field import Wish, check_field
 from cbdsl.checking.references import LiteralError, is_literal, read_literal
 from cbdsl.checking.scope import Scope
 from cbdsl.checking.settings import check_settings
+from cbdsl.checking.soundness import check_numbers, check_reference, suits_body
 from cbdsl.documents import program as written
 from cbdsl.documents.robot import TaskSettings
 from cbdsl.errors.diagnostic import Place
@@ -79,6 +80,8 @@ class _Triple:
         if potential is not None:
             self._accepts(potential, feedback)
         self._options(feedback)
+        check_numbers(self._context, self._steps, document)
+        check_reference(self._context, self._steps, reference, feedback)
         if document.potential == _MANIPULABILITY and not self._has_tip(feedback):
             return None
         if isinstance(feedback.source, Headings) and not self._has_rigid_cameras():
@@ -87,6 +90,8 @@ class _Triple:
         if effector is None or not self._moves(effector, feedback):
             return None
         if settings is None or potential is None or self._lacks(potential, reference):
+            return None
+        if not suits_body(self._context, self._steps, document, feedback, effector):
             return None
         return self._controller(potential, feedback, reference, effector, settings)
 
@@ -207,10 +212,17 @@ class _Triple:
         """A reference of the feedback's type."""
         if reference is None or feedback is None or reference.type == feedback.type:
             return reference
+        body = self._context.body
         self._context.add(
             "CB504",
             self._place("reference"),
-            related=[(self._place("feedback"), f"the feedback, {feedback.type}")],
+            related=[
+                (self._place("feedback"), f"the feedback, {feedback.type}"),
+                *(
+                    (body.declaration(resource), f"where '{resource.name}' comes from")
+                    for resource in (reference, feedback)
+                ),
+            ],
             reference=reference.name,
             reference_type=reference.type,
             feedback=feedback.name,

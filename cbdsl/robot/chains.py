@@ -76,7 +76,7 @@ _DEEPEST = 200  # joints in a row: bounds the walk where a model has a loop
 
 
 def _actuated(joint: UrdfJoint) -> bool:
-    return joint.revolute and joint.mimic is None and joint.lower <= joint.upper
+    return joint.revolute and joint.mimic is None and joint.lower < joint.upper
 
 
 def _moves(branches: _Branches, joint: UrdfJoint, depth: int = 0) -> bool:

@@ -61,7 +61,9 @@ COMPOSITIONS = (
         "nullspace a controller could use. Make it an action by itself.",
         program("actions: [track, looking, track ◁ looking]\nuse: {looking: {program: looking}}\n"),
         beside={
-            "programs/looking.yaml": program("actions: [track]\n").replace("example", "looking")
+            "programs/looking.yaml": program("actions: [track]\npolicy: {X: track}\n").replace(
+                "example", "looking"
+            )
         },
         good=program("actions: [track, looking]\nuse: {looking: {program: looking}}\n"),
     ),

@@ -6,6 +6,10 @@ from cbdsl.errors.codes.example import HEAD, URDF, controller, robot
 from cbdsl.errors.entry import Entry
 
 _HEADING = "potential: spring, reference: 0, feedback: cyclopean.motion, effector: head"
+_REACH = (
+    "potential: spring, reference: stereo.motion, feedback: right_arm.position, effector: right_arm"
+)
+_OWN = "gain: 2 /s, quiescence: {rate: 1e-3, window: 0.5 s}"
 
 CONTROLLERS = (
     Entry(
@@ -200,5 +204,40 @@ CONTROLLERS = (
         good=f"{HEAD.replace('dexter', 'example')}controllers:\n  look: {{potential: spring, "
         "reference: 0, feedback: left.motion, effector: head, gain: 8 /s, "
         "quiescence: {rate: 1e-3, window: 0.5 s}}\nactions: [look]\n",
+    ),
+    Entry(
+        "CB517",
+        "reference outside the joint limits",
+        "{angle} rad is outside the limits of joint '{joint}', {lower} to {upper} rad",
+        "The effector can never get there, so the controller would push against its limits for "
+        "ever. Limits are those of the robot's URDF model.",
+        controller("potential: spring, reference: [0, 400 deg], feedback: head, effector: head"),
+        good=controller(
+            "potential: spring, reference: [0, 40 deg], feedback: head, effector: head"
+        ),
+    ),
+    Entry(
+        "CB518",
+        "standoff that ends before it begins",
+        "the least distance, {least} m, is more than the most, {most} m",
+        "A standoff is a distance between `least` and `most`.",
+        controller(f"{_REACH}, standoff: {{clearance: 1 cm, least: 14 cm, most: 9 cm}}"),
+        good=controller(f"{_REACH}, standoff: {{clearance: 1 cm, least: 9 cm, most: 14 cm}}"),
+    ),
+    Entry(
+        "CB519",
+        "body that a potential is not made for",
+        "{potential} cannot work here: {problem}",
+        "A range needs the limits of the joints that are moved, manipulability as many joints as "
+        "the tip's position or pose has components, and localizability two cameras with a distance "
+        "between them.",
+        f"{HEAD.replace('dexter', 'example')}controllers:\n  free: {{potential: manipulability, "
+        f"feedback: head, effector: head, {_OWN}}}\nactions: [free]\n",
+        beside={
+            "robots/example.urdf": URDF,
+            "robots/example.yaml": robot("  head: {joints: [pan, tilt], tip: {link: eye}}\n"),
+        },
+        good=f"{HEAD.replace('dexter', 'example')}controllers:\n  free: {{potential: range, "
+        f"feedback: head, effector: head, {_OWN}}}\nactions: [free]\n",
     ),
 )

@@ -34,7 +34,7 @@ def controller(fields: str) -> str:
 def robot(effectors: str = "  head: {joints: [pan]}\n", more: str = "", *, base: str = "") -> str:
     """A robot with one joint, ``pan``."""
     head = base or "cbdsl: 1\nkind: robot\nname: example\nmodel: example.urdf\nbase: base\n"
-    return f"{head}effectors:\n{effectors}control: {{rate: 100 Hz, tasks: {{}}}}\n{more}"
+    return f"{head}effectors:\n{effectors}control: {{rate: 120 Hz, tasks: {{}}}}\n{more}"
 
 
 def stage(contexts: str, *, robot: str = "dexter") -> str:

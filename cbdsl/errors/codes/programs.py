@@ -8,7 +8,7 @@ from cbdsl.errors.entry import Entry
 _TWO = f"{HEAD}controllers:\n  search: {SEARCH}\n  track: {TRACK}\n"
 _SMALL_ROBOT = (
     "cbdsl: 1\nkind: robot\nname: other\nmodel: other.urdf\nbase: base\neffectors: {}\n"
-    "control: {rate: 100 Hz, tasks: {}}\n"
+    "control: {rate: 120 Hz, tasks: {}}\n"
 )
 _OTHER_STAGE = "cbdsl: 1\nkind: stage\nname: other\nrobot: other\ncontexts: {always: {}}\n"
 _MODEL = (
@@ -16,10 +16,10 @@ _MODEL = (
     "density: {form: gaussian, mean: [0.1, 1], deviation: [0.3, 0.2]}\n"
 )
 _MODELS = {"knowledge/models/window.yaml": _MODEL.replace("example", "window")}
-_LOOKING = program("actions: [track]\n").replace("example", "looking")
+_LOOKING = program("actions: [track]\npolicy: {X: track}\n").replace("example", "looking")
 _STEPS = {
     f"programs/step_{n}.yaml": program(
-        f"use: {{next: {{program: step_{n + 1}}}}}\nactions: [track, next]\n"
+        f"use: {{next: {{program: step_{n + 1}}}}}\nactions: [track, next]\npolicy: {{XX: next}}\n"
     ).replace("example", f"step_{n}")
     for n in range(1, 70)
 } | {"programs/step_70.yaml": _LOOKING.replace("looking", "step_70")}
@@ -116,8 +116,8 @@ PROGRAMS = (
         "state of the wrong length",
         "state '{state}' has {found} for {wanted} ({members})",
         "A state has one letter for each action that is not a composition, in their order.",
-        program('actions: [track]\npolicy: {"1-": track}\n'),
-        good=program('actions: [track]\npolicy: {"1": track}\n'),
+        program('actions: [track]\npolicy: {"X-": track}\n'),
+        good=program("actions: [track]\npolicy: {X: track}\n"),
     ),
     Entry(
         "CB612",
@@ -125,8 +125,8 @@ PROGRAMS = (
         "'{letter}' in state '{state}' is none of X, -, 0, 1 and *",
         "X: not activated; -: reference undefined; 0: transient; 1: quiescent (Eq 4.1); "
         "*: any of them.",
-        program('actions: [track]\npolicy: {"2": track}\n'),
-        good=program('actions: [track]\npolicy: {"1": track}\n'),
+        program('actions: [track]\npolicy: {"2": track, X: track}\n'),
+        good=program("actions: [track]\npolicy: {X: track}\n"),
     ),
     Entry(
         "CB613",

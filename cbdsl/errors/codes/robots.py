@@ -35,7 +35,8 @@ ROBOTS = (
         "CB303",
         "link that the model lacks",
         "the model {model} has no link '{name}'",
-        "Tips, cameras, load cells and the base name links of the URDF model.",
+        "Tips, cameras, load cells, surfaces and the base name links of the URDF model. In "
+        "`simulation`, a trailing * stands for any ending.",
         robot("  head: {joints: [pan], tip: {link: eyes}}\n"),
         _PATH,
         _MODEL,
@@ -135,5 +136,51 @@ ROBOTS = (
         _PATH,
         _MODEL,
         good=robot(_TWO, more="groups: {head: {members: [neck, eye]}}\n"),
+    ),
+    Entry(
+        "CB313",
+        "rates that do not fit",
+        "{problem}",
+        "The simulator takes a whole number of physics steps in each tick of the control, and an "
+        "image is read in a tick: `simulation.physics_rate` is a multiple of `control.rate`, and "
+        "`vision.rate` is no higher.",
+        robot(more="simulation: {physics_rate: 200 Hz}\n"),
+        _PATH,
+        _MODEL,
+        good=robot(more="simulation: {physics_rate: 360 Hz}\n"),
+    ),
+    Entry(
+        "CB314",
+        "name that means something else",
+        "'{name}' already means {meaning}",
+        "Programs name a robot's resources by dots, as in `stereo.hue_4`, `right_arm.uniform` or "
+        "`right_hand.net.force`. A name of the document's own that reads the same would hide one "
+        "of them.",
+        robot("  head: {joints: [pan], postures: {uniform: [0]}}\n"),
+        _PATH,
+        _MODEL,
+        good=robot("  head: {joints: [pan], postures: {ahead: [0]}}\n"),
+    ),
+    Entry(
+        "CB315",
+        "alias that hides a channel",
+        "'{name}' is a channel already",
+        "An alias is a further name of a channel, so it cannot be the name of another.",
+        robot(more="vision: {channels: {aliases: {hue_1: hue_4}}}\n"),
+        _PATH,
+        _MODEL,
+        good=robot(more="vision: {channels: {aliases: {green: hue_4}}}\n"),
+    ),
+    Entry(
+        "CB316",
+        "joint without room to move",
+        "joint '{name}' goes from {lower} to {upper} rad, and the margin of {margin} rad at both "
+        "ends leaves nothing",
+        "Joints are kept `control.limit_margin` from their limits in the URDF model. A joint that "
+        "the model gives no limits has 0 for both.",
+        robot().replace("tasks: {}", "limit_margin: 1.5, tasks: {}"),
+        _PATH,
+        _MODEL,
+        good=robot(),
     ),
 )

@@ -1,0 +1,117 @@
+"""The constants of a robot: signs, rates, and settings that defeat themselves."""
+
+from __future__ import annotations
+
+from functools import reduce
+from typing import Any
+
+from cbdsl.checking.findings import Findings
+from cbdsl.checking.pace import check_gain, check_window
+from cbdsl.documents.robot import RobotDocument
+from cbdsl.robot.urdf import UrdfModel
+from cbdsl.yaml_text.reader import Loaded
+from cbdsl.yaml_text.source_map import SourceMap, Step
+
+Steps = tuple[Step, ...]
+
+_POSITIVE: tuple[Steps, ...] = (
+    ("control", "joint_speed"),
+    ("control", "lead"),
+    ("vision", "regions", "farthest"),
+)
+_NOT_NEGATIVE: tuple[Steps, ...] = (
+    ("contact", "threshold"),
+    ("contact", "noise"),
+    ("control", "limit_margin"),
+    ("control", "damping"),
+    ("control", "singular_value"),
+    ("vision", "regions", "ray_gap"),
+    ("vision", "regions", "hand_radius"),
+)
+
+
+def check_constants(loaded: Loaded[RobotDocument], findings: Findings) -> None:
+    """Check what can be said of a robot's numbers without its model."""
+    robot, source = loaded.document, loaded.source
+    surfaces = range(len(robot.simulation.surfaces))
+    positive = [
+        *_POSITIVE,
+        *(("simulation", "surfaces", i, "stiffness") for i in surfaces),
+        *(("simulation", "efforts", joint) for joint in robot.simulation.efforts),
+    ]
+    not_negative = [*_NOT_NEGATIVE, *(("simulation", "surfaces", i, "damping") for i in surfaces)]
+    check_signs(robot, source, (), positive, not_negative, findings)
+    _rates(robot, source, findings)
+    _tasks(robot, source, findings)
+
+
+def check_signs(
+    document: Any,
+    source: SourceMap,
+    steps: Steps,
+    positive: list[Steps],
+    not_negative: list[Steps],
+    findings: Findings,
+) -> None:
+    """Report numbers of the wrong sign among those that the text gives.
+
+    Args:
+        document: a part of a document.
+        source: where the parts of the document stand.
+        steps: path of the part.
+        positive: paths in the part of what has to be above 0.
+        not_negative: paths in the part of what has to be 0 or above.
+        findings: where findings go.
+    """
+    for wanted, paths in (("greater than 0", positive), ("at least 0", not_negative)):
+        for path in paths:
+            value: Any = reduce(_part, path, document)
+            if value is not None and (value < 0 or (value == 0 and paths is positive)):
+                place = source.place(*steps, *path)
+                findings.add("CB208", place, problem=f"it has to be {wanted}")
+
+
+def _part(value: Any, step: Any) -> Any:
+    if value is None:
+        return None
+    return value[step] if isinstance(value, (dict, tuple)) else getattr(value, step)
+
+
+def _rates(robot: RobotDocument, source: SourceMap, findings: Findings) -> None:
+    """The simulator takes whole steps per control period, and images come with a tick."""
+    control, physics = robot.control.rate, robot.simulation.physics_rate
+    ratio = physics / control
+    rate: Steps = ("control", "rate")
+    if round(ratio) < 1 or abs(ratio - round(ratio)) > 1e-9:
+        steps: Steps = ("simulation", "physics_rate")
+        problem = f"{physics:g} physics steps per second are no multiple of {control:g} ticks"
+        place = source.place(*(steps if source.holds(*steps) else rate))
+        findings.add("CB313", place, problem=problem)
+    if robot.cameras and robot.vision.rate > control:
+        steps = ("vision", "rate")
+        problem = f"{robot.vision.rate:g} images per second are more than {control:g} ticks"
+        place = source.place(*(steps if source.holds(*steps) else rate))
+        findings.add("CB313", place, problem=problem)
+
+
+def _tasks(robot: RobotDocument, source: SourceMap, findings: Findings) -> None:
+    for name, settings in robot.control.tasks.items():
+        steps: Steps = ("control", "tasks", name)
+        check_gain(settings.gain, robot, source, steps, findings)
+        seen = name == "heading" and bool(robot.cameras)
+        check_window(settings.quiescence.window, seen, robot, source, steps, findings)
+
+
+def check_margins(loaded: Loaded[RobotDocument], model: UrdfModel, findings: Findings) -> None:
+    """Check that the margins of all joints leave something between them."""
+    robot, source = loaded.document, loaded.source
+    margin = robot.control.limit_margin
+    for name, effector in robot.effectors.items():
+        for i, joint in enumerate(effector.joints):
+            limits = model.joints.get(joint)
+            if limits is None or not limits.revolute:
+                continue
+            if not limits.lower + margin <= limits.upper - margin:
+                details = {"lower": f"{limits.lower:.4g}", "upper": f"{limits.upper:.4g}"}
+                place = source.place("effectors", name, "joints", i)
+                findings.add("CB316", place, name=joint, margin=f"{margin:g}", **details)

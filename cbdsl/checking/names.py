@@ -1,0 +1,51 @@
+"""Names in a robot's document that mean something else already."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from cbdsl.checking.findings import Findings
+from cbdsl.documents.robot import RobotDocument
+from cbdsl.robot.channel_names import channel_names
+from cbdsl.robot.resources import CAMERAS, CYCLOPEAN, STEREO
+from cbdsl.yaml_text.reader import Loaded
+from cbdsl.yaml_text.source_map import Step
+
+Steps = tuple[Step, ...]
+
+_SIGHT = {CAMERAS: "all cameras", CYCLOPEAN: "the mean of all cameras", STEREO: "both cameras"}
+_TIP = ("position", "orientation", "pose")
+
+
+def check_names(loaded: Loaded[RobotDocument], findings: Findings) -> None:
+    """Report names of which programs could not tell what they mean."""
+    robot, source = loaded.document, loaded.source
+    for steps, meaning in _taken(robot):
+        findings.add("CB314", source.key(*steps), name=steps[-1], meaning=meaning)
+    channels = set(channel_names(robot.vision.channels))
+    for alias in robot.vision.channels.aliases:
+        if alias in channels:
+            place = source.key("vision", "channels", "aliases", alias)
+            findings.add("CB315", place, name=alias)
+
+
+def _taken(robot: RobotDocument) -> Iterator[tuple[Steps, str]]:
+    """Paths of keys that are names of something else, and what that is."""
+    cameras = {name: f"camera '{name}'" for name in robot.cameras}
+    sight = {**cameras, **_SIGHT} if robot.cameras else {}
+    yield from ((("cameras", name), _SIGHT[name]) for name in robot.cameras if name in _SIGHT)
+    for section in ("effectors", "groups"):
+        names = getattr(robot, section)
+        yield from (((section, name), sight[name]) for name in names if name in sight)
+    for name, effector in robot.effectors.items():
+        parts = {"uniform": "a draw between the joint limits"}
+        if effector.tip is not None:
+            parts |= {part: f"the {part} of its tip" for part in _TIP}
+        if name in robot.load_cells:
+            parts |= {"finger_forces": "the forces of its fingers"}
+        for posture in effector.postures:
+            if posture in parts:
+                yield ("effectors", name, "postures", posture), parts[posture]
+    for hand, cells in robot.load_cells.items():
+        if "net" in cells:
+            yield ("load_cells", hand, "net"), "the sum over the fingers"

@@ -1,0 +1,59 @@
+"""Gains and windows against the control cycle that they have to live with."""
+
+from __future__ import annotations
+
+from cbdsl.checking.findings import Findings
+from cbdsl.documents.robot import RobotDocument
+from cbdsl.yaml_text.source_map import SourceMap, Step
+
+# A tick takes gain * period of the Newton step, which for half the square of a residual is half
+# the residual: the residual is multiplied by 1 - gain * period / 2, and changes sign above 2.
+_MOST_PER_TICK = 2.0
+
+
+def check_gain(
+    gain: float,
+    robot: RobotDocument,
+    source: SourceMap,
+    steps: tuple[Step, ...],
+    findings: Findings,
+) -> None:
+    """Warn of a gain that takes a residual past 0 within a tick.
+
+    Args:
+        gain: kappa, 1/s.
+        robot: has the control rate.
+        source: where the parts of the document stand.
+        steps: path of what has the gain.
+        findings: where findings go.
+    """
+    if gain > _MOST_PER_TICK * robot.control.rate:
+        most = f"{_MOST_PER_TICK * robot.control.rate:g}"
+        place = source.place(*steps, "gain")
+        findings.add("CB712", place, gain=f"{gain:g}", most=most, rate=f"{robot.control.rate:g}")
+
+
+def check_window(
+    window: float,
+    seen: bool,
+    robot: RobotDocument,
+    source: SourceMap,
+    steps: tuple[Step, ...],
+    findings: Findings,
+) -> None:
+    """Warn of a window of quiescence in which there are less than two measurements.
+
+    Args:
+        window: s.
+        seen: whether what is measured comes with the images.
+        robot: has the rates of control and images.
+        source: where the parts of the document stand.
+        steps: path of what has the quiescence.
+        findings: where findings go.
+    """
+    rate, what = robot.control.rate, "ticks"
+    if seen and robot.vision.rate < rate:
+        rate, what = robot.vision.rate, "images"
+    if window * rate < 2 - 1e-9:
+        place = source.place(*steps, "quiescence", "window")
+        findings.add("CB713", place, window=f"{window:g}", what=what, least=f"{2 / rate:.2g}")

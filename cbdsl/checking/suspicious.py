@@ -1,0 +1,157 @@
+"""Warnings about what runs, and hardly does what was meant."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+
+from cbdsl.checking.context import Context, Steps
+from cbdsl.checking.pace import check_gain, check_window
+from cbdsl.checking.states import ANY
+from cbdsl.documents import program as written
+from cbdsl.program.checked import Action, CheckedProgram
+from cbdsl.program.controller import AlongNormals, Controller, Literal
+from cbdsl.program.dry_run import Level, levels
+from cbdsl.types.potential import POTENTIALS
+from cbdsl.types.resource import Heading, Headings, Origin, Resource, StereoPosition
+
+_ALWAYS_KNOWN = frozenset({Origin.PROPRIOCEPTION, Origin.KINEMATICS, Origin.CONSTANT, Origin.MODEL})
+
+
+def check_suspicious(
+    context: Context,
+    program: CheckedProgram,
+    controllers: Iterable[tuple[str, Controller]],
+    actions: Mapping[str, Steps],
+) -> None:
+    """Warn of what can be told without running a program.
+
+    Args:
+        context: the program's document.
+        program: what became of it.
+        controllers: its controllers, with their keys in the document.
+        actions: the paths of its actions in the document, by name.
+    """
+    for key, controller in controllers:
+        document = context.document.controllers[key]
+        assert isinstance(document, written.Controller), "compositions are no controllers"
+        _ControllerCheck(context, key, document, controller).all(program)
+    _start(context, program)
+    _background(context, program)
+    _used(context, program)
+    for action in program.actions:
+        if action.name in program.policy.values():
+            _levels(context, program, action, actions[action.name])
+
+
+class _ControllerCheck:
+    def __init__(
+        self, context: Context, key: str, document: written.Controller, controller: Controller
+    ) -> None:
+        self._context = context
+        self._steps = ("controllers", key)
+        self._document = document
+        self._controller = controller
+
+    def all(self, program: CheckedProgram) -> None:
+        self._against_itself()
+        self._zero_share()
+        self._pace(program)
+
+    def _against_itself(self) -> None:
+        controller, source = self._controller, self._context.source
+        reference = controller.reference
+        if isinstance(reference, Resource) and _are_same(reference, controller.feedback):
+            place = source.place(*self._steps, "reference")
+            self._context.add("CB708", place, name=reference.name)
+        if controller.seek is not None and controller.seek.once == controller.name:
+            place = source.place(*self._steps, "seek", "once")
+            self._context.add("CB710", place, name=controller.name)
+
+    def _zero_share(self) -> None:
+        """A share of a reference of norm 0 is no residual that can be reached."""
+        controller, source = self._controller, self._context.source
+        if not controller.rewarded or controller.quiescence.within is None:
+            return
+        if _is_zero(controller):
+            own = (*self._steps, "quiescence", "within")
+            steps = own if source.holds(*own) else (*self._steps, "reference")
+            self._context.add("CB711", source.place(*steps), name=controller.name)
+
+    def _pace(self, program: CheckedProgram) -> None:
+        context, controller = self._context, self._controller
+        robot, source = context.body.document, context.source
+        if self._document.gain is not None and POTENTIALS[controller.potential].residual:
+            check_gain(controller.gain, robot, source, self._steps, context.findings)
+        window = controller.quiescence.window
+        if self._document.quiescence is not None:
+            seen = isinstance(controller.feedback.source, (Heading, Headings, StereoPosition))
+            seen = seen and bool(robot.cameras)
+            check_window(window, seen, robot, source, self._steps, context.findings)
+        if program.transition_time <= window:
+            self._too_short(program.transition_time, window)
+
+    def _too_short(self, longest: float, window: float) -> None:
+        source = self._context.source
+        own = (*self._steps, "quiescence", "window")
+        limit = ("limits", "transition_time")
+        place = source.place(*(limit if source.holds(*limit) else own))
+        details = {"longest": f"{longest:g}", "window": f"{window:g}"}
+        self._context.add("CB714", place, name=self._controller.name, **details)
+
+
+def _are_same(one: Resource, other: Resource) -> bool:
+    """Whether two names stand for the same signal; equal fields of different sources do not."""
+    return type(one.source) is type(other.source) and one.source == other.source
+
+
+def _is_zero(controller: Controller) -> bool:
+    match controller.reference:
+        case Literal(values=values):
+            return not any(values)
+        case AlongNormals(force=force):
+            return force == 0
+    return False
+
+
+def _start(context: Context, program: CheckedProgram) -> None:
+    """Every program begins with no predicate active."""
+    patterns = [pattern for pattern in program.policy if not pattern.strip("X" + ANY)]
+    if program.policy and not patterns:
+        state = "X" * len(program.members)
+        context.add("CB706", context.source.key("policy"), state=state)
+
+
+def _background(context: Context, program: CheckedProgram) -> None:
+    name = str(program.background)
+    if program.background is not None and name in (action.name for action in program.actions):
+        context.add("CB716", context.source.place("background"), name=name)
+
+
+def _used(context: Context, program: CheckedProgram) -> None:
+    for action in program.actions:
+        if action.program is not None and not action.program.policy:
+            place = context.source.place("use", action.name, "program")
+            context.add("CB705", place, name=action.program.name)
+
+
+def _levels(context: Context, program: CheckedProgram, action: Action, steps: Steps) -> None:
+    """Warn of controllers to which one above leaves nothing, whatever happens."""
+    own = [level for level in levels(program, action) if not level.background]
+    for i, level in enumerate(own):
+        joints = frozenset(level.controller.joints)
+        above = next((other for other in own[:i] if _takes_all(other, joints)), None)
+        if above is not None:
+            names = {"name": level.controller.name, "above": above.controller.name}
+            context.add("CB709", context.source.place(*steps), **names)
+
+
+def _takes_all(above: Level, joints: frozenset[str]) -> bool:
+    """Whether a level always fixes all of some joints: it is never undefined."""
+    controller = above.controller
+    return (
+        above.rows == len(controller.joints)
+        and joints.issubset(controller.joints)
+        and controller.feedback.type.name == "configuration"
+        and POTENTIALS[controller.potential].residual
+        and all(resource.origin in _ALWAYS_KNOWN for resource in controller.resources)
+    )
