@@ -16,6 +16,7 @@ from cbdsl.backends.kinematic.links import Links
 from cbdsl.backends.kinematic.load_cells import LoadCells
 from cbdsl.backends.kinematic.servos import Servos
 from cbdsl.backends.kinematic.shape import draw
+from cbdsl.backends.kinematic.tree import Tree
 from cbdsl.backends.kinematic.truth import Truth
 from cbdsl.backends.kinematic.world import World
 from cbdsl.documents.robot import RobotDocument
@@ -54,16 +55,16 @@ class KinematicBackend:
     def __init__(self, robot: RobotDocument, urdf: Path, gui: bool = False) -> None:
         if gui:
             raise BackendError("the kinematic backend has no window")
-        model = _fitting(robot, urdf)
-        links = Links(urdf)
+        _require_fit(robot, urdf)
+        links, kinematics = Links(urdf), Kinematics(robot, urdf)
         self._robot = robot
-        self._kinematics = Kinematics(robot, urdf)
-        self._joints = self._kinematics.joints
+        self._joints = kinematics.joints
+        self._tree = Tree(urdf, self._joints, robot.base)
         self.control_period = 1 / robot.control.rate
-        self._servos = Servos(self._kinematics, links, self.control_period)
-        self._hands = Hands(robot, self._kinematics, model, links)
-        self._limbs = limbs(robot, self._kinematics, model, links)
-        self._nearest_to_zero = np.clip(0.0, self._kinematics.lower, self._kinematics.upper)
+        self._servos = Servos(kinematics, links, self.control_period)
+        self._hands = Hands(robot, kinematics, self._tree, links)
+        self._limbs = limbs(robot, kinematics, self._tree, links)
+        self._nearest_to_zero = np.clip(0.0, kinematics.lower, kinematics.upper)
 
     def reset(self, stage: StageDocument, context: str | None, rng: np.random.Generator) -> str:
         """Begin an episode; see ``Backend.reset``."""
@@ -74,16 +75,16 @@ class KinematicBackend:
         self._tick = 0
         self._positions = self._reference = self._start(chosen, rng)
         self._velocities = np.zeros_like(self._positions)
-        self._kinematics.update(self._positions)
+        self._tree.update(self._positions)
         self._world = World()
-        self._experimenter = Experimenter(stage, self._robot, self._kinematics, self._world, rng)
+        self._experimenter = Experimenter(stage, self._robot, self._tree, self._world, rng)
         self._experimenter.furnish()
         self._experimenter.present(chosen)
         self._handling = Handling(self._world, self._hands, self._experimenter.shown)
         #: What only the simulator knows, for tests.
-        self.truth = Truth(self._world, self._kinematics)
+        self.truth = Truth(self._world, self._tree)
         self._cells = LoadCells(self._hands.cells, self._robot, noise)
-        self._cameras = Cameras(self._robot, self._kinematics, self._limbs, stage.disturbance, rng)
+        self._cameras = Cameras(self._robot, self._tree, self._limbs, stage.disturbance, rng)
         self._observation = self._sense()
         return name
 
@@ -132,14 +133,14 @@ class KinematicBackend:
         """Let one control period pass."""
         before = self._positions
         self._positions = self._servos.follow(before, self._reference)
-        self._kinematics.update(self._positions)
+        self._tree.update(self._positions)
         self._experimenter.act(self._tick * self.control_period, touched=self._handling.touched)
         self._handling.move(self.control_period)
         blocked = self._handling.touch()
         if blocked:
             # What a fingertip cannot push away holds back the joints that push.
             self._positions[blocked] = before[blocked]
-            self._kinematics.update(self._positions)
+            self._tree.update(self._positions)
             self._handling.touch()
         self._cells.sample(self._handling.press())
         self.truth.contacts = self._handling.contacts
@@ -151,8 +152,8 @@ class KinematicBackend:
         """Nothing is held."""
 
 
-def _fitting(robot: RobotDocument, urdf: Path) -> UrdfModel:
-    """The model of a robot.
+def _require_fit(robot: RobotDocument, urdf: Path) -> None:
+    """Find out whether a model is that of a robot.
 
     Raises:
         BackendError: it cannot be read, or lacks something that the robot file names.
@@ -175,7 +176,6 @@ def _fitting(robot: RobotDocument, urdf: Path) -> UrdfModel:
             f"which robot '{robot.name}' names"
         )
     _require_links(robot, model)
-    return model
 
 
 def _require_links(robot: RobotDocument, model: UrdfModel) -> None:

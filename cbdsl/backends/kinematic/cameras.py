@@ -11,61 +11,47 @@ from numpy.typing import NDArray
 from cbdsl.backends.bullet.pose import Pose
 from cbdsl.backends.kinematic.links import Links
 from cbdsl.backends.kinematic.paint import Palette
-from cbdsl.backends.kinematic.shape import Shape
-from cbdsl.backends.kinematic.solids import HALVES, POSITION, WIDTH, silhouettes
+from cbdsl.backends.kinematic.solids import WIDTH, attached, silhouettes
 from cbdsl.backends.kinematic.thing import Thing
+from cbdsl.backends.kinematic.tree import Tree
 from cbdsl.backends.kinematic.world import World
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.documents.stage import Disturbance
 from cbdsl.robot.channels import Region
 from cbdsl.robot.kinematics import Kinematics
-from cbdsl.robot.urdf import UrdfModel
 
 Floats = NDArray[np.float64]
 
 # Lines of sight each way across a thing: its area is then right within half a percent.
 _SAMPLES = 32
+# And across a fixture, whose area matters less.
+_COARSE = 12
 # Joints at the end of an arm whose links are wide, and often before the cameras.
 _WRIST = 3
-# Apparent motion that a camera notices, px.
-_LEAST_MOTION = 1.0
+# What has moved less from one image to the next does not count as motion, m.
+_LEAST_MOTION = 2e-3
 
 
 class Limb:
-    """The part of an arm that gets in the way of the cameras: its wrist and what it carries.
-
-    Attributes:
-        centre: link at its middle.
-        radius: no part of it is further from the middle, m.
-    """
+    """The part of an arm that gets in the way of the cameras: its wrist and what it carries."""
 
     def __init__(
-        self, kinematics: Kinematics, links: Links, centre: str, beyond: Sequence[str]
+        self, kinematics: Kinematics, tree: Tree, links: Links, beyond: Sequence[str]
     ) -> None:
-        self._kinematics = kinematics
-        self.centre = centre
-        self._parts = [
-            (link, solid.pose, solid.shape)
+        self._tree = tree
+        parts = [
+            (tree.rows[link], solid)
             for link, solids in links.solids.items()
             for solid in solids
             if kinematics.moving(link).issuperset(beyond)
         ]
-        self.radius = max((self._far(*part) for part in self._parts), default=0.0)
-
-    def _far(self, link: str, pose: Pose, shape: Shape) -> float:
-        frame, centre = self._kinematics.frame(link), self._kinematics.frame(self.centre)
-        middle = frame.position + frame.rotation @ pose.position
-        return float(np.linalg.norm(middle - centre.position)) + math.hypot(*shape.halves)
+        self._rows = np.array([row for row, _ in parts], dtype=np.intp)
+        self._parts = np.array([solid.shape.row(solid.pose) for _, solid in parts])
+        self._parts = self._parts.reshape(len(parts), WIDTH)
 
     def solids(self) -> Floats:
         """Its links where they are now, shape (links, 16)."""
-        rows = np.empty((len(self._parts), WIDTH))
-        for row, (link, pose, shape) in zip(rows, self._parts, strict=True):
-            frame = self._kinematics.frame(link)
-            row[0], row[HALVES] = shape.kind, shape.halves
-            row[POSITION] = frame.position + frame.rotation.dot(pose.position)
-            row[7:] = frame.rotation.dot(pose.rotation).ravel()
-        return rows
+        return attached(self._parts, self._tree.placements, self._rows)
 
 
 class Cameras:
@@ -77,7 +63,7 @@ class Cameras:
 
     Args:
         robot: names the cameras and their links.
-        kinematics: where the links are.
+        tree: where the links are.
         limbs: what may hide things.
         disturbance: the sizes of the cameras' errors.
         rng: draws the errors.
@@ -86,7 +72,7 @@ class Cameras:
     def __init__(
         self,
         robot: RobotDocument,
-        kinematics: Kinematics,
+        tree: Tree,
         limbs: Sequence[Limb],
         disturbance: Disturbance,
         rng: np.random.Generator,
@@ -94,52 +80,45 @@ class Cameras:
         self._cameras = robot.cameras
         self._sees_motion = robot.vision.channels.motion
         self._palette = Palette(robot.vision.channels)
-        self._kinematics = kinematics
+        self._tree = tree
         self._limbs = limbs
         self._errors = {name: _error(disturbance, rng) for name in robot.cameras}
+        self._disturbed = bool(disturbance.camera_position or disturbance.camera_rotation)
         self._colors: dict[str, tuple[str, ...]] = {}
-        self._before: dict[str, Floats] = {}
+        self._before: dict[str, tuple[float, ...]] = {}
 
     def look(self, world: World) -> Mapping[str, Mapping[str, Region]]:
         """The largest region of each channel, by camera and channel."""
-        solids, count = self._solids(world), len(world.things)
+        # Things first, then the parts of the robot that may be before them.
+        solids = np.concatenate([world.solids, *(limb.solids() for limb in self._limbs)])
+        things = world.things.values()
+        samples = np.array([_SAMPLES if thing.mass else _COARSE for thing in things], np.intp)
+        moved = self._motion(world)
         seen = {}
         for name, camera in self._cameras.items():
-            frame = self._kinematics.frame(camera.link)
-            pose = Pose(frame.position, frame.rotation) @ self._errors[name]
+            pose = self._pose(name)
             lens = camera.focal_length, float(camera.width), float(camera.height)
-            shapes = silhouettes(solids, count, pose.position, pose.rotation, lens, _SAMPLES)
-            moved = self._motion(world, pose.position, camera.focal_length)
-            seen[name] = self._regions(world, shapes, moved)
-        self._before = {name: thing.position.copy() for name, thing in world.things.items()}
+            found = silhouettes(solids, samples, pose.position, pose.rotation, lens)
+            seen[name] = self._regions(world, found, moved)
         return seen
 
-    def _solids(self, world: World) -> Floats:
-        """Things first, then the parts of the robot that may be before them."""
-        hiding = [limb.solids() for limb in self._limbs if self._in_the_way(limb, world)]
-        return np.concatenate([world.solids, *hiding])
+    def _pose(self, camera: str) -> Pose:
+        """Where a camera really is."""
+        pose = self._tree.pose(self._cameras[camera].link)
+        return pose @ self._errors[camera] if self._disturbed else pose
 
-    def _in_the_way(self, limb: Limb, world: World) -> bool:
-        """Whether a limb is near a line of sight to a thing that can be moved."""
-        middle = self._kinematics.frame(limb.centre).position
-        for camera in self._cameras.values():
-            eye = self._kinematics.frame(camera.link).position
-            for thing in world.things.values():
-                if thing.mass and _near(eye, thing, middle, limb.radius):
-                    return True
-        return False
-
-    def _motion(self, world: World, eye: Floats, focal_length: float) -> set[str]:
-        """What moves noticeably across the image."""
+    def _motion(self, world: World) -> set[str]:
+        """What has moved since the last look."""
         if not self._sees_motion:
             return set()
+        before, self._before = (
+            self._before,
+            {name: tuple(thing.position.tolist()) for name, thing in world.things.items()},
+        )
         return {
             name
-            for name, thing in world.things.items()
-            if thing.mass
-            and name in self._before
-            and focal_length * float(np.linalg.norm(thing.position - self._before[name]))
-            > _LEAST_MOTION * float(np.linalg.norm(thing.position - eye))
+            for name, position in self._before.items()
+            if math.dist(position, before.get(name, position)) > _LEAST_MOTION
         }
 
     def _regions(self, world: World, shapes: Floats, moved: set[str]) -> Mapping[str, Region]:
@@ -162,26 +141,13 @@ class Cameras:
         return self._colors[thing.name]
 
 
-def limbs(
-    robot: RobotDocument, kinematics: Kinematics, model: UrdfModel, links: Links
-) -> list[Limb]:
+def limbs(robot: RobotDocument, kinematics: Kinematics, tree: Tree, links: Links) -> list[Limb]:
     """What of each arm may hide things."""
     return [
-        Limb(kinematics, links, effector.tip.link, effector.joints[: 1 - _WRIST])
+        Limb(kinematics, tree, links, effector.joints[: 1 - _WRIST])
         for effector in robot.effectors.values()
         if effector.tip is not None
     ]
-
-
-def _near(eye: Floats, thing: Thing, middle: Floats, radius: float) -> bool:
-    """Whether a ball comes near the cone in which an eye sees something."""
-    way = thing.position - eye
-    distance = float(np.linalg.norm(way))
-    offset = middle - eye
-    along = float(offset @ way) / distance
-    across = math.sqrt(max(float(offset @ offset) - along * along, 0.0))
-    wide = math.hypot(*thing.shape.halves)
-    return -radius < along < distance + radius + wide and across < radius + wide
 
 
 def _error(disturbance: Disturbance, rng: np.random.Generator) -> Pose:

@@ -13,10 +13,10 @@ from cbdsl.backends.backend import BackendError
 from cbdsl.backends.bullet.pose import Pose
 from cbdsl.backends.kinematic.shape import Shape, draw
 from cbdsl.backends.kinematic.thing import Thing
+from cbdsl.backends.kinematic.tree import Tree
 from cbdsl.backends.kinematic.world import World
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.documents.stage import Context, Motion, Place, StageDocument
-from cbdsl.robot.kinematics import Kinematics
 
 Floats = NDArray[np.float64]
 _Entry = TypeVar("_Entry")
@@ -41,7 +41,7 @@ class Experimenter:
     Args:
         stage: what there is to show.
         robot: whose hands things can be held out to.
-        kinematics: where those hands are.
+        tree: where those hands are.
         world: where fixtures and things are put.
         rng: draws what the stage leaves to chance.
     """
@@ -50,13 +50,13 @@ class Experimenter:
         self,
         stage: StageDocument,
         robot: RobotDocument,
-        kinematics: Kinematics,
+        tree: Tree,
         world: World,
         rng: np.random.Generator,
     ) -> None:
         self._stage = stage
         self._robot = robot
-        self._kinematics = kinematics
+        self._tree = tree
         self._world = world
         self._rng = rng
         self._release = self._removal = self._start = math.inf
@@ -115,8 +115,7 @@ class Experimenter:
             raise BackendError(
                 f"stage '{self._stage.name}' holds something out to '{effector}', which has no tip"
             )
-        frame = self._kinematics.frame(tip.link)
-        return Pose(frame.position, frame.rotation) @ Pose(np.array(tip.offset), np.eye(3))
+        return self._tree.pose(tip.link) @ Pose(np.array(tip.offset), np.eye(3))
 
     def _plan(self, motion: Motion) -> None:
         speed, direction = draw(motion.speed, self._rng), draw(motion.direction, self._rng)
@@ -147,12 +146,12 @@ class Experimenter:
         elif touched and self._start < math.inf:
             # What is carried along is left to the hand that touches it.
             thing.gripped, self._start = False, math.inf
-            thing.velocity[:] = 0.0
+            thing.launch(np.zeros(3))
         elif time >= self._start and not thing.gripped:
             thing.gripped = True
-            thing.velocity[:] = self._velocity
+            thing.launch(self._velocity)
 
     def _throw(self, thing: Thing, time: float) -> None:
         if time >= self._start:
-            thing.velocity[:] = self._velocity
+            thing.launch(self._velocity)
             self._throws, self._start = False, math.inf

@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 import fnmatch
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
-from itertools import pairwise, takewhile
 from typing import NamedTuple
 
 import numpy as np
@@ -13,12 +12,12 @@ from numpy.typing import NDArray
 
 from cbdsl.backends.bullet.pose import Pose
 from cbdsl.backends.kinematic.links import Links, Solid
-from cbdsl.backends.kinematic.solids import clearances
+from cbdsl.backends.kinematic.solids import depths
 from cbdsl.backends.kinematic.thing import Thing
+from cbdsl.backends.kinematic.tree import Tree
 from cbdsl.backends.kinematic.world import World
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.robot.kinematics import Kinematics
-from cbdsl.robot.urdf import UrdfModel
 
 Floats = NDArray[np.float64]
 Columns = NDArray[np.intp]
@@ -55,13 +54,11 @@ class Hand:
         name: as the robot file has it.
         carrier: link that carries all of its fingers.
         fingertips: in the order of their load cells.
-        reach: no fingertip gets further from the carrier's origin than this, m.
     """
 
     name: str
     carrier: str
     fingertips: tuple[Fingertip, ...]
-    reach: float
 
 
 @dataclass(frozen=True)
@@ -94,23 +91,28 @@ class Hands:
     """
 
     def __init__(
-        self, robot: RobotDocument, kinematics: Kinematics, model: UrdfModel, links: Links
+        self, robot: RobotDocument, kinematics: Kinematics, tree: Tree, links: Links
     ) -> None:
-        self._robot, self._model, self._links = robot, model, links
+        self._robot, self._links, self._tree = robot, links, tree
         self._kinematics = kinematics
         self.cells = tuple(
             (hand, finger) for hand, found in robot.load_cells.items() for finger in found
         )
         self.hands = {name: self._hand(name) for name in robot.load_cells}
+        self._fingertips = [
+            (hand.name, tip) for hand in self.hands.values() for tip in hand.fingertips
+        ]
+        tips = [tip for _, tip in self._fingertips]
+        self._rows = np.array([tree.rows[tip.link] for tip in tips], dtype=np.intp)
+        self._centres = np.array([tip.centre for tip in tips]).reshape(len(tips), 3)
+        self._radii = np.array([tip.radius for tip in tips])
 
     def _hand(self, name: str) -> Hand:
         fingertips = tuple(
             self._fingertip(self.cells.index((name, finger)), name, cell.link)
             for finger, cell in self._robot.load_cells[name].items()
         )
-        carrier = self._carrier(fingertips[0].link)
-        reach = max(self._reach(carrier, tip) for tip in fingertips)
-        return Hand(name, carrier, fingertips, reach)
+        return Hand(name, self._carrier(fingertips[0].link), fingertips)
 
     def _fingertip(self, index: int, hand: str, link: str) -> Fingertip:
         moving = self._kinematics.moving(link)
@@ -135,67 +137,39 @@ class Hands:
                 return effector.tip.link
         return self._robot.base
 
-    def _reach(self, carrier: str, tip: Fingertip) -> float:
-        """Length of the chain of joints from the carrier to a fingertip."""
-        beyond = self._kinematics.moving(carrier)
-        chain = tuple(takewhile(lambda joint: joint not in beyond, self._model.above(tip.link)))
-        ends = [self._kinematics.frame(tip.link).position]
-        ends += list(self._kinematics.joint_positions(chain)) if chain else []
-        ends.append(self._kinematics.frame(carrier).position)
-        length = sum(float(np.linalg.norm(b - a)) for a, b in pairwise(ends))
-        return length + float(np.linalg.norm(tip.centre)) + tip.radius
-
     def carrier_pose(self, hands: Sequence[str]) -> Pose:
         """A frame that goes along with one hand, or with two that hold something together.
 
         That of two hands has its origin between them and its x axis from one to the other.
         """
-        frames = [self._kinematics.frame(self.hands[name].carrier) for name in hands]
-        if len(frames) == 1:
-            return Pose(frames[0].position, frames[0].rotation)
-        between = frames[1].position - frames[0].position
-        x = between / np.linalg.norm(between)
+        poses = [self._tree.pose(self.hands[name].carrier) for name in hands]
+        if len(poses) == 1:
+            return poses[0]
+        one, other = poses
+        x = other.position - one.position
+        x /= np.linalg.norm(x)
         # Of the first hand's axes, the one most across the way to the other hand.
-        across = int(np.argmin(np.abs(frames[0].rotation.T @ x)))
-        y = frames[0].rotation[:, across]
+        y = one.rotation[:, int(np.argmin(np.abs(one.rotation.T @ x)))]
         y = y - (y @ x) * x
         y /= np.linalg.norm(y)
-        return Pose(
-            (frames[0].position + frames[1].position) / 2, np.column_stack((x, y, np.cross(x, y)))
-        )
+        middle = (one.position + other.position) / 2
+        return Pose(middle, np.column_stack((x, y, np.cross(x, y))))
 
     def contacts(self, world: World) -> list[Contact]:
         """Where fingertips are pressed into things or fixtures."""
-        if not world.things or not self.hands:
+        if not world.things or not self._fingertips:
             return []
-        centres = np.array(
-            [self._kinematics.frame(h.carrier).position for h in self.hands.values()]
-        )
-        near = clearances(world.solids, centres)[:, :, 0].min(axis=1)
-        return [
-            contact
-            for hand, distance in zip(self.hands.values(), near.tolist(), strict=True)
-            if distance < hand.reach
-            for contact in self._touches(hand, world)
-        ]
-
-    def _touches(self, hand: Hand, world: World) -> Iterator[Contact]:
-        frames = [self._kinematics.frame(tip.link) for tip in hand.fingertips]
-        centres = np.array(
-            [
-                frame.position + frame.rotation.dot(tip.centre)
-                for frame, tip in zip(frames, hand.fingertips, strict=True)
-            ]
-        )
-        radii = np.array([tip.radius for tip in hand.fingertips])
-        found = clearances(world.solids, centres)
-        depths = radii[:, None] - found[:, :, 0]
+        found = depths(world.solids, self._tree.placements, self._rows, self._centres, self._radii)
+        if found[:, :, 0].max() <= 0.0:
+            return []
         things = list(world.things.values())
-        for tip, thing in zip(*np.nonzero(depths > 0.0), strict=True):
-            normal = -found[tip, thing, 1:]
-            point = centres[tip] + hand.fingertips[tip].radius * normal
-            depth = float(depths[tip, thing])
-            yield Contact(hand.name, hand.fingertips[tip], things[thing], depth, point, normal)
+        contacts = []
+        for index, which in zip(*np.nonzero(found[:, :, 0] > 0.0), strict=True):
+            hand, tip = self._fingertips[index]
+            row = found[index, which]
+            point = row[4:] - tip.radius * row[1:4]
+            contacts.append(Contact(hand, tip, things[which], float(row[0]), point, -row[1:4]))
+        return contacts
 
 
 def _ball(solid: Solid | None) -> tuple[Floats, float]:

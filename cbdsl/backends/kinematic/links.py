@@ -52,7 +52,7 @@ def _solids(link: ElementTree.Element) -> Iterator[Solid]:
     for collision in link.findall("collision"):
         shape = _shape(collision.find("geometry"))
         if shape is not None:
-            yield Solid(shape, _origin(collision.find("origin")))
+            yield Solid(shape, origin(collision.find("origin")))
 
 
 def _shape(geometry: ElementTree.Element | None) -> Shape | None:
@@ -63,18 +63,20 @@ def _shape(geometry: ElementTree.Element | None) -> Shape | None:
             radius, length = (float(element.get(key, "0")) for key in ("radius", "length"))
             return Shape.cylinder(radius, length)
         if element.tag == "box":
-            x, y, z = (edge / 2 for edge in _numbers(element.get("size")))
+            x, y, z = (edge / 2 for edge in numbers(element.get("size")))
             return Shape(BOX, (x, y, z))
     return None
 
 
-def _origin(origin: ElementTree.Element | None) -> Pose:
-    if origin is None:
+def origin(element: ElementTree.Element | None) -> Pose:
+    """What an ``<origin>`` says; where there is none, no displacement."""
+    if element is None:
         return Pose(np.zeros(3), np.eye(3))
-    roll, pitch, yaw = _numbers(origin.get("rpy"))
+    roll, pitch, yaw = numbers(element.get("rpy"))
     turned = Pose.turned(_AXES[2], yaw) @ Pose.turned(_AXES[1], pitch) @ Pose.turned(_AXES[0], roll)
-    return Pose(np.array(_numbers(origin.get("xyz"))), turned.rotation)
+    return Pose(np.array(numbers(element.get("xyz"))), turned.rotation)
 
 
-def _numbers(text: str | None) -> list[float]:
-    return [float(word) for word in (text or "0 0 0").split()]
+def numbers(text: str | None, absent: str = "0 0 0") -> list[float]:
+    """The numbers of an attribute, or those that stand for an absent one."""
+    return [float(word) for word in (text or absent).split()]

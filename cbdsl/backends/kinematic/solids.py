@@ -7,15 +7,14 @@ axes as columns of a rotation, row by row; all in the world frame. Cylinders sta
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
-from typing import Any, TypeVar, cast
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
+from cbdsl.backends.kinematic.compiled import compiled, compiled_once
+
 Floats = NDArray[np.float64]
-_Function = TypeVar("_Function", bound=Callable[..., Any])
+Rows = NDArray[np.intp]
 
 BALL, BOX, CYLINDER = 0.0, 1.0, 2.0
 WIDTH = 16
@@ -25,19 +24,7 @@ _NEAREST = 0.02
 """What is nearer to a camera than this is not seen, m."""
 
 
-def _inlined(function: _Function) -> _Function:
-    return cast(_Function, njit(error_model="numpy", inline="never")(function))
-
-
-def _compiled(function: _Function) -> _Function:
-    """Kept on disk for the next process, where that can be written."""
-    try:
-        return cast(_Function, njit(error_model="numpy", cache=True)(function))
-    except RuntimeError:
-        return _inlined(function)
-
-
-@_inlined
+@compiled
 def _into(solid: Floats, x: float, y: float, z: float) -> tuple[float, float, float]:
     """A vector of the world frame in the solid's axes."""
     return (
@@ -47,7 +34,7 @@ def _into(solid: Floats, x: float, y: float, z: float) -> tuple[float, float, fl
     )
 
 
-@_inlined
+@compiled
 def _outside(solid: Floats, x: float, y: float, z: float) -> tuple[float, float, float, float]:
     """Signed distance of a point, in the solid's frame, and the outward normal there."""
     if solid[0] == BALL:
@@ -80,36 +67,68 @@ def _outside(solid: Floats, x: float, y: float, z: float) -> tuple[float, float,
     return c, 0.0, 0.0, math.copysign(1.0, z)
 
 
-@_compiled
-def clearances(solids: Floats, points: Floats) -> Floats:
-    """Signed distances from points to the surfaces of solids, with the normals there.
+@compiled_once
+def depths(
+    solids: Floats, placements: Floats, rows: Rows, centres: Floats, radii: Floats
+) -> Floats:
+    """How deep balls are inside solids, and which way is out.
 
     Args:
         solids: shape (k, 16).
-        points: m, shape (n, 3).
+        placements: of links, as ``Tree`` has them, shape (links, 12).
+        rows: of the links that carry the balls, shape (n,).
+        centres: of the balls in their links' frames, m, shape (n, 3).
+        radii: of the balls, m, shape (n,).
 
     Returns:
-        Distance, m, negative inside, and outward unit normal, shape (n, k, 4).
+        Shape (n, k, 7): depth, m, negative where they do not touch; the solid's outward unit
+        normal; and the ball's centre in the world frame, m.
     """
-    found = np.empty((len(points), len(solids), 4))
-    for i in range(len(points)):
+    found = np.empty((len(rows), len(solids), 7))
+    for i in range(len(rows)):
+        place, centre = placements[rows[i]], centres[i]
+        x, y, z = (
+            place[9] + place[0] * centre[0] + place[1] * centre[1] + place[2] * centre[2],
+            place[10] + place[3] * centre[0] + place[4] * centre[1] + place[5] * centre[2],
+            place[11] + place[6] * centre[0] + place[7] * centre[1] + place[8] * centre[2],
+        )
         for j in range(len(solids)):
-            solid = solids[j]
-            x, y, z = _into(
-                solid,
-                points[i, 0] - solid[4],
-                points[i, 1] - solid[5],
-                points[i, 2] - solid[6],
-            )
-            distance, u, v, w = _outside(solid, x, y, z)
-            found[i, j, 0] = distance
-            for axis in range(3):
-                row = 7 + 3 * axis
-                found[i, j, 1 + axis] = solid[row] * u + solid[row + 1] * v + solid[row + 2] * w
+            solid, own = solids[j], found[i, j]
+            a, b, c = _into(solid, x - solid[4], y - solid[5], z - solid[6])
+            distance, u, v, w = _outside(solid, a, b, c)
+            own[0] = radii[i] - distance
+            own[1] = solid[7] * u + solid[8] * v + solid[9] * w
+            own[2] = solid[10] * u + solid[11] * v + solid[12] * w
+            own[3] = solid[13] * u + solid[14] * v + solid[15] * w
+            own[4], own[5], own[6] = x, y, z
     return found
 
 
-@_inlined
+@compiled_once
+def attached(parts: Floats, placements: Floats, rows: Rows) -> Floats:
+    """Solids that are given in their links' frames, shape (k, 16), in the world frame.
+
+    Args:
+        parts: shape (k, 16).
+        placements: of links, as ``Tree`` has them, shape (links, 12).
+        rows: of the links that carry them, shape (k,).
+    """
+    found = parts.copy()
+    for index in range(len(parts)):
+        part, own, place = parts[index], found[index], placements[rows[index]]
+        for i in range(3):
+            own[4 + i] = place[9 + i]
+            for k in range(3):
+                own[4 + i] += place[3 * i + k] * part[4 + k]
+                own[7 + 3 * i + k] = (
+                    place[3 * i] * part[7 + k]
+                    + place[3 * i + 1] * part[10 + k]
+                    + place[3 * i + 2] * part[13 + k]
+                )
+    return found
+
+
+@compiled
 def _slab(origin: float, direction: float, half: float) -> tuple[float, float]:
     """Where a ray is between two planes."""
     if direction == 0.0:
@@ -118,7 +137,7 @@ def _slab(origin: float, direction: float, half: float) -> tuple[float, float]:
     return (near, far) if near <= far else (far, near)
 
 
-@_inlined
+@compiled
 def _round(a: float, b: float, c: float) -> tuple[float, float]:
     """Where a t^2 + 2 b t + c is not positive."""
     root = b * b - a * c
@@ -128,7 +147,7 @@ def _round(a: float, b: float, c: float) -> tuple[float, float]:
     return (-b - root) / a, (-b + root) / a
 
 
-@_inlined
+@compiled
 def _entered(solid: Floats, origin: Floats, u: float, v: float, w: float) -> float:
     """How far along a ray, in the solid's frame, it enters the solid; infinite if it does not."""
     x, y, z = origin[0], origin[1], origin[2]
@@ -148,7 +167,7 @@ def _entered(solid: Floats, origin: Floats, u: float, v: float, w: float) -> flo
     return near if 0.0 < near <= far else math.inf
 
 
-@_inlined
+@compiled
 def _span(ahead: float, aside: float, radius: float) -> tuple[float, float]:
     """Slopes between which a ball is seen, in the plane of the axis ahead and one aside."""
     distance = math.hypot(ahead, aside)
@@ -163,7 +182,7 @@ def _span(ahead: float, aside: float, radius: float) -> tuple[float, float]:
     )
 
 
-@_inlined
+@compiled
 def _frame(solid: Floats, centre: Floats, axes: Floats) -> tuple[float, float, float, float]:
     """Slopes within which a solid is seen: (left, right, bottom, top) as y / x and z / x.
 
@@ -191,31 +210,30 @@ def _frame(solid: Floats, centre: Floats, axes: Floats) -> tuple[float, float, f
     return left, right, bottom, top
 
 
-@_inlined
+@compiled
 def _seen(
-    solids: Floats, placed: tuple[Floats, Floats, Floats], target: int, y: float, z: float
+    solids: Floats,
+    placed: tuple[Floats, Floats, Floats],
+    chosen: Rows,
+    y: float,
+    z: float,
 ) -> bool:
-    """Whether a line of sight (1, y, z) of the camera meets the target before all else."""
+    """Whether a line of sight (1, y, z) of the camera meets the first chosen solid first."""
     origins, axes, frames = placed
     distance = math.inf
-    for turn in range(-1, len(solids)):
-        index = target if turn < 0 else turn
-        if turn == target:
-            continue
-        frame = frames[index]
-        if y < frame[0] or y > frame[1] or z < frame[2] or z > frame[3]:
-            if turn < 0:
-                return False
-            continue
-        turned = axes[index]
-        near = _entered(
-            solids[index],
-            origins[index],
-            turned[0, 0] + turned[1, 0] * y + turned[2, 0] * z,
-            turned[0, 1] + turned[1, 1] * y + turned[2, 1] * z,
-            turned[0, 2] + turned[1, 2] * y + turned[2, 2] * z,
-        )
-        if turn < 0:
+    for turn in range(len(chosen)):
+        index = chosen[turn]
+        frame, turned = frames[index], axes[index]
+        near = math.inf
+        if frame[0] <= y <= frame[1] and frame[2] <= z <= frame[3]:
+            near = _entered(
+                solids[index],
+                origins[index],
+                turned[0, 0] + turned[1, 0] * y + turned[2, 0] * z,
+                turned[0, 1] + turned[1, 1] * y + turned[2, 1] * z,
+                turned[0, 2] + turned[1, 2] * y + turned[2, 2] * z,
+            )
+        if turn == 0:
             distance = near
             if near == math.inf:
                 return False
@@ -224,13 +242,16 @@ def _seen(
     return True
 
 
-@_inlined
+@compiled
 def _placed(solids: Floats, position: Floats, rotation: Floats) -> tuple[Floats, Floats, Floats]:
-    """Solids as a camera has them: its origin in each solid's frame, shape (k, 3); each solid's
-    axes in the camera's frame, shape (k, 3, 3); and the slopes within which each is seen, (k, 4).
+    """Solids as a camera has them.
+
+    Its origin in each solid's frame, shape (k, 3); each solid's axes in the camera's frame, shape
+    (k, 3, 3); and, shape (k, 6), the slopes within which each is seen, and how far ahead it begins
+    and ends.
     """
     count = len(solids)
-    origins, axes, frames = np.empty((count, 3)), np.empty((count, 3, 3)), np.empty((count, 4))
+    origins, axes, frames = np.empty((count, 3)), np.empty((count, 3, 3)), np.empty((count, 6))
     centre = np.empty(3)
     for index in range(count):
         solid = solids[index]
@@ -244,19 +265,36 @@ def _placed(solids: Floats, position: Floats, rotation: Floats) -> tuple[Floats,
                     + rotation[1, i] * solid[10 + j]
                     + rotation[2, i] * solid[13 + j]
                 )
-        frames[index] = _frame(solid, centre, axes[index])
+        frames[index, :4] = _frame(solid, centre, axes[index])
+        radius = math.sqrt(solid[1] ** 2 + solid[2] ** 2 + solid[3] ** 2)
+        frames[index, 4], frames[index, 5] = centre[0] - radius, centre[0] + radius
     return origins, axes, frames
 
 
-@_inlined
+@compiled
+def _chosen(frames: Floats, target: int, window: tuple[float, float, float, float]) -> Rows:
+    """A solid, and then all that may be before it in a window of slopes."""
+    left, right, bottom, top = window
+    chosen = np.empty(len(frames), np.intp)
+    chosen[0], count = target, 1
+    for index in range(len(frames)):
+        frame = frames[index]
+        aside = frame[0] > right or frame[1] < left or frame[2] > top or frame[3] < bottom
+        if index != target and not aside and frame[4] < frames[target, 5]:
+            chosen[count] = index
+            count += 1
+    return chosen[:count]
+
+
+@compiled
 def _scanned(
     solids: Floats,
     placed: tuple[Floats, Floats, Floats],
-    target: int,
+    chosen: Rows,
     window: tuple[float, float, float, float],
     samples: int,
 ) -> tuple[int, float, float, tuple[float, float, float, float]]:
-    """How many lines of sight in a window of slopes meet the target, their mean, their bounds."""
+    """How many lines of sight in a window meet the first chosen solid; their mean and bounds."""
     left, right, bottom, top = window
     across, up = (right - left) / samples, (top - bottom) / samples
     hits, columns, rows = 0, 0.0, 0.0
@@ -265,7 +303,7 @@ def _scanned(
         y = left + (i + 0.5) * across
         for j in range(samples):
             z = bottom + (j + 0.5) * up
-            if _seen(solids, placed, target, y, z):
+            if _seen(solids, placed, chosen, y, z):
                 hits += 1
                 columns += y
                 rows += z
@@ -280,46 +318,46 @@ def _scanned(
     return hits, columns / max(hits, 1), rows / max(hits, 1), bounds
 
 
-@_compiled
+@compiled_once
 def silhouettes(
     solids: Floats,
-    count: int,
+    samples: Rows,
     position: Floats,
     rotation: Floats,
     lens: tuple[float, float, float],
-    samples: int,
 ) -> Floats:
-    """What a pinhole camera sees of the first ``count`` solids, which all of them may hide.
+    """What a pinhole camera sees of the first solids, which all of them may hide.
 
     Args:
         solids: shape (k, 16).
-        count: how many of them are looked at.
+        samples: for each of the first n solids, lines of sight each way across the part of its
+            frame that is in the image, shape (n,).
         position: of the camera, m, shape (3,).
         rotation: the camera's axes as columns: ahead, left and up, shape (3, 3).
         lens: focal length, width and height of the image, px.
-        samples: lines of sight each way across the part of a solid's frame in the image.
 
     Returns:
-        Shape (count, 4): visible area, px; column and row of its centroid, px; and 1 where it
-        touches the image's border.
+        Shape (n, 4): visible area, px; column and row of its centroid, px; and 1 where it touches
+        the image's border.
     """
     focal = lens[0]
     # Slopes at the image's border.
     aside, above = 0.5 * lens[1] / focal, 0.5 * lens[2] / focal
     # The outermost pixel belongs to a region that covers its centre.
     rim_y, rim_z = aside - 0.5 / focal, above - 0.5 / focal
-    found = np.zeros((count, 4))
+    found = np.zeros((len(samples), 4))
     placed = _placed(solids, position, rotation)
-    for target in range(count):
+    for target in range(len(samples)):
         frame = placed[2][target]
         left, right = max(frame[0], -aside), min(frame[1], aside)
         bottom, top = max(frame[2], -above), min(frame[3], above)
         if left >= right or bottom >= top:
             continue
         window = (left, right, bottom, top)
-        hits, y, z, bounds = _scanned(solids, placed, target, window, samples)
+        chosen = _chosen(placed[2], target, window)
+        hits, y, z, bounds = _scanned(solids, placed, chosen, window, samples[target])
         if hits > 0:
-            area = hits * (right - left) * (top - bottom) / (samples * samples)
+            area = hits * (right - left) * (top - bottom) / samples[target] ** 2
             found[target, 0] = area * focal * focal
             found[target, 1] = focal * (aside - y)
             found[target, 2] = focal * (above - z)

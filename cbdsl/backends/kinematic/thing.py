@@ -26,7 +26,9 @@ class Thing:
         mass: kg; 0 for a fixture.
         solid: as ``solids`` has it, shape (16,); its pose.
         velocity: of its centre, m/s, shape (3,).
+        rolling: velocity at which it would roll without sliding, as it spins, m/s, shape (3,).
         gripped: whether the experimenter holds it.
+        resting: whether it stands still on something, and will until somebody moves it.
     """
 
     def __init__(self, name: str, shape: Shape, surface: Surface, mass: float, pose: Pose) -> None:
@@ -36,7 +38,8 @@ class Thing:
         self.mass = mass
         self.solid = shape.row(pose)
         self.velocity: Floats = np.zeros(3)
-        self.gripped = False
+        self.rolling: Floats = np.zeros(3)
+        self.gripped = self.resting = False
 
     @property
     def position(self) -> Floats:
@@ -51,20 +54,35 @@ class Thing:
     def put(self, pose: Pose) -> None:
         """Put it there."""
         self.solid[POSITION], self.solid[ROTATION] = pose.position, pose.rotation.ravel()
+        self.resting = False
 
     def shift(self, displacement: Floats) -> None:
         """Move it, m, shape (3,)."""
         self.solid[POSITION] += displacement
+        self.resting = False
+
+    def launch(self, velocity: Floats) -> None:
+        """Give it a velocity, m/s, shape (3,)."""
+        self.velocity[:] = velocity
+        self.resting = False
 
     @property
     def bottom(self) -> float:
         """Height of its lowest point, m."""
         return float(self.solid[6]) - self.shape.depth(self.solid[ROTATION].reshape(3, 3))
 
+    @property
+    def rolls(self) -> bool:
+        """Whether it can roll over a level floor."""
+        return self.shape.kind == BALL
+
+    def sliding_friction(self, floor: Thing) -> float:
+        """Deceleration while it slides over a level floor, m/s^2."""
+        return self.surface.friction * floor.surface.friction * GRAVITY
+
     def resistance(self, floor: Thing) -> float:
         """Deceleration while it rolls, or slides if it cannot roll, on a level floor, m/s^2."""
-        surface = self.surface
-        if self.shape.kind == BALL:
-            # A rolling ball has two fifths more inertia than its mass.
-            return 5 / 7 * surface.rolling_friction / self.shape.halves[0] * GRAVITY
-        return surface.friction * floor.surface.friction * GRAVITY
+        if not self.rolls:
+            return self.sliding_friction(floor)
+        # A rolling ball has two fifths more inertia than its mass.
+        return 5 / 7 * self.surface.rolling_friction / self.shape.halves[0] * GRAVITY

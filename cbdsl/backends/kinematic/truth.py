@@ -9,9 +9,9 @@ from cbdsl.backends.bullet.pose import Pose
 from cbdsl.backends.kinematic.hands import Contact
 from cbdsl.backends.kinematic.solids import BALL, BOX
 from cbdsl.backends.kinematic.thing import Thing
+from cbdsl.backends.kinematic.tree import Tree
 from cbdsl.backends.kinematic.world import World
 from cbdsl.backends.scenery import Part
-from cbdsl.robot.kinematics import Kinematics
 
 Floats = NDArray[np.float64]
 
@@ -23,9 +23,9 @@ class Truth:
         contacts: of all fingertips, as of the last step.
     """
 
-    def __init__(self, world: World, kinematics: Kinematics) -> None:
+    def __init__(self, world: World, tree: Tree) -> None:
         self._world = world
-        self._kinematics = kinematics
+        self._tree = tree
         self.contacts: list[Contact] = []
 
     def names(self) -> tuple[str, ...]:
@@ -48,8 +48,7 @@ class Truth:
 
     def link_pose(self, link: str) -> Pose:
         """Where a link of the robot is."""
-        frame = self._kinematics.frame(link)
-        return Pose(frame.position, frame.rotation)
+        return self._tree.pose(link)
 
     def touched(self, name: str) -> bool:
         """Whether any fingertip touches a fixture or thing."""

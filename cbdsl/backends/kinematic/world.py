@@ -53,9 +53,11 @@ class World:
 
     def let_go(self, thing: Thing, period: float) -> None:
         """Let something that nobody holds move for ``period``, s."""
+        if thing.resting:
+            return
         floor = self.floor(thing)
         if floor is not None and thing.velocity[2] <= 0.0:
-            self._roll(thing, floor, period)
+            self._glide(thing, floor, period)
             return
         thing.velocity[2] -= GRAVITY * period
         thing.shift(period * thing.velocity)
@@ -83,14 +85,31 @@ class World:
         return [top for top in tops if top is not None and top - thing.bottom < _BESIDE]
 
     @staticmethod
-    def _roll(thing: Thing, floor: Thing, period: float) -> None:
-        speed = math.hypot(*thing.velocity[:2].tolist())
-        if speed == 0.0:
+    def _glide(thing: Thing, floor: Thing, period: float) -> None:
+        """Roll or slide over a level floor for ``period``, s."""
+        thing.velocity[2] = thing.rolling[2] = 0.0
+        if not (thing.velocity.any() or thing.rolling.any()):
+            thing.resting = True
             return
-        left = max(speed - thing.resistance(floor) * period, 0.0)
-        thing.velocity *= left / speed
-        thing.velocity[2] = 0.0
+        if thing.rolls:
+            _spin(thing, period * thing.sliding_friction(floor))
+        slower = period * thing.resistance(floor)
+        for velocity in (thing.velocity, thing.rolling):
+            speed = math.hypot(*velocity.tolist())
+            velocity *= max(speed - slower, 0.0) / max(speed, _CLOSE * slower)
         thing.shift(period * thing.velocity)
+
+
+def _spin(ball: Thing, change: float) -> None:
+    """Let friction slow a sliding ball by at most ``change``, m/s, and spin it, until it rolls."""
+    slip = ball.velocity - ball.rolling
+    size = math.hypot(*slip.tolist())
+    if size == 0.0:
+        return
+    # A ball's inertia is two fifths of its mass: it spins up faster than it slows down.
+    lost = min(change, size / 3.5) / size * slip
+    ball.velocity -= lost
+    ball.rolling += 2.5 * lost
 
 
 def _top(fixture: Thing, thing: Thing) -> float | None:
