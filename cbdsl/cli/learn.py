@@ -59,6 +59,10 @@ Transitions = Annotated[
     int | None,
     typer.Option("--transitions", min=1, help="Most transitions of an episode [the program's]."),
 ]
+TransitionTime = Annotated[
+    float | None,
+    typer.Option("--transition-time", min=0.1, help="Its longest action, s [the program's]."),
+]
 
 
 def learn(
@@ -78,6 +82,7 @@ def learn(
     density: Density = "kernel",
     bandwidth: Bandwidth = 0.1,
     transitions: Transitions = None,
+    transition_time: TransitionTime = None,
 ) -> None:
     """Learn what a program's actions are good for, from zero, by discovering affordances.
 
@@ -97,7 +102,8 @@ def learn(
     order = read_order(program, stage, None, read_assignments(with_))
     constants = _constants(gamma, alpha, epsilon, density, bandwidth)
     with shown_on_failure(), simulation(order, backend) as (body, kinematics):
-        trial = Trial(_lesson(order.program, sequential, transitions), constants, seed)
+        lesson = _lesson(order.program, sequential, transitions, transition_time)
+        trial = Trial(lesson, constants, seed)
         provenance = _provenance(trial, order, body, backend, episodes, _command(context))
         _follow(trial, _classroom(order, kinematics, body), provenance, out, resume=resume)
 
@@ -125,12 +131,18 @@ def _constants(
     return Constants(gamma, alpha, epsilon, form, bandwidth)
 
 
-def _lesson(program: CheckedProgram, sequential: bool, transitions: int | None) -> CheckedProgram:
+def _lesson(
+    program: CheckedProgram,
+    sequential: bool,
+    transitions: int | None,
+    transition_time: float | None,
+) -> CheckedProgram:
     """The program with the actions and limits of the trial."""
     single = tuple(action for action in program.actions if action.name in program.members)
     return program._replace(
         actions=single if sequential else program.actions,
         transitions=transitions or program.transitions,
+        transition_time=transition_time or program.transition_time,
     )
 
 

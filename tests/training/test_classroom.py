@@ -1,0 +1,82 @@
+"""Episodes on a backend, as learning sees them."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from cbdsl.documents.robot import RobotDocument
+from cbdsl.program.transition import Transition
+from cbdsl.robot.kinematics import Kinematics
+from cbdsl.runtime.policy import WrittenPolicy
+from cbdsl.training.classroom import BackendClassroom, moved
+from tests.conftest import Checked
+from tests.runtime.conftest import made_stage, on_table
+from tests.runtime.synthetic import SyntheticBackend
+
+
+@pytest.fixture
+def backend(dexter: RobotDocument, urdf: Path) -> SyntheticBackend:
+    return SyntheticBackend(dexter, urdf, lambda rng: on_table())
+
+
+@pytest.fixture
+def classroom(
+    dexter: RobotDocument, kinematics: Kinematics, backend: SyntheticBackend
+) -> BackendClassroom:
+    return BackendClassroom(dexter, kinematics, backend, made_stage({}))
+
+
+def test_an_episode_tells_where_the_effector_was_rewarded(
+    classroom: BackendClassroom,
+    backend: SyntheticBackend,
+    kinematics: Kinematics,
+    checked: Checked,
+) -> None:
+    seen: list[Transition] = []
+    program = checked("searchtrack")
+    found = classroom.hold(program, WrittenPolicy(program.policy), 4, seen.append)
+    assert found.reward == 1 and found.transitions[-1].rewarding == ("track",)
+    assert tuple(seen) == found.transitions
+    head = backend.observe().positions[kinematics.joints.of("head")]
+    assert found.rewarded["head"] == pytest.approx(tuple(head))
+
+
+def test_what_a_used_program_does_is_its_own(classroom: BackendClassroom, checked: Checked) -> None:
+    seen: list[Transition] = []
+    program = checked("reachtouch")
+    only_looking = WrittenPolicy({"XXX": "searchtrack"})
+    found = classroom.hold(program, only_looking, 4, seen.append)
+    assert {transition.program for transition in seen} == {"reachtouch"}
+    assert found.reward == 0 and found.rewarded == {}
+
+
+def test_an_episode_without_reward_ends_by_its_transitions(
+    classroom: BackendClassroom, checked: Checked
+) -> None:
+    class Searching:
+        def choose(self, state: str, *, changed: bool) -> str:
+            return "search"
+
+    program = checked("searchtrack")._replace(transitions=5)
+    found = classroom.hold(program, Searching(), 4, lambda transition: None)
+    assert len(found.transitions) == 5 and found.reward == 0
+
+
+@pytest.mark.parametrize(
+    ("program", "member", "effector"),
+    [
+        ("searchtrack", "track", "head"),
+        ("tactileprobe", "touch", "right_hand"),
+        ("reachtouch", "reach", "right_arm"),
+    ],
+)
+def test_what_a_controller_moves(
+    checked: Checked, kinematics: Kinematics, program: str, member: str, effector: str
+) -> None:
+    controller = checked(program).primitives[member].lead
+    assert moved(controller) == effector
+    joints = [kinematics.joints.index[name] for name in controller.joints]
+    assert np.isin(joints, kinematics.joints.of(effector)).all()
