@@ -48,8 +48,23 @@ class Cycle:
         self._signals = Signals(robot, kinematics, resources_of(program))
         self._period = 1.0 / robot.control.rate
 
+    @classmethod
+    def of(cls, program: str) -> Cycle:
+        """The cycle of a program of Dexter."""
+        library = Library(ROOT)
+        robot = library.read(library.locate(RobotDocument, "dexter"), RobotDocument).document
+        return cls(robot, check_program(program, {}, library))
+
+    def following(self) -> Observation:
+        """The next tick's observation; after ``CYCLES`` of them it begins again."""
+        self._tick += 1
+        if self._tick >= CYCLES:
+            self.restart()
+        return self.observation(max(self._tick, 1))
+
     def restart(self) -> None:
         """Begin where ``reach ◁ touch`` begins: the arm at home, the ball in view."""
+        self._tick = 0
         signals, joints = self._signals, self._signals.joints
         positions = np.zeros(len(joints))
         for name, effector in self._robot.effectors.items():
@@ -135,9 +150,7 @@ def main() -> None:
     parser.add_argument("--restarts", type=int, default=20, help="series of cycles")
     parser.add_argument("--json", action="store_true", help="print one JSON object")
     options = parser.parse_args()
-    library = Library(ROOT)
-    robot = library.read(library.locate(RobotDocument, "dexter"), RobotDocument).document
-    cycle = Cycle(robot, check_program("reachtouch", {}, library))
+    cycle = Cycle.of("reachtouch")
     times = {"cycle": whole(cycle, options.restarts), **split(cycle, options.restarts)}
     medians = {stage: round(statistics.median(values), 1) for stage, values in times.items()}
     if options.json:

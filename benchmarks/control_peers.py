@@ -5,6 +5,11 @@ arms, with joint limits. All get the same URDF, postures and goals, in the same 
 turn. What is not installed is left out. Those that have no manipulability solve less, and say so.
 Weights stand for priorities where there are none.
 
+Ours is timed three times: the path from joint positions to joint references, with predicates as a
+running program has it, and the whole control cycle of Dexter (``control_cycle.py``). In turns with
+others, everyone finds the processor's caches full of the others' code and data, which costs short
+ticks most; ``--block`` lets each solve several postures in turn.
+
 Run with ``python benchmarks/control_peers.py``.
 """
 
@@ -25,6 +30,7 @@ from time import perf_counter
 from typing import Any
 
 import numpy as np
+from control_cycle import Cycle
 from stopwatch import Stages, Stopwatch
 
 from cbdsl.checking.program import check_program
@@ -37,7 +43,9 @@ from cbdsl.documents.robot import RobotDocument
 from cbdsl.robot.kinematics import Kinematics
 from cbdsl.robot.observation import Observation
 from cbdsl.robot.signals import Signals
+from cbdsl.robot.tips import Tips
 from cbdsl.runtime.actuation import Actuation
+from cbdsl.runtime.controller_run import ControllerRun
 from cbdsl.runtime.program_run import ProgramRun
 from cbdsl.yaml_text.library import Library
 
@@ -72,11 +80,13 @@ class Peer:
         name: with the solver, if there is a choice.
         tick: from joint positions (14,) to a displacement or velocity.
         solves: what it leaves out of the three objectives, or how it ranks them.
+        prepare: makes of joint positions what ``tick`` takes, before the clock runs.
     """
 
     name: str
-    tick: Tick
+    tick: Callable[[Any], object]
     solves: str
+    prepare: Callable[[Floats], Any] = np.copy
 
 
 @contextmanager
@@ -96,9 +106,14 @@ def two_arms() -> Iterator[Path]:
 
 
 class Ours:
-    """The control path of a program, from joint positions to joint references."""
+    """The control path of a program, from joint positions to joint references.
 
-    def __init__(self, folder: Path) -> None:
+    Args:
+        folder: of the documents.
+        predicates: whether it notes what each potential does, as running programs do.
+    """
+
+    def __init__(self, folder: Path, *, predicates: bool) -> None:
         library = Library(folder)
         self.robot = library.read(folder / "two_arms.yaml", RobotDocument).document
         program = check_program(str(folder / "three_objectives.yaml"), {}, library)
@@ -113,6 +128,9 @@ class Ours:
         self._signals.update(Observation(0.0, self._still, self._still, {}, {}))
         run.activate()
         self._active = run.active()
+        if not predicates:
+            for acting in self._active:
+                vars(acting.run)["_defined"] = lambda *found: None
         self.ready = np.concatenate(
             [effector.postures["ready"] for effector in self.robot.effectors.values()]
         )
@@ -242,13 +260,26 @@ PEERS: dict[str, Callable[[Scene], Iterator[Peer]]] = {
 }
 
 STAGES: Stages = {
-    "kinematics": [(Kinematics, "update"), (Kinematics, "jacobian"), (Kinematics, "curvature")],
-    "signals": [(Signals, "update"), (Signals, "read")],
+    "kinematics": [(Kinematics, "update"), (Kinematics, "point"), (Kinematics, "curvature")],
+    "signals": [
+        (Signals, "update"),
+        (Signals, "read"),
+        (Tips, "manipulator"),
+        (ControllerRun, "_signal"),
+    ],
     "potentials": [(Spring, "evaluate"), (Manipulability, "evaluate")],
     "tasks": [(Task, "level")],
     "law": [(Law, "solve")],
-    "runtime": [(Actuation, "move")],
+    "predicates": [(ControllerRun, "_defined")],
+    "runtime": [(ControllerRun, "evaluate"), (Actuation, "move")],
 }
+
+
+def dexter() -> Peer:
+    """The whole control cycle of Dexter: six levels, from sensors to references and predicates."""
+    cycle = Cycle.of("reachtouch")
+    cycle.restart()
+    return Peer("cbdsl Dexter", cycle.tick, "Dexter, six levels", lambda q: cycle.following())
 
 
 def installed(scene: Scene) -> tuple[list[Peer], list[str]]:
@@ -265,22 +296,27 @@ def installed(scene: Scene) -> tuple[list[Peer], list[str]]:
     return peers, missing
 
 
-def microseconds(tick: Tick, q: Floats) -> float:
-    """Time of one call."""
+def microseconds(peer: Peer, q: Floats) -> float:
+    """Time of one tick."""
+    prepared = peer.prepare(q)
     start = perf_counter()
-    tick(q)
+    peer.tick(prepared)
     return (perf_counter() - start) * 1e6
 
 
-def interleaved(peers: list[Peer], postures: list[Floats], rounds: int) -> dict[str, float]:
-    """Median times, us, by name; everyone solves a posture before anyone solves the next."""
+def interleaved(
+    peers: list[Peer], postures: list[Floats], rounds: int, block: int
+) -> dict[str, float]:
+    """Median times, us, by name; everyone, in any order, solves a block of postures."""
     times: dict[str, list[float]] = {peer.name: [] for peer in peers}
+    rng = np.random.default_rng(1)
     for number in range(rounds + 1):
-        for q in postures:
-            for peer in peers:
-                time = microseconds(peer.tick, q.copy())
+        for start in range(0, len(postures), block):
+            for turn in rng.permutation(len(peers)):
+                peer = peers[turn]
+                found = [microseconds(peer, q) for q in postures[start : start + block]]
                 if number:  # the first round warms up
-                    times[peer.name].append(time)
+                    times[peer.name] += found
     return {name: round(statistics.median(found), 1) for name, found in times.items()}
 
 
@@ -301,31 +337,36 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--postures", type=int, default=100)
     parser.add_argument("--rounds", type=int, default=10)
+    parser.add_argument("--block", type=int, default=1, help="postures that each solves in turn")
     parser.add_argument("--json", action="store_true", help="print one JSON object")
     options = parser.parse_args()
     rng = np.random.default_rng(0)
     with two_arms() as folder:
-        ours = Ours(folder)
+        ours, running = (Ours(folder, predicates=each) for each in (False, True))
         scene = Scene(folder / "two_arms.urdf", ours.ready)
         peers, missing = installed(scene)
-        own = Peer("cbdsl", ours.tick, "strict priorities")
+        own = [
+            Peer("cbdsl", ours.tick, "strict priorities"),
+            Peer("cbdsl program", running.tick, "the same with predicates"),
+            dexter(),
+        ]
         # The others refuse to start outside limits.
         lower, upper = ours.kinematics.lower + 0.05, ours.kinematics.upper - 0.05
         around = ours.ready + rng.uniform(-0.3, 0.3, (options.postures, len(ours.ready)))
         postures = list(np.clip(around, lower, upper))
-        medians = interleaved([own, *peers], postures, options.rounds)
-        stages = split(ours.tick, postures, options.rounds)
+        medians = interleaved([*own, *peers], postures, options.rounds, options.block)
+        stages = split(running.tick, postures, options.rounds)
     if options.json:
         found = {"microseconds": medians, "split": stages, "not_installed": missing}
         sys.stdout.write(json.dumps(found) + "\n")
         return
     lines = [
-        f"  {peer.name:16}{time:7.0f} us {time / medians[own.name]:6.2f}   {peer.solves}"
-        for peer, time in zip((own, *peers), medians.values(), strict=True)
+        f"  {peer.name:16}{time:7.0f} us {medians['cbdsl'] / time:6.2f}   {peer.solves}"
+        for peer, time in zip((*own, *peers), medians.values(), strict=True)
     ]
     lines += [f"  {name} is not installed" for name in missing]
     parts = ", ".join(f"{stage} {time:.0f}" for stage, time in stages.items())
-    sys.stdout.write("\n".join(["median of a tick, and its ratio to ours", *lines, ""]))
+    sys.stdout.write("\n".join(["median of a tick, and ours per that", *lines, ""]))
     sys.stdout.write(f"ours, with clocks in it: {parts} us\n")
 
 

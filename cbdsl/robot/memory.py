@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -65,7 +67,7 @@ class PositionMemory:
         """Carry a moving position on by ``period`` seconds."""
         if self.position is None or time - self._seen > self._settings.prediction:
             return
-        if float(np.linalg.norm(self._velocity)) > self._settings.least_speed:
+        if math.hypot(*self._velocity.tolist()) > self._settings.least_speed:
             self.position = self.position + self._velocity * period
 
     def miss(self, time: float, *, explained: bool) -> None:

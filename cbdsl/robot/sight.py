@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 
 import numpy as np
@@ -146,4 +147,4 @@ class Sight:
         if memory.position is None or self._centre is None:
             return False
         reach = memory.radius + self._robot.vision.regions.hand_radius
-        return float(np.linalg.norm(memory.position - self._centre.value)) <= reach
+        return math.dist(memory.position, self._centre.value) <= reach

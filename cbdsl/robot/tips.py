@@ -53,6 +53,8 @@ class Tips:
 
     def mean(self, tips: list[Reading]) -> Reading:
         """The mean of positions."""
+        if len(tips) == 1:
+            return tips[0]
         value = np.mean([tip.value for tip in tips], axis=0)
         return Reading(value, np.mean([tip.jacobian for tip in tips], axis=0), self.stamp)
 

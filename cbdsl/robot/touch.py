@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Set
 
 import numpy as np
 from numpy.typing import NDArray
@@ -49,12 +49,17 @@ class Touch:
         """Forget the episode before."""
         self._tare: dict[tuple[str, str], Floats] = {}
         self._loads: Mapping[tuple[str, str], Floats] = {}
+        self._felt: Set[tuple[str, str]] = frozenset()
 
     def update(self, loads: Mapping[tuple[str, str], Floats]) -> None:
         """Take in one tick's wrenches, N and N m in the world frame, by hand and finger."""
         if not self._tare:
             self._tare = dict(loads)
         self._loads = {key: load - self._tare[key] for key, load in loads.items()}
+        threshold = self._robot.contact.threshold
+        self._felt = {
+            key for key, load in self._loads.items() if math.hypot(*load.tolist()[:3]) > threshold
+        }
 
     def touching(self, hand: str) -> bool:
         """Whether any fingertip of a hand feels more than the contact threshold."""
@@ -157,8 +162,7 @@ class Touch:
         return self._robot.load_cells[hand]
 
     def _feels(self, hand: str, finger: str) -> bool:
-        force = self._loads[hand, finger][:3]
-        return math.hypot(*force.tolist()) > self._robot.contact.threshold
+        return (hand, finger) in self._felt
 
     def _normal(self, cell: LoadCell) -> Floats:
         normal: Floats = self._kinematics.frame(cell.link).rotation.dot(self._normals[cell.link])

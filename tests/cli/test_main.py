@@ -12,7 +12,7 @@ import pytest
 from cbdsl.cli import main as command
 from cbdsl.yaml_text.library import shipped
 
-HEAVY = ("numpy", "scipy", "networkx", "pybullet", "pinocchio", "cv2", "moderngl", "rich")
+HEAVY = ("numpy", "numba", "scipy", "networkx", "pybullet", "pinocchio", "cv2", "moderngl", "rich")
 ROOT = Path(__file__).resolve().parents[2]
 BAD = ROOT / "tests" / "checking" / "bad"
 
