@@ -14,6 +14,7 @@ from cbdsl.backends.kinematic.handling import Handling
 from cbdsl.backends.kinematic.hands import Hands
 from cbdsl.backends.kinematic.links import Links
 from cbdsl.backends.kinematic.load_cells import LoadCells
+from cbdsl.backends.kinematic.paint import Palette
 from cbdsl.backends.kinematic.servos import Servos
 from cbdsl.backends.kinematic.shape import draw
 from cbdsl.backends.kinematic.tree import Tree
@@ -64,6 +65,7 @@ class KinematicBackend:
         self._servos = Servos(kinematics, links, self.control_period)
         self._hands = Hands(robot, kinematics, self._tree, links)
         self._limbs = limbs(robot, kinematics, self._tree, links)
+        self._palette = Palette(robot.vision.channels)
         self._nearest_to_zero = np.clip(0.0, kinematics.lower, kinematics.upper)
 
     def reset(self, stage: StageDocument, context: str | None, rng: np.random.Generator) -> str:
@@ -84,7 +86,9 @@ class KinematicBackend:
         #: What only the simulator knows, for tests.
         self.truth = Truth(self._world, self._tree)
         self._cells = LoadCells(self._hands.cells, self._robot, noise)
-        self._cameras = Cameras(self._robot, self._tree, self._limbs, stage.disturbance, rng)
+        self._cameras = Cameras(
+            self._robot, self._tree, self._limbs, self._palette, stage.disturbance, rng
+        )
         self._observation = self._sense()
         return name
 

@@ -12,7 +12,6 @@ from cbdsl.backends.bullet.pose import Pose
 from cbdsl.backends.kinematic.links import Links
 from cbdsl.backends.kinematic.paint import Palette
 from cbdsl.backends.kinematic.solids import WIDTH, attached, silhouettes
-from cbdsl.backends.kinematic.thing import Thing
 from cbdsl.backends.kinematic.tree import Tree
 from cbdsl.backends.kinematic.world import World
 from cbdsl.documents.robot import RobotDocument
@@ -22,10 +21,10 @@ from cbdsl.robot.kinematics import Kinematics
 
 Floats = NDArray[np.float64]
 
-# Lines of sight each way across a thing: its area is then right within half a percent.
-_SAMPLES = 32
+# Lines of sight each way across a thing: its area is then right within a percent.
+_SAMPLES = 24
 # And across a fixture, whose area matters less.
-_COARSE = 12
+_COARSE = 8
 # Joints at the end of an arm whose links are wide, and often before the cameras.
 _WRIST = 3
 # What has moved less from one image to the next does not count as motion, m.
@@ -65,6 +64,7 @@ class Cameras:
         robot: names the cameras and their links.
         tree: where the links are.
         limbs: what may hide things.
+        palette: knows in which channels colours are.
         disturbance: the sizes of the cameras' errors.
         rng: draws the errors.
     """
@@ -74,17 +74,17 @@ class Cameras:
         robot: RobotDocument,
         tree: Tree,
         limbs: Sequence[Limb],
+        palette: Palette,
         disturbance: Disturbance,
         rng: np.random.Generator,
     ) -> None:
         self._cameras = robot.cameras
         self._sees_motion = robot.vision.channels.motion
-        self._palette = Palette(robot.vision.channels)
+        self._palette = palette
         self._tree = tree
         self._limbs = limbs
         self._errors = {name: _error(disturbance, rng) for name in robot.cameras}
         self._disturbed = bool(disturbance.camera_position or disturbance.camera_rotation)
-        self._colors: dict[str, tuple[str, ...]] = {}
         self._before: dict[str, tuple[float, ...]] = {}
 
     def look(self, world: World) -> Mapping[str, Mapping[str, Region]]:
@@ -130,15 +130,10 @@ class Cameras:
                 continue
             region = Region(round(area), column, row, bool(clipped))
             motion = ("motion",) if thing.name in moved else ()
-            for channel in self._channels(thing) + motion:
+            for channel in self._palette.channels(thing.surface.color) + motion:
                 if channel not in found or found[channel].area < region.area:
                     found[channel] = region
         return found
-
-    def _channels(self, thing: Thing) -> tuple[str, ...]:
-        if thing.name not in self._colors:
-            self._colors[thing.name] = self._palette.channels(thing.surface.color)
-        return self._colors[thing.name]
 
 
 def limbs(robot: RobotDocument, kinematics: Kinematics, tree: Tree, links: Links) -> list[Limb]:

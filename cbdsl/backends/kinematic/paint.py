@@ -17,8 +17,12 @@ class Palette:
     def __init__(self, channels: Channels) -> None:
         wanted = [name for name in channel_names(channels) if name != "motion"]
         self._filter = ChannelFilter(channels, wanted, least_area=1)
+        self._known: dict[tuple[float, ...], tuple[str, ...]] = {}
 
     def channels(self, color: Sequence[float]) -> tuple[str, ...]:
         """Names of the channels of red, green and blue, each from 0 to 1."""
-        pixel = np.rint(255 * np.array(color)).astype(np.uint8)
-        return tuple(self._filter.regions(pixel.reshape(1, 1, 3)))
+        key = tuple(color)
+        if key not in self._known:
+            pixel = np.rint(255 * np.array(color)).astype(np.uint8)
+            self._known[key] = tuple(self._filter.regions(pixel.reshape(1, 1, 3)))
+        return self._known[key]

@@ -15,6 +15,8 @@ from cbdsl.backends.kinematic.compiled import compiled, compiled_once
 
 Floats = NDArray[np.float64]
 Rows = NDArray[np.intp]
+Triple = tuple[float, float, float]
+Window = tuple[float, float, float, float]
 
 BALL, BOX, CYLINDER = 0.0, 1.0, 2.0
 WIDTH = 16
@@ -148,22 +150,24 @@ def _round(a: float, b: float, c: float) -> tuple[float, float]:
 
 
 @compiled
-def _entered(solid: Floats, origin: Floats, u: float, v: float, w: float) -> float:
-    """How far along a ray, in the solid's frame, it enters the solid; infinite if it does not."""
-    x, y, z = origin[0], origin[1], origin[2]
-    if solid[0] == BALL:
-        square = x * x + y * y + z * z - solid[1] * solid[1]
+def _entered(kind: float, halves: Triple, origin: Triple, direction: Triple) -> float:
+    """How far along a ray, in a solid's frame, it enters the solid; infinite if it does not."""
+    x, y, z = origin
+    u, v, w = direction
+    if kind == BALL:
+        square = x * x + y * y + z * z - halves[0] * halves[0]
         near, far = _round(u * u + v * v + w * w, u * x + v * y + w * z, square)
     else:
-        near, far = _slab(z, w, solid[3])
-        if solid[0] == CYLINDER:
-            square = x * x + y * y - solid[1] * solid[1]
+        near, far = _slab(z, w, halves[2])
+        if kind == CYLINDER:
+            square = x * x + y * y - halves[0] * halves[0]
             enter, leave = _round(u * u + v * v, u * x + v * y, square)
             near, far = max(near, enter), min(far, leave)
         else:
-            for axis, half in ((0, solid[1]), (1, solid[2])):
-                enter, leave = _slab(origin[axis], u if axis == 0 else v, half)
-                near, far = max(near, enter), min(far, leave)
+            enter, leave = _slab(x, u, halves[0])
+            near, far = max(near, enter), min(far, leave)
+            enter, leave = _slab(y, v, halves[1])
+            near, far = max(near, enter), min(far, leave)
     return near if 0.0 < near <= far else math.inf
 
 
@@ -211,111 +215,94 @@ def _frame(solid: Floats, centre: Floats, axes: Floats) -> tuple[float, float, f
 
 
 @compiled
-def _seen(
-    solids: Floats,
-    placed: tuple[Floats, Floats, Floats],
-    chosen: Rows,
-    y: float,
-    z: float,
-) -> bool:
-    """Whether a line of sight (1, y, z) of the camera meets the first chosen solid first."""
-    origins, axes, frames = placed
-    distance = math.inf
-    for turn in range(len(chosen)):
-        index = chosen[turn]
-        frame, turned = frames[index], axes[index]
-        near = math.inf
-        if frame[0] <= y <= frame[1] and frame[2] <= z <= frame[3]:
-            near = _entered(
-                solids[index],
-                origins[index],
-                turned[0, 0] + turned[1, 0] * y + turned[2, 0] * z,
-                turned[0, 1] + turned[1, 1] * y + turned[2, 1] * z,
-                turned[0, 2] + turned[1, 2] * y + turned[2, 2] * z,
-            )
-        if turn == 0:
-            distance = near
-            if near == math.inf:
-                return False
-        elif near < distance:
-            return False
-    return True
+def _viewed(solids: Floats, position: Floats, rotation: Floats) -> Floats:
+    """Solids as a camera has them, shape (k, 22).
 
-
-@compiled
-def _placed(solids: Floats, position: Floats, rotation: Floats) -> tuple[Floats, Floats, Floats]:
-    """Solids as a camera has them.
-
-    Its origin in each solid's frame, shape (k, 3); each solid's axes in the camera's frame, shape
-    (k, 3, 3); and, shape (k, 6), the slopes within which each is seen, and how far ahead it begins
-    and ends.
+    Shape and halves; the camera's position in the solid's frame; the solid's axes in the camera's
+    frame; the slopes within which it is seen; and how far ahead it begins and ends, m.
     """
-    count = len(solids)
-    origins, axes, frames = np.empty((count, 3)), np.empty((count, 3, 3)), np.empty((count, 6))
-    centre = np.empty(3)
-    for index in range(count):
-        solid = solids[index]
+    views = np.empty((len(solids), 22))
+    centre, axes = np.empty(3), np.empty((3, 3))
+    for index in range(len(solids)):
+        solid, view = solids[index], views[index]
         x, y, z = solid[4] - position[0], solid[5] - position[1], solid[6] - position[2]
-        origins[index] = _into(solid, -x, -y, -z)
         for i in range(3):
             centre[i] = rotation[0, i] * x + rotation[1, i] * y + rotation[2, i] * z
             for j in range(3):
-                axes[index, i, j] = (
+                axes[i, j] = (
                     rotation[0, i] * solid[7 + j]
                     + rotation[1, i] * solid[10 + j]
                     + rotation[2, i] * solid[13 + j]
                 )
-        frames[index, :4] = _frame(solid, centre, axes[index])
+                view[7 + 3 * i + j] = axes[i, j]
+        view[:4] = solid[:4]
+        view[4:7] = _into(solid, -x, -y, -z)
+        view[16:20] = _frame(solid, centre, axes)
         radius = math.sqrt(solid[1] ** 2 + solid[2] ** 2 + solid[3] ** 2)
-        frames[index, 4], frames[index, 5] = centre[0] - radius, centre[0] + radius
-    return origins, axes, frames
+        view[20], view[21] = centre[0] - radius, centre[0] + radius
+    return views
 
 
 @compiled
-def _chosen(frames: Floats, target: int, window: tuple[float, float, float, float]) -> Rows:
-    """A solid, and then all that may be before it in a window of slopes."""
+def _relevant(views: Floats, target: int, window: Window) -> Floats:
+    """The view of a solid, and then of all that may be before it in a window of slopes."""
     left, right, bottom, top = window
-    chosen = np.empty(len(frames), np.intp)
-    chosen[0], count = target, 1
-    for index in range(len(frames)):
-        frame = frames[index]
-        aside = frame[0] > right or frame[1] < left or frame[2] > top or frame[3] < bottom
-        if index != target and not aside and frame[4] < frames[target, 5]:
-            chosen[count] = index
+    chosen = np.empty(views.shape)
+    chosen[0], count = views[target], 1
+    for index in range(len(views)):
+        view = views[index]
+        aside = view[16] > right or view[17] < left or view[18] > top or view[19] < bottom
+        if index != target and not aside and view[20] < views[target, 21]:
+            chosen[count] = view
             count += 1
     return chosen[:count]
 
 
 @compiled
-def _scanned(
-    solids: Floats,
-    placed: tuple[Floats, Floats, Floats],
-    chosen: Rows,
-    window: tuple[float, float, float, float],
-    samples: int,
-) -> tuple[int, float, float, tuple[float, float, float, float]]:
-    """How many lines of sight in a window meet the first chosen solid; their mean and bounds."""
+def _scanned(views: Floats, window: Window, samples: int) -> tuple[int, float, float, Window]:
+    """How many lines of sight in a window meet the first of some solids before the others.
+
+    Also the mean of their slopes, and between which they lie. The loop hands no arrays to other
+    functions, which would cost more than all else in it.
+    """
     left, right, bottom, top = window
     across, up = (right - left) / samples, (top - bottom) / samples
-    hits, columns, rows = 0, 0.0, 0.0
+    hits, mean_y, mean_z = 0, 0.0, 0.0
     least_y, most_y, least_z, most_z = math.inf, -math.inf, math.inf, -math.inf
-    for i in range(samples):
-        y = left + (i + 0.5) * across
-        for j in range(samples):
-            z = bottom + (j + 0.5) * up
-            if _seen(solids, placed, chosen, y, z):
-                hits += 1
-                columns += y
-                rows += z
-                least_y, most_y = min(least_y, y), max(most_y, y)
-                least_z, most_z = min(least_z, z), max(most_z, z)
-    bounds = (
-        least_y - 0.5 * across,
-        most_y + 0.5 * across,
-        least_z - 0.5 * up,
-        most_z + 0.5 * up,
-    )
-    return hits, columns / max(hits, 1), rows / max(hits, 1), bounds
+    for ray in range(samples * samples):
+        y = left + (ray // samples + 0.5) * across
+        z = bottom + (ray % samples + 0.5) * up
+        distance = math.inf
+        for index in range(len(views)):
+            met = math.inf
+            if (
+                views[index, 16] <= y <= views[index, 17]
+                and views[index, 18] <= z <= views[index, 19]
+            ):
+                met = _entered(
+                    views[index, 0],
+                    (views[index, 1], views[index, 2], views[index, 3]),
+                    (views[index, 4], views[index, 5], views[index, 6]),
+                    (
+                        views[index, 7] + views[index, 10] * y + views[index, 13] * z,
+                        views[index, 8] + views[index, 11] * y + views[index, 14] * z,
+                        views[index, 9] + views[index, 12] * y + views[index, 15] * z,
+                    ),
+                )
+            if index == 0:
+                distance = met
+            elif met < distance:
+                distance = math.inf
+            if distance == math.inf:
+                break
+        if distance < math.inf:
+            hits += 1
+            mean_y += y
+            mean_z += z
+            least_y, most_y = min(least_y, y), max(most_y, y)
+            least_z, most_z = min(least_z, z), max(most_z, z)
+    ends = (least_y - across / 2, most_y + across / 2, least_z - up / 2, most_z + up / 2)
+    return hits, mean_y / max(hits, 1), mean_z / max(hits, 1), ends
 
 
 @compiled_once
@@ -346,21 +333,20 @@ def silhouettes(
     # The outermost pixel belongs to a region that covers its centre.
     rim_y, rim_z = aside - 0.5 / focal, above - 0.5 / focal
     found = np.zeros((len(samples), 4))
-    placed = _placed(solids, position, rotation)
+    views = _viewed(solids, position, rotation)
     for target in range(len(samples)):
-        frame = placed[2][target]
-        left, right = max(frame[0], -aside), min(frame[1], aside)
-        bottom, top = max(frame[2], -above), min(frame[3], above)
+        left, right = max(views[target, 16], -aside), min(views[target, 17], aside)
+        bottom, top = max(views[target, 18], -above), min(views[target, 19], above)
         if left >= right or bottom >= top:
             continue
         window = (left, right, bottom, top)
-        chosen = _chosen(placed[2], target, window)
-        hits, y, z, bounds = _scanned(solids, placed, chosen, window, samples[target])
+        chosen = _relevant(views, target, window)
+        hits, y, z, ends = _scanned(chosen, window, samples[target])
         if hits > 0:
             area = hits * (right - left) * (top - bottom) / samples[target] ** 2
             found[target, 0] = area * focal * focal
             found[target, 1] = focal * (aside - y)
             found[target, 2] = focal * (above - z)
-            sideways = bounds[0] <= -rim_y or bounds[1] >= rim_y
-            found[target, 3] = sideways or bounds[2] <= -rim_z or bounds[3] >= rim_z
+            sideways = ends[0] <= -rim_y or ends[1] >= rim_y
+            found[target, 3] = sideways or ends[2] <= -rim_z or ends[3] >= rim_z
     return found

@@ -50,8 +50,10 @@ class Tree:
 
     def update(self, positions: Floats) -> None:
         """Set the actuated joints' positions, rad, shape (n,)."""
-        angles = self._joints.expansion.dot(positions)
-        self.placements = _place(self._parents, self._columns, self._origins, self._axes, angles)
+        angles: Floats = self._joints.expansion.dot(positions)
+        self.placements: Floats = _place(
+            self._parents, self._columns, self._origins, self._axes, angles
+        )
 
     def pose(self, link: str) -> Pose:
         """Where a link is."""
@@ -67,7 +69,8 @@ def _end(joint: ElementTree.Element, which: str) -> str:
 def _axis(joint: ElementTree.Element) -> Floats:
     axis = joint.find("axis")
     vector = np.array(numbers(None if axis is None else axis.get("xyz"), "1 0 0"))
-    return vector / np.linalg.norm(vector)
+    unit: Floats = vector / np.linalg.norm(vector)
+    return unit
 
 
 def _outwards(
