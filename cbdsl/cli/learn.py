@@ -55,6 +55,10 @@ Density = Annotated[
 Bandwidth = Annotated[
     float, typer.Option("--bandwidth", min=1e-6, help="Width of their kernels, rad.")
 ]
+Prior = Annotated[
+    float,
+    typer.Option("--prior", min=0, help="As how many samples the uniform density counts in them."),
+]
 Transitions = Annotated[
     int | None,
     typer.Option("--transitions", min=1, help="Most transitions of an episode [the program's]."),
@@ -81,6 +85,7 @@ def learn(
     epsilon: Epsilon = 0.2,
     density: Density = "kernel",
     bandwidth: Bandwidth = 0.1,
+    prior: Prior = 10.0,
     transitions: Transitions = None,
     transition_time: TransitionTime = None,
 ) -> None:
@@ -100,7 +105,7 @@ def learn(
 
     _require_name(out)
     order = read_order(program, stage, None, read_assignments(with_))
-    constants = _constants(gamma, alpha, epsilon, density, bandwidth)
+    constants = _constants(gamma, alpha, epsilon, density, bandwidth, prior)
     with shown_on_failure(), simulation(order, backend) as (body, kinematics):
         lesson = _lesson(order.program, sequential, transitions, transition_time)
         trial = Trial(lesson, constants, seed)
@@ -120,7 +125,7 @@ def _require_name(out: Path) -> None:
 
 
 def _constants(
-    gamma: float, alpha: float, epsilon: float, density: str, bandwidth: float
+    gamma: float, alpha: float, epsilon: float, density: str, bandwidth: float, prior: float
 ) -> Constants:
     from cbdsl.errors.errors import UsageError
     from cbdsl.learning.accommodate import Constants
@@ -128,7 +133,7 @@ def _constants(
     if density not in ("kernel", "gaussian"):
         raise UsageError(f"--density {density}: it is kernel or gaussian")
     form: Form = "kernel" if density == "kernel" else "gaussian"
-    return Constants(gamma, alpha, epsilon, form, bandwidth)
+    return Constants(gamma, alpha, epsilon, form, bandwidth, prior)
 
 
 def _lesson(

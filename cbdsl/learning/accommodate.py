@@ -26,6 +26,7 @@ class Constants:
         epsilon: share of the actions that are chosen at random.
         density: form of the internal models.
         bandwidth: standard deviation of their kernels, smallest one of their Gaussians, rad.
+        prior: as how many samples the uniform density counts that they start as.
     """
 
     gamma: float = 0.8
@@ -33,6 +34,7 @@ class Constants:
     epsilon: float = 0.2
     density: Form = "kernel"
     bandwidth: float = 0.1
+    prior: float = 10.0
 
 
 class Accommodate:
@@ -71,9 +73,11 @@ class Accommodate:
 
     def densities(self) -> dict[str, Kernel | Gaussian]:
         """By effector, where it was when a controller that moves it was rewarded."""
-        form, bandwidth = self._constants.density, self._constants.bandwidth
+        constants = self._constants
         return {
-            effector: learned_density(samples, form, bandwidth)
+            effector: learned_density(
+                samples, constants.density, constants.bandwidth, constants.prior
+            )
             for effector, samples in self._samples.items()
         }
 

@@ -13,19 +13,19 @@ Form = Literal["kernel", "gaussian"]
 
 
 def learned_density(
-    samples: Sequence[Sequence[float]], form: Form, bandwidth: float
+    samples: Sequence[Sequence[float]], form: Form, bandwidth: float, prior: float
 ) -> Kernel | Gaussian:
     """The density of rewarded configurations, mixed with the uniform one that it started as.
 
-    The uniform density counts as one more sample: what was never rewarded stays possible, and
-    the less likely, the more is known.
+    What was never rewarded stays possible, and becomes the less likely, the more is known.
 
     Args:
         samples: the configurations, rad, at least one, each with one angle a joint.
         form: a Gaussian kernel around each of them, or one Gaussian a joint.
         bandwidth: standard deviation of the kernels, and the smallest one of a Gaussian, rad.
+        prior: as how many samples the uniform density counts.
     """
-    uniform = 1 / (1 + len(samples))
+    uniform = prior / (prior + len(samples))
     angles = np.array(samples, dtype=float)
     joints = angles.shape[1]
     if form == "kernel":

@@ -20,27 +20,28 @@ def around(centre: tuple[float, float], count: int, spread: float) -> np.ndarray
 
 @pytest.mark.parametrize("form", FORMS)
 @pytest.mark.parametrize("count", [1, 3, 50])
-def test_the_uniform_density_counts_as_one_more_sample(form: Form, count: int) -> None:
-    density = learned_density(around((0, 0), count, 0.2).tolist(), form, 0.1)
-    assert density.uniform == pytest.approx(1 / (count + 1))
+@pytest.mark.parametrize("prior", [0.0, 1.0, 10.0])
+def test_the_uniform_density_counts_as_some_samples(form: Form, count: int, prior: float) -> None:
+    density = learned_density(around((0, 0), count, 0.2).tolist(), form, 0.1, prior)
+    assert density.uniform == pytest.approx(prior / (count + prior))
 
 
 def test_a_gaussian_has_the_mean_and_deviation_of_the_samples() -> None:
     samples = around((0.4, -0.2), 30, 0.3)
-    density = learned_density(samples.tolist(), "gaussian", 0.1)
+    density = learned_density(samples.tolist(), "gaussian", 0.1, 1.0)
     assert isinstance(density, Gaussian)
     assert density.mean == pytest.approx(samples.mean(axis=0), abs=1e-6)
     assert density.deviation == pytest.approx(samples.std(axis=0), abs=1e-6)
 
 
 def test_one_sample_is_no_point() -> None:
-    density = learned_density([[0.4, -0.2]], "gaussian", 0.1)
+    density = learned_density([[0.4, -0.2]], "gaussian", 0.1, 1.0)
     assert isinstance(density, Gaussian)
     assert density.deviation == (0.1, 0.1)
 
 
 def test_a_kernel_stands_at_each_sample() -> None:
-    density = learned_density([[0.1, 0.2], [0.1, 0.2], [1.3, 0.4]], "kernel", 0.05)
+    density = learned_density([[0.1, 0.2], [0.1, 0.2], [1.3, 0.4]], "kernel", 0.05, 1.0)
     assert isinstance(density, Kernel)
     assert density.samples == ((0.1, 0.2), (0.1, 0.2), (1.3, 0.4))
     assert density.bandwidth == (0.05, 0.05)
@@ -48,7 +49,7 @@ def test_a_kernel_stands_at_each_sample() -> None:
 
 def test_two_places_of_reward_are_two_peaks() -> None:
     front, window = around((0, 0.3), 30, 0.05), around((1.3, 0.2), 20, 0.02)
-    density = learned_density(np.vstack([front, window]).tolist(), "kernel", 0.1)
+    density = learned_density(np.vstack([front, window]).tolist(), "kernel", 0.1, 1.0)
     sampler = DensitySampler(
         density_source("head", density), LOWER, UPPER, np.random.default_rng(0)
     )
