@@ -23,6 +23,8 @@ _NOT_NEGATIVE: list[Steps] = [
 def check_numbers(context: Context, steps: Steps, document: written.Controller) -> None:
     """Check the distances that a controller keeps or waits for."""
     source = context.source
+    if document.standoff is None and document.funnel is None and document.seek is None:
+        return  # most controllers
     check_signs(document, source, steps, _POSITIVE, _NOT_NEGATIVE, context.findings)
     standoff = document.standoff
     if standoff is not None and standoff.least > standoff.most:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from functools import cache
+from functools import cache, lru_cache
 from typing import Any
 
 import lark
@@ -58,6 +58,7 @@ def _grammar() -> Lark:
     return parser
 
 
+@lru_cache(maxsize=1_000)
 def parse(text: str) -> Expression:
     """Read a composition such as ``posture ◁ reach(sat_10, right_arm)``.
 
