@@ -7,11 +7,14 @@ from pathlib import Path
 from cbdsl.documents.digest import digest, digest_of_text
 from cbdsl.documents.document import Document
 from cbdsl.documents.model import ModelDocument
+from cbdsl.documents.policy import PolicyDocument
 from cbdsl.documents.program import ProgramDocument
 from cbdsl.yaml_text.library import Library
 
 # Of the program itself: what is learned stands in for its policy, on whatever stage.
 _BESIDE_THE_POINT = ("policy", "stage")
+# Of a learned policy: how it was learned.
+_HISTORY = ("values", "transitions", "curve", "provenance")
 
 
 def program_digest(path: Path, library: Library) -> str:
@@ -28,8 +31,8 @@ def program_digest(path: Path, library: Library) -> str:
 
 
 def _parts(document: ProgramDocument, path: Path, library: Library) -> str:
-    used = sorted({use.program for use in document.use.values()})
-    programs = (_whole(name, path, library) for name in used)
+    used = sorted({(use.program, use.policy or "") for use in document.use.values()})
+    programs = (_whole(program, policy, path, library) for program, policy in used)
     models = (
         digest(library.read(_found(ModelDocument, name, path, library), ModelDocument).document)
         for name in sorted(set(document.models.values()))
@@ -37,11 +40,27 @@ def _parts(document: ProgramDocument, path: Path, library: Library) -> str:
     return "".join((*programs, *models))
 
 
-def _whole(name: str, beside: Path, library: Library) -> str:
-    """Digest of a used program, whose policy matters."""
-    path = _found(ProgramDocument, name, beside, library)
+def _whole(program: str, policy: str, beside: Path, library: Library) -> str:
+    """Digest of a used program with its policy, its own or another, which matters here."""
+    path = _found(ProgramDocument, program, beside, library)
     document = library.read(path, ProgramDocument).document
-    return digest(document, ("stage",)) + _parts(document, path, library)
+    own = digest(document, _BESIDE_THE_POINT if policy else ("stage",))
+    return (
+        own
+        + (_learned(policy, beside, library) if policy else "")
+        + _parts(document, path, library)
+    )
+
+
+def _learned(name: str, beside: Path, library: Library) -> str:
+    """Digest of a policy with the models that belong to it."""
+    path = _found(PolicyDocument, name, beside, library)
+    document = library.read(path, PolicyDocument).document
+    found = (
+        library.read(_found(ModelDocument, model, path, library), ModelDocument)
+        for _, model in sorted(document.models.items())
+    )
+    return "".join((digest(document, _HISTORY), *(digest(each.document) for each in found)))
 
 
 def _found(kind: type[Document], name: str, beside: Path, library: Library) -> Path:

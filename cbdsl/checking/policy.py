@@ -2,26 +2,13 @@
 
 from __future__ import annotations
 
-from pathlib import Path
-
-from cbdsl.checking.digest import program_digest
 from cbdsl.checking.findings import Findings
-from cbdsl.checking.model import examine_model
+from cbdsl.checking.learned import check_policy
 from cbdsl.checking.program import examine_program
 from cbdsl.checking.session import Session
-from cbdsl.checking.states import check_states
-from cbdsl.documents.model import ModelDocument
 from cbdsl.documents.policy import PolicyDocument
 from cbdsl.documents.program import ProgramDocument
-from cbdsl.errors.counting import count
-from cbdsl.errors.errors import DiagnosticsError
-from cbdsl.language.parser import CompositionError, parse
-from cbdsl.program.binding import bind, density_source, internal_models
-from cbdsl.program.checked import CheckedProgram
-from cbdsl.types.resource import Resource
-from cbdsl.yaml_text.library import Library
 from cbdsl.yaml_text.reader import Loaded
-from cbdsl.yaml_text.source_map import Step
 
 
 def examine_policy(loaded: Loaded[PolicyDocument], session: Session, findings: Findings) -> None:
@@ -34,124 +21,4 @@ def examine_policy(loaded: Loaded[PolicyDocument], session: Session, findings: F
         return
     program = examine_program(path, {}, session, findings)
     if program is not None:
-        _PolicyCheck(loaded, program, session, findings).check(path)
-
-
-def with_policy(
-    program: CheckedProgram, loaded: Loaded[PolicyDocument], library: Library
-) -> CheckedProgram:
-    """A program under another policy, drawing from the internal models that belong to that.
-
-    Args:
-        program: the program that the policy serves.
-        loaded: a policy without findings.
-        library: where its models are found by name.
-    """
-    sources = {}
-    for name, model in loaded.document.models.items():
-        path = library.find(ModelDocument, model, loaded.path)
-        assert path is not None, "a policy without findings names models that are there"
-        document = library.read(path, ModelDocument).document
-        sources[name] = density_source(document.effector, document.density)
-    return bind(program._replace(policy=loaded.document.policy), sources)
-
-
-class _PolicyCheck:
-    def __init__(
-        self,
-        loaded: Loaded[PolicyDocument],
-        program: CheckedProgram,
-        session: Session,
-        findings: Findings,
-    ) -> None:
-        self._loaded, self._document, self._source = loaded, loaded.document, loaded.source
-        self._program, self._session, self._findings = program, session, findings
-        self._actions = [action.name for action in program.actions]
-
-    def check(self, program_file: Path) -> None:
-        self._unchanged(program_file)
-        self._predicates()
-        for pattern, text in self._document.policy.items():
-            self._action(text, ("policy", pattern))
-        check_states(self._document.policy, self._document.predicates, self._source, self._findings)
-        self._observed()
-        known = internal_models(self._program)
-        for name, model in self._document.models.items():
-            self._model(name, model, known)
-
-    def _unchanged(self, program_file: Path) -> None:
-        """What was learned of a program says nothing about another."""
-        provenance = self._document.provenance
-        if provenance is None:
-            return
-        learned, now = provenance.program, program_digest(program_file, self._session.library)
-        if (learned.name, learned.sha256) != (self._program.name, now):
-            place = self._source.place("provenance", "program", "sha256")
-            details = {"program": self._program.name, "command": provenance.command}
-            self._findings.add("CB622", place, **details)
-
-    def _predicates(self) -> None:
-        document, program = self._document, self._program
-        if document.predicates != program.members:
-            found, wanted = ", ".join(document.predicates), ", ".join(program.members)
-            details = {"found": found, "wanted": wanted, "program": program.name}
-            self._findings.add("CB621", self._source.key("predicates"), **details)
-
-    def _action(self, text: str, steps: tuple[Step, ...]) -> None:
-        try:
-            action = str(parse(text))
-        except CompositionError as error:
-            place = self._source.inside(steps, error.span.start, error.span.end)
-            self._findings.add("CB401", place, problem=str(error))
-            return
-        if action not in self._actions:
-            place = self._source.place(*steps)
-            self._findings.add("CB613", place, names=self._actions, name=action)
-
-    def _observed(self) -> None:
-        """The states and actions of what was learned on the way."""
-        for key, by_state in (
-            ("values", self._document.values),
-            ("transitions", self._document.transitions),
-        ):
-            for state, by_action in by_state.items():
-                self._state(state, (key, state))
-                for action in by_action:
-                    if action not in self._actions:
-                        place = self._source.key(key, state, action)
-                        self._findings.add("CB613", place, names=self._actions, name=action)
-        for state, counts in self._document.transitions.items():
-            for action, after in counts.items():
-                for reached in after:
-                    self._state(reached, ("transitions", state, action, reached))
-
-    def _state(self, state: str, steps: tuple[Step, ...]) -> None:
-        members = self._document.predicates
-        if len(state) != len(members):
-            found, wanted = count(len(state), "letter"), count(len(members), "predicate")
-            details = {"state": state, "members": ", ".join(members)}
-            place = self._source.key(*steps)
-            self._findings.add("CB611", place, found=found, wanted=wanted, **details)
-
-    def _model(self, name: str, model: str, known: dict[str, Resource]) -> None:
-        source, library = self._source, self._session.library
-        if name not in known:
-            details = {"program": self._program.name, "name": name}
-            self._findings.add("CB623", source.key("models", name), names=list(known), **details)
-            return
-        place = source.place("models", name)
-        path = library.find(ModelDocument, model, self._loaded.path)
-        if path is None:
-            names = library.names(ModelDocument, self._loaded.path)
-            self._findings.add("CB632", place, names=names, name=model)
-            return
-        try:
-            loaded = library.read(path, ModelDocument)
-        except DiagnosticsError as error:
-            self._findings.extend(error.diagnostics)
-            return
-        examine_model(loaded, self._session, self._findings)
-        effector = name.partition(".")[0]
-        if loaded.document.effector != effector:
-            details = {"model": model, "other": loaded.document.effector, "name": name}
-            self._findings.add("CB624", place, effector=effector, **details)
+        check_policy(loaded, program, path, session, findings)

@@ -9,6 +9,7 @@ from cbdsl.checking.body import Body
 from cbdsl.checking.compositions import Compositions
 from cbdsl.checking.context import Context, Steps
 from cbdsl.checking.findings import Findings
+from cbdsl.checking.learned import check_policy, with_policy
 from cbdsl.checking.model import model_resource
 from cbdsl.checking.scope import Scope
 from cbdsl.checking.session import Session
@@ -16,6 +17,7 @@ from cbdsl.checking.states import check_states
 from cbdsl.checking.suspicious import check_suspicious
 from cbdsl.checking.unused import check_unused
 from cbdsl.documents.model import ModelDocument
+from cbdsl.documents.policy import PolicyDocument
 from cbdsl.documents.program import ProgramDocument, Use
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.documents.stage import StageDocument
@@ -279,7 +281,34 @@ class _ProgramCheck:
         used = library.read(path, ProgramDocument).document
         self._same_robot(used.robot, use.program, steps)
         values = self._values(name, use, used)
-        return examine_program(path, values, self._session, self._findings, self._budget)
+        program = examine_program(path, values, self._session, self._findings, self._budget)
+        if program is None or use.policy is None:
+            return program
+        return self._learned(use.policy, program, path, ("use", name, "policy"))
+
+    def _learned(
+        self, name: str, program: CheckedProgram, path: Path, steps: Steps
+    ) -> CheckedProgram | None:
+        """A used program under a policy of its own, or ``None`` where that does not fit."""
+        source, library = self._loaded.source, self._session.library
+        file = library.find(PolicyDocument, name, self._loaded.path)
+        if file is None:
+            names = library.names(PolicyDocument, self._loaded.path)
+            self._findings.add("CB625", source.place(*steps), names=names, name=name)
+            return None
+        try:
+            loaded = library.read(file, PolicyDocument)
+        except DiagnosticsError as error:
+            self._findings.extend(error.diagnostics)
+            return None
+        if loaded.document.program != program.name:
+            details = {"name": name, "other": loaded.document.program, "program": program.name}
+            self._findings.add("CB626", source.place(*steps), **details)
+            return None
+        found = Findings()
+        check_policy(loaded, program, path, self._session, found)
+        self._findings.extend(found.sorted())
+        return None if found.failed else with_policy(program, loaded, library)
 
     def _values(self, name: str, use: Use, used: ProgramDocument) -> dict[str, str]:
         """The parameters of a used program, with this program's own replaced."""

@@ -94,7 +94,7 @@ def _read_stage(
 
 
 def _under_policy(program: CheckedProgram, file: Path, library: Library) -> CheckedProgram:
-    from cbdsl.checking.policy import with_policy
+    from cbdsl.checking.learned import with_policy
     from cbdsl.documents.policy import PolicyDocument
     from cbdsl.errors.errors import UsageError
 

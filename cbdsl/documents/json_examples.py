@@ -35,6 +35,7 @@ EXAMPLES: Mapping[str, tuple[Any, ...]] = {
     "ProgramDocument.actions": (["search", "track", "search ◁ track"],),
     "ProgramDocument.policy": ({"**": "search ◁ track", "*1": "search"},),
     "Use.with": ({"feature": "$feature"},),
+    "Use.policy": ("searchtrack",),
     "Controller.parameters": (["feature", "arm"],),
     "Controller.potential": ("spring", "range", "harmonic"),
     "Controller.feedback": ("cyclopean.sat_10", "$arm.position", "$hand.finger_forces"),

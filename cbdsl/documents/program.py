@@ -140,6 +140,8 @@ class Use(Section):
     """Name of the program."""
     with_: Annotated[dict[Name, str], Field(alias="with")] = {}
     """Values of its parameters; ``$name`` refers to this program's own."""
+    policy: Name | None = None
+    """Learned policy that takes the place of the one that is written in it."""
 
 
 class Limits(Section):

@@ -38,6 +38,15 @@ _LEARNED = f"""provenance:
   versions: {{cbdsl: 0.1.0}}
 """
 
+_POLICIES = {
+    "programs/other.yaml": _LOOKING.replace("looking", "other"),
+    "knowledge/looking_learned.yaml": _POLICY.replace("example", "looking_learned"),
+    "knowledge/other_learned.yaml": _POLICY.replace("example", "other_learned").replace(
+        "program: looking", "program: other"
+    ),
+}
+_USER = program("actions: [track, looking]\nuse: {looking: {program: looking, policy: %s}}\n")
+
 POLICIES = (
     Entry(
         "CB622",
@@ -70,5 +79,23 @@ POLICIES = (
         "knowledge/example.yaml",
         _PROGRAMS | _MODELS,
         good=_POLICY + "models: {head.uniform: window}\n",
+    ),
+    Entry(
+        "CB625",
+        "unknown policy",
+        "there is no policy '{name}'",
+        "A policy is `knowledge/<name>.yaml`, next to this document, here, or shipped.",
+        _USER % "lokking_learned",
+        beside=_PROGRAMS | _POLICIES,
+        good=_USER % "looking_learned",
+    ),
+    Entry(
+        "CB626",
+        "policy of another program",
+        "policy '{name}' serves program '{other}', and not '{program}'",
+        "A program can be used under a policy that was written or learned for it.",
+        _USER % "other_learned",
+        beside=_PROGRAMS | _POLICIES,
+        good=_USER % "looking_learned",
     ),
 )
