@@ -71,8 +71,8 @@ UNUSED = (
         "CB705",
         "program that does nothing",
         "program '{name}' has no policy, so as an action it ends at once",
-        "A program that is run by itself can be given a policy document, or learn one. One that is "
-        "used as an action follows the policy in its own document.",
+        "A program that is run by itself can be given a policy document, or learn one. Used as an "
+        "action, it follows the policy of its own document, or the one that `use` gives it.",
         program("use: {looking: {program: looking}}\nactions: [track, looking]\n"),
         beside={
             "programs/looking.yaml": _LOOKING,
