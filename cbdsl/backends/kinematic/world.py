@@ -61,11 +61,17 @@ class World:
             return
         thing.velocity[2] -= GRAVITY * period
         thing.shift(period * thing.velocity)
-        self.land(thing)
+        self.land(thing, -period * float(thing.velocity[2]))
 
-    def land(self, thing: Thing) -> None:
-        """Lift what has sunk into a fixture's top onto it."""
-        sunk = max((top - thing.bottom for top in self._tops(thing)), default=-math.inf)
+    def land(self, thing: Thing, fallen: float = 0.0) -> None:
+        """Lift what has sunk into a fixture's top, or fallen through it just now, onto it.
+
+        Args:
+            thing: what may have landed.
+            fallen: how far it has just fallen, m.
+        """
+        deepest = _BESIDE + max(fallen, 0.0)
+        sunk = max((top - thing.bottom for top in self._tops(thing, deepest)), default=0.0)
         if sunk > 0.0:
             thing.shift(np.array([0.0, 0.0, sunk]))
             thing.velocity[2] = 0.0
@@ -79,10 +85,10 @@ class World:
                 return fixture
         return None
 
-    def _tops(self, thing: Thing) -> list[float]:
-        """Heights of the fixtures' tops below something, or not far above its lowest point."""
+    def _tops(self, thing: Thing, deepest: float) -> list[float]:
+        """Heights of the fixtures' tops that something is above, or no deeper than that below."""
         tops = [_top(fixture, thing) for fixture in self.things.values()]
-        return [top for top in tops if top is not None and top - thing.bottom < _BESIDE]
+        return [top for top in tops if top is not None and top - thing.bottom < deepest]
 
     @staticmethod
     def _glide(thing: Thing, floor: Thing, period: float) -> None:

@@ -1,0 +1,133 @@
+"""Distances to solids, and what a camera sees of them, against the definitions."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from cbdsl.backends.bullet.pose import Pose
+from cbdsl.backends.kinematic.shape import Shape
+from cbdsl.backends.kinematic.solids import BALL, BOX, CYLINDER, depths, silhouettes
+
+Floats = NDArray[np.float64]
+
+SHAPES = {
+    "ball": Shape.ball(0.07),
+    "box": Shape(BOX, (0.05, 0.08, 0.03)),
+    "cylinder": Shape.cylinder(0.06, 0.14),
+}
+LENS = (418.5, 320.0, 240.0)
+HERE, AHEAD = np.zeros(3), np.eye(3)
+
+
+def turned(rng: np.random.Generator) -> Floats:
+    axis = rng.standard_normal(3)
+    return Pose.turned(axis / np.linalg.norm(axis), rng.uniform(-3, 3)).rotation
+
+
+def inside(shape: Shape, points: Floats) -> NDArray[np.bool_]:
+    """Whether points of the shape's frame, shape (n, 3), are inside it."""
+    a, _, c = shape.halves
+    if shape.kind == BALL:
+        return np.linalg.norm(points, axis=1) <= a
+    if shape.kind == CYLINDER:
+        return (np.hypot(points[:, 0], points[:, 1]) <= a) & (np.abs(points[:, 2]) <= c)
+    return (np.abs(points) <= shape.halves).all(axis=1)
+
+
+def one(solid: Floats, point: Floats) -> Floats:
+    """The row of ``depths`` of a point, in a link that is the world."""
+    world = np.array([[1.0, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0]])
+    return depths(solid[None], world, np.zeros(1, np.intp), point[None], np.zeros(1))[0, 0]
+
+
+@pytest.mark.parametrize("name", SHAPES)
+def test_a_step_of_the_distance_along_the_normal_leads_to_the_surface(name: str) -> None:
+    rng = np.random.default_rng(0)
+    shape = SHAPES[name]
+    for _ in range(50):
+        pose = Pose(rng.normal(size=3), turned(rng))
+        point = pose.position + rng.uniform(-0.2, 0.2, size=3)
+        found = one(shape.row(pose), point)
+        depth, normal = found[0], found[1:4]
+        assert np.linalg.norm(normal) == pytest.approx(1)
+        assert found[4:] == pytest.approx(point)
+        surface = point + depth * normal
+        for step, expected in ((1e-6, False), (-1e-6, True)):
+            local = pose.rotation.T @ (surface + step * normal - pose.position)
+            assert inside(shape, local[None])[0] == expected
+        # Nothing of the solid is nearer than that.
+        ways = rng.standard_normal((50, 3))
+        ways /= np.linalg.norm(ways, axis=1)[:, None]
+        around = point + 0.999 * abs(depth) * ways
+        local = (around - pose.position) @ pose.rotation
+        assert (inside(shape, local) == (depth > 0)).all()
+
+
+def seen(*solids: Floats, samples: int = 64) -> Floats:
+    """What a camera at the origin sees of the first of some solids."""
+    return silhouettes(np.array(solids), np.array([samples]), HERE, AHEAD, LENS)[0]
+
+
+@pytest.mark.parametrize("name", SHAPES)
+def test_a_silhouette_is_where_lines_of_sight_come_through(name: str) -> None:
+    """Against the marching of rays through every pixel."""
+    rng = np.random.default_rng(1)
+    focal, width, height = LENS
+    shape = SHAPES[name]
+    for _ in range(3):
+        pose = Pose(np.array([0.6, *rng.uniform(-0.05, 0.05, size=2)]), turned(rng))
+        columns, rows = np.meshgrid(np.arange(0.5, width), np.arange(0.5, height))
+        lines = np.stack(
+            [np.ones_like(rows), (width / 2 - columns) / focal, (height / 2 - rows) / focal], -1
+        ).reshape(-1, 3)
+        mask = np.zeros(len(lines), dtype=bool)
+        for ahead in np.arange(0.48, 0.72, 0.004):
+            mask |= inside(shape, (ahead * lines - pose.position) @ pose.rotation)
+        area, column, row, clipped = seen(shape.row(pose))
+        assert area == pytest.approx(mask.sum(), rel=0.03)
+        assert column == pytest.approx(columns.ravel()[mask].mean(), abs=0.7)
+        assert row == pytest.approx(rows.ravel()[mask].mean(), abs=0.7)
+        assert not clipped
+
+
+def test_what_reaches_the_border_is_clipped() -> None:
+    border = LENS[1] / 2 / LENS[0]
+    ball = Shape.ball(0.05)
+    for aside, whole in ((border - 0.07, True), (border - 0.03, False), (border, False)):
+        row = seen(ball.row(Pose(np.array([1.0, aside, 0.0]), AHEAD)))
+        assert row[3] != whole
+        assert row[0] > 0
+    assert not seen(ball.row(Pose(np.array([1.0, border + 0.1, 0.0]), AHEAD))).any()
+    assert not seen(ball.row(Pose(np.array([-1.0, 0.0, 0.0]), AHEAD))).any()
+
+
+def test_what_is_before_a_thing_hides_it_and_what_is_behind_does_not() -> None:
+    ball = Shape.ball(0.05).row(Pose(np.array([1.0, 0.0, 0.0]), AHEAD))
+    board = Shape(BOX, (0.001, 0.1, 0.1))
+    free = seen(ball)
+    half = seen(ball, board.row(Pose(np.array([0.8, 0.1, 0.0]), AHEAD)))
+    assert half[0] == pytest.approx(free[0] / 2, rel=0.02)
+    assert half[1] > free[1] + 5, "its right half is left, and columns count to the right"
+    assert not seen(ball, board.row(Pose(np.array([0.8, 0.0, 0.0]), AHEAD))).any()
+    assert seen(ball, board.row(Pose(np.array([1.2, 0.0, 0.0]), AHEAD))) == pytest.approx(free)
+
+
+def test_a_ball_looks_as_large_as_it_is() -> None:
+    area = seen(Shape.ball(0.05).row(Pose(np.array([1.0, 0.0, 0.0]), AHEAD)), samples=24)[0]
+    tangent = math.tan(math.asin(0.05))
+    assert area == pytest.approx(math.pi * (LENS[0] * tangent) ** 2, rel=0.01)
+
+
+@pytest.mark.parametrize("name", SHAPES)
+def test_the_lowest_point_of_a_turned_shape(name: str) -> None:
+    shape = SHAPES[name]
+    rng = np.random.default_rng(2)
+    surface = rng.uniform(-0.15, 0.15, size=(200_000, 3))
+    surface = surface[inside(shape, surface)]
+    rotation = turned(rng)
+    assert shape.depth(rotation) == pytest.approx(-(surface @ rotation.T)[:, 2].min(), abs=0.006)
+    assert shape.depth(np.eye(3)) == pytest.approx(shape.half_height)

@@ -1,0 +1,97 @@
+"""What nobody holds stands, falls, rolls and slides as mechanics has it."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from cbdsl.backends.bullet.pose import Pose
+from cbdsl.backends.kinematic.shape import Shape
+from cbdsl.backends.kinematic.solids import BOX
+from cbdsl.backends.kinematic.thing import GRAVITY, Thing
+from cbdsl.backends.kinematic.world import World
+from cbdsl.documents.stage import Surface
+
+PERIOD = 1 / 60
+SHAPES = {
+    "ball": Shape.ball(0.05),
+    "box": Shape(BOX, (0.05, 0.05, 0.05)),
+    "cylinder": Shape.cylinder(0.05, 0.1),
+}
+
+
+def world_with(shape: Shape, height: float, rolling_friction: float = 0.0) -> tuple[World, Thing]:
+    """A table with its top at 0, two metres wide, and a thing ``height`` above it."""
+    world = World()
+    table = Shape(BOX, (1.0, 1.0, 0.02))
+    world.add("table", table, Surface(friction=0.5), 0.0, Pose(np.array([0, 0, -0.02]), np.eye(3)))
+    pose = Pose(np.array([0, 0, height + shape.half_height]), np.eye(3))
+    surface = Surface(friction=0.5, rolling_friction=rolling_friction)
+    return world, world.add("thing", shape, surface, 0.2, pose)
+
+
+def let_go(world: World, thing: Thing, seconds: float) -> None:
+    for _ in range(round(seconds / PERIOD)):
+        world.let_go(thing, PERIOD)
+
+
+@pytest.mark.parametrize("name", SHAPES)
+def test_what_stands_stays(name: str) -> None:
+    world, thing = world_with(SHAPES[name], 0.0)
+    before = thing.position.copy()
+    let_go(world, thing, 1.0)
+    assert thing.position == pytest.approx(before)
+    assert thing.resting
+
+
+@pytest.mark.parametrize("name", SHAPES)
+def test_what_is_let_go_falls_onto_the_table(name: str) -> None:
+    world, thing = world_with(SHAPES[name], 0.3)
+    let_go(world, thing, 0.2)
+    fallen = 0.35 - float(thing.position[2])
+    assert fallen == pytest.approx(GRAVITY * 0.2**2 / 2, rel=0.1)
+    let_go(world, thing, 1.0)
+    assert thing.position == pytest.approx([0, 0, 0.05])
+    assert not thing.velocity.any()
+
+
+def test_what_is_thrown_flies_on_a_parabola_and_off_the_table() -> None:
+    world, thing = world_with(SHAPES["ball"], 0.0)
+    thing.launch(np.array([2.0, 0.0, 3.0]))
+    let_go(world, thing, 0.3)
+    assert thing.position[0] == pytest.approx(0.6)
+    assert thing.position[2] == pytest.approx(0.05 + 0.9 - GRAVITY * 0.3**2 / 2, abs=0.03)
+    let_go(world, thing, 2.0)
+    assert thing.position[2] < -1
+
+
+def test_a_box_slides_as_far_as_friction_lets_it() -> None:
+    world, thing = world_with(SHAPES["box"], 0.0)
+    thing.launch(np.array([1.0, 0.0, 0.0]))
+    let_go(world, thing, 2.0)
+    assert thing.position[0] == pytest.approx(1 / (2 * 0.25 * GRAVITY), rel=0.1)
+
+
+def test_a_ball_that_slides_rolls_on_with_five_sevenths_of_its_speed() -> None:
+    world, thing = world_with(SHAPES["ball"], 0.0)
+    thing.launch(np.array([0.7, 0.0, 0.0]))
+    let_go(world, thing, 0.5)
+    assert thing.velocity == pytest.approx([0.5, 0, 0])
+    assert thing.rolling == pytest.approx([0.5, 0, 0])
+
+
+def test_rolling_friction_stops_a_ball() -> None:
+    world, thing = world_with(SHAPES["ball"], 0.0, rolling_friction=0.002)
+    thing.launch(np.array([0.1, 0.0, 0.0]))
+    let_go(world, thing, 2.0)
+    assert not thing.velocity.any()
+    assert 0.0 < thing.position[0] < 0.1
+
+
+def test_what_is_taken_away_is_gone() -> None:
+    world, thing = world_with(SHAPES["box"], 0.0)
+    world.remove("thing")
+    assert list(world.things) == ["table"]
+    assert world.solids.shape == (1, 16)
+    assert world.things["table"].position == pytest.approx([0, 0, -0.02])
+    assert thing.position[2] == pytest.approx(0.05)
