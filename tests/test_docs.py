@@ -1,46 +1,350 @@
-"""Every YAML block in the docs is a document without findings, and what they name exists."""
+"""What the docs show is run: every block and every command, in the order of its page.
+
+A page is a session in a folder of its own. What a block is for follows from its language:
+
+* ``yaml`` is a document: written to the session's folder, it has no findings.
+* ``python`` and ``toml`` are files that later commands or tests use.
+* ``sh`` are ``cb`` commands, one a line.
+* ``text`` is what the ``sh`` block before it prints; a line ``...`` stands for lines left out.
+
+Comments before a block say more: ``<!-- file: PATH -->`` where it is written, ``<!-- findings: CODE
+CODE -->`` which findings it has, ``<!-- not run: WHY -->`` that it is only to be read, and
+``<!-- not compared: WHY -->`` that the text is other each time. Whatever is not run says so.
+
+Commands within sentences run, too. Those with a WORD in capitals are patterns; ``cb learn`` and
+``cb reproduce``, which may take hours, are only held to their options.
+"""
 
 from __future__ import annotations
 
+import importlib
 import re
+import runpy
+import shlex
+import shutil
+import tomllib
 from pathlib import Path
+from typing import Any, NamedTuple
 
+import numpy as np
 import pytest
+import typer
 
 from cbdsl.checking.document import check_document
+from cbdsl.cli.main import build_app
+from cbdsl.control import registry
 from cbdsl.reproduction.registry import EXPERIMENTS
+from cbdsl.types import potential as potentials
+from tests.cli.test_main import cb
+from tests.control import test_navigation, test_registry
+from tests.test_readme import leaves, options
 
 ROOT = Path(__file__).parents[1]
-PAGES = [ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md"))]
-BLOCKS = [
-    (page, text)
-    for page in PAGES
-    for text in re.findall(
-        r"^```yaml\n(.*?)^```", page.read_text("utf-8"), re.DOTALL | re.MULTILINE
-    )
+DOCS = ROOT / "docs"
+#: Written by commands, and held to the code by tests/cli/test_explain.py and the test below.
+GENERATED = {DOCS / "diagnostics.md", DOCS / "reference.md"}
+PAGES = [ROOT / "README.md", ROOT / "CONTRIBUTING.md", *sorted(DOCS.rglob("*.md"))]
+WRITTEN = [page for page in PAGES if page not in GENERATED]
+IDS = [str(page.relative_to(ROOT)) for page in PAGES]
+WRITTEN_IDS = [str(page.relative_to(ROOT)) for page in WRITTEN]
+
+MARKS = ("file", "findings", "not run", "not compared")
+FENCE = re.compile(
+    r"(?P<marks>(?:^ *<!-- .*? -->\n)*)^ *```(?P<language>\w*)\n(?P<text>.*?)^ *```$",
+    re.DOTALL | re.MULTILINE,
+)
+#: What tests/control/test_registry.py asks of every potential and type.
+GENERIC = [
+    test_registry.test_gradient_equals_finite_differences,
+    test_registry.test_small_steps_lower_phi_and_shapes_agree,
+    test_registry.test_known_minimum_is_where_the_residual_leads,
+    test_registry.test_wrong_shapes_are_refused_by_name,
 ]
+#: What is left to fill in, or to choose.
+PATTERN = re.compile(r"[A-Z]{3,}(?!\d)|\.\.\.|[|<>]")
+#: Commands that move a robot, or show how one moved.
+LONG = {"run", "replay", "learn", "reproduce"}
+#: Commands that take hours as the docs name them; they have tests of their own.
+ENDLESS = {"learn", "reproduce"}
 
 
-@pytest.mark.parametrize(("page", "text"), BLOCKS, ids=[page.name for page, _ in BLOCKS])
-def test_yaml_blocks_are_valid_documents(page: Path, text: str, tmp_path: Path) -> None:
-    name = re.search(r"^name: (\w+)$", text, re.MULTILINE)
-    assert name, page
-    file = tmp_path / f"{name[1]}.yaml"
-    file.write_text(text, encoding="utf-8")
-    assert check_document(file) == []
+class Block(NamedTuple):
+    """A block of a page: its language, what the comments before it say, and its text."""
+
+    language: str
+    marks: dict[str, str]
+    text: str
+
+    @property
+    def runs(self) -> bool:
+        return "not run" not in self.marks
 
 
-@pytest.mark.parametrize("page", PAGES, ids=[page.name for page in PAGES])
+def blocks(page: Path) -> list[Block]:
+    found = []
+    for match in FENCE.finditer(page.read_text("utf-8")):
+        said = re.findall(r"<!-- ([\w ]+): (.*?) -->", match["marks"])
+        marks = {key: value for key, value in said if key in MARKS}
+        indent = len(match[0].splitlines()[-1]) - len("```")
+        text = "".join(line[indent:] or "\n" for line in match["text"].splitlines(keepends=True))
+        found.append(Block(match["language"], marks, text))
+    return found
+
+
+def in_sentences(page: Path) -> list[list[str]]:
+    """The words of the commands that are quoted outside of blocks; in tables, bars are escaped."""
+    quoted = re.findall(r"`([^`]+)`", FENCE.sub("", page.read_text("utf-8")))
+    commands = dict.fromkeys(" ".join(text.replace("\\|", "|").split()) for text in quoted)
+    return [shlex.split(text)[1:] for text in commands if re.match(r"cb \w", text)]
+
+
+def is_concrete(words: list[str]) -> bool:
+    """Whether a command can be typed as it is: nothing is left to fill in, and nothing left out."""
+    command: Any = typer.main.get_command(build_app())
+    rest = list(words)
+    while rest and hasattr(command, "commands"):
+        command = command.commands.get(rest.pop(0))
+    if command is None or hasattr(command, "commands") or any(map(PATTERN.search, rest)):
+        return False
+    arguments = [each for each in command.params if each.param_type_name == "argument"]
+    if any(argument.required for argument in arguments):
+        return bool(rest) and not rest[0].startswith("--")
+    return bool(rest) or not arguments
+
+
+class Session:
+    """A reader at a terminal, in the folder of one page."""
+
+    def __init__(
+        self,
+        page: Path,
+        folder: Path,
+        monkeypatch: pytest.MonkeyPatch,
+        capsys: pytest.CaptureFixture[str],
+    ) -> None:
+        self._page, self._folder = page, folder
+        self._monkeypatch, self._capsys = monkeypatch, capsys
+        self._printed: str | None = None  # by the last block of commands
+        self._left_out = False  # whether that was not run this time
+        monkeypatch.chdir(folder)
+        monkeypatch.setenv("COLUMNS", "100")
+
+    def read(self, slow: bool) -> None:
+        """Go through the page from top to bottom; all of it, or what takes no time."""
+        found = blocks(self._page)
+        for place, block in enumerate(found):
+            follows = found[place + 1] if place + 1 < len(found) else None
+            if block.runs:
+                getattr(self, f"_{block.language}")(block, slow, follows)
+        for words in in_sentences(self._page):
+            if is_concrete(words) and words[0] not in ENDLESS and (slow or is_quick(words)):
+                assert self._type(words) == 0, words
+
+    def _yaml(self, block: Block, slow: bool, follows: Block | None) -> None:
+        file = self._file(block)
+        codes = {finding.code for finding in check_document(file)}
+        assert codes == set(block.marks.get("findings", "").split()), file
+
+    def _python(self, block: Block, slow: bool, follows: Block | None) -> None:
+        compile(block.text, str(self._file(block)), "exec")
+
+    def _toml(self, block: Block, slow: bool, follows: Block | None) -> None:
+        install(self._file(block), self._monkeypatch)
+
+    def _file(self, block: Block) -> Path:
+        name = re.search(r"^name: (\w+)$", block.text, re.MULTILINE)
+        file = self._folder / (block.marks.get("file") or (f"{name[1]}.yaml" if name else ""))
+        assert file != self._folder, block.text
+        file.parent.mkdir(parents=True, exist_ok=True)
+        file.write_text(block.text, encoding="utf-8")
+        return file
+
+    def _sh(self, block: Block, slow: bool, follows: Block | None) -> None:
+        lines = [shlex.split(line) for line in block.text.splitlines()]
+        self._left_out = not (slow or all(is_quick(words[1:]) for words in lines))
+        if self._left_out:
+            return
+        self._capsys.readouterr()
+        shown = follows.text if follows and follows.language == "text" else ""
+        fails = re.search(r"^\d+ errors?", shown, re.MULTILINE)
+        for words in lines:
+            assert words[0] == "cb", words
+            assert self._type(words[1:]) == (1 if fails else 0), words
+        self._printed = self._capsys.readouterr().out
+
+    def _text(self, block: Block, slow: bool, follows: Block | None) -> None:
+        if self._left_out or "not compared" in block.marks:
+            return
+        assert self._printed is not None, "nothing was run that could print this"
+        printed = "\n".join(line.rstrip() for line in self._printed.splitlines()) + "\n"
+        for part in re.split(r"^\.\.\.\n", block.text, flags=re.MULTILINE):
+            before, found, printed = printed.partition(part)
+            assert found == part, before
+
+    def _type(self, words: list[str]) -> int:
+        return cb(self._monkeypatch, *words)
+
+
+def is_quick(words: list[str]) -> bool:
+    return words[0] not in LONG or "--backend" in words
+
+
+def install(project: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Make a package known as ``pip install -e .`` would."""
+    said = tomllib.loads(project.read_text("utf-8"))["project"]
+    about = project.parent / f"{said['name']}-{said['version']}.dist-info"
+    about.mkdir()
+    (about / "METADATA").write_text(f"Metadata-Version: 2.1\nName: {said['name']}\n")
+    groups = said["entry-points"].items()
+    lines = [
+        f"[{g}]\n" + "".join(f"{k} = {v}\n" for k, v in points.items()) for g, points in groups
+    ]
+    (about / "entry_points.txt").write_text("".join(lines))
+    monkeypatch.syspath_prepend(str(project.parent))
+
+
+@pytest.fixture
+def session(
+    request: pytest.FixtureRequest,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+) -> Session:
+    """The session of the page that a test is for."""
+    page: Path = request.getfixturevalue("page")
+    text = page.read_text("utf-8")
+    if "<!-- file: " not in text:
+        for folder in ("robots", "programs"):  # what is said of a checkout is done in one
+            shutil.copytree(ROOT / folder, tmp_path / folder)
+    if "kuka_iiwa" in text:
+        data = Path(importlib.import_module("pybullet_data").getDataPath())
+        shutil.copytree(data / "kuka_iiwa", tmp_path / "kuka_iiwa")
+    return Session(page, tmp_path, monkeypatch, capsys)
+
+
+@pytest.mark.parametrize("page", WRITTEN, ids=WRITTEN_IDS)
+def test_what_a_page_shows_is_so(session: Session, page: Path) -> None:
+    session.read(slow=False)
+
+
+def is_long(page: Path) -> bool:
+    """Whether a page has commands that the test above leaves out."""
+    typed = [shlex.split(line)[1:] for b in blocks(page) if b.language == "sh" and b.runs
+             for line in b.text.splitlines()]  # fmt: skip
+    told = [words for words in in_sentences(page) if is_concrete(words)]
+    return not all(map(is_quick, [*typed, *(w for w in told if w[0] not in ENDLESS)]))
+
+
+LONG_PAGES = [page for page in WRITTEN if is_long(page)]
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("page", LONG_PAGES, ids=[page.name for page in LONG_PAGES])
+def test_what_a_page_shows_is_so_on_the_simulator(session: Session, page: Path) -> None:
+    session.read(slow=True)
+
+
+@pytest.mark.parametrize("page", WRITTEN, ids=WRITTEN_IDS)
+def test_no_block_escapes(page: Path) -> None:
+    """Each is run, or says why not; and every comment that looks like a mark is one."""
+    text = page.read_text("utf-8")
+    found = blocks(page)
+    assert len(found) == len(re.findall(r"^ *```\w+$", text, re.MULTILINE))
+    assert len(re.findall(r"^ *```$", text, re.MULTILINE)) == len(found)
+    for block in found:
+        assert not block.runs or hasattr(Session, f"_{block.language}"), block
+        reasons = [block.marks[key] for key in ("not run", "not compared") if key in block.marks]
+        assert all(len(reason.split()) > 1 for reason in reasons), block
+    marks = re.findall(rf"<!-- (?:{'|'.join(MARKS)}): ", text)
+    assert len(marks) == sum(len(block.marks) for block in found)
+
+
+@pytest.mark.parametrize(
+    ("text", "fault"),
+    [
+        ("```yaml\ncbdsl: 1\nkind: program\nname: x\n```\n", AssertionError),
+        ("```yml\non: push\n```\n", AttributeError),
+        ("```sh\nrm thing\n```\n", AssertionError),
+        ("```sh\ncb explain CB999\n```\n", AssertionError),
+        ("```sh\ncb explain CB504\n```\n```text\nCB504: fine\n```\n", AssertionError),
+        ("```text\nnobody printed this\n```\n", AssertionError),
+        ("<!-- file: a.py -->\n```python\nif:\n```\n", SyntaxError),
+        ("Type `cb show resources --robot nobody`.", AssertionError),
+    ],
+)
+def test_what_is_wrong_on_a_page_is_found(
+    text: str,
+    fault: type[Exception],
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    page = tmp_path / "page.md"
+    page.write_text(text, encoding="utf-8")
+    with pytest.raises(fault):
+        Session(page, tmp_path, monkeypatch, capsys).read(slow=False)
+
+
+@pytest.mark.parametrize("page", WRITTEN, ids=WRITTEN_IDS)
+def test_commands_in_sentences_exist_with_their_options(page: Path) -> None:
+    for words in in_sentences(page):
+        for leaf in leaves(typer.main.get_command(build_app()), words):
+            given = {word.split("=")[0] for word in words if word.startswith("--")}
+            assert given <= options(leaf), words
+
+
+def test_the_new_potential_gets_its_tests(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """The page's class, entry and function do what the page says when they are put in place."""
+    found = blocks(DOCS / "how_to" / "new_potential.md")
+    files = {block.marks["file"]: block.text for block in found if "file" in block.marks}
+    rng = np.random.default_rng(7)
+    (source := tmp_path / "soft_spring.py").write_text(files["soft_spring.py"], encoding="utf-8")
+    built = runpy.run_path(str(source))["SoftSpring"].build
+    entry = eval(files["entry.py"], vars(potentials))
+    monkeypatch.setitem(potentials.POTENTIALS, entry.name, entry)
+    known = {**registry.IMPLEMENTATIONS, entry.name: built}
+    monkeypatch.setattr(registry, "IMPLEMENTATIONS", known)
+    for kind in sorted(entry.accepts):
+        for test in GENERIC:
+            test(entry.name, kind, None, *([rng] if "rng" in test.__annotations__ else []))
+    scope = dict(vars(test_navigation))
+    exec(files["function.py"], scope)
+    for function in scope["soft_springs"](rng):
+        assert all(check(function, rng) for check in test_navigation.CHECKS.values())
+    (program := tmp_path / "soft_reach.yaml").write_text(
+        next(block.text for block in found if block.language == "yaml"), encoding="utf-8"
+    )
+    assert check_document(program) == []
+
+
+def test_the_reference_is_up_to_date() -> None:
+    """``python docs/make_reference.py`` writes it again."""
+    page = runpy.run_path(str(DOCS / "make_reference.py"))["page"]
+    assert page() == (DOCS / "reference.md").read_text("utf-8")
+
+
+def test_links_within_pages_lead_to_headings() -> None:
+    anchor = runpy.run_path(str(DOCS / "make_reference.py"))["anchor"]
+    for page in PAGES:
+        for target, heading in re.findall(r"\]\(([^)#:]*)#([^)]+)\)", page.read_text("utf-8")):
+            text = (page.parent / target if target else page).read_text("utf-8")
+            headings = re.findall(r"^#+ (.*)$", text, re.MULTILINE)
+            assert heading in map(anchor, headings), f"{page.name}: {target}#{heading}"
+
+
+@pytest.mark.parametrize("page", PAGES, ids=IDS)
 def test_links_lead_somewhere(page: Path) -> None:
-    for target in re.findall(r"\]\(([^)#:]+)\)", page.read_text("utf-8")):
+    for target in re.findall(r"\]\(([^)#:]+)[^)]*\)", page.read_text("utf-8")):
         assert (page.parent / target).exists(), target
 
 
-@pytest.mark.parametrize("page", PAGES, ids=[page.name for page in PAGES])
+@pytest.mark.parametrize("page", PAGES, ids=IDS)
 def test_files_of_the_project_that_are_named_exist(page: Path) -> None:
     folders = "benchmarks|cbdsl|docs|programs|robots|schemas|tests"
-    for name in re.findall(rf"`[^`\n]*?\b((?:{folders})/[\w./-]+)", page.read_text("utf-8")):
-        assert (ROOT / name).exists(), name
+    text = FENCE.sub("", page.read_text("utf-8"))
+    own = {block.marks["file"] for block in blocks(page) if "file" in block.marks}
+    for name in re.findall(rf"`[^`\n]*?\b((?:{folders})/[\w./-]+)", text):
+        assert name in own or (ROOT / name).exists(), name
 
 
 def test_every_deviation_that_names_a_test_names_one_that_tests() -> None:
@@ -51,7 +355,7 @@ def test_every_deviation_that_names_a_test_names_one_that_tests() -> None:
         assert re.search(r"^def test_", (ROOT / name).read_text("utf-8"), re.MULTILINE), name
 
 
-@pytest.mark.parametrize("page", PAGES, ids=[page.name for page in PAGES])
+@pytest.mark.parametrize("page", PAGES, ids=IDS)
 def test_experiments_that_are_named_can_be_reproduced(page: Path) -> None:
     text = page.read_text("utf-8")
     for name in re.findall(r"`((?:fig|table|law)-[\w.-]+)`", text):

@@ -64,7 +64,8 @@ def leaves(command: Any, words: list[str]) -> Iterator[Any]:
 
 
 def options(command: Any) -> set[str]:
-    return {option for parameter in command.params for option in parameter.opts}
+    spellings = ((*each.opts, *each.secondary_opts) for each in command.params)
+    return {option for each in spellings for option in each}
 
 
 def test_the_options_that_the_readme_lists_for_run_exist() -> None:
