@@ -12,6 +12,7 @@ PREDICATES = "X-01"
 ANY = "*"
 # Enough for every policy that a person wrote; a document made on purpose needs any number.
 _MOST_SPLITS = 1_000
+_MOST_LETTERS = 1_000_000
 
 
 def check_states(
@@ -58,8 +59,14 @@ def _contradictions(
 
 def _idle(sound: Mapping[str, str], patience: _Patience) -> Iterator[str]:
     """Patterns whose states are all decided by patterns with fewer stars."""
-    for pattern in sound:
-        closer = [other for other in sound if other.count(ANY) < pattern.count(ANY)]
+    open_ones = [pattern for pattern in sound if ANY in pattern]
+    if len(open_ones) * sum(len(pattern) for pattern in sound) > _MOST_LETTERS:
+        return
+    sets = {pattern: (_bits(pattern), pattern.count(ANY)) for pattern in sound}
+    for pattern in open_ones:
+        bits, stars = sets[pattern]
+        ones = _ones(len(pattern))
+        closer = [p for p, (own, fewer) in sets.items() if fewer < stars and _meet(own, bits, ones)]
         if closer and _left_over(pattern, closer, patience) is None and not patience.has_ended:
             yield pattern
 
