@@ -23,6 +23,7 @@ import runpy
 import shlex
 import shutil
 import tomllib
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -54,7 +55,7 @@ FENCE = re.compile(
     re.DOTALL | re.MULTILINE,
 )
 #: What tests/control/test_registry.py asks of every potential and type.
-GENERIC = [
+GENERIC: list[Callable[..., None]] = [
     test_registry.test_gradient_equals_finite_differences,
     test_registry.test_small_steps_lower_phi_and_shapes_agree,
     test_registry.test_known_minimum_is_where_the_residual_leads,
@@ -255,7 +256,7 @@ def test_no_block_escapes(page: Path) -> None:
         assert not block.runs or hasattr(Session, f"_{block.language}"), block
         reasons = [block.marks[key] for key in ("not run", "not compared") if key in block.marks]
         assert all(len(reason.split()) > 1 for reason in reasons), block
-    marks = re.findall(rf"<!-- (?:{'|'.join(MARKS)}): ", text)
+    marks = re.findall(rf"^ *<!-- (?:{'|'.join(MARKS)}): ", text, re.MULTILINE)
     assert len(marks) == sum(len(block.marks) for block in found)
 
 
