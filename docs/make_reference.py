@@ -246,7 +246,9 @@ def _typed(parameter: Any) -> str:
 def _preset(parameter: Any) -> str:
     """The value that an option has without being given."""
     value = getattr(parameter.default, "value", parameter.default)
-    if parameter.required or value is None or value is False or value == []:
+    if parameter.required:
+        return "required"
+    if value is None or value is False or value == []:
         return ""
     return _code(parameter.opts[0] if value is True else value)
 
@@ -308,8 +310,9 @@ def _shape(value: Mapping[str, Any], kind: str) -> str:
     if "const" in value or "enum" in value:
         return ", ".join(map(_code, value.get("enum") or [value["const"]]))
     if value["type"] == "array":
-        count = value.get("maxItems")
-        return f"list of {f'{count} x ' if count else ''}{_shape(value['items'], kind)}"
+        count, item = value.get("maxItems"), _shape(value["items"], kind)
+        item = f"({item})" if " or " in item else item
+        return f"list of {f'{count} x ' if count else ''}{item}"
     if value["type"] == "object":
         return f"mapping to {_shape(value['additionalProperties'], kind)}"
     return _WORDS.get(value["type"], "number")
