@@ -14,8 +14,11 @@ import pytest
 import cbdsl
 from cbdsl.backends.backend import Backend
 from cbdsl.backends.bullet.backend import BulletBackend
+from cbdsl.backends.kinematic.backend import KinematicBackend
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.documents.stage import StageDocument
+from cbdsl.robot.channel_names import channel_names
+from cbdsl.robot.channels import Region
 from cbdsl.robot.kinematics import Kinematics
 from cbdsl.robot.observation import Observation
 from cbdsl.runtime.episode import Runner
@@ -55,6 +58,26 @@ def test_what_bullet_observes_is_exactly_that(
     assert observation.positions.shape == observation.velocities.shape == (24,)
 
 
+def test_what_the_kinematic_backend_observes_is_exactly_that(
+    dexter: RobotDocument, urdf: Path, stage: Callable[[str], StageDocument]
+) -> None:
+    """And of what its cameras see, nothing but what a channel's pixels would tell."""
+    backend = KinematicBackend(dexter, urdf)
+    backend.reset(stage("table_right"), "in_view", np.random.default_rng(0))
+    observation = backend.observe()
+    assert type(observation) is Observation
+    assert set(vars(observation)) == SENSORS
+    assert not observation.images
+    assert set(observation.regions) == set(dexter.cameras)
+    channels = set(channel_names(dexter.vision.channels))
+    for found in observation.regions.values():
+        assert type(found) is dict and found
+        assert set(found) <= channels, "no names of things"
+        for region in found.values():
+            assert type(region) is Region
+            assert set(vars(region)) == {"area", "column", "row", "clipped"}
+
+
 def test_the_runtime_needs_nothing_but_the_protocol(
     bullet: BulletBackend,
     dexter: RobotDocument,
@@ -85,4 +108,5 @@ def test_what_controls_never_mentions_the_simulator(layer: str) -> None:
     for file in package.rglob("*.py"):
         text = file.read_text(encoding="utf-8")
         assert "bullet" not in text.lower(), file
+        assert "backends.kinematic" not in text.lower(), file
         assert ".truth" not in text, file

@@ -51,7 +51,7 @@ class KinematicBackend:
         BackendError: robot file and model do not fit together, or a window is asked for.
     """
 
-    renderer = "nothing (ideal cameras)"
+    renderer = "ideal cameras"
 
     def __init__(self, robot: RobotDocument, urdf: Path, gui: bool = False) -> None:
         if gui:
