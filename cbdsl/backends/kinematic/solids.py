@@ -11,7 +11,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from cbdsl.backends.kinematic.compiled import compiled, compiled_once
+from cbdsl.robot.compiled import compiled, compiled_once
 
 Floats = NDArray[np.float64]
 Rows = NDArray[np.intp]

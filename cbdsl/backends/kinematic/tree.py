@@ -15,8 +15,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cbdsl.backends.bullet.pose import Pose
-from cbdsl.backends.kinematic.compiled import compiled_once
 from cbdsl.backends.kinematic.links import numbers, origin
+from cbdsl.robot.compiled import compiled_once
 from cbdsl.robot.joints import Joints
 
 Floats = NDArray[np.float64]
