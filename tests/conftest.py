@@ -6,6 +6,7 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import pytest
+from hypothesis import settings
 
 from cbdsl.backends.bullet.backend import BulletBackend
 from cbdsl.checking.program import check_program
@@ -18,6 +19,10 @@ from cbdsl.yaml_text.library import Library
 ROOT = Path(__file__).parents[1]
 
 Checked = Callable[..., CheckedProgram]
+
+# How long an example takes says how busy the machine is, and what was compiled for the first time.
+settings.register_profile("patient", deadline=None)
+settings.load_profile("patient")
 
 
 @pytest.fixture(scope="session")

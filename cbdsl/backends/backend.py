@@ -80,11 +80,15 @@ class BackendFactory(Protocol):
         ...
 
 
+_METHODS = ("reset", "observe", "apply", "step", "close")
+
+
 def find_backend(name: str) -> BackendFactory:
     """The backend of this name among the installed ones.
 
     Raises:
-        BackendError: there is none of this name, or what it needs is not installed.
+        BackendError: there is none of this name, what it needs is not installed, or it is no
+            backend.
     """
     installed = {point.name: point for point in entry_points(group=GROUP)}
     if name not in installed:
@@ -93,9 +97,13 @@ def find_backend(name: str) -> BackendFactory:
     try:
         factory: Any = installed[name].load()
     except ImportError as error:
-        raise BackendError(
-            f"backend '{name}' needs a package that is not installed ({error}); "
-            "try: pip install 'cbdsl[sim]'"
-        ) from error
+        ours = installed[name].value.startswith("cbdsl.")
+        remedy = "; try: pip install 'cbdsl[sim]'" if ours else ""
+        raise BackendError(f"backend '{name}' cannot be loaded: {error}{remedy}") from error
+    except AttributeError as error:
+        raise BackendError(f"backend '{name}' cannot be loaded: {error}") from error
+    lacking = [method for method in _METHODS if not callable(getattr(factory, method, None))]
+    if lacking:
+        raise BackendError(f"backend '{name}' lacks the methods {', '.join(lacking)}")
     backend: BackendFactory = factory
     return backend

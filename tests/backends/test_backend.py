@@ -15,11 +15,6 @@ def _install(monkeypatch: pytest.MonkeyPatch, **values: str) -> None:
     monkeypatch.setattr(backend_module, "entry_points", lambda group: points)
 
 
-def test_finds_what_an_entry_point_names(monkeypatch: pytest.MonkeyPatch) -> None:
-    _install(monkeypatch, tuple="builtins:tuple")
-    assert find_backend("tuple") is tuple
-
-
 def test_the_project_installs_bullet() -> None:
     from cbdsl.backends.bullet.backend import BulletBackend
 
@@ -33,6 +28,26 @@ def test_an_unknown_name_lists_the_known_ones(monkeypatch: pytest.MonkeyPatch) -
 
 
 def test_a_missing_package_says_what_to_install(monkeypatch: pytest.MonkeyPatch) -> None:
-    _install(monkeypatch, far="no_such_package.module:Backend")
-    with pytest.raises(BackendError, match=r"no_such_package.*cbdsl\[sim\]"):
+    _install(monkeypatch, far="cbdsl.no_such_module:Backend")
+    with pytest.raises(BackendError, match=r"no_such_module.*cbdsl\[sim\]"):
         find_backend("far")
+
+
+def test_backends_of_others_are_not_mended_by_installing_ours(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    _install(monkeypatch, far="no_such_package.module:Backend")
+    with pytest.raises(BackendError, match=r"no_such_package'$"):
+        find_backend("far")
+
+
+def test_a_class_that_is_not_there_is_named(monkeypatch: pytest.MonkeyPatch) -> None:
+    _install(monkeypatch, odd="cbdsl.backends.backend:Backand")
+    with pytest.raises(BackendError, match="'odd'.*Backand"):
+        find_backend("odd")
+
+
+def test_what_is_no_backend_says_what_it_lacks(monkeypatch: pytest.MonkeyPatch) -> None:
+    _install(monkeypatch, tuple="builtins:tuple")
+    with pytest.raises(BackendError, match="reset, observe, apply, step, close"):
+        find_backend("tuple")
