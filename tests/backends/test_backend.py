@@ -43,7 +43,7 @@ def test_backends_of_others_are_not_mended_by_installing_ours(
 
 def test_a_class_that_is_not_there_is_named(monkeypatch: pytest.MonkeyPatch) -> None:
     _install(monkeypatch, odd="cbdsl.backends.backend:Backand")
-    with pytest.raises(BackendError, match="'odd'.*Backand"):
+    with pytest.raises(BackendError, match=r"'odd'.*Backand"):
         find_backend("odd")
 
 
