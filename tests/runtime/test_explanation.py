@@ -87,10 +87,10 @@ def test_the_level_above_that_takes_all_freedom_is_named(
 def test_limits_are_named(
     explained: Callable[..., list[TickExplanation]],
 ) -> None:
-    """The head is sent beyond where its tilt can go."""
+    """The head is sent closer to the end of its tilt than the margin lets it."""
     body = """
 controllers:
-  look: {potential: spring, reference: [0 deg, 170 deg], feedback: head, effector: head}
+  look: {potential: spring, reference: [0 deg, 85.9 deg], feedback: head, effector: head}
 actions: [look]
 policy: {X: look, "0": look}
 """
