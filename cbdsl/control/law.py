@@ -76,7 +76,7 @@ class Step:
             dependent, level by level, shape (k,).
         asked: the levels as they were asked for, highest priority first.
         rows: their Jacobians, level by level, shape (k, n).
-        before: the same one tick before, shape (k, n).
+        past: the same one tick before and two, as far as known, shape (k, n) each.
         ends: the index after the last row of each level, shape (levels,).
     """
 
@@ -85,13 +85,13 @@ class Step:
     singular_values: Floats
     asked: Sequence[Level]
     rows: Floats
-    before: Floats
+    past: Sequence[Floats]
     ends: Integers
 
     @cached_property
     def levels(self) -> tuple[Level, ...]:
         """The levels, highest priority first, with the Jacobians that the law went by."""
-        rows = np.split(midway(self.rows, self.before), self.ends[:-1])
+        rows = np.split(midway(self.rows, *_recent(self.rows, self.past)), self.ends[:-1])
         return tuple(
             level._replace(jacobian=each) for level, each in zip(self.asked, rows, strict=True)
         )
@@ -140,30 +140,41 @@ class Law:
         self._limits = np.stack((lower + settings.limit_margin, upper - settings.limit_margin))
         self._guards = settings.joint_step, settings.damping, settings.singular_value
 
-    def solve(self, levels: Sequence[Level], q: Floats, before: Floats | None = None) -> Step:
+    def solve(self, levels: Sequence[Level], q: Floats, past: Sequence[Floats] = ()) -> Step:
         """One tick's displacement.
 
         Jacobians of where a tick starts let a lower level move those above by the square of its
-        step, tick after tick; those of its middle, by the cube, while it moves evenly. With those
-        of the tick before, the law goes by what half a tick ahead they will be, turning on evenly.
+        step, tick after tick; those of its middle, by the cube. With those of ticks before, the
+        law goes by what they will be half a tick ahead: one takes it that the arm goes on evenly,
+        two that it goes on gaining or losing speed.
 
         Args:
             levels: highest priority first.
             q: joint positions, rad, shape (n,).
-            before: the levels' Jacobians one tick before, level by level, shape (k, n).
+            past: the levels' Jacobians one tick before and two, as far as known, level by level,
+                shape (k, n) each.
 
         Raises:
             SignalError: the posture or a level is not finite, or a level's shape does not fit.
         """
         rows, wanted, ends = _stacked(levels, len(q))
-        if before is None:
-            before = rows
+        before, earlier = _recent(rows, past)
         displacement, locked, values = compose(
-            rows, before, wanted, ends, q, self._limits, *self._guards
+            rows, before, earlier, wanted, ends, q, self._limits, *self._guards
         )
         if math.isnan(displacement.item(0)):
             _require_sound(levels, q)
-        return Step(displacement, locked, values, levels, rows, before, ends)
+        return Step(displacement, locked, values, levels, rows, past, ends)
+
+
+def _recent(rows: Floats, past: Sequence[Floats]) -> Sequence[Floats]:
+    """Jacobians one tick before and two; what is not known is as if they had turned evenly."""
+    match past:
+        case ():
+            return rows, rows
+        case (before,):
+            return before, 2.0 * before - rows
+    return past
 
 
 def _stacked(levels: Sequence[Level], joints: int) -> tuple[Floats, Floats, Integers]:

@@ -42,12 +42,15 @@ class _Tick(NamedTuple):
     runs: tuple[ControllerRun, ...]
     step: Step
 
-    def rows(self, levels: Mapping[ControllerRun, Level]) -> Floats:
-        """The levels' Jacobians in this tick, (k, n); their own where a level had none."""
+    def past(self, levels: Mapping[ControllerRun, Level]) -> Sequence[Floats]:
+        """The levels' Jacobians in this tick and the one before, as far as known, (k, n) each.
+
+        Where other levels acted, those of this tick, and of a level that had none its own.
+        """
         if self.runs == tuple(levels):
-            return self.step.rows
+            return self.step.rows, *self.step.past[:1]
         rows = dict(zip(self.runs, np.split(self.step.rows, self.step.ends[:-1]), strict=True))
-        return np.concatenate([rows.get(run, level.jacobian) for run, level in levels.items()])
+        return (np.concatenate([rows.get(run, level.jacobian) for run, level in levels.items()]),)
 
 
 @compiled_once
@@ -114,8 +117,8 @@ class Actuation:
         if not levels:
             return
         here = self._signals.positions[body.columns]
-        before = None if last is None or last.body is not body else last.rows(levels)
-        step = self.step = body.law.solve(list(levels.values()), here, before)
+        past = () if last is None or last.body is not body else last.past(levels)
+        step = self.step = body.law.solve(list(levels.values()), here, past)
         self._last = _Tick(body, tuple(levels), step)
         advance(
             self.reference,

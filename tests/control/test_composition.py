@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from cbdsl.control.composition import compose
+from cbdsl.control.composition import compose, midway
 from cbdsl.control.signal import Floats
 
 FREE = 1e300
@@ -18,7 +18,8 @@ def composed(blocks: list[Floats], wanted: list[Floats]) -> tuple[Floats, Floats
     ends = np.cumsum([len(rows) for rows in blocks])
     rows = np.vstack(blocks)
     step, locked, values = compose(
-        rows, rows, np.concatenate(wanted), ends, np.zeros(joints), limits, FREE, 0.0, 1e-300
+        *(rows, rows, rows, np.concatenate(wanted), ends),
+        *(np.zeros(joints), limits, FREE, 0.0, 1e-300),
     )
     assert not locked.any()
     return step, values
@@ -55,6 +56,30 @@ def test_levels_move_as_pseudoinverses_of_what_is_left(
     np.testing.assert_allclose(step, expected, atol=1e-10)
     found = np.sort(values[2:])[::-1]
     np.testing.assert_allclose(found, np.linalg.svd(rest, compute_uv=False), atol=1e-13)
+
+
+@pytest.mark.parametrize("count", [2, 3, 5, 7])
+@pytest.mark.parametrize("exponent", [4, 8, 12])
+def test_nearly_dependent_rows_have_the_singular_values_they_should(
+    count: int, exponent: int, rng: np.random.Generator
+) -> None:
+    """In a bounded number of sweeps, whatever rounding does to nearly parallel rows."""
+    for _ in range(50):
+        rows = np.outer(rng.normal(size=count), rng.normal(size=14))
+        rows += 10.0**-exponent * rng.normal(size=rows.shape)
+        values = np.sort(composed([rows], [np.zeros(count)])[1])[::-1]
+        expected = np.linalg.svd(rows, compute_uv=False)
+        np.testing.assert_allclose(values, expected, atol=1e-13 * expected[0] * count)
+
+
+def test_rows_half_a_tick_ahead_are_exact_for_parabolas(rng: np.random.Generator) -> None:
+    position, rate, acceleration = rng.normal(size=(3, 2, 4))
+
+    def rows(time: float) -> Floats:
+        found: Floats = position + rate * time + acceleration * time**2
+        return found
+
+    np.testing.assert_allclose(midway(rows(0), rows(-1), rows(-2)), rows(0.5), atol=1e-12)
 
 
 @pytest.mark.parametrize("rows", [np.zeros((1, 4)), np.zeros((3, 4)), np.eye(1, 4)])
