@@ -22,7 +22,7 @@ from cbdsl.robot.kinematics import Kinematics
 Floats = NDArray[np.float64]
 
 # Lines of sight each way across a thing: its area is then right within a percent.
-_SAMPLES = 24
+_SAMPLES = 20
 # And across a fixture, whose area matters less.
 _COARSE = 8
 # Joints at the end of an arm whose links are wide, and often before the cameras.

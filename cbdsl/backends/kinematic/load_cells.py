@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cbdsl.documents.robot import RobotDocument
+from cbdsl.robot.compiled import compiled_once
 
 Floats = NDArray[np.float64]
 Cell = tuple[str, str]
@@ -44,12 +45,25 @@ class LoadCells:
 
     def sample(self, wrenches: Floats) -> None:
         """Take in the wrenches of one control tick, shape (cells, 6)."""
-        noise = self._noise * self._rng.standard_normal(self._readings.shape)
-        self._readings += self._gain * (wrenches + noise - self._readings)
+        chance = self._rng.standard_normal(self._readings.shape)
+        self._readings = _filtered(self._readings, wrenches, self._noise, chance, self._gain)
 
     def read(self) -> Mapping[Cell, Floats]:
         """Force, N, and torque, N m, that each fingertip exerts, world frame, shape (6,) each."""
-        return dict(zip(self._cells, self._readings.copy(), strict=True))
+        return dict(zip(self._cells, self._readings, strict=True))
+
+
+@compiled_once
+def _filtered(
+    before: Floats, wrenches: Floats, noise: Floats, chance: Floats, gain: float
+) -> Floats:
+    """The readings after those before, shape (cells, 6), with ``chance`` from a unit normal."""
+    found = np.empty_like(before)
+    for cell in range(len(before)):
+        for part in range(6):
+            sample = wrenches[cell, part] + noise[part] * chance[cell, part]
+            found[cell, part] = before[cell, part] + gain * (sample - before[cell, part])
+    return found
 
 
 def _gain(time_constant: float, rate: float) -> float:

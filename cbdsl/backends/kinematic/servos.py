@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cbdsl.backends.kinematic.links import Links
+from cbdsl.robot.compiled import compiled_once
 from cbdsl.robot.kinematics import Kinematics
 
 Floats = NDArray[np.float64]
@@ -27,6 +28,16 @@ class Servos:
 
     def follow(self, positions: Floats, reference: Floats) -> Floats:
         """Where the joints are a tick later, rad, shape (n,) each."""
-        reached = np.minimum(np.maximum(reference, positions - self._step), positions + self._step)
-        limited: Floats = np.minimum(np.maximum(reached, self._lower), self._upper)
-        return limited
+        return _followed(positions, reference, self._step, self._lower, self._upper)
+
+
+@compiled_once
+def _followed(
+    positions: Floats, reference: Floats, step: Floats, lower: Floats, upper: Floats
+) -> Floats:
+    reached = np.empty_like(positions)
+    for joint in range(len(positions)):
+        least, most = positions[joint] - step[joint], positions[joint] + step[joint]
+        wanted = min(max(reference[joint], least), most)
+        reached[joint] = min(max(wanted, lower[joint]), upper[joint])
+    return reached
