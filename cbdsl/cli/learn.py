@@ -4,24 +4,25 @@ from __future__ import annotations
 
 import re
 import shlex
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 if TYPE_CHECKING:
-    from cbdsl.backends.backend import Backend
     from cbdsl.cli.order import Order
-    from cbdsl.documents.policy import Provenance
     from cbdsl.learning.accommodate import Constants
     from cbdsl.learning.prior import Form
     from cbdsl.program.checked import CheckedProgram
-    from cbdsl.robot.kinematics import Kinematics
-    from cbdsl.training.classroom import Classroom
-    from cbdsl.training.trial import Trial
+    from cbdsl.training.assignment import Assignment
 
 # What a command names even where it is the default: they say how much was done, and by what chance.
 _ALWAYS = ("episodes", "seed", "backend")
+# The program stands without an option, and how a trial gets to its end does not matter to it.
+_NEVER = ("program", "resume", "workers", "scheduler")
 
 Program = Annotated[str, typer.Argument(help="A program: its file, or its name.")]
 Out = Annotated[
@@ -34,6 +35,17 @@ Stage = Annotated[
 Episodes = Annotated[int, typer.Option("--episodes", min=1, help="How many episodes in all.")]
 Seed = Annotated[int, typer.Option("--seed", min=0, help="Seed of all chance.")]
 BackendName = Annotated[str, typer.Option("--backend", help="What embodies the robot.")]
+Trials = Annotated[
+    int, typer.Option("--trials", min=1, help="How many times, each from zero, in numbered files.")
+]
+Workers = Annotated[
+    int,
+    typer.Option("--workers", min=1, help="How many trials at once, in processes of their own."),
+]
+Scheduler = Annotated[
+    str | None,
+    typer.Option("--scheduler", help="Address of a Dask cluster that sees the same files."),
+]
 With = Annotated[
     list[str],
     typer.Option("--with", help="A parameter of the program, as arm=left_arm; may be repeated."),
@@ -78,6 +90,9 @@ def learn(
     seed: Seed = 0,
     backend: BackendName = "bullet",
     with_: With = [],  # noqa: B006 (typer)
+    trials: Trials = 1,
+    workers: Workers = 1,
+    scheduler: Scheduler = None,
     resume: Resume = False,
     sequential: Sequential = False,
     gamma: Gamma = 0.8,
@@ -100,17 +115,21 @@ def learn(
     from cbdsl.cli.assignments import read_assignments
     from cbdsl.cli.order import read_order
     from cbdsl.cli.quiet import shown_on_failure
-    from cbdsl.cli.simulation import simulation
-    from cbdsl.training.trial import Trial
+    from cbdsl.cli.simulation import needing_simulation
 
     _require_name(out)
     order = read_order(program, stage, None, read_assignments(with_))
-    constants = _constants(gamma, alpha, epsilon, density, bandwidth, prior)
-    with shown_on_failure(), simulation(order, backend) as (body, kinematics):
-        lesson = _lesson(order.program, sequential, transitions, transition_time)
-        trial = Trial(lesson, constants, seed)
-        provenance = _provenance(trial, order, body, backend, episodes, _command(context))
-        _follow(trial, _classroom(order, kinematics, body), provenance, out, resume=resume)
+    lesson = _lesson(order.program, sequential, transitions, transition_time)
+    with needing_simulation():
+        constants = _constants(gamma, alpha, epsilon, density, bandwidth, prior)
+        first = _assignment(order, lesson, constants, backend, seed, episodes, context, out)
+        assignments = _numbered(first, trials)
+        _require_free(assignments, resume)
+    with shown_on_failure():
+        if workers == 1 and scheduler is None:
+            _one_by_one(assignments, order)
+        else:
+            _side_by_side(assignments, workers, scheduler)
 
 
 def _require_name(out: Path) -> None:
@@ -153,11 +172,11 @@ def _lesson(
 
 def _command(context: typer.Context) -> str:
     """What learns the same again, in one spelling, however it was typed."""
-    given = context.params | {"out": context.params["out"].name, "resume": False}
+    given = context.params | {"out": context.params["out"].name}
     words = ["cb", "learn", given["program"]]
     for parameter in context.command.params:
         name, value = str(parameter.name), given[str(parameter.name)]
-        if name == "program" or (value == parameter.default and name not in _ALWAYS):
+        if name in _NEVER or (value == parameter.default and name not in _ALWAYS):
             continue
         flag = parameter.opts[0]
         several = value if isinstance(value, (list, tuple)) else [value]
@@ -165,51 +184,109 @@ def _command(context: typer.Context) -> str:
     return shlex.join(words)
 
 
-def _provenance(
-    trial: Trial, order: Order, body: Backend, backend: str, episodes: int, command: str
-) -> Provenance:
+def _assignment(
+    order: Order,
+    lesson: CheckedProgram,
+    constants: Constants,
+    backend: str,
+    seed: int,
+    episodes: int,
+    context: typer.Context,
+    out: Path,
+) -> Assignment:
     from cbdsl.checking.digest import program_digest
-    from cbdsl.training.provenance import Setting, provenance_of
+    from cbdsl.training.assignment import Assignment
 
-    setting = Setting(
+    return Assignment(
+        program=lesson,
         program_sha256=program_digest(order.program_file, order.library),
         robot=order.robot,
+        urdf=order.urdf.absolute(),
         stage=order.stage,
         backend=backend,
-        renderer=body.renderer,
+        constants=constants,
+        seed=seed,
+        number=0,
+        episodes=episodes,
+        command=_command(context),
+        path=out.absolute(),
     )
-    return provenance_of(trial, setting, episodes, command)
 
 
-def _classroom(order: Order, kinematics: Kinematics, body: Backend) -> Classroom:
-    from cbdsl.training.classroom import BackendClassroom
+def _numbered(first: Assignment, trials: int) -> list[Assignment]:
+    """As many trials; where they are several, their files are numbered."""
+    if trials == 1:
+        return [first]
+    digits = len(str(trials - 1))
+    return [
+        replace(first, number=n, path=first.path.with_stem(f"{first.path.stem}_{n:0{digits}}"))
+        for n in range(trials)
+    ]
 
-    return BackendClassroom(order.robot, kinematics, body, order.stage)
+
+def _require_free(assignments: Sequence[Assignment], resume: bool) -> None:
+    from cbdsl.training.course import require_free
+
+    for assignment in assignments:
+        require_free(assignment.path, resume=resume)
 
 
-def _follow(
-    trial: Trial, classroom: Classroom, provenance: Provenance, out: Path, *, resume: bool
-) -> None:
+def _one_by_one(assignments: Sequence[Assignment], order: Order) -> None:
     from cbdsl.cli.learning_progress import LearningProgress
+    from cbdsl.cli.simulation import simulation
+
+    with simulation(order, assignments[0].backend) as (body, kinematics):
+        for assignment in assignments:
+            with LearningProgress() as progress, _explained(assignment):
+                files = assignment.carry_out(body, kinematics, progress)
+            _tell(files)
+
+
+def _side_by_side(assignments: Sequence[Assignment], workers: int, scheduler: str | None) -> None:
+    from cbdsl.errors.errors import UsageError
+
+    try:
+        from cbdsl.training.cluster import carry_out_all
+    except ModuleNotFoundError as error:
+        raise UsageError(
+            f"--workers needs {error.name}, which is not installed: pip install 'cbdsl[learn]'"
+        ) from error
+    where = scheduler or f"{workers} workers"
+    print(f"{len(assignments)} trials of {assignments[0].episodes} episodes on {where}")
+    done = 0
+
+    def on_done(files: list[Path]) -> None:
+        nonlocal done
+        done += 1
+        print(f"trial {done} of {len(assignments)} is over")
+        _tell(files)
+
+    with _explained(assignments[0]):
+        carry_out_all(assignments, workers, scheduler, on_done)
+
+
+@contextmanager
+def _explained(assignment: Assignment) -> Iterator[None]:
+    """What keeps a trial from its end, in words."""
     from cbdsl.cli.terminal import print_problem
     from cbdsl.errors.errors import UsageError
     from cbdsl.robot.signals import SensorError
-    from cbdsl.training.course import follow, journal_file, open_journal
+    from cbdsl.training.course import journal_file
 
+    journal = journal_file(assignment.path)
+    kept = f"{journal} holds the episodes that are over; --resume goes on with them"
     try:
-        with (
-            open_journal(out, provenance, resume=resume) as journal,
-            LearningProgress(provenance, len(journal.finished)) as progress,
-        ):
-            files = follow(trial, classroom, journal, provenance, out, progress.note)
+        yield
     except SensorError as error:
-        raise UsageError(f"episode {len(trial.experiences) + 1}: {error}") from error
+        raise UsageError(f"{error}; {kept}") from error
     except OSError as error:
-        told = error.strerror or error
-        kept = f"; {journal_file(out)} holds what was run, --resume goes on with it"
-        raise UsageError(f"--out {out}: {told}{kept if trial.experiences else ''}") from error
+        told = f"--out {assignment.path}: {error.strerror or error}"
+        raise UsageError(f"{told}; {kept}" if journal.exists() else told) from error
     except KeyboardInterrupt:
-        print_problem(f"interrupted after {len(trial.experiences)} episodes; --resume goes on")
+        print_problem(f"interrupted; {kept}")
         raise
+
+
+def _tell(files: Sequence[Path]) -> None:
     for file in files:
-        print(f"wrote {file}")
+        print(f"wrote {file}", flush=True)

@@ -19,31 +19,15 @@ _RECENT = 10
 
 
 class LearningProgress:
-    """Tells of each episode what it was, how the last ten went, and how long the rest will take.
+    """Tells of each episode what it was, how the last ten went, and how long the rest will take."""
 
-    Args:
-        provenance: what is learned, and from how many episodes.
-        finished: how many of them are over.
-    """
-
-    def __init__(self, provenance: Provenance, finished: int) -> None:
-        self._total = provenance.episodes
+    def __init__(self) -> None:
+        self._total = 0
         self._seconds: list[float] = []
         self._told = -_PAUSE
         self._bar: tuple[Progress, TaskID] | None = None
-        gone = min(finished, self._total)
-        print(
-            f"{provenance.program.name} on {provenance.stage.name}, seed {provenance.seed}; "
-            f"images by {provenance.renderer}"
-        )
-        if gone:
-            print(f"{gone} of {self._total} episodes are over")
-        if sys.stdout.isatty():
-            self._bar = _bar(self._total, gone)
 
     def __enter__(self) -> LearningProgress:
-        if self._bar is not None:
-            self._bar[0].start()
         return self
 
     def __exit__(
@@ -55,8 +39,22 @@ class LearningProgress:
         if self._bar is not None:
             self._bar[0].stop()
 
+    def begin(self, trial: Trial, provenance: Provenance) -> None:
+        """See ``Watcher.begin``."""
+        self._total, over = provenance.episodes, len(trial.experiences)
+        number = f", trial {trial.number}" if trial.number else ""
+        print(
+            f"{provenance.program.name} on {provenance.stage.name}, seed {trial.seed}{number}; "
+            f"images by {provenance.renderer}"
+        )
+        if over:
+            print(f"{over} of {self._total} episodes are over")
+        if sys.stdout.isatty():
+            self._bar = _bar(self._total, over)
+            self._bar[0].start()
+
     def note(self, trial: Trial, seconds: float) -> None:
-        """An episode is over that took ``seconds``."""
+        """See ``Watcher.note``."""
         self._seconds.append(seconds)
         done = len(trial.experiences)
         if self._bar is not None:

@@ -13,6 +13,26 @@ if TYPE_CHECKING:
 
 
 @contextmanager
+def needing_simulation() -> Iterator[None]:
+    """Whatever is imported on the way may not be installed; that is the user's to know.
+
+    Raises:
+        UsageError: it is not.
+    """
+    from cbdsl.errors.errors import UsageError
+
+    try:
+        yield
+    except ModuleNotFoundError as error:
+        raise UsageError(
+            f"running needs {error.name}, which is not installed: pip install 'cbdsl[sim]'"
+        ) from error
+    except ImportError as error:
+        # A package is there, but not a system library that it needs, such as libgomp.
+        raise UsageError(f"running needs more than is installed: {error}; see README") from error
+
+
+@contextmanager
 def simulation(
     order: Order, backend: str, *, gui: bool = False
 ) -> Iterator[tuple[Backend, Kinematics]]:
@@ -22,24 +42,14 @@ def simulation(
         UsageError: there is no such backend, or what it needs is not installed.
     """
     from cbdsl.cli.quiet import quiet_stderr
-    from cbdsl.errors.errors import UsageError
 
-    try:
-        from cbdsl.backends.backend import BackendError, find_backend
+    with needing_simulation():
+        from cbdsl.backends.backend import find_backend
         from cbdsl.robot.kinematics import Kinematics
 
         with quiet_stderr():
             factory = find_backend(backend)
         body = factory(order.robot, order.urdf, gui=gui)
-    except ModuleNotFoundError as error:
-        raise UsageError(
-            f"running needs {error.name}, which is not installed: pip install 'cbdsl[sim]'"
-        ) from error
-    except ImportError as error:
-        # A package is there, but not a system library that it needs, such as libgomp.
-        raise UsageError(f"running needs more than is installed: {error}; see README") from error
-    except BackendError as error:
-        raise UsageError(str(error)) from error
     try:
         yield body, Kinematics(order.robot, order.urdf)
     finally:

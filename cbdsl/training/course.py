@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable
 from pathlib import Path
+from typing import Protocol
 
 from cbdsl.documents.policy import Provenance
 from cbdsl.training.classroom import Classroom
@@ -12,7 +12,27 @@ from cbdsl.training.journal import Journal, JournalError
 from cbdsl.training.knowledge import write_knowledge
 from cbdsl.training.trial import Trial
 
-OnEpisode = Callable[[Trial, float], None]
+
+class Watcher(Protocol):
+    """Is told how a trial gets on."""
+
+    def begin(self, trial: Trial, provenance: Provenance) -> None:
+        """The trial begins or goes on, with the episodes that are over."""
+        ...
+
+    def note(self, trial: Trial, seconds: float) -> None:
+        """Another episode is over, which took ``seconds``."""
+        ...
+
+
+class Nobody:
+    """Watches nothing."""
+
+    def begin(self, trial: Trial, provenance: Provenance) -> None:
+        """See ``Watcher.begin``."""
+
+    def note(self, trial: Trial, seconds: float) -> None:
+        """See ``Watcher.note``."""
 
 
 def journal_file(path: Path) -> Path:
@@ -20,19 +40,35 @@ def journal_file(path: Path) -> Path:
     return path.with_suffix(".episodes.jsonl")
 
 
-def open_journal(path: Path, provenance: Provenance, *, resume: bool) -> Journal:
+def require_free(path: Path, *, resume: bool) -> None:
+    """Make sure that a trial whose policy goes to ``path`` would overwrite nothing unasked.
+
+    Args:
+        path: the policy's file.
+        resume: whether to go on with a trial that was begun there.
+
+    Raises:
+        JournalError: something is there.
+    """
+    journal = journal_file(path)
+    if journal.exists() and not resume:
+        raise JournalError(
+            f"{journal} is there already: go on with --resume, or choose another --out"
+        )
+    if path.exists() and not journal.exists():
+        raise JournalError(f"{path} is there already, and was not learned here: choose another")
+
+
+def open_journal(path: Path, provenance: Provenance) -> Journal:
     """The journal of a trial whose policy goes to ``path``.
 
     How many episodes are asked for does not matter to those that are over.
 
     Raises:
-        JournalError: see ``Journal``; or ``path`` holds something else.
-        OSError: see ``Journal``.
+        JournalError, OSError: see ``Journal``.
     """
-    if path.exists() and not journal_file(path).exists():
-        raise JournalError(f"{path} is there already, and was not learned here: choose another")
     identity = provenance.model_dump(mode="json", exclude={"command", "episodes"})
-    return Journal(journal_file(path), identity, resume=resume)
+    return Journal(journal_file(path), identity)
 
 
 def follow(
@@ -41,7 +77,7 @@ def follow(
     journal: Journal,
     provenance: Provenance,
     path: Path,
-    on_episode: OnEpisode = lambda trial, seconds: None,
+    watcher: Watcher,
 ) -> list[Path]:
     """Run what episodes are left, and write down what was learned.
 
@@ -51,20 +87,22 @@ def follow(
         journal: keeps each of them as soon as it is over.
         provenance: says how many there are to be.
         path: the policy's file.
-        on_episode: told after each episode, with how long it took, s.
+        watcher: is told how it gets on.
 
     Returns:
         The files that were written.
 
     Raises:
+        BackendError, SensorError: an episode cannot be run.
         OSError: the journal or a document cannot be written.
     """
     for experience in journal.finished[: provenance.episodes]:
         trial.replay(experience)
+    watcher.begin(trial, provenance)
     while len(trial.experiences) < provenance.episodes:
         began = time.perf_counter()
         experience = trial.run(classroom)
         seconds = time.perf_counter() - began
         journal.append(experience, seconds)
-        on_episode(trial, seconds)
+        watcher.note(trial, seconds)
     return write_knowledge(trial, provenance, path)

@@ -22,27 +22,22 @@ class JournalError(UsageError):
 class Journal:
     """A file of JSON lines: what the trial is, then each episode as soon as it is over.
 
+    Where the file is there, the trial goes on.
     A line that a killed process left unfinished counts for nothing, and is overwritten.
 
     Args:
         path: the file.
         identity: all that the episodes depend on, as JSON has it.
-        resume: whether to go on with the file, if there is one.
 
     Attributes:
         finished: the episodes that the file holds.
 
     Raises:
-        JournalError: the file is there and may not be, or belongs to another trial.
+        JournalError: the file belongs to another trial, or is none.
         OSError: it cannot be read or written.
     """
 
-    def __init__(self, path: Path, identity: Mapping[str, Any], *, resume: bool) -> None:
-        self._path = path
-        if path.exists() and not resume:
-            raise JournalError(
-                f"{path} is there already: go on with --resume, or choose another --out"
-            )
+    def __init__(self, path: Path, identity: Mapping[str, Any]) -> None:
         lines, sound = _whole_lines(path) if path.exists() else ([], 0)
         if lines:
             _require_same(path, lines[0], identity)
