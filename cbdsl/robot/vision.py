@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable, Mapping
 from typing import NamedTuple
 
@@ -11,6 +12,7 @@ from numpy.typing import NDArray
 from cbdsl.documents.robot import Camera, RobotDocument
 from cbdsl.robot.camera import focal_scale, heading, sight
 from cbdsl.robot.channels import ChannelFilter, Region
+from cbdsl.robot.compiled import compiled_once
 from cbdsl.robot.kinematics import Frame, Kinematics
 from cbdsl.robot.memory import PositionMemory
 from cbdsl.robot.observation import Observation
@@ -73,6 +75,7 @@ class Vision:
         self.images = 0
         self._sights: dict[tuple[str, str], _Sight] = {}
         self._frames: dict[str, Frame] = {}
+        self._hands: Floats | None = None
         self._time = 0.0
         for memory in self.memories.values():
             memory.reset()
@@ -89,6 +92,7 @@ class Vision:
         if not seen:
             return
         self.images += 1
+        self._hands = None
         self._look(seen)
         for channel, memory in self.memories.items():
             self._remember(time, channel, memory)
@@ -187,21 +191,30 @@ class Vision:
 
     def _hidden_by_hand(self, position: Floats) -> bool:
         """Whether a wrist, palm or fingertip is near some camera's line of sight to a position."""
-        kinematics = self._kinematics
-        points = np.vstack(
-            [
-                kinematics.joint_positions(self._wrists),
-                *(kinematics.frame(link).position for link in self._tips + self._fingertips),
-            ]
+        if self._hands is None:
+            links = self._tips + self._fingertips
+            self._hands = np.vstack(
+                [
+                    self._kinematics.joint_positions(self._wrists).reshape(-1, 3),
+                    *(self._kinematics.frame(link).position for link in links),
+                ]
+            )
+        radius = self._settings.hand_radius
+        return any(
+            _is_beside(self._hands, frame.position, position, radius)
+            for frame in self._frames.values()
         )
-        for frame in self._frames.values():
-            line = position - frame.position
-            distance = float(np.linalg.norm(line))
-            line = line / distance
-            offsets = points - frame.position
-            along = offsets @ line
-            across = np.linalg.norm(offsets - np.outer(along, line), axis=1)
-            near = (across < self._settings.hand_radius) & (along > 0)
-            if bool(np.any(near & (along < distance + _BEHIND_HAND))):
-                return True
-        return False
+
+
+@compiled_once
+def _is_beside(points: Floats, eye: Floats, position: Floats, radius: float) -> bool:
+    """Whether one of some points, shape (n, 3), is near the line of sight from an eye, m."""
+    line = position - eye
+    distance = math.sqrt(line[0] ** 2 + line[1] ** 2 + line[2] ** 2)
+    for point in points:
+        x, y, z = point[0] - eye[0], point[1] - eye[1], point[2] - eye[2]
+        along = (x * line[0] + y * line[1] + z * line[2]) / distance
+        across = x * x + y * y + z * z - along * along
+        if across < radius * radius and 0 < along < distance + _BEHIND_HAND:
+            return True
+    return False
