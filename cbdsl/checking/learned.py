@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from cbdsl.checking.digest import program_digest
 from cbdsl.checking.findings import Findings
 from cbdsl.checking.model import examine_model
 from cbdsl.checking.session import Session
@@ -77,6 +76,8 @@ class _PolicyCheck:
 
     def _unchanged(self, program_file: Path) -> None:
         """What was learned of a program says nothing about another."""
+        from cbdsl.checking.digest import program_digest  # only what was learned needs it
+
         provenance = self._document.provenance
         if provenance is None:
             return
