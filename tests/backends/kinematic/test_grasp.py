@@ -1,0 +1,120 @@
+"""Who holds a thing, and where it goes with them."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+import pytest
+
+from cbdsl.backends.bullet.pose import Pose
+from cbdsl.backends.kinematic.grasp import STIFFNESS, Grasp
+from cbdsl.backends.kinematic.hands import Contact, Fingertip
+from cbdsl.backends.kinematic.shape import Shape
+from cbdsl.backends.kinematic.thing import GRAVITY, Thing
+from cbdsl.documents.stage import Surface
+
+RADIUS, MASS, FRICTION = 0.05, 0.3, 0.8
+UP = np.array([0.0, 0.0, 1.0])
+
+
+class Carriers:
+    """Hands that are where a test puts them."""
+
+    def __init__(self) -> None:
+        self.poses = {"left": Pose(np.zeros(3), np.eye(3)), "right": Pose(np.zeros(3), np.eye(3))}
+
+    def carrier_pose(self, hands: Sequence[str]) -> Pose:
+        return self.poses[hands[0]]
+
+
+@pytest.fixture
+def carriers() -> Carriers:
+    return Carriers()
+
+
+@pytest.fixture
+def thing() -> Thing:
+    surface = Surface(friction=FRICTION)
+    return Thing("ball", Shape.ball(RADIUS), surface, MASS, Pose(np.zeros(3), np.eye(3)))
+
+
+@pytest.fixture
+def grasp(thing: Thing, carriers: Carriers) -> Grasp:
+    hands: Any = carriers
+    return Grasp(thing, hands)
+
+
+def touch(thing: Thing, hand: str, angle: float, force: float = 3.0) -> Contact:
+    """A fingertip that presses on the ball's equator, at an angle about z."""
+    outward = np.array([math.cos(angle), math.sin(angle), 0.0])
+    tip = Fingertip(0, "tip", np.zeros(3), 0.012, 1.0, np.zeros(0, np.intp))
+    return Contact(hand, tip, thing, force / STIFFNESS, RADIUS * outward, -outward)
+
+
+def test_fingers_hold_what_is_between_them(grasp: Grasp, thing: Thing) -> None:
+    grasp.update([touch(thing, "right", 0.0), touch(thing, "right", math.pi)])
+    assert grasp.holders == ("right",)
+    grasp.update([touch(thing, "right", 0.0)])
+    assert grasp.holders == ()
+    grasp.update([])
+    assert grasp.holders == ()
+
+
+@pytest.mark.parametrize(("share", "holds"), [(0.95, True), (1.05, False)])
+def test_the_way_between_fingers_is_in_their_friction_cones(
+    grasp: Grasp, thing: Thing, share: float, holds: bool
+) -> None:
+    """On a ball the way makes the same angle with both normals."""
+    slant = 2 * share * math.atan(FRICTION)
+    grasp.update([touch(thing, "right", 0.0), touch(thing, "right", math.pi - slant)])
+    assert bool(grasp.holders) == holds
+
+
+@pytest.mark.parametrize(("share", "holds"), [(0.95, False), (1.05, True)])
+def test_friction_has_to_bear_the_weight(
+    grasp: Grasp, thing: Thing, share: float, holds: bool
+) -> None:
+    force = share * MASS * GRAVITY / FRICTION / 2
+    grasp.update([touch(thing, "right", 0.0, force), touch(thing, "right", math.pi, force)])
+    assert bool(grasp.holders) == holds
+
+
+def test_two_hands_hold_what_neither_holds_alone(grasp: Grasp, thing: Thing) -> None:
+    grasp.update([touch(thing, "left", 0.0), touch(thing, "right", math.pi)])
+    assert grasp.holders == ("left", "right")
+
+
+def test_who_holds_a_thing_keeps_it_as_long_as_he_can(grasp: Grasp, thing: Thing) -> None:
+    """And a hand that takes it has it once the other lets go."""
+    right = [touch(thing, "right", 0.0), touch(thing, "right", math.pi)]
+    left = [touch(thing, "left", 0.5), touch(thing, "left", 0.5 + math.pi)]
+    grasp.update(right)
+    grasp.update(left + right)
+    assert grasp.holders == ("right",)
+    grasp.update(left)
+    assert grasp.holders == ("left",)
+    grasp.update(left + right)
+    assert grasp.holders == ("left",)
+
+
+def test_the_thing_goes_along_with_its_carrier(
+    grasp: Grasp, thing: Thing, carriers: Carriers
+) -> None:
+    carriers.poses["right"] = Pose(np.array([0.1, 0.0, 0.0]), np.eye(3))
+    grasp.update([touch(thing, "right", 0.0), touch(thing, "right", math.pi)])
+    turned = Pose.turned(UP, math.pi / 2).rotation
+    carriers.poses["right"] = Pose(np.array([0.5, 0.2, 0.3]), turned)
+    grasp.follow()
+    # It was 10 cm behind the hand along x, which is now the world's y.
+    assert thing.position == pytest.approx([0.5, 0.1, 0.3])
+    assert thing.pose.rotation == pytest.approx(turned)
+
+
+def test_fingers_resist_sidewise_forces_only_while_they_hold(grasp: Grasp, thing: Thing) -> None:
+    both = [touch(thing, "right", 0.0), touch(thing, "right", math.pi)]
+    assert grasp.stick(both) == 0.0
+    grasp.update(both)
+    assert grasp.stick(both) == pytest.approx(2 * 3.0 * FRICTION)
