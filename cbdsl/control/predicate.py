@@ -74,6 +74,8 @@ class QuiescenceMonitor:
         while len(self._times) > 1 and self._times[1] <= start:
             self._times.popleft()
             self._values.popleft()
-        if self._times[0] > start or max(self._values) - min(self._values) > self._largest_range:
+        most, values = self._largest_range, self._values
+        # While it moves, the oldest and the newest value tell, whatever is between them.
+        if self._times[0] > start or abs(values[-1] - values[0]) > most:
             return Predicate.TRANSIENT
-        return Predicate.QUIESCENT
+        return Predicate.TRANSIENT if max(values) - min(values) > most else Predicate.QUIESCENT

@@ -36,6 +36,16 @@ def is_finite(values: Floats) -> bool:
     return total == 0.0
 
 
+@compiled_once
+def _are_finite(value: Floats, jacobian: Floats) -> bool:
+    total = 0.0
+    for component in value.flat:
+        total += 0.0 * component
+    for component in jacobian.flat:
+        total += 0.0 * component
+    return total == 0.0
+
+
 @dataclass(slots=True)
 class Signal:
     """The value of a resource in one tick, and its sensitivity to the composition's n joints.
@@ -61,7 +71,7 @@ class Signal:
     obstacles: tuple[Obstacle, ...] = ()
 
     def __post_init__(self) -> None:
-        if not (is_finite(self.value) and is_finite(self.jacobian)):
+        if not _are_finite(self.value, self.jacobian):
             require_finite(self.value, f"the value of {self.name}")
             require_finite(self.jacobian, f"the Jacobian of {self.name}")
         if self.jacobian.ndim != 2:

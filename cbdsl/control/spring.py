@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
+import math
+from collections.abc import Callable
+
 import numpy as np
 
 from cbdsl.control.body import Body
 from cbdsl.control.potential import Evaluation, half_square
 from cbdsl.control.rotation import align, log
-from cbdsl.control.signal import Floats, Signal, SignalError, is_finite, require_finite
+from cbdsl.control.signal import Floats, Signal, SignalError, require_finite
 from cbdsl.program.controller import AlongNormals, Controller
+from cbdsl.robot.compiled import compiled_once
 from cbdsl.types.resource_type import ORIENTATION, POSE, ResourceType
 
 Coordinates = tuple[Floats, Floats]
@@ -34,10 +38,11 @@ class Spring:
         self._kind = kind
         self._free_axis = None if free_axis is None else "xyz".index(free_axis)
         self._matrix: tuple[int, int] | None
+        self._difference: Callable[[Signal, Floats], Coordinates] | None
         self._matrix, self._difference = {
             ORIENTATION.name: ((3, 3), self._turned),
             POSE.name: ((4, 4), self._moved),
-        }.get(kind.name, (None, _subtracted))
+        }.get(kind.name, (None, None))
 
     @classmethod
     def build(cls, controller: Controller, body: Body) -> Spring:
@@ -52,9 +57,15 @@ class Spring:
         shape = self._matrix or (len(signal.jacobian),)
         if signal.value.shape != shape or reference.shape != shape:
             self._refuse(signal, reference, shape)
-        if not is_finite(reference):
+        if self._difference is None:
+            phi, residual, half = _subtracted(signal.value, reference)
+            found = Evaluation(phi, residual, signal.jacobian, half)
+        else:
             require_finite(reference, f"the reference of {signal.name}")
-        return half_square(*self._difference(signal, reference))
+            found = half_square(*self._difference(signal, reference))
+        if not math.isfinite(found.phi):
+            require_finite(reference, f"the reference of {signal.name}")
+        return found
 
     def _refuse(self, signal: Signal, reference: Floats, shape: tuple[int, ...]) -> None:
         bad = signal.value.shape != shape
@@ -83,5 +94,12 @@ class Spring:
         return others @ turn, others @ jacobian
 
 
-def _subtracted(signal: Signal, reference: Floats) -> Coordinates:
-    return reference - signal.value, signal.jacobian
+@compiled_once
+def _subtracted(value: Floats, reference: Floats) -> tuple[float, Floats, Floats]:
+    """phi, the residual and half of it, for values that subtract, shape (k,)."""
+    residual, half, phi = np.empty(len(value)), np.empty(len(value)), 0.0
+    for i in range(len(value)):
+        residual[i] = reference[i] - value[i]
+        half[i] = 0.5 * residual[i]
+        phi += residual[i] * half[i]
+    return phi, residual, half

@@ -113,10 +113,12 @@ class Signals:
 
     def read(self, resource: Resource) -> Reading | None:
         """The resource's value now, or ``None`` while it is undefined."""
-        if resource.name not in self._known:
-            source = resource.source
-            self._known[resource.name] = self._readers[type(source)](source)
-        return self._known[resource.name]
+        name = resource.name
+        if name in self._known:
+            return self._known[name]
+        source = resource.source
+        found = self._known[name] = self._readers[type(source)](source)
+        return found
 
     def defined(self, resource: Resource) -> bool:
         """Whether ``read`` would give a value."""

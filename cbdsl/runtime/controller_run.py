@@ -40,6 +40,7 @@ Floats = NDArray[np.float64]
 Columns = NDArray[np.intp]
 
 _SEEN = (Heading, Headings, StereoPosition)
+_PROPRIOCEPTIVE = (Tip, EffectorConfiguration)
 _NOTHING = Reading(np.zeros(0), np.zeros((0, 0)), 0)
 
 
@@ -74,8 +75,10 @@ class ControllerRun:
         self._potential = build(controller, Body(limits.lower[own], limits.upper[own], cameras))
         self._task = Task(controller, period)
         self._moves = False
+        self._always_defined = isinstance(controller.feedback.source, _PROPRIOCEPTIVE)
         quiescence = controller.quiescence
         self._monitor = QuiescenceMonitor(quiescence.rate, quiescence.window)
+        self._tolerance = math.inf if quiescence.tolerance is None else quiescence.tolerance
         self._constant = _constant_reference(controller, signals)
         self._sampler: Sampler | None = None
         self.deactivate()
@@ -129,8 +132,10 @@ class ControllerRun:
         if defined:
             self._defined(evaluation, reference, feedback.stamp)
         if self.controller.funnel is not None:
-            raised = _raised(reference.value, feedback.value, self.controller.funnel)
-            evaluation = self._potential.evaluate(signal, raised)
+            height = _height(reference.value, feedback.value, self.controller.funnel)
+            if height > 0.0:
+                raised = reference.value + np.array([0.0, 0.0, height])
+                evaluation = self._potential.evaluate(signal, raised)
         return self._task.level(evaluation)
 
     def _signal(self, feedback: Reading, columns: Columns) -> Signal:
@@ -169,7 +174,7 @@ class ControllerRun:
 
         What is seen moves with an arm only while the arm's hand holds it; all else always does.
         """
-        if not self._signals.defined(self.controller.feedback):
+        if not (self._always_defined or self._signals.defined(self.controller.feedback)):
             return False
         if not self._moves:
             moves = bool(feedback.jacobian.take(self._own, axis=1).any())
@@ -199,11 +204,10 @@ class ControllerRun:
 
     def _bound(self, reference: Reading) -> float:
         """The largest error that earns a reward."""
-        quiescence = self.controller.quiescence
-        bound = math.inf if quiescence.tolerance is None else quiescence.tolerance
-        if quiescence.within is not None:
-            bound = min(bound, quiescence.within * float(np.linalg.norm(reference.value)))
-        return bound
+        within = self.controller.quiescence.within
+        if within is None:
+            return self._tolerance
+        return min(self._tolerance, within * math.hypot(*reference.value.ravel().tolist()))
 
     def _may_seek(self, peers: Mapping[str, ControllerRun]) -> bool:
         """Whether to act although the feedback is undefined."""
@@ -283,9 +287,8 @@ def _shares(source: FingerForces | NetForces, signals: Signals) -> Floats:
     return np.ones(len(signals.touch.hands(source.group)))
 
 
-def _raised(reference: Floats, position: Floats, funnel: Funnel) -> Floats:
-    """The reference of an approach from above: higher, the larger the lateral error."""
-    lateral = math.hypot(*(reference - position)[:2])
-    height = min(max(funnel.slope * (lateral - funnel.within), 0.0), funnel.height)
-    raised: Floats = reference + np.array([0.0, 0.0, height])
-    return raised
+def _height(reference: Floats, position: Floats, funnel: Funnel) -> float:
+    """How far above its reference an approach begins: the farther, the larger the lateral error."""
+    (x, y, _), (own_x, own_y, _) = reference.tolist(), position.tolist()
+    lateral = math.hypot(x - own_x, y - own_y)
+    return min(max(funnel.slope * (lateral - funnel.within), 0.0), funnel.height)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -67,6 +67,9 @@ class ProgramRun:
             if action.composition is not None
         }
         self._background = make.stack(program.background) if program.background else ()
+        self._acting = {
+            name: self._above_background(_together(runs)) for name, runs in self._stacks.items()
+        }
         self._leads = {
             action.name: [
                 _Lead(
@@ -116,18 +119,19 @@ class ProgramRun:
         """The action that runs now."""
         return self._action
 
-    def active(self) -> list[Active]:
+    def active(self) -> Sequence[Active]:
         """What acts now, highest priority first, down to the background."""
         if self._action is None:
             return []
-        if self._action.program is not None:
-            acting = self.children[self._action.name].active()
-        else:
-            runs = self._stacks[self._action.name]
-            peers = {run.controller.name: run for run in runs}
-            acting = [Active(run, peers) for run in runs]
+        name = self._action.name
+        if name in self._acting:
+            return self._acting[name]
+        return self._above_background(self.children[name].active())
+
+    def _above_background(self, acting: Sequence[Active]) -> list[Active]:
         running = [item.run for item in acting]
-        return acting + [Active(run, {}) for run in self._background if run not in running]
+        below = [Active(run, {}) for run in self._background if run not in running]
+        return [*acting, *below]
 
     def leads(self, action: Action) -> list[ControllerRun]:
         """The leading controllers of an action's primitives, highest priority first."""
@@ -242,6 +246,11 @@ class ProgramRun:
     def _end(self, predicate: str, ending: str) -> None:
         self.predicate = predicate
         self.ending = ending
+
+
+def _together(runs: Sequence[ControllerRun]) -> list[Active]:
+    peers = {run.controller.name: run for run in runs}
+    return [Active(run, peers) for run in runs]
 
 
 class _ControllerRuns:
