@@ -131,6 +131,7 @@ def require_the_same(both: Both) -> None:
 SAME = [
     *(("posture", "absent", seed, {}) for seed in (1,)),
     *(("searchtrack", "table_right", seed, {}) for seed in range(70001, 70006)),
+    *(("searchtrack", "searchtrack_training", seed, {}) for seed in range(70001, 70005)),
     *(("reach", "table_right", seed, {}) for seed in (70001, 70002)),
     *(("reachtouch", "table_right", seed, {}) for seed in range(70001, 70006)),
     *(("reachtouch", "table_left", seed, LEFT) for seed in range(70001, 70004)),

@@ -54,7 +54,7 @@ class Grasp:
             carrier, pose = self._hands.carrier_pose(self.holders), self._thing.pose
             turned = carrier.rotation.T
             self._relative = Pose(
-                turned @ (pose.position - carrier.position), turned @ pose.rotation
+                turned.dot(pose.position - carrier.position), turned.dot(pose.rotation)
             )
 
     def _holds(self, hands: tuple[str, ...], contacts: Sequence[Contact]) -> bool:
@@ -66,10 +66,10 @@ class Grasp:
 
     def _opposed(self, one: Contact, other: Contact) -> bool:
         way = other.point - one.point
-        distance = float(np.linalg.norm(way))
+        distance = math.hypot(*way.tolist())
         return distance > 0.0 and all(
-            sign * float(contact.normal @ way)
-            >= distance * math.cos(math.atan(self._friction(contact)))
+            sign * float(contact.normal.dot(way)) * math.hypot(1.0, self._friction(contact))
+            >= distance
             for sign, contact in ((1, one), (-1, other))
         )
 

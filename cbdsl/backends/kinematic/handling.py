@@ -106,11 +106,13 @@ class Handling:
         if not grasp.holders or self._world.floor(thing) is not None:
             return
         holding = [contact for contact in contacts if contact.hand in grasp.holders]
-        share = np.array([0.0, 0.0, thing.mass * GRAVITY / len(holding)])
+        share = thing.mass * GRAVITY / len(holding)
         for contact in holding:
-            lever = contact.fingertip.radius * contact.normal
-            wrenches[contact.fingertip.cell, :3] += share
-            wrenches[contact.fingertip.cell, 3:] += np.cross(lever, share)
+            x, y, _ = (contact.fingertip.radius * contact.normal).tolist()
+            wrenches[contact.fingertip.cell, 2] += share
+            # The vertical force acts at the end of this lever.
+            wrenches[contact.fingertip.cell, 3] += y * share
+            wrenches[contact.fingertip.cell, 4] -= x * share
 
 
 def _key(contact: Contact) -> tuple[int, str]:
