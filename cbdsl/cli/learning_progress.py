@@ -59,7 +59,7 @@ class LearningProgress:
         done = len(trial.experiences)
         if self._bar is not None:
             bar, task = self._bar
-            bar.update(task, completed=done, told=_told(trial))
+            bar.update(task, completed=done, told=_lately(trial))
         elif time.monotonic() >= self._told + _PAUSE or done == self._total:
             self._told = time.monotonic()
             print(f"episode {done} of {self._total}: {_told(trial)}{self._left(done)}", flush=True)
@@ -72,20 +72,24 @@ class LearningProgress:
 
 def _told(trial: Trial) -> str:
     """An episode and the last ten in a few words."""
-    last, recent = trial.experiences[-1], trial.experiences[-_RECENT:]
+    last = trial.experiences[-1]
+    transitions = len(last.transitions)
+    return f"{last.context}, reward {last.reward} in {transitions} transitions; {_lately(trial)}"
+
+
+def _lately(trial: Trial) -> str:
+    recent = trial.experiences[-_RECENT:]
     rewarded = sum(each.reward > 0 for each in recent)
-    transitions = sum(len(each.transitions) for each in recent)
-    return (
-        f"{last.context}, reward {last.reward} in {len(last.transitions)} transitions; "
-        f"last {len(recent)}: {rewarded} rewarded, "
-        f"{sum(each.reward for each in recent) / transitions:.2f} per transition"
-    )
+    each_transition = sum(e.reward for e in recent) / sum(len(e.transitions) for e in recent)
+    return f"last {len(recent)}: {rewarded} rewarded, {each_transition:.2f} per transition"
 
 
 def _bar(total: int, gone: int) -> tuple[Progress, TaskID]:
     from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn
     from rich.progress import TimeRemainingColumn as Left
 
-    columns = (MofNCompleteColumn(), BarColumn(), Left(), TextColumn("{task.fields[told]}"))
+    told = TextColumn("{task.fields[told]}")
+    # Everything has room on a line of eighty characters.
+    columns = (MofNCompleteColumn(), BarColumn(bar_width=16), Left(), told)
     bar = Progress(*columns)
     return bar, bar.add_task("", total=total, completed=gone, told="")
