@@ -183,20 +183,17 @@ def _stacked(levels: Sequence[Level], joints: int) -> tuple[Floats, Floats, Inte
         return np.empty((0, joints)), np.empty(0), np.empty(0, dtype=np.int64)
     jacobians = [level.jacobian for level in levels]
     velocities = [level.velocity for level in levels]
-    counts = tuple(map(len, velocities))
-    if tuple([each.shape for each in jacobians]) != _shapes(counts, joints):
+    counts = tuple([len(each) for each in velocities])
+    shapes, ends = _layout(counts, joints)
+    if [each.shape for each in jacobians] != shapes:
         _refuse(levels, joints)
-    return np.concatenate(jacobians), np.concatenate(velocities), _ends(counts)
+    return np.concatenate(jacobians), np.concatenate(velocities), ends
 
 
 @cache
-def _shapes(counts: tuple[int, ...], joints: int) -> tuple[tuple[int, int], ...]:
-    return tuple((count, joints) for count in counts)
-
-
-@cache
-def _ends(counts: tuple[int, ...]) -> Integers:
-    return np.cumsum(counts)
+def _layout(counts: tuple[int, ...], joints: int) -> tuple[list[tuple[int, int]], Integers]:
+    """What shapes levels of so many rows have, and where each ends."""
+    return [(count, joints) for count in counts], np.cumsum(counts)
 
 
 def _refuse(levels: Sequence[Level], joints: int) -> None:

@@ -7,6 +7,7 @@ from typing import NamedTuple, Protocol
 import numpy as np
 
 from cbdsl.control.signal import Floats, Signal
+from cbdsl.robot.compiled import compiled_once
 
 
 class Evaluation(NamedTuple):
@@ -67,5 +68,15 @@ def gradient_descent(phi: float, gradient: Floats) -> Evaluation:
     Newton's step would lead to phi = 0, wherever the minimum is. This one makes the shortest
     displacement of the joints equal to the negative gradient.
     """
-    downhill = np.array([-gradient.dot(gradient)])
-    return Evaluation(phi, downhill, gradient[None], downhill)
+    row, downhill = _downhill(gradient)
+    return Evaluation(phi, downhill, row, downhill)
+
+
+@compiled_once
+def _downhill(gradient: Floats) -> tuple[Floats, Floats]:
+    """A gradient (n,) as a row (1, n), and minus its square, shape (1,)."""
+    row, downhill = np.empty((1, len(gradient))), np.zeros(1)
+    for joint in range(len(gradient)):
+        row[0, joint] = gradient[joint]
+        downhill[0] -= gradient[joint] * gradient[joint]
+    return row, downhill

@@ -8,7 +8,7 @@ import numpy as np
 
 from cbdsl.control.law import Level
 from cbdsl.control.potential import Evaluation
-from cbdsl.control.signal import Floats, is_finite, require_finite
+from cbdsl.control.signal import Floats, require_finite
 from cbdsl.program.controller import Controller
 from cbdsl.robot.compiled import compiled, compiled_once
 from cbdsl.types.potential import POTENTIALS
@@ -61,8 +61,6 @@ class Task:
             SignalError: the evaluation is not finite; the message names the controller.
         """
         _, residual, jacobian, step = evaluation
-        if not is_finite(step):
-            require_finite(step, f"the step of {self._name}")
         scale = 1.0
         if self._is_scalar:
             jacobian, scale = _unit(jacobian)
@@ -81,6 +79,8 @@ class Task:
             self._measure,
             self._factors,
         )
+        if math.isnan(self._before.item(0)):
+            require_finite(step, f"the step of {self._name}")
         return Level(self._name, jacobian, self._before)
 
 
@@ -109,7 +109,7 @@ def _displacement(
     measure: int,
     factors: int,
 ) -> Floats:
-    """What a task moves by in a tick, shape (k,).
+    """What a task moves by in a tick, shape (k,); NaN where a step is not finite.
 
     Args:
         step: of an evaluation, shape (k,).
@@ -124,6 +124,8 @@ def _displacement(
         measure: what the speed bounds: the norm, the largest component, or the joints' speed.
         factors: parts of the task that are bounded by themselves where the joints' speed is.
     """
+    if not math.isfinite(np.sum(step)):
+        return np.full(len(step), np.nan)
     rate = scale * gain * step
     if acceleration < math.inf:
         _brake(rate, scale * _norm(residual), acceleration)

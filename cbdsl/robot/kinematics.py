@@ -108,6 +108,11 @@ class Kinematics:
             found = self._frames[link] = Frame(here.position.copy(), here.rotation.copy())
         return found
 
+    def direction(self, link: str, vector: Floats) -> Floats:
+        """A vector (3,) of a link's own axes, in the world's."""
+        found: Floats = self._link(link).rotation.dot(vector)
+        return found
+
     def jacobian(self, link: str) -> Floats:
         """Linear and angular velocity of a link, world axes, per joint velocity, shape (6, n)."""
         return self.point(link, _ORIGIN).jacobian

@@ -108,7 +108,7 @@ class Signals:
         self.touch.update(observation.loads)
         self.sight.update()
         self.vision.update(observation)
-        if any(self.touch.touching(hand) for hand in self._robot.load_cells):
+        if self.touch.touching_anything():
             self.vision.touched()
 
     def read(self, resource: Resource) -> Reading | None:

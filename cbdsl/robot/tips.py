@@ -55,8 +55,12 @@ class Tips:
         """The mean of positions."""
         if len(tips) == 1:
             return tips[0]
-        value = np.mean([tip.value for tip in tips], axis=0)
-        return Reading(value, np.mean([tip.jacobian for tip in tips], axis=0), self.stamp)
+        # A few sums take a tenth of the time of np.mean.
+        value, jacobian = np.zeros_like(tips[0].value), np.zeros_like(tips[0].jacobian)
+        for tip in tips:
+            value += tip.value
+            jacobian += tip.jacobian
+        return Reading(value / len(tips), jacobian / len(tips), self.stamp)
 
     def normal(self, effector: str) -> Floats:
         """The +z axis of a tip, the direction in which a palm faces, world frame, shape (3,)."""

@@ -61,6 +61,10 @@ class Touch:
             key for key, load in self._loads.items() if math.hypot(*load.tolist()[:3]) > threshold
         }
 
+    def touching_anything(self) -> bool:
+        """Whether any fingertip of any hand feels more than the contact threshold."""
+        return bool(self._felt)
+
     def touching(self, hand: str) -> bool:
         """Whether any fingertip of a hand feels more than the contact threshold."""
         return any(self._feels(hand, finger) for finger in self._fingers(hand))
@@ -165,8 +169,7 @@ class Touch:
         return (hand, finger) in self._felt
 
     def _normal(self, cell: LoadCell) -> Floats:
-        normal: Floats = self._kinematics.frame(cell.link).rotation.dot(self._normals[cell.link])
-        return normal
+        return self._kinematics.direction(cell.link, self._normals[cell.link])
 
 
 def _carrier(robot: RobotDocument, kinematics: Kinematics, hand: str) -> str | None:
