@@ -1,4 +1,4 @@
-"""One tick of the same inverse kinematics with this package and with others, interleaved.
+"""One tick of the same inverse kinematics with this package and with others, in turn.
 
 Two arms of seven joints: a reach with one hand, that arm's manipulability, and a posture of both
 arms, with joint limits. All get the same URDF, postures and goals, in the same process, turn by
@@ -6,11 +6,15 @@ turn. What is not installed is left out. Those that have no manipulability solve
 Weights stand for priorities where there are none.
 
 Ours is timed three times: the path from joint positions to joint references, with predicates as a
-running program has it, and the whole control cycle of Dexter (``control_cycle.py``). In turns with
-others, everyone finds the processor's caches full of the others' code and data, which costs short
-ticks most; ``--block`` lets each solve several postures in turn.
+running program has it, and the whole control cycle of Dexter (``control_cycle.py``).
 
-Run with ``python benchmarks/control_peers.py``.
+Everyone solves every posture twice: in blocks, several ticks in a row, and tick by tick in turn
+with all others. A robot sees the blocks: its control loop runs the same code on the same data, tick
+after tick, so that both stay in the processor's caches. In single turns everyone finds there the
+code and data of the others, which would not be in the same loop, and has to load its own again:
+that is a larger part of a short tick than of a long one.
+
+Run with ``python benchmarks/control_peers.py``; it takes a minute or two.
 """
 
 from __future__ import annotations
@@ -18,6 +22,7 @@ from __future__ import annotations
 import argparse
 import importlib
 import json
+import math
 import statistics
 import sys
 import tempfile
@@ -320,6 +325,16 @@ def interleaved(
     return {name: round(statistics.median(found), 1) for name, found in times.items()}
 
 
+def table(mode: str, peers: list[Peer], medians: dict[str, float]) -> list[str]:
+    """Lines of medians, also as parts of that of Pink's fastest solver, where there is one."""
+    fastest = min((time for name, time in medians.items() if "pink" in name), default=math.nan)
+    lines = [f"{mode}: median of a tick, and per that of Pink's fastest solver"]
+    for peer in peers:
+        time = medians[peer.name]
+        lines.append(f"  {peer.name:16}{time:7.0f} us {time / fastest:6.2f}   {peer.solves}")
+    return lines
+
+
 def split(tick: Tick, postures: list[Floats], rounds: int) -> dict[str, float]:
     """Median times of our stages, us, with the clocks' own share."""
     times: dict[str, list[float]] = {stage: [] for stage in STAGES}
@@ -336,8 +351,8 @@ def main() -> None:
     """Time everyone and print medians and ratios."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--postures", type=int, default=100)
-    parser.add_argument("--rounds", type=int, default=10)
-    parser.add_argument("--block", type=int, default=1, help="postures that each solves in turn")
+    parser.add_argument("--rounds", type=int, default=6)
+    parser.add_argument("--block", type=int, default=20, help="ticks in a row in blocks")
     parser.add_argument("--json", action="store_true", help="print one JSON object")
     options = parser.parse_args()
     rng = np.random.default_rng(0)
@@ -354,20 +369,22 @@ def main() -> None:
         lower, upper = ours.kinematics.lower + 0.05, ours.kinematics.upper - 0.05
         around = ours.ready + rng.uniform(-0.3, 0.3, (options.postures, len(ours.ready)))
         postures = list(np.clip(around, lower, upper))
-        medians = interleaved([*own, *peers], postures, options.rounds, options.block)
+        everyone = [*own, *peers]
+        modes = {
+            "in blocks": interleaved(everyone, postures, options.rounds, options.block),
+            "in turn": interleaved(everyone, postures, options.rounds, 1),
+        }
         stages = split(running.tick, postures, options.rounds)
     if options.json:
-        found = {"microseconds": medians, "split": stages, "not_installed": missing}
+        found = {"microseconds": modes, "split": stages, "not_installed": missing}
         sys.stdout.write(json.dumps(found) + "\n")
         return
-    lines = [
-        f"  {peer.name:16}{time:7.0f} us {medians['cbdsl'] / time:6.2f}   {peer.solves}"
-        for peer, time in zip((*own, *peers), medians.values(), strict=True)
-    ]
-    lines += [f"  {name} is not installed" for name in missing]
+    lines = [f"  {name} is not installed" for name in missing]
+    for mode, medians in modes.items():
+        lines += table(mode, everyone, medians)
     parts = ", ".join(f"{stage} {time:.0f}" for stage, time in stages.items())
-    sys.stdout.write("\n".join(["median of a tick, and ours per that", *lines, ""]))
-    sys.stdout.write(f"ours, with clocks in it: {parts} us\n")
+    lines.append(f"cbdsl program, with clocks in it: {parts} us")
+    sys.stdout.write("\n".join(lines) + "\n")
 
 
 if __name__ == "__main__":
