@@ -89,6 +89,8 @@ def _stand_in_for_metadata() -> None:
     wants more of it than pydantic does gets the real one.
     """
     name = "importlib.metadata"
+    if name in sys.modules:  # somebody else has paid for it
+        return
 
     def really(attribute: str) -> Any:
         if attribute.startswith("__"):  # the import itself asks for those
