@@ -8,7 +8,7 @@ import numpy as np
 import pybullet_data
 import pytest
 
-from cbdsl.backends.bullet.pose import rotations
+from cbdsl.backends.pose import rotations
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.reporting.model import Link, read_links
 from cbdsl.robot.kinematics import Kinematics

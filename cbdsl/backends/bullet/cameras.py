@@ -8,9 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cbdsl.backends.bullet.body import Body
-from cbdsl.backends.bullet.pose import Pose
 from cbdsl.backends.bullet.renderer import Renderer
 from cbdsl.backends.bullet.view import View
+from cbdsl.backends.pose import Pose
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.documents.stage import Disturbance
 from cbdsl.robot.observation import Image

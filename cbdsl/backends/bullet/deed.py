@@ -8,8 +8,8 @@ import numpy as np
 import pybullet as p
 from numpy.typing import NDArray
 
-from cbdsl.backends.bullet.pose import Pose
 from cbdsl.backends.bullet.truth import Truth
+from cbdsl.backends.pose import Pose
 
 Floats = NDArray[np.float64]
 

@@ -11,10 +11,10 @@ from numpy.typing import NDArray
 
 from cbdsl.backends.backend import BackendError
 from cbdsl.backends.bullet.deed import Carry, Deed, Hold, Throw
-from cbdsl.backends.bullet.pose import Pose
 from cbdsl.backends.bullet.scene import Scene
 from cbdsl.backends.bullet.shape import Shape, draw
 from cbdsl.backends.bullet.truth import Truth
+from cbdsl.backends.pose import Pose
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.documents.stage import Context, Motion, Place, StageDocument
 

@@ -12,8 +12,8 @@ import pybullet as p
 from numpy.typing import NDArray
 
 from cbdsl.backends.bullet import light, mesh
-from cbdsl.backends.bullet.pose import rotations
 from cbdsl.backends.bullet.view import View
+from cbdsl.backends.pose import rotations
 from cbdsl.robot.observation import Image
 
 Floats = NDArray[np.float64]

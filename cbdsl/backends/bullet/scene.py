@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import pybullet as p
 
-from cbdsl.backends.bullet.pose import Pose
 from cbdsl.backends.bullet.shape import Shape
+from cbdsl.backends.pose import Pose
 from cbdsl.documents.stage import Surface
 
 #: Acceleration of falling things, m/s^2.

@@ -7,9 +7,9 @@ import pybullet as p
 from numpy.typing import NDArray
 
 from cbdsl.backends.bullet.body import Body
-from cbdsl.backends.bullet.pose import Pose
 from cbdsl.backends.bullet.scene import Scene
 from cbdsl.backends.bullet.touch import Fingertips, Touch
+from cbdsl.backends.pose import Pose
 from cbdsl.backends.scenery import Part
 
 Floats = NDArray[np.float64]

@@ -8,12 +8,12 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from cbdsl.backends.bullet.pose import Pose
 from cbdsl.backends.kinematic.links import Links
 from cbdsl.backends.kinematic.paint import Palette
 from cbdsl.backends.kinematic.solids import WIDTH, attached, silhouettes
 from cbdsl.backends.kinematic.tree import Tree
 from cbdsl.backends.kinematic.world import World
+from cbdsl.backends.pose import Pose
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.documents.stage import Disturbance
 from cbdsl.robot.channels import Region

@@ -10,11 +10,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cbdsl.backends.backend import BackendError
-from cbdsl.backends.bullet.pose import Pose
 from cbdsl.backends.kinematic.shape import Shape, draw
 from cbdsl.backends.kinematic.thing import Thing
 from cbdsl.backends.kinematic.tree import Tree
 from cbdsl.backends.kinematic.world import World
+from cbdsl.backends.pose import Pose
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.documents.stage import Context, Motion, Place, StageDocument
 

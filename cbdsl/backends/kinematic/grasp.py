@@ -9,9 +9,9 @@ from itertools import combinations
 import numpy as np
 from numpy.typing import NDArray
 
-from cbdsl.backends.bullet.pose import Pose
 from cbdsl.backends.kinematic.hands import Contact, Hands
 from cbdsl.backends.kinematic.thing import GRAVITY, Thing
+from cbdsl.backends.pose import Pose
 
 Floats = NDArray[np.float64]
 

@@ -10,12 +10,12 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from cbdsl.backends.bullet.pose import Pose
 from cbdsl.backends.kinematic.links import Links, Solid
 from cbdsl.backends.kinematic.solids import depths
 from cbdsl.backends.kinematic.thing import Thing
 from cbdsl.backends.kinematic.tree import Tree
 from cbdsl.backends.kinematic.world import World
+from cbdsl.backends.pose import Pose
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.robot.kinematics import Kinematics
 

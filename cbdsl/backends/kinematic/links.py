@@ -10,9 +10,9 @@ from xml.etree import ElementTree
 
 import numpy as np
 
-from cbdsl.backends.bullet.pose import Pose
 from cbdsl.backends.kinematic.shape import Shape
 from cbdsl.backends.kinematic.solids import BOX
+from cbdsl.backends.pose import Pose
 
 _AXES = np.eye(3)
 

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from cbdsl.backends.bullet.pose import Pose
 from cbdsl.backends.kinematic.solids import BALL, BOX, CYLINDER, WIDTH
+from cbdsl.backends.pose import Pose
 from cbdsl.documents.stage import Ball, Box, Cylinder
 
 Floats = NDArray[np.float64]

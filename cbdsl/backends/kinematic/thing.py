@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from cbdsl.backends.bullet.pose import Pose
 from cbdsl.backends.kinematic.shape import Shape
 from cbdsl.backends.kinematic.solids import BALL, POSITION, ROTATION
+from cbdsl.backends.pose import Pose
 from cbdsl.documents.stage import Surface
 
 Floats = NDArray[np.float64]

@@ -14,8 +14,8 @@ from xml.etree import ElementTree
 import numpy as np
 from numpy.typing import NDArray
 
-from cbdsl.backends.bullet.pose import Pose
 from cbdsl.backends.kinematic.links import numbers, origin
+from cbdsl.backends.pose import Pose
 from cbdsl.robot.compiled import compiled_once
 from cbdsl.robot.joints import Joints
 

@@ -5,12 +5,12 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from cbdsl.backends.bullet.pose import Pose
 from cbdsl.backends.kinematic.hands import Contact
 from cbdsl.backends.kinematic.solids import BALL, BOX
 from cbdsl.backends.kinematic.thing import Thing
 from cbdsl.backends.kinematic.tree import Tree
 from cbdsl.backends.kinematic.world import World
+from cbdsl.backends.pose import Pose
 from cbdsl.backends.scenery import Part
 
 Floats = NDArray[np.float64]

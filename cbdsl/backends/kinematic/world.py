@@ -7,10 +7,10 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from cbdsl.backends.bullet.pose import Pose
 from cbdsl.backends.kinematic.shape import Shape
 from cbdsl.backends.kinematic.solids import BALL, CYLINDER, WIDTH
 from cbdsl.backends.kinematic.thing import GRAVITY, Thing
+from cbdsl.backends.pose import Pose
 from cbdsl.documents.stage import Surface
 
 Floats = NDArray[np.float64]

@@ -11,8 +11,8 @@ import pytest
 
 from cbdsl.backends.backend import BackendError
 from cbdsl.backends.bullet.backend import BulletBackend
-from cbdsl.backends.bullet.pose import Pose
 from cbdsl.backends.bullet.view import View
+from cbdsl.backends.pose import Pose
 from cbdsl.documents.robot import Camera, RobotDocument
 from cbdsl.documents.stage import StageDocument
 from tests.backends.bullet.conftest import URDF, made_stage, with_vision

@@ -11,10 +11,10 @@ from cbdsl.backends.backend import BackendError
 from cbdsl.backends.bullet import renderer as renderer_module
 from cbdsl.backends.bullet.backend import BulletBackend
 from cbdsl.backends.bullet.opengl import OpenGLRenderer
-from cbdsl.backends.bullet.pose import Pose
 from cbdsl.backends.bullet.renderer import make_renderer
 from cbdsl.backends.bullet.tiny import TinyRenderer
 from cbdsl.backends.bullet.view import View
+from cbdsl.backends.pose import Pose
 from cbdsl.documents.robot import Camera, RobotDocument
 from cbdsl.documents.stage import StageDocument
 from tests.backends.bullet.conftest import URDF, made_stage, with_vision

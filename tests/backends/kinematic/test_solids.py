@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from cbdsl.backends.bullet.pose import Pose
 from cbdsl.backends.kinematic.shape import Shape
 from cbdsl.backends.kinematic.solids import BALL, BOX, CYLINDER, depths, silhouettes
+from cbdsl.backends.pose import Pose
 
 Floats = NDArray[np.float64]
 

@@ -5,11 +5,11 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from cbdsl.backends.bullet.pose import Pose
 from cbdsl.backends.kinematic.shape import Shape
 from cbdsl.backends.kinematic.solids import BOX
 from cbdsl.backends.kinematic.thing import GRAVITY, Thing
 from cbdsl.backends.kinematic.world import World
+from cbdsl.backends.pose import Pose
 from cbdsl.documents.stage import Surface
 
 PERIOD = 1 / 60
