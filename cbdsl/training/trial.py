@@ -9,7 +9,7 @@ from cbdsl.learning.experience import Experience
 from cbdsl.program.binding import bind, density_source, internal_models
 from cbdsl.program.checked import CheckedProgram
 from cbdsl.training.classroom import Classroom
-from cbdsl.types.resource import GaussianSample, KernelSample, UniformSample
+from cbdsl.types.resource import UniformSample
 
 # What an episode's seed is used for besides the world (0) and the program's draws (1).
 _EXPLORATION = 2
@@ -47,7 +47,7 @@ class Trial:
         """Run the next episode and learn from it."""
         seed = self._next_seed()
         explorer = self.learner.explorer(np.random.default_rng([seed, _EXPLORATION]))
-        program = bind(self.program, self._sources())
+        program = self.informed_program()
         experience = classroom.hold(program, explorer, seed, self.learner.see)
         self.learner.remember(experience)
         self.experiences.append(experience)
@@ -66,12 +66,14 @@ class Trial:
             if isinstance(resource.source, UniformSample) and resource.source.effector in known
         }
 
-    def _sources(self) -> dict[str, GaussianSample | KernelSample]:
+    def informed_program(self) -> CheckedProgram:
+        """The program, drawing from the internal models that were learned so far."""
         densities = self.learner.densities()
-        return {
+        sources = {
             name: density_source(effector, densities[effector])
             for name, effector in self.learned_models().items()
         }
+        return bind(self.program, sources)
 
     def _next_seed(self) -> int:
         """Seed of the next episode, with which ``cb run`` meets the same world."""
