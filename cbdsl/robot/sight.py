@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.robot.camera import direction, heading_jacobian, sighting_jacobian
+from cbdsl.robot.hold import Hold
 from cbdsl.robot.kinematics import Frame, Kinematics
 from cbdsl.robot.memory import PositionMemory
 from cbdsl.robot.reading import Reading, stacked
@@ -18,7 +19,7 @@ from cbdsl.robot.stereo import Ray, triangulate
 from cbdsl.robot.tips import Tips
 from cbdsl.robot.touch import Touch
 from cbdsl.robot.vision import Vision
-from cbdsl.types.resource import Heading, Headings, StereoPosition
+from cbdsl.types.resource import Heading, Headings, StereoPosition, Tip
 
 Floats = NDArray[np.float64]
 
@@ -27,7 +28,8 @@ class Sight:
     """Reads headings and positions; what a hand holds moves with the hand, all else stands still.
 
     A seen thing counts as held while hands feel contact and it is as near to them as its radius and
-    theirs allow. It then moves with the centroid of their tips (Eq 3.42 and 3.43).
+    theirs allow. It then moves as if fixed to the one hand, or with the centroid of several hands'
+    tips (Eq 3.42 and 3.43).
     """
 
     def __init__(
@@ -48,23 +50,27 @@ class Sight:
 
     def reset(self) -> None:
         """Forget the episode before."""
-        self._holding: tuple[str, ...] = ()
-        self._centre: Reading | None = None
+        self._hold: Hold | None = None
 
     def update(self) -> None:
         """Carry what is held along with the hands; tips and touch must be up to date."""
-        before, holding = self._centre, self._holding
-        self._holding = tuple(
-            arm for hand, arm in self._touch.carriers.items() if self._touch.touching(hand)
-        )
-        if not self._holding:
-            self._centre = None
+        before, self._hold = self._hold, self._found_hold()
+        if before is None or self._hold is None or before.arms != self._hold.arms:
             return
-        self._centre = self._tips.mean([self._tips.position(arm) for arm in self._holding])
-        if before is not None and holding == self._holding:
-            for memory in self._vision.memories.values():
-                if self._holds(memory):
-                    memory.carry(self._centre.value - before.value)
+        for memory in self._vision.memories.values():
+            if memory.position is not None and self._holds(memory):
+                memory.carry(self._hold.moved(before, memory.position))
+
+    def _found_hold(self) -> Hold | None:
+        """How the hands that feel contact hold, or ``None`` where none of them does."""
+        carriers = self._touch.carriers.items()
+        arms = tuple([arm for hand, arm in carriers if self._touch.touching(hand)])
+        if not arms:
+            return None
+        if len(arms) == 1:
+            return Hold.of_one(arms[0], self._tips.read(Tip(arms[0], "pose")))
+        centroid = self._tips.mean([self._tips.position(arm) for arm in arms])
+        return Hold.of_several(arms, centroid)
 
     def heading(self, source: Heading) -> Reading | None:
         """The heading in one camera, or the mean over those that see the channel."""
@@ -138,13 +144,13 @@ class Sight:
     def _motion(self, channel: str) -> Floats | None:
         """Displacement of a held thing per joint, shape (3, n); ``None`` for what is not held."""
         memory = self._vision.memories.get(channel)
-        if self._centre is None or memory is None or not self._holds(memory):
+        if self._hold is None or memory is None or memory.position is None:
             return None
-        return self._centre.jacobian
+        return self._hold.jacobian(memory.position) if self._holds(memory) else None
 
     def _holds(self, memory: PositionMemory) -> bool:
         """Whether a remembered thing is where the touching hands are."""
-        if memory.position is None or self._centre is None:
+        if memory.position is None or self._hold is None:
             return False
         reach = memory.radius + self._robot.vision.regions.hand_radius
-        return math.dist(memory.position, self._centre.value) <= reach
+        return math.dist(memory.position, self._hold.position) <= reach
