@@ -17,11 +17,13 @@ from cbdsl.backends.bullet.experimenter import Experimenter
 from cbdsl.backends.bullet.load_cells import LoadCells
 from cbdsl.backends.bullet.renderer import NoRenderer, Renderer, make_renderer
 from cbdsl.backends.bullet.scene import GRAVITY, Scene
-from cbdsl.backends.bullet.shape import draw
 from cbdsl.backends.bullet.touch import Fingertips
 from cbdsl.backends.bullet.truth import Truth
+from cbdsl.backends.context import choose_context, starting_posture
+from cbdsl.backends.presentation import Presenter
+from cbdsl.backends.shutter import Shutter
 from cbdsl.documents.robot import RobotDocument
-from cbdsl.documents.stage import Context, StageDocument
+from cbdsl.documents.stage import StageDocument
 from cbdsl.robot.joints import Joints
 from cbdsl.robot.observation import Observation
 
@@ -57,6 +59,7 @@ class BulletBackend:
         self._joints = Joints(robot)
         self._substeps = _substeps(robot)
         self.control_period = 1 / robot.control.rate
+        self._shutter = Shutter(robot.vision.rate, self.control_period)
         self._client: int = p.connect(p.GUI if gui else p.DIRECT)
         try:
             self._empty_world()
@@ -93,45 +96,28 @@ class BulletBackend:
 
     def reset(self, stage: StageDocument, context: str | None, rng: np.random.Generator) -> str:
         """Begin an episode; see ``Backend.reset``."""
-        name = _choose(stage, context, rng)
+        name = choose_context(stage, context, rng)
         chosen = stage.contexts[name]
         # The sensors' noise has a stream of its own: who else draws from rng cannot change it.
         noise = np.random.default_rng(rng.integers(2**63))
         self._empty_world()
         self._tick = 0
-        self._reference = self._start(chosen, rng)
+        self._reference = starting_posture(
+            chosen, self._robot, self._joints, self._body.nearest_to_zero(), rng
+        )
         self._reached = self._reference
         self._body.place(self._reference)
         self._cells = LoadCells(
             self._fingertips, self._robot.contact, self.control_period / self._substeps, noise
         )
-        self._experimenter = Experimenter(
-            self._client, stage, self._robot, self._scene, self.truth, rng
-        )
-        self._experimenter.furnish()
-        self._experimenter.present(chosen)
+        presentation = Presenter(stage, self._robot, self.truth.link_pose, rng).present(chosen)
+        self._experimenter = Experimenter(self._client, presentation, self._scene, self.truth)
         self.cameras = Cameras(
             self._robot, self._body, self._renderer, stage.disturbance, rng, noise
         )
         self._show()
         self._observation = self._sense()
         return name
-
-    def _start(self, context: Context, rng: np.random.Generator) -> Floats:
-        """Where the joints start, rad, shape (n,)."""
-        unknown = set(context.joints) - set(self._joints.names)
-        if unknown:
-            raise BackendError(
-                f"robot '{self._robot.name}' has no actuated joint "
-                + ", ".join(map(repr, sorted(unknown)))
-            )
-        start = self._body.nearest_to_zero()
-        for name, effector in self._robot.effectors.items():
-            if effector.start is not None:
-                start[self._joints.of(name)] = effector.postures[effector.start]
-        for joint, span in context.joints.items():
-            start[self._joints.index[joint]] = draw(span, rng)
-        return start
 
     def _show(self) -> None:
         self._renderer.show([self._body.id, *self._scene.bodies.values()])
@@ -147,15 +133,8 @@ class BulletBackend:
             positions=positions,
             velocities=velocities,
             loads=self._cells.read(),
-            images=self.cameras.take() if self._image_is_due() else {},
+            images=self.cameras.take() if self._shutter.opens(self._tick) else {},
         )
-
-    def _image_is_due(self) -> bool:
-        """Whether the time for an image came within the last step; the first is at the start."""
-        per_tick = self._robot.vision.rate * self.control_period
-        # The small shares keep rounding from putting an image off to the next tick.
-        before, now = (int(tick * per_tick + 1e-6) for tick in (self._tick - 1, self._tick))
-        return self._tick == 0 or now > before
 
     def apply(self, reference: Floats) -> None:
         """Set the references of the actuated joints, rad, shape (n,), for the end of the step."""
@@ -198,18 +177,3 @@ def _substeps(robot: RobotDocument) -> int:
             f"must be a multiple of the control rate, {robot.control.rate:g} Hz"
         )
     return round(ratio)
-
-
-def _choose(stage: StageDocument, context: str | None, rng: np.random.Generator) -> str:
-    """The name of the context, drawn by the shares of all when it is ``None``.
-
-    Raises:
-        BackendError: the stage has no such context.
-    """
-    if context is None:
-        shares = np.array([each.share for each in stage.contexts.values()])
-        return list(stage.contexts)[int(rng.choice(len(shares), p=shares / shares.sum()))]
-    if context not in stage.contexts:
-        known = ", ".join(stage.contexts)
-        raise BackendError(f"stage '{stage.name}' has no context '{context}'; it has: {known}")
-    return context

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from cbdsl.backends.bullet.truth import Truth
 from cbdsl.backends.pose import Pose
+from cbdsl.backends.presentation import Movement
 
 Floats = NDArray[np.float64]
 
@@ -85,15 +86,13 @@ class Carry:
         truth: Truth,
         name: str,
         body: int,
-        velocity: tuple[float, float],
-        start: float,
+        movement: Movement,
     ) -> None:
         self._client = client
         self._truth = truth
         self._name = name
         self._body = body
-        self._velocity = np.array([*velocity, 0.0])
-        self._start = start
+        self._velocity, self._start = movement.velocity, movement.start
         self._grasp: _Grasp | None = None
 
     def act(self, time: float) -> bool:
@@ -114,17 +113,15 @@ class Carry:
 class Throw:
     """Give a thing a velocity once."""
 
-    def __init__(
-        self, client: int, body: int, velocity: tuple[float, float, float], start: float
-    ) -> None:
+    def __init__(self, client: int, body: int, movement: Movement) -> None:
         self._client = client
         self._body = body
-        self._velocity = velocity
-        self._start = start
+        self._movement = movement
 
     def act(self, time: float) -> bool:
         """Throw it, once its time has come."""
-        if time < self._start:
+        if time < self._movement.start:
             return False
-        p.resetBaseVelocity(self._body, self._velocity, [0, 0, 0], physicsClientId=self._client)
+        velocity = self._movement.velocity.tolist()
+        p.resetBaseVelocity(self._body, velocity, [0, 0, 0], physicsClientId=self._client)
         return True

@@ -2,14 +2,20 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from typing import Any
+
 import pybullet as p
 
-from cbdsl.backends.bullet.shape import Shape
+from cbdsl.backends.bullet.printed_box import create_printed_box
 from cbdsl.backends.pose import Pose
+from cbdsl.backends.shape import Shape
 from cbdsl.documents.stage import Surface
 
 #: Acceleration of falling things, m/s^2.
 GRAVITY = 9.81
+
+_KINDS = {"ball": p.GEOM_SPHERE, "box": p.GEOM_BOX, "cylinder": p.GEOM_CYLINDER}
 
 
 class Scene:
@@ -25,9 +31,7 @@ class Scene:
 
     def add(self, name: str, shape: Shape, surface: Surface, mass: float, pose: Pose) -> int:
         """Put a body there; without mass it does not move."""
-        body = shape.create(
-            self._client, mass, surface.color, pose.position.tolist(), pose.quaternion()
-        )
+        body = self._create(shape, mass, surface.color, pose)
         self.bodies[name] = body
         p.changeDynamics(
             body,
@@ -41,6 +45,35 @@ class Scene:
         )
         return body
 
+    def _create(self, shape: Shape, mass: float, color: Sequence[float], pose: Pose) -> int:
+        position, quaternion = pose.position.tolist(), pose.quaternion()
+        if shape.pattern is not None:
+            return create_printed_box(
+                self._client, shape.halves, shape.pattern, mass, color, position, quaternion
+            )
+        kind, client = _KINDS[shape.kind], self._client
+        # The simulator has two words for a cylinder's extent.
+        collision, visual = _size(shape, "height"), _size(shape, "length")
+        return int(
+            p.createMultiBody(
+                mass,
+                p.createCollisionShape(kind, physicsClientId=client, **collision),
+                p.createVisualShape(kind, rgbaColor=[*color, 1], physicsClientId=client, **visual),
+                position,
+                quaternion,
+                physicsClientId=client,
+            )
+        )
+
     def remove(self, name: str) -> None:
         """Take a body out of the world."""
         p.removeBody(self.bodies.pop(name), physicsClientId=self._client)
+
+
+def _size(shape: Shape, height: str) -> dict[str, Any]:
+    """A shape's size by the simulator's names; ``height`` is that of a cylinder's height."""
+    if shape.kind == "box":
+        return {"halfExtents": shape.halves}
+    if shape.kind == "ball":
+        return {"radius": shape.halves[0]}
+    return {"radius": shape.halves[0], height: 2 * shape.half_height}

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cbdsl.backends.backend import BackendError
+from cbdsl.backends.context import choose_context, starting_posture
 from cbdsl.backends.kinematic.cameras import Cameras, limbs
 from cbdsl.backends.kinematic.experimenter import Experimenter
 from cbdsl.backends.kinematic.handling import Handling
@@ -16,12 +17,13 @@ from cbdsl.backends.kinematic.links import Links
 from cbdsl.backends.kinematic.load_cells import LoadCells
 from cbdsl.backends.kinematic.paint import Palette
 from cbdsl.backends.kinematic.servos import Servos
-from cbdsl.backends.kinematic.shape import draw
 from cbdsl.backends.kinematic.tree import Tree
 from cbdsl.backends.kinematic.truth import Truth
 from cbdsl.backends.kinematic.world import World
+from cbdsl.backends.presentation import Presenter
+from cbdsl.backends.shutter import Shutter
 from cbdsl.documents.robot import RobotDocument
-from cbdsl.documents.stage import Context, StageDocument
+from cbdsl.documents.stage import StageDocument
 from cbdsl.robot.chains import root
 from cbdsl.robot.kinematics import Kinematics
 from cbdsl.robot.observation import Observation
@@ -62,6 +64,7 @@ class KinematicBackend:
         self._joints = kinematics.joints
         self._tree = Tree(urdf, self._joints, robot.base)
         self.control_period = 1 / robot.control.rate
+        self._shutter = Shutter(robot.vision.rate, self.control_period)
         self._servos = Servos(kinematics, links, self.control_period)
         self._hands = Hands(robot, kinematics, self._tree, links)
         self._limbs = limbs(robot, kinematics, self._tree, links)
@@ -70,18 +73,19 @@ class KinematicBackend:
 
     def reset(self, stage: StageDocument, context: str | None, rng: np.random.Generator) -> str:
         """Begin an episode; see ``Backend.reset``."""
-        name = _choose(stage, context, rng)
+        name = choose_context(stage, context, rng)
         chosen = stage.contexts[name]
         # The sensors' noise has a stream of its own: who else draws from rng cannot change it.
         noise = np.random.default_rng(rng.integers(2**63))
         self._tick = 0
-        self._positions = self._reference = self._start(chosen, rng)
+        self._positions = self._reference = starting_posture(
+            chosen, self._robot, self._joints, self._nearest_to_zero, rng
+        )
         self._velocities = np.zeros_like(self._positions)
         self._tree.update(self._positions)
         self._world = World()
-        self._experimenter = Experimenter(stage, self._robot, self._tree, self._world, rng)
-        self._experimenter.furnish()
-        self._experimenter.present(chosen)
+        presentation = Presenter(stage, self._robot, self._tree.pose, rng).present(chosen)
+        self._experimenter = Experimenter(presentation, self._world)
         self._handling = Handling(self._world, self._hands, self._experimenter.shown)
         #: What only the simulator knows, for tests.
         self.truth = Truth(self._world, self._tree)
@@ -91,22 +95,6 @@ class KinematicBackend:
         )
         self._observation = self._sense()
         return name
-
-    def _start(self, context: Context, rng: np.random.Generator) -> Floats:
-        """Where the joints start, rad, shape (n,)."""
-        unknown = set(context.joints) - set(self._joints.names)
-        if unknown:
-            raise BackendError(
-                f"robot '{self._robot.name}' has no actuated joint "
-                + ", ".join(map(repr, sorted(unknown)))
-            )
-        start: Floats = self._nearest_to_zero.copy()
-        for name, effector in self._robot.effectors.items():
-            if effector.start is not None:
-                start[self._joints.of(name)] = effector.postures[effector.start]
-        for joint, span in context.joints.items():
-            start[self._joints.index[joint]] = draw(span, rng)
-        return start
 
     def observe(self) -> Observation:
         """The sensors now."""
@@ -119,15 +107,8 @@ class KinematicBackend:
             velocities=self._velocities,
             loads=self._cells.read(),
             images={},
-            regions=self._cameras.look(self._world) if self._image_is_due() else {},
+            regions=self._cameras.look(self._world) if self._shutter.opens(self._tick) else {},
         )
-
-    def _image_is_due(self) -> bool:
-        """Whether the time for an image came within the last step; the first is at the start."""
-        per_tick = self._robot.vision.rate * self.control_period
-        # The small shares keep rounding from putting an image off to the next tick.
-        before, now = (int(tick * per_tick + 1e-6) for tick in (self._tick - 1, self._tick))
-        return self._tick == 0 or now > before
 
     def apply(self, reference: Floats) -> None:
         """Set the references of the actuated joints, rad, shape (n,), for the end of the step."""
@@ -191,18 +172,3 @@ def _require_links(robot: RobotDocument, model: UrdfModel) -> None:
             raise BackendError(
                 f"{model.path.name} has no link '{link}', which robot '{robot.name}' names"
             )
-
-
-def _choose(stage: StageDocument, context: str | None, rng: np.random.Generator) -> str:
-    """The name of the context, drawn by the shares of all when it is ``None``.
-
-    Raises:
-        BackendError: the stage has no such context.
-    """
-    if context is None:
-        shares = np.array([each.share for each in stage.contexts.values()])
-        return list(stage.contexts)[int(rng.choice(len(shares), p=shares / shares.sum()))]
-    if context not in stage.contexts:
-        known = ", ".join(stage.contexts)
-        raise BackendError(f"stage '{stage.name}' has no context '{context}'; it has: {known}")
-    return context

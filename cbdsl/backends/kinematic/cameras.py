@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from cbdsl.backends.kinematic.links import Links
 from cbdsl.backends.kinematic.paint import Palette
-from cbdsl.backends.kinematic.solids import WIDTH, attached, silhouettes
+from cbdsl.backends.kinematic.solids import WIDTH, attached, placed, silhouettes
 from cbdsl.backends.kinematic.tree import Tree
 from cbdsl.backends.kinematic.world import World
 from cbdsl.backends.pose import Pose
@@ -45,7 +45,7 @@ class Limb:
             if kinematics.moving(link).issuperset(beyond)
         ]
         self._rows = np.array([row for row, _ in parts], dtype=np.intp)
-        self._parts = np.array([solid.shape.row(solid.pose) for _, solid in parts])
+        self._parts = np.array([placed(solid.shape, solid.pose) for _, solid in parts])
         self._parts = self._parts.reshape(len(parts), WIDTH)
 
     def solids(self) -> Floats:

@@ -10,9 +10,8 @@ from xml.etree import ElementTree
 
 import numpy as np
 
-from cbdsl.backends.kinematic.shape import Shape
-from cbdsl.backends.kinematic.solids import BOX
 from cbdsl.backends.pose import Pose
+from cbdsl.backends.shape import Shape
 
 _AXES = np.eye(3)
 
@@ -64,7 +63,7 @@ def _shape(geometry: ElementTree.Element | None) -> Shape | None:
             return Shape.cylinder(radius, length)
         if element.tag == "box":
             x, y, z = (edge / 2 for edge in numbers(element.get("size")))
-            return Shape(BOX, (x, y, z))
+            return Shape("box", (x, y, z))
     return None
 
 

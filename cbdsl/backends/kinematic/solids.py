@@ -11,6 +11,8 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
+from cbdsl.backends.pose import Pose
+from cbdsl.backends.shape import Shape
 from cbdsl.robot.compiled import compiled, compiled_once
 
 Floats = NDArray[np.float64]
@@ -19,11 +21,20 @@ Triple = tuple[float, float, float]
 Window = tuple[float, float, float, float]
 
 BALL, BOX, CYLINDER = 0.0, 1.0, 2.0
+_NUMBERS = {"ball": BALL, "box": BOX, "cylinder": CYLINDER}
 WIDTH = 16
 HALVES, POSITION, ROTATION = slice(1, 4), slice(4, 7), slice(7, 16)
 
 _NEAREST = 0.02
 """What is nearer to a camera than this is not seen, m."""
+
+
+def placed(shape: Shape, pose: Pose) -> Floats:
+    """A solid of this shape there, shape (16,)."""
+    solid = np.empty(WIDTH)
+    solid[0], solid[HALVES] = _NUMBERS[shape.kind], shape.halves
+    solid[POSITION], solid[ROTATION] = pose.position, pose.rotation.ravel()
+    return solid
 
 
 @compiled

@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from cbdsl.backends.kinematic.shape import Shape
-from cbdsl.backends.kinematic.solids import BALL, POSITION, ROTATION
+from cbdsl.backends.kinematic.solids import POSITION, ROTATION, placed
 from cbdsl.backends.pose import Pose
+from cbdsl.backends.shape import Shape
 from cbdsl.documents.stage import Surface
 
 Floats = NDArray[np.float64]
@@ -36,7 +36,7 @@ class Thing:
         self.shape = shape
         self.surface = surface
         self.mass = mass
-        self.solid = shape.row(pose)
+        self.solid = placed(shape, pose)
         self.velocity: Floats = np.zeros(3)
         self.rolling: Floats = np.zeros(3)
         self.gripped = self.resting = False
@@ -74,7 +74,7 @@ class Thing:
     @property
     def rolls(self) -> bool:
         """Whether it can roll over a level floor."""
-        return self.shape.kind == BALL
+        return self.shape.kind == "ball"
 
     def sliding_friction(self, floor: Thing) -> float:
         """Deceleration while it slides over a level floor, m/s^2."""

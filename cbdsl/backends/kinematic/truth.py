@@ -6,14 +6,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cbdsl.backends.kinematic.hands import Contact
-from cbdsl.backends.kinematic.solids import BALL, BOX
-from cbdsl.backends.kinematic.thing import Thing
 from cbdsl.backends.kinematic.tree import Tree
 from cbdsl.backends.kinematic.world import World
 from cbdsl.backends.pose import Pose
 from cbdsl.backends.scenery import Part
+from cbdsl.backends.shape import Shape
 
 Floats = NDArray[np.float64]
+
+_ORIGIN, _UNTURNED = (0.0, 0.0, 0.0), (0.0, 0.0, 0.0, 1.0)
 
 
 class Truth:
@@ -39,8 +40,8 @@ class Truth:
     def parts(self, name: str) -> list[Part]:
         """The shapes that a fixture or thing is made of."""
         thing = self._world.things[name]
-        shape, size = _size(thing)
-        return [Part(shape, size, (0.0, 0.0, 0.0), (0.0, 0.0, 0.0, 1.0), thing.surface.color)]
+        shape, surface = thing.shape, thing.surface
+        return [Part(shape.kind, _size(shape), _ORIGIN, _UNTURNED, surface.color)]
 
     def velocity(self, name: str) -> Floats:
         """Velocity of a thing's centre while nothing holds it, m/s, shape (3,)."""
@@ -55,11 +56,9 @@ class Truth:
         return any(contact.thing.name == name for contact in self.contacts)
 
 
-def _size(thing: Thing) -> tuple[str, tuple[float, ...]]:
-    """As ``Part`` names shapes and their sizes."""
-    a, b, c = thing.shape.halves
-    if thing.shape.kind == BALL:
-        return "ball", (a,)
-    if thing.shape.kind == BOX:
-        return "box", (2 * a, 2 * b, 2 * c)
-    return "cylinder", (a, 2 * c)
+def _size(shape: Shape) -> tuple[float, ...]:
+    """As ``Part`` gives sizes."""
+    a, b, c = shape.halves
+    if shape.kind == "ball":
+        return (a,)
+    return (2 * a, 2 * b, 2 * c) if shape.kind == "box" else (a, 2 * c)

@@ -7,10 +7,10 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from cbdsl.backends.kinematic.shape import Shape
-from cbdsl.backends.kinematic.solids import BALL, CYLINDER, WIDTH
+from cbdsl.backends.kinematic.solids import WIDTH
 from cbdsl.backends.kinematic.thing import GRAVITY, Thing
 from cbdsl.backends.pose import Pose
+from cbdsl.backends.shape import Shape
 from cbdsl.documents.stage import Surface
 
 Floats = NDArray[np.float64]
@@ -125,8 +125,9 @@ def _top(fixture: Thing, thing: Thing) -> float | None:
     x, y, _ = (thing.position - fixture.position).tolist()
     a, b, c = fixture.shape.halves
     height = float(fixture.solid[6])
-    if fixture.shape.kind == BALL:
+    kind = fixture.shape.kind
+    if kind == "ball":
         level = a * a - x * x - y * y
         return height + math.sqrt(level) if level > 0 else None
-    inside = math.hypot(x, y) < a if fixture.shape.kind == CYLINDER else abs(x) < a and abs(y) < b
+    inside = math.hypot(x, y) < a if kind == "cylinder" else abs(x) < a and abs(y) < b
     return height + c if inside else None

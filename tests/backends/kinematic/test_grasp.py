@@ -11,9 +11,9 @@ import pytest
 
 from cbdsl.backends.kinematic.grasp import STIFFNESS, Grasp
 from cbdsl.backends.kinematic.hands import Contact, Fingertip
-from cbdsl.backends.kinematic.shape import Shape
 from cbdsl.backends.kinematic.thing import GRAVITY, Thing
 from cbdsl.backends.pose import Pose
+from cbdsl.backends.shape import Shape
 from cbdsl.documents.stage import Surface
 
 RADIUS, MASS, FRICTION = 0.05, 0.3, 0.8

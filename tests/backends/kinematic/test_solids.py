@@ -8,15 +8,15 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from cbdsl.backends.kinematic.shape import Shape
-from cbdsl.backends.kinematic.solids import BALL, BOX, CYLINDER, depths, silhouettes
+from cbdsl.backends.kinematic.solids import depths, placed, silhouettes
 from cbdsl.backends.pose import Pose
+from cbdsl.backends.shape import Shape
 
 Floats = NDArray[np.float64]
 
 SHAPES = {
     "ball": Shape.ball(0.07),
-    "box": Shape(BOX, (0.05, 0.08, 0.03)),
+    "box": Shape("box", (0.05, 0.08, 0.03)),
     "cylinder": Shape.cylinder(0.06, 0.14),
 }
 LENS = (418.5, 320.0, 240.0)
@@ -31,9 +31,9 @@ def turned(rng: np.random.Generator) -> Floats:
 def inside(shape: Shape, points: Floats) -> NDArray[np.bool_]:
     """Whether points of the shape's frame, shape (n, 3), are inside it."""
     a, _, c = shape.halves
-    if shape.kind == BALL:
+    if shape.kind == "ball":
         return np.linalg.norm(points, axis=1) <= a
-    if shape.kind == CYLINDER:
+    if shape.kind == "cylinder":
         return (np.hypot(points[:, 0], points[:, 1]) <= a) & (np.abs(points[:, 2]) <= c)
     return (np.abs(points) <= shape.halves).all(axis=1)
 
@@ -51,7 +51,7 @@ def test_a_step_of_the_distance_along_the_normal_leads_to_the_surface(name: str)
     for _ in range(50):
         pose = Pose(rng.normal(size=3), turned(rng))
         point = pose.position + rng.uniform(-0.2, 0.2, size=3)
-        found = one(shape.row(pose), point)
+        found = one(placed(shape, pose), point)
         depth, normal = found[0], found[1:4]
         assert np.linalg.norm(normal) == pytest.approx(1)
         assert found[4:] == pytest.approx(point)
@@ -87,7 +87,7 @@ def test_a_silhouette_is_where_lines_of_sight_come_through(name: str) -> None:
         mask = np.zeros(len(lines), dtype=bool)
         for ahead in np.arange(0.48, 0.72, 0.004):
             mask |= inside(shape, (ahead * lines - pose.position) @ pose.rotation)
-        area, column, row, clipped = seen(shape.row(pose))
+        area, column, row, clipped = seen(placed(shape, pose))
         assert area == pytest.approx(mask.sum(), rel=0.03)
         assert column == pytest.approx(columns.ravel()[mask].mean(), abs=0.7)
         assert row == pytest.approx(rows.ravel()[mask].mean(), abs=0.7)
@@ -98,26 +98,26 @@ def test_what_reaches_the_border_is_clipped() -> None:
     border = LENS[1] / 2 / LENS[0]
     ball = Shape.ball(0.05)
     for aside, whole in ((border - 0.07, True), (border - 0.03, False), (border, False)):
-        row = seen(ball.row(Pose(np.array([1.0, aside, 0.0]), AHEAD)))
+        row = seen(placed(ball, Pose(np.array([1.0, aside, 0.0]), AHEAD)))
         assert row[3] != whole
         assert row[0] > 0
-    assert not seen(ball.row(Pose(np.array([1.0, border + 0.1, 0.0]), AHEAD))).any()
-    assert not seen(ball.row(Pose(np.array([-1.0, 0.0, 0.0]), AHEAD))).any()
+    assert not seen(placed(ball, Pose(np.array([1.0, border + 0.1, 0.0]), AHEAD))).any()
+    assert not seen(placed(ball, Pose(np.array([-1.0, 0.0, 0.0]), AHEAD))).any()
 
 
 def test_what_is_before_a_thing_hides_it_and_what_is_behind_does_not() -> None:
-    ball = Shape.ball(0.05).row(Pose(np.array([1.0, 0.0, 0.0]), AHEAD))
-    board = Shape(BOX, (0.001, 0.1, 0.1))
+    ball = placed(Shape.ball(0.05), Pose(np.array([1.0, 0.0, 0.0]), AHEAD))
+    board = Shape("box", (0.001, 0.1, 0.1))
     free = seen(ball)
-    half = seen(ball, board.row(Pose(np.array([0.8, 0.1, 0.0]), AHEAD)))
+    half = seen(ball, placed(board, Pose(np.array([0.8, 0.1, 0.0]), AHEAD)))
     assert half[0] == pytest.approx(free[0] / 2, rel=0.02)
     assert half[1] > free[1] + 5, "its right half is left, and columns count to the right"
-    assert not seen(ball, board.row(Pose(np.array([0.8, 0.0, 0.0]), AHEAD))).any()
-    assert seen(ball, board.row(Pose(np.array([1.2, 0.0, 0.0]), AHEAD))) == pytest.approx(free)
+    assert not seen(ball, placed(board, Pose(np.array([0.8, 0.0, 0.0]), AHEAD))).any()
+    assert seen(ball, placed(board, Pose(np.array([1.2, 0.0, 0.0]), AHEAD))) == pytest.approx(free)
 
 
 def test_a_ball_looks_as_large_as_it_is() -> None:
-    area = seen(Shape.ball(0.05).row(Pose(np.array([1.0, 0.0, 0.0]), AHEAD)), samples=24)[0]
+    area = seen(placed(Shape.ball(0.05), Pose(np.array([1.0, 0.0, 0.0]), AHEAD)), samples=24)[0]
     tangent = math.tan(math.asin(0.05))
     assert area == pytest.approx(math.pi * (LENS[0] * tangent) ** 2, rel=0.01)
 

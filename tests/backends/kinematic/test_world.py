@@ -5,17 +5,16 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from cbdsl.backends.kinematic.shape import Shape
-from cbdsl.backends.kinematic.solids import BOX
 from cbdsl.backends.kinematic.thing import GRAVITY, Thing
 from cbdsl.backends.kinematic.world import World
 from cbdsl.backends.pose import Pose
+from cbdsl.backends.shape import Shape
 from cbdsl.documents.stage import Surface
 
 PERIOD = 1 / 60
 SHAPES = {
     "ball": Shape.ball(0.05),
-    "box": Shape(BOX, (0.05, 0.05, 0.05)),
+    "box": Shape("box", (0.05, 0.05, 0.05)),
     "cylinder": Shape.cylinder(0.05, 0.1),
 }
 
@@ -23,7 +22,7 @@ SHAPES = {
 def world_with(shape: Shape, height: float, rolling_friction: float = 0.0) -> tuple[World, Thing]:
     """A table with its top at 0, two metres wide, and a thing ``height`` above it."""
     world = World()
-    table = Shape(BOX, (1.0, 1.0, 0.02))
+    table = Shape("box", (1.0, 1.0, 0.02))
     world.add("table", table, Surface(friction=0.5), 0.0, Pose(np.array([0, 0, -0.02]), np.eye(3)))
     pose = Pose(np.array([0, 0, height + shape.half_height]), np.eye(3))
     surface = Surface(friction=0.5, rolling_friction=rolling_friction)
