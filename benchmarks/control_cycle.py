@@ -122,8 +122,8 @@ def whole(cycle: Cycle, restarts: int) -> list[float]:
 
 STAGES: Stages = {
     "signals": [(Signals, "update")],
-    "controllers": [(ControllerRun, "evaluate")],
-    "law": [(Law, "solve")],
+    "controllers": [(ControllerRun, "act")],
+    "law": [(Law, "compose")],
     "bounds": [(Actuation, "move")],
     "program": [(ProgramRun, "advance")],
 }

@@ -40,9 +40,7 @@ from stopwatch import Stages, Stopwatch
 
 from cbdsl.checking.program import check_program
 from cbdsl.control.law import Law
-from cbdsl.control.manipulability import Manipulability
 from cbdsl.control.signal import Floats
-from cbdsl.control.spring import Spring
 from cbdsl.control.task import Task
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.robot.kinematics import Kinematics
@@ -266,17 +264,11 @@ PEERS: dict[str, Callable[[Scene], Iterator[Peer]]] = {
 
 STAGES: Stages = {
     "kinematics": [(Kinematics, "update"), (Kinematics, "point"), (Kinematics, "curvature")],
-    "signals": [
-        (Signals, "update"),
-        (Signals, "read"),
-        (Tips, "manipulator"),
-        (ControllerRun, "_signal"),
-    ],
-    "potentials": [(Spring, "evaluate"), (Manipulability, "evaluate")],
-    "tasks": [(Task, "level")],
-    "law": [(Law, "solve")],
+    "signals": [(Signals, "update"), (Signals, "read"), (Tips, "manipulator")],
+    "levels": [(Task, "act")],
+    "law": [(Law, "compose")],
     "predicates": [(ControllerRun, "_defined")],
-    "runtime": [(ControllerRun, "evaluate"), (Actuation, "move")],
+    "runtime": [(ControllerRun, "act"), (Actuation, "move")],
 }
 
 

@@ -13,7 +13,8 @@ from time import perf_counter
 
 import numpy as np
 
-from cbdsl.control.law import Law, LawSettings, Level
+from cbdsl.control.law import Law, LawSettings
+from cbdsl.control.level import Level
 from cbdsl.control.signal import Floats
 
 JOINTS = 14

@@ -34,8 +34,8 @@ _SLACK = 1e-12
 @compiled_once
 def compose(
     rows: Floats,
-    before: Floats,
-    earlier: Floats,
+    newest: int,
+    ages: Integers,
     wanted: Floats,
     ends: Integers,
     positions: Floats,
@@ -43,13 +43,18 @@ def compose(
     step: float,
     damping: float,
     threshold: float,
-) -> tuple[Floats, Booleans, Floats]:
-    """The displacement of all levels together.
+    total: Floats,
+    locked: Booleans,
+    values: Floats,
+) -> None:
+    """Compose the displacement of all levels.
 
     Args:
-        rows: task coordinates per joint of all levels, highest priority first, shape (k, n).
-        before: the same one tick before, shape (k, n).
-        earlier: the same two ticks before, shape (k, n).
+        rows: task coordinates per joint of all levels in three ticks, highest priority first,
+            shape (3, k, n).
+        newest: which of the three is this tick; the tick before is one less, modulo 3.
+        ages: for how many ticks each level has rows, up to 3; 0 for one that does not act, shape
+            (levels,).
         wanted: displacement of the task coordinates, shape (k,).
         ends: index after the last row of each level, shape (levels,).
         positions: of the joints, rad, shape (n,).
@@ -57,33 +62,34 @@ def compose(
         step: largest displacement of a joint.
         damping: largest damping.
         threshold: singular value below which damping sets in.
-
-    Returns:
-        The displacement, NaN if an argument is not finite, shape (n,); whether a limit held a
-        joint back, shape (n,); the singular values of what was left to each level, unsorted, 0
-        where rows were dependent, shape (k,).
+        total: becomes the displacement, NaN if an argument is not finite, shape (n,).
+        locked: becomes whether a limit held a joint back, shape (n,).
+        values: become the singular values of what was left to each level, unsorted, 0 where rows
+            were dependent or a level does not act, shape (k,).
     """
-    rows, joints = midway(rows, before, earlier), rows.shape[1]
-    total, locked = np.zeros(joints), np.zeros(joints, dtype=np.bool_)
-    values = np.zeros(len(rows))
-    squares = _dot(rows.ravel(), rows.ravel()) + _dot(wanted, wanted)
-    if not math.isfinite(squares + _dot(positions, positions)):
-        return np.full(joints, np.nan), locked, values
-    # Limits come before what the levels want, the largest step before limits.
-    bounds = np.empty((2, joints))
-    for joint in range(joints):
-        lowest = limits[0, joint] - positions[joint] - _SLACK
-        highest = limits[1, joint] - positions[joint] + _SLACK
-        bounds[0, joint] = max(min(lowest, step), -step - 2 * _SLACK)
-        bounds[1, joint] = min(max(highest, -step), step + 2 * _SLACK)
+    joints = rows.shape[2]
+    total[:], locked[:], values[:] = 0.0, False, 0.0
+    middle = np.empty(rows.shape[1:])
+    squares = _dot(positions, positions)
+    start = 0
+    for level, end in enumerate(ends):
+        if ages[level] > 0:
+            _midway(rows, newest, ages[level], start, end, middle)
+            squares += _dot(middle[start:end].ravel(), middle[start:end].ravel())
+            squares += _dot(wanted[start:end], wanted[start:end])
+        start = end
+    if not math.isfinite(squares):
+        total[:] = np.nan
+        return
+    bounds = _bounds(positions, limits, step)
     basis, taken = np.empty((joints, joints)), 0
     start = 0
-    for end in ends:
-        level, found = rows[start:end], values[start:end]
+    for level, end in enumerate(ends):
         # Every pass locks a joint or is the last.
-        while taken < joints:
-            missing = _missing(level, wanted[start:end], total)
-            change, below = _invert(level, missing, basis, taken, found, damping, threshold)
+        while taken < joints and ages[level] > 0:
+            mine, found = middle[start:end], values[start:end]
+            missing = _missing(mine, wanted[start:end], total)
+            change, below = _invert(mine, missing, basis, taken, found, damping, threshold)
             _shorten(change, total, locked, bounds, step + _SLACK)
             if not _lock(change, total, locked, bounds):
                 _add(total, change, 1.0)
@@ -93,13 +99,50 @@ def compose(
         start = end
     for joint in range(joints):
         total[joint] = min(max(total[joint], bounds[0, joint]), bounds[1, joint])
-    return total, locked, values
 
 
 @compiled_once
-def midway(rows: Floats, before: Floats, earlier: Floats) -> Floats:
-    """Rows half a tick ahead on the parabola through those of three ticks, shape (k, n)."""
-    return 1.875 * rows - 1.25 * before + 0.375 * earlier
+def midway(rows: Floats, newest: int, ages: Integers, ends: Integers) -> Floats:
+    """Rows half a tick ahead, shape (k, n); those of levels that do not act are 0."""
+    middle = np.zeros(rows.shape[1:])
+    start = 0
+    for level, end in enumerate(ends):
+        if ages[level] > 0:
+            _midway(rows, newest, ages[level], start, end, middle)
+        start = end
+    return middle
+
+
+@compiled
+def _midway(rows: Floats, newest: int, age: int, start: int, end: int, middle: Floats) -> None:
+    """Half a tick ahead: on the parabola through three ticks, the line through two, or as it is."""
+    now, before, earlier = rows[newest], rows[newest - 1], rows[newest - 2]
+    for row in range(start, end):
+        for joint in range(rows.shape[2]):
+            middle[row, joint] = now[row, joint]
+            if age == 2:
+                middle[row, joint] += 0.5 * (now[row, joint] - before[row, joint])
+            elif age > 2:
+                middle[row, joint] += (
+                    0.875 * now[row, joint]
+                    - 1.25 * before[row, joint]
+                    + 0.375 * earlier[row, joint]
+                )
+
+
+@compiled
+def _bounds(positions: Floats, limits: Floats, step: float) -> Floats:
+    """The least and the largest displacement of each joint, shape (2, n).
+
+    Limits come before what the levels want, the largest step before limits.
+    """
+    bounds = np.empty(limits.shape)
+    for joint in range(len(positions)):
+        lowest = limits[0, joint] - positions[joint] - _SLACK
+        highest = limits[1, joint] - positions[joint] + _SLACK
+        bounds[0, joint] = max(min(lowest, step), -step - 2 * _SLACK)
+        bounds[1, joint] = min(max(highest, -step), step + 2 * _SLACK)
+    return bounds
 
 
 @compiled

@@ -49,6 +49,8 @@ class Harmonic:
         self, lower: Floats, upper: Floats, spacing: float, scale: float, clearance: float = 0.0
     ) -> None:
         self._grid = Grid.between(lower, upper, spacing)
+        self.size = len(lower)
+        self.compiled = None
         self._scale = scale
         self._clearance = clearance
         self._obstacles: tuple[Obstacle, ...] = ()

@@ -5,28 +5,13 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import cache, cached_property
-from typing import NamedTuple
 
 import numpy as np
 
-from cbdsl.control.composition import Booleans, Integers, compose, midway
+from cbdsl.control.composition import Booleans, compose
+from cbdsl.control.level import Level
 from cbdsl.control.signal import Floats, SignalError, require_finite
-
-
-class Level(NamedTuple):
-    """What one controller wants in this tick.
-
-    Attributes:
-        name: the controller, for messages and explanations.
-        jacobian: task coordinates per joint, shape (k, n).
-        velocity: wanted displacement of the task coordinates in this tick, gain and bounds
-            applied, shape (k,).
-    """
-
-    name: str
-    jacobian: Floats
-    velocity: Floats
+from cbdsl.control.stack import Stack
 
 
 @dataclass(frozen=True)
@@ -65,46 +50,36 @@ class LevelReport:
     singular_value: float
 
 
-@dataclass
+@dataclass(slots=True)
 class Step:
-    """The result of one tick.
+    """The result of one tick; ``levels`` and ``reports`` are to be read before the next.
 
     Attributes:
         displacement: of the joints, rad, shape (n,).
         locked: joints that a limit held back, shape (n,).
         singular_values: of what was left to each level, unsorted and 0 where its rows were
             dependent, level by level, shape (k,).
-        asked: the levels as they were asked for, highest priority first.
-        rows: their Jacobians, level by level, shape (k, n).
-        past: the same one tick before and two, as far as known, shape (k, n) each.
-        ends: the index after the last row of each level, shape (levels,).
+        stack: what was composed.
     """
 
     displacement: Floats
     locked: Booleans
     singular_values: Floats
-    asked: Sequence[Level]
-    rows: Floats
-    past: Sequence[Floats]
-    ends: Integers
+    stack: Stack
 
-    @cached_property
+    @property
     def levels(self) -> tuple[Level, ...]:
-        """The levels, highest priority first, with the Jacobians that the law went by."""
-        rows = np.split(midway(self.rows, *_recent(self.rows, self.past)), self.ends[:-1])
-        return tuple(
-            level._replace(jacobian=each) for level, each in zip(self.asked, rows, strict=True)
-        )
+        """What acted, highest priority first, with the Jacobians that the law went by."""
+        return self.stack.midway()
 
-    @cached_property
+    @property
     def reports(self) -> tuple[LevelReport, ...]:
         """Explains each level, highest priority first."""
-        found, end = [], 0
-        for level in self.levels:
-            start, end = end, end + len(level.velocity)
-            values = self.singular_values[start:end]
-            found.append(self._report(level, values[values > 0.0]))
-        return tuple(found)
+        values = self.stack.split(self.singular_values)
+        return tuple(
+            self._report(level, found[found > 0.0])
+            for level, found in zip(self.levels, values, strict=True)
+        )
 
     def _report(self, level: Level, values: Floats) -> LevelReport:
         achieved = level.jacobian @ self.displacement
@@ -125,6 +100,11 @@ class Law:
     limit takes nothing from higher levels. A joint beyond its limit is moved back, no more than
     ``settings.joint_step`` a tick, while the other joints make up for it.
 
+    Jacobians of where a tick starts let a lower level move those above by the square of its step,
+    tick after tick; those of its middle, by the cube. With those of ticks before, the law goes by
+    what they will be half a tick ahead: one takes it that the arm goes on evenly, two that it goes
+    on gaining or losing speed.
+
     Args:
         lower: lower joint limits, rad, shape (n,); may be infinite.
         upper: upper joint limits, rad, shape (n,).
@@ -140,76 +120,52 @@ class Law:
         self._limits = np.stack((lower + settings.limit_margin, upper - settings.limit_margin))
         self._guards = settings.joint_step, settings.damping, settings.singular_value
 
-    def solve(self, levels: Sequence[Level], q: Floats, past: Sequence[Floats] = ()) -> Step:
-        """One tick's displacement.
-
-        Jacobians of where a tick starts let a lower level move those above by the square of its
-        step, tick after tick; those of its middle, by the cube. With those of ticks before, the
-        law goes by what they will be half a tick ahead: one takes it that the arm goes on evenly,
-        two that it goes on gaining or losing speed.
+    def solve(self, levels: Sequence[Level], q: Floats) -> Step:
+        """One tick's displacement for levels that have no past.
 
         Args:
             levels: highest priority first.
             q: joint positions, rad, shape (n,).
-            past: the levels' Jacobians one tick before and two, as far as known, level by level,
-                shape (k, n) each.
 
         Raises:
             SignalError: the posture or a level is not finite, or a level's shape does not fit.
         """
-        rows, wanted, ends = _stacked(levels, len(q))
-        before, earlier = _recent(rows, past)
-        displacement, locked, values = compose(
-            rows, before, earlier, wanted, ends, q, self._limits, *self._guards
+        return self.compose(Stack.of(levels, len(q)), q)
+
+    def compose(self, stack: Stack, q: Floats) -> Step:
+        """One tick's displacement.
+
+        Args:
+            stack: the levels.
+            q: joint positions, rad, shape (n,).
+
+        Raises:
+            SignalError: the posture or a level is not finite.
+        """
+        displacement, locked = np.empty(len(q)), np.empty(len(q), dtype=np.bool_)
+        values = np.empty(len(stack.wanted))
+        compose(
+            stack.rows,
+            stack.newest,
+            stack.ages,
+            stack.wanted,
+            stack.ends,
+            q,
+            self._limits,
+            *self._guards,
+            displacement,
+            locked,
+            values,
         )
         if math.isnan(displacement.item(0)):
-            _require_sound(levels, q)
-        return Step(displacement, locked, values, levels, rows, past, ends)
+            _require_sound(stack, q)
+        return Step(displacement, locked, values, stack)
 
 
-def _recent(rows: Floats, past: Sequence[Floats]) -> Sequence[Floats]:
-    """Jacobians one tick before and two; what is not known is as if they had turned evenly."""
-    match past:
-        case ():
-            return rows, rows
-        case (before,):
-            return before, 2.0 * before - rows
-    return past
-
-
-def _stacked(levels: Sequence[Level], joints: int) -> tuple[Floats, Floats, Integers]:
-    """Jacobians, velocities, and the index after the last row of each level."""
-    if not levels:
-        return np.empty((0, joints)), np.empty(0), np.empty(0, dtype=np.int64)
-    jacobians = [level.jacobian for level in levels]
-    velocities = [level.velocity for level in levels]
-    counts = tuple([len(each) for each in velocities])
-    shapes, ends = _layout(counts, joints)
-    if [each.shape for each in jacobians] != shapes:
-        _refuse(levels, joints)
-    return np.concatenate(jacobians), np.concatenate(velocities), ends
-
-
-@cache
-def _layout(counts: tuple[int, ...], joints: int) -> tuple[list[tuple[int, int]], Integers]:
-    """What shapes levels of so many rows have, and where each ends."""
-    return [(count, joints) for count in counts], np.cumsum(counts)
-
-
-def _refuse(levels: Sequence[Level], joints: int) -> None:
-    """Say which level's shape does not fit."""
-    for level in levels:
-        if level.jacobian.shape != (len(level.velocity), joints):
-            raise SignalError(
-                f"{level.name} wants {len(level.velocity)} coordinates of {joints} joints, "
-                f"but its Jacobian has shape {level.jacobian.shape}"
-            )
-
-
-def _require_sound(levels: Sequence[Level], q: Floats) -> None:
+def _require_sound(stack: Stack, q: Floats) -> None:
     """Say which number is not finite."""
     require_finite(q, "the posture")
-    for level in levels:
+    for level in stack.midway():
         require_finite(level.jacobian, f"the Jacobian of {level.name}")
         require_finite(level.velocity, f"the velocity of {level.name}")
     raise SignalError("the levels' numbers are too large to compute with")

@@ -42,6 +42,8 @@ class Localizability:
     def __init__(self, cameras: tuple[Frame, ...]) -> None:
         if len(cameras) != 2:
             raise ValueError("localizability needs two cameras that keep their distance")
+        self.size = 1
+        self.compiled = None
         self._cameras = cameras
         baseline = cameras[1].position - cameras[0].position
         self._baseline = math.sqrt(baseline.dot(baseline))

@@ -7,7 +7,8 @@ import math
 import numpy as np
 
 from cbdsl.control.body import Body
-from cbdsl.control.potential import Evaluation, gradient_descent
+from cbdsl.control.composition import Integers
+from cbdsl.control.potential import MANIPULABILITY, Compiled, Evaluation, gradient_descent
 from cbdsl.control.signal import Floats, Signal, SignalError
 from cbdsl.program.controller import Controller
 from cbdsl.robot.compiled import compiled, compiled_once
@@ -30,6 +31,10 @@ class Manipulability:
     where they have no joint in common.
     """
 
+    def __init__(self) -> None:
+        self.size = 1
+        self.compiled = Compiled(MANIPULABILITY, np.zeros((0, 0)))
+
     @classmethod
     def build(cls, controller: Controller, body: Body) -> Manipulability:
         """The manipulability of a checked controller; all it needs is in the signal."""
@@ -51,42 +56,55 @@ class Manipulability:
                 f"{signal.name} has {rows} components, which {joints} joints cannot all move: "
                 "its manipulability is 0 everywhere"
             )
-        volume, slope = _volume(np.ascontiguousarray(jacobian), np.ascontiguousarray(curvature))
-        if math.isnan(volume):
-            volume, cofactors = _volume_near_singularity(jacobian)
+        slope = np.empty(joints)
+        size = volume(jacobian, curvature, np.arange(joints), slope)
+        if math.isnan(size):
+            size, cofactors = _volume_near_singularity(jacobian)
             slope = cofactors.ravel().dot(curvature.reshape(rows * joints, joints))
-        return gradient_descent(-volume, -slope)
+        return gradient_descent(-size, -slope)
 
 
 @compiled_once
-def _volume(jacobian: Floats, curvature: Floats) -> tuple[float, Floats]:
-    """w and its derivative by the joints, (n,), or NaN where J is near a singularity.
+def volume(jacobian: Floats, curvature: Floats, columns: Integers, slope: Floats) -> float:
+    """w of some joints of a Jacobian, or NaN where that is near a singularity.
 
     The derivative of w by the entries of J is w (J J^T)^-1 J; J J^T = L L^T (Cholesky).
+
+    Args:
+        jacobian: shape (m, all).
+        curvature: its derivative, shape (m, all, all).
+        columns: the joints, shape (n,); -1 for one that moves nothing.
+        slope: becomes the derivative of w by the joints, shape (n,).
     """
-    rows, joints = jacobian.shape
-    gram = _gram(jacobian)
+    rows, joints = len(jacobian), len(columns)
+    slope[:] = 0.0
+    if curvature.shape != (rows, jacobian.shape[1], jacobian.shape[1]) or rows > joints:
+        return math.nan
+    gram = _gram(jacobian, columns)
     least = _CLEAR * np.trace(gram) ** rows
     square = _factorize(gram)
     if not square > least:
-        return math.nan, np.empty(0)
-    volume, slope = math.sqrt(square), np.zeros(joints)
-    cofactors = np.empty(rows)
-    for column in range(joints):
+        return math.nan
+    size, cofactors = math.sqrt(square), np.empty(rows)
+    for column in columns:
+        if column < 0:
+            continue
         _solve(gram, jacobian[:, column], cofactors)
         for i in range(rows):
-            for joint in range(joints):
-                slope[joint] += volume * cofactors[i] * curvature[i, column, joint]
-    return volume, slope
+            for place in range(joints):
+                if columns[place] >= 0:
+                    slope[place] += size * cofactors[i] * curvature[i, column, columns[place]]
+    return size
 
 
 @compiled
-def _gram(rows: Floats) -> Floats:
+def _gram(rows: Floats, columns: Integers) -> Floats:
     products = np.zeros((len(rows), len(rows)))
     for i in range(len(rows)):
         for j in range(len(rows)):
-            for joint in range(rows.shape[1]):
-                products[i, j] += rows[i, joint] * rows[j, joint]
+            for column in columns:
+                if column >= 0:
+                    products[i, j] += rows[i, column] * rows[j, column]
     return products
 
 

@@ -33,8 +33,35 @@ class Evaluation(NamedTuple):
     step: Floats
 
 
+#: The potentials that are compiled.
+SPRING, RANGE, MANIPULABILITY = 0, 1, 2
+
+
+class Compiled(NamedTuple):
+    """How a potential is computed in one compiled call with all else that a controller does.
+
+    Attributes:
+        kind: ``SPRING``, ``RANGE`` or ``MANIPULABILITY``.
+        constants: what it needs beside the signal, shape (r, m).
+    """
+
+    kind: int
+    constants: Floats
+
+
 class Potential(Protocol):
-    """One controller's artificial potential (Omega_phi, Eq 3.7)."""
+    """One controller's artificial potential (Omega_phi, Eq 3.7).
+
+    Attributes:
+        size: number of its task coordinates, k.
+        compiled: the same as ``evaluate``, for speed; ``None`` for what is only evaluated.
+    """
+
+    @property
+    def size(self) -> int: ...
+
+    @property
+    def compiled(self) -> Compiled | None: ...
 
     def evaluate(self, signal: Signal, reference: Floats | None) -> Evaluation:
         """Compute phi and how to lower it.

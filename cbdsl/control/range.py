@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 
 from cbdsl.control.body import Body
-from cbdsl.control.potential import Evaluation, half_square
+from cbdsl.control.potential import RANGE, Compiled, Evaluation, half_square
 from cbdsl.control.signal import Floats, Signal, SignalError
 from cbdsl.program.controller import Controller
+from cbdsl.robot.compiled import compiled_once
 
 
 class Range:
@@ -28,8 +31,9 @@ class Range:
         span = upper - lower
         if not (np.isfinite(span).all() and (span > 0).all()):
             raise ValueError("a range potential needs finite joint limits, lower below upper")
-        self._centre = 0.5 * (lower + upper)
-        self._angle_per_joint = np.pi / span
+        centre = 0.5 * (lower + upper)
+        self.size = len(span)
+        self.compiled = Compiled(RANGE, np.stack((centre, np.pi / span)))
 
     @classmethod
     def build(cls, controller: Controller, body: Body) -> Range:
@@ -38,11 +42,28 @@ class Range:
 
     def evaluate(self, signal: Signal, reference: Floats | None) -> Evaluation:
         """See ``Potential.evaluate``; the reference plays no part."""
-        if signal.value.shape != self._centre.shape:
+        if signal.value.shape != (self.size,):
             raise SignalError(
                 f"{signal.name} has shape {signal.value.shape}, "
-                f"but its limits have shape {self._centre.shape}"
+                f"but its limits have shape {(self.size,)}"
             )
-        half_angle = 0.5 * self._angle_per_joint * (signal.value - self._centre)
-        slope = np.cos(half_angle) * self._angle_per_joint
-        return half_square(-2.0 * np.sin(half_angle), slope[:, None] * signal.jacobian)
+        residual, jacobian = np.empty(self.size), signal.jacobian.copy()
+        turn(signal.value, self.compiled.constants, residual, jacobian)
+        return half_square(residual, jacobian)
+
+
+@compiled_once
+def turn(value: Floats, constants: Floats, residual: Floats, jacobian: Floats) -> float:
+    """phi of joint angles (m,), their residual (m,), and the Jacobian (m, n) of that for theirs.
+
+    ``constants`` are the centres of the ranges, rad, and g per angle, shape (2, m).
+    """
+    phi = 0.0
+    for i in range(len(value)):
+        half_angle = 0.5 * constants[1, i] * (value[i] - constants[0, i])
+        residual[i] = -2.0 * math.sin(half_angle)
+        phi += 0.5 * residual[i] * residual[i]
+        slope = math.cos(half_angle) * constants[1, i]
+        for joint in range(jacobian.shape[1]):
+            jacobian[i, joint] *= slope
+    return phi

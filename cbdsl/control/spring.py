@@ -8,11 +8,11 @@ from collections.abc import Callable
 import numpy as np
 
 from cbdsl.control.body import Body
-from cbdsl.control.potential import Evaluation, half_square
+from cbdsl.control.potential import SPRING, Compiled, Evaluation, half_square
 from cbdsl.control.rotation import align, log
 from cbdsl.control.signal import Floats, Signal, SignalError, require_finite
 from cbdsl.program.controller import AlongNormals, Controller
-from cbdsl.robot.compiled import compiled_once
+from cbdsl.robot.compiled import compiled
 from cbdsl.types.resource_type import ORIENTATION, POSE, ResourceType
 
 Coordinates = tuple[Floats, Floats]
@@ -36,6 +36,8 @@ class Spring:
         self, kind: ResourceType, free_axis: str | None = None, along_normals: bool = False
     ) -> None:
         self._kind = kind
+        # A free axis takes one coordinate from an orientation.
+        self.size = (kind.factors if along_normals else kind.size) - (free_axis is not None)
         self._free_axis = None if free_axis is None else "xyz".index(free_axis)
         self._matrix: tuple[int, int] | None
         self._difference: Callable[[Signal, Floats], Coordinates] | None
@@ -43,6 +45,8 @@ class Spring:
             ORIENTATION.name: ((3, 3), self._turned),
             POSE.name: ((4, 4), self._moved),
         }.get(kind.name, (None, None))
+        plain = self._difference is None
+        self.compiled = Compiled(SPRING, np.zeros((0, 0))) if plain else None
 
     @classmethod
     def build(cls, controller: Controller, body: Body) -> Spring:
@@ -58,8 +62,7 @@ class Spring:
         if signal.value.shape != shape or reference.shape != shape:
             self._refuse(signal, reference, shape)
         if self._difference is None:
-            phi, residual, half = _subtracted(signal.value, reference)
-            found = Evaluation(phi, residual, signal.jacobian, half)
+            found = half_square(reference - signal.value, signal.jacobian)
         else:
             require_finite(reference, f"the reference of {signal.name}")
             found = half_square(*self._difference(signal, reference))
@@ -94,12 +97,13 @@ class Spring:
         return others @ turn, others @ jacobian
 
 
-@compiled_once
-def _subtracted(value: Floats, reference: Floats) -> tuple[float, Floats, Floats]:
-    """phi, the residual and half of it, for values that subtract, shape (k,)."""
-    residual, half, phi = np.empty(len(value)), np.empty(len(value)), 0.0
+@compiled
+def subtract(value: Floats, reference: Floats, residual: Floats) -> float:
+    """phi of values that subtract, shape (k,), and their residual; NaN if shapes differ."""
+    if not len(value) == len(reference) == len(residual):
+        return math.nan
+    phi = 0.0
     for i in range(len(value)):
         residual[i] = reference[i] - value[i]
-        half[i] = 0.5 * residual[i]
-        phi += residual[i] * half[i]
-    return phi, residual, half
+        phi += 0.5 * residual[i] * residual[i]
+    return phi

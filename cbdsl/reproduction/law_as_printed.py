@@ -11,7 +11,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from cbdsl.control.law import Law, LawSettings, Level
+from cbdsl.control.law import Law, LawSettings
+from cbdsl.control.level import Level
 from cbdsl.control.manipulability import Manipulability
 from cbdsl.control.potential import Evaluation
 from cbdsl.control.range import Range

@@ -55,7 +55,7 @@ class _Link(NamedTuple):
 
     position: Floats
     rotation: Floats
-    support: tuple[Floats, Integers, Integers, Floats, int]
+    support: tuple[Floats, Integers, Integers, Floats]
 
 
 class Kinematics:
@@ -122,7 +122,9 @@ class Kinematics:
         found = self._points.get((link, offset))
         if found is None:
             here = self._link(link)
-            found = Point(*point_at(offset, here.position, here.rotation, *here.support))
+            found = Point(np.empty(3), np.zeros((6, len(self.lower))))
+            x, y, z = offset
+            point_at(x, y, z, here.position, here.rotation, *here.support, *found)
             self._points[link, offset] = found
         return found
 
@@ -138,7 +140,10 @@ class Kinematics:
             Shape (rows, n, n): entry (k, i, j) is the change of the Jacobian's entry (k, i) per
             joint j, linear above angular velocity.
         """
-        return curvature_at(rows, point, *self._link(link).support)
+        joints = len(self.lower)
+        found = np.zeros((rows, joints, joints))
+        curvature_at(point, *self._link(link).support, found)
+        return found
 
     def moving(self, link: str) -> frozenset[str]:
         """Names of the model's joints that move a link, passive ones too."""
@@ -164,7 +169,7 @@ class Kinematics:
         velocities = np.array([each.idx_v for each in joints], dtype=np.intp)
         own = self._expansion[velocities]
         rows, columns = np.nonzero(own)
-        support = self._data.J, velocities[rows], columns, own[rows, columns], own.shape[1]
+        support = self._data.J, velocities[rows], columns, own[rows, columns]
         return _Link(placement.translation, placement.rotation, support)
 
     def _index(self, link: str) -> int:

@@ -14,19 +14,22 @@ Vector = tuple[float, float, float]
 
 @compiled_once
 def point_at(
-    offset: Vector,
+    x: float,
+    y: float,
+    z: float,
     origin: Floats,
     rotation: Floats,
     axes: Floats,
     moved: Integers,
     columns: Integers,
     ratios: Floats,
-    joints: int,
-) -> tuple[Floats, Floats]:
-    """A point of a link, and its Jacobian.
+    point: Floats,
+    jacobian: Floats,
+) -> None:
+    """Compute a point of a link, and its Jacobian.
 
     Args:
-        offset: from the link's origin to the point in the link's axes, m.
+        x, y, z: of the point from the link's origin in the link's axes, m.
         origin: of the link, world frame, m, shape (3,).
         rotation: the link's axes as columns, shape (3, 3).
         axes: spatial velocities at the world's origin, linear above angular, per velocity of the
@@ -34,51 +37,40 @@ def point_at(
         moved: which of the model's joints move the link, from the root outwards, shape (k,).
         columns: the actuated joint that each of them follows, shape (k,).
         ratios: how far it follows, shape (k,).
-        joints: number of actuated joints, n.
-
-    Returns:
-        Position, world frame, m, shape (3,); linear above angular velocity, world axes, per joint
-        velocity, shape (6, n).
+        point: becomes its position, world frame, m, shape (3,).
+        jacobian: zeros, becomes its linear above angular velocity, world axes, per velocity of the
+            n actuated joints, shape (6, n).
     """
-    point = np.empty(3)
     for row in range(3):
-        point[row] = origin[row]
-        for column in range(3):
-            point[row] += rotation[row, column] * offset[column]
-    jacobian = np.zeros((6, joints))
+        turned = rotation[row, 0] * x + rotation[row, 1] * y + rotation[row, 2] * z
+        point[row] = origin[row] + turned
     for i in range(len(moved)):
         twist = _twist(point, axes[:, moved[i]], ratios[i])
         for row in range(6):
             jacobian[row, columns[i]] += twist[row]
-    return point, jacobian
 
 
 @compiled_once
 def curvature_at(
-    rows: int,
     point: Floats,
     axes: Floats,
     moved: Integers,
     columns: Integers,
     ratios: Floats,
-    joints: int,
-) -> Floats:
-    """The derivative of a point's Jacobian by the joints, as the point moves along with them.
+    curvature: Floats,
+) -> None:
+    """Compute the derivative of a point's Jacobian by the joints, as it moves along with them.
 
     A joint turns the axes and levers of the joints beyond it, and moves the point as it turns
     those before it: of joints i before j, the column of either changes by the other as
     omega_i x v_j; their axes change as omega_i x omega_j, by joint i alone.
 
     Args:
-        rows: 3 for the linear part alone, 6 for both.
         point: world frame, m, shape (3,).
-        axes, moved, columns, ratios, joints: as above.
-
-    Returns:
-        Shape (rows, n, n): entry (k, i, j) is the change of the Jacobian's entry (k, i) per joint
-        j.
+        axes, moved, columns, ratios: as above.
+        curvature: zeros, shape (rows, n, n), of 3 rows for the linear part alone or 6 for both;
+            entry (k, i, j) becomes the change of the Jacobian's entry (k, i) per joint j.
     """
-    curvature = np.zeros((rows, joints, joints))
     for i in range(len(moved)):
         first = _twist(point, axes[:, moved[i]], ratios[i])
         for j in range(i, len(moved)):
@@ -89,11 +81,10 @@ def curvature_at(
                 curvature[row, other, one] += change[row]
                 if i != j:
                     curvature[row, one, other] += change[row]
-            if rows == 6:
+            if len(curvature) == 6:
                 change = _cross(first[3:], second[3:])
                 for row in range(3):
                     curvature[3 + row, other, one] += change[row]
-    return curvature
 
 
 @compiled

@@ -163,12 +163,27 @@ class Signals:
         return known
 
     def _require_finite(self, observation: Observation) -> None:
-        # A sum of squares is NaN or infinite as soon as one of its terms is.
         positions, velocities = observation.positions, observation.velocities
-        for what, values in (("position", positions), ("velocity", velocities)):
+        # A sum of squares is NaN or infinite as soon as one of its terms is.
+        squares = positions.dot(positions) + velocities.dot(velocities)
+        for load in observation.loads.values():
+            squares += load.dot(load)
+        if not math.isfinite(squares):
+            self._refuse(observation)
+
+    def _refuse(self, observation: Observation) -> None:
+        """Say which sensor gave a number that is not finite, or too large to compute with."""
+        measured = {"position": observation.positions, "velocity": observation.velocities}
+        for what, values in measured.items():
             if not math.isfinite(values.dot(values)):
-                joint = self.joints.names[int(np.argmin(np.isfinite(values)))]
-                raise SensorError(f"the {what} of joint {joint} is not finite")
+                joint = self.joints.names[int(np.argmax(np.abs(values)))]
+                raise SensorError(f"the {what} of {self._owner(joint)} is not finite")
         for (hand, finger), load in observation.loads.items():
             if not math.isfinite(load.dot(load)):
                 raise SensorError(f"the load cell {hand}.{finger} is not finite")
+        raise SensorError("the sensors' numbers are too large to compute with")
+
+    def _owner(self, joint: str) -> str:
+        """A joint, and the resource that it belongs to."""
+        effectors = self._robot.effectors.items()
+        return next(f"joint {joint} of {name}" for name, each in effectors if joint in each.joints)

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from cbdsl.control.law import Law, LawSettings, Level, Step
+from cbdsl.control.law import Law, LawSettings, Step
+from cbdsl.control.stack import Stack
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.robot.compiled import compiled_once
 from cbdsl.robot.signals import Signals
@@ -19,38 +20,22 @@ Floats = NDArray[np.float64]
 Columns = NDArray[np.intp]
 
 
-class _Body(NamedTuple):
-    """The joints that act together.
+class _Composition(NamedTuple):
+    """What acts together.
 
     Attributes:
-        columns: their indices among all actuated ones, shape (n,).
-        lower: lower limits with their margin, rad, shape (n,).
-        upper: upper limits with their margin, rad, shape (n,).
+        columns: indices of its joints among all actuated ones, shape (n,).
+        lower: their lower limits with the margin, rad, shape (n,).
+        upper: their upper limits with the margin, rad, shape (n,).
         law: of these joints.
+        stack: the levels of its controllers.
     """
 
     columns: Columns
     lower: Floats
     upper: Floats
     law: Law
-
-
-class _Tick(NamedTuple):
-    """What acted in a tick: joints, controllers from the highest priority, and what they did."""
-
-    body: _Body
-    runs: tuple[ControllerRun, ...]
-    step: Step
-
-    def past(self, levels: Mapping[ControllerRun, Level]) -> Sequence[Floats]:
-        """The levels' Jacobians in this tick and the one before, as far as known, (k, n) each.
-
-        Where other levels acted, those of this tick, and of a level that had none its own.
-        """
-        if self.runs == tuple(levels):
-            return self.step.rows, *self.step.past[:1]
-        rows = dict(zip(self.runs, np.split(self.step.rows, self.step.ends[:-1]), strict=True))
-        return (np.concatenate([rows.get(run, level.jacobian) for run, level in levels.items()]),)
+    stack: Stack
 
 
 @compiled_once
@@ -97,13 +82,13 @@ class Actuation:
             joint_step=robot.control.joint_speed * period,
             limit_margin=robot.control.limit_margin,
         )
-        self._bodies: dict[tuple[ControllerRun, ...], _Body] = {}
+        self._compositions: dict[tuple[ControllerRun, ...], _Composition] = {}
 
     def reset(self, positions: Floats) -> None:
         """Start from measured positions, rad, shape (n,)."""
         self.reference = positions.copy()
         self.step: Step | None = None
-        self._last: _Tick | None = None
+        self._last: _Composition | None = None
 
     def move(self, active: Sequence[Active]) -> None:
         """Evaluate the active controllers and move the references by the law's step."""
@@ -111,45 +96,42 @@ class Actuation:
         # A program that has ended leaves nothing to act.
         if not active:
             return
-        body = self._body(active)
-        found = [(run, run.evaluate(body.columns, peers)) for run, peers in active]
-        levels = {run: level for run, level in found if level is not None}
-        if not levels:
+        found = self._last = self._composition(active)
+        columns, lower, upper, law, stack = found
+        if found is not last:
+            stack.forget()
+        stack.turn()
+        for place, (run, peers) in enumerate(active):
+            if not run.act(stack, place, columns, peers):
+                stack.rest(place)
+        if not stack.ages.any():
             return
-        here = self._signals.positions[body.columns]
-        past = () if last is None or last.body is not body else last.past(levels)
-        step = self.step = body.law.solve(list(levels.values()), here, past)
-        self._last = _Tick(body, tuple(levels), step)
-        advance(
-            self.reference,
-            body.columns,
-            step.displacement,
-            here,
-            self._control.lead,
-            body.lower,
-            body.upper,
-        )
+        here = self._signals.positions[columns]
+        step = self.step = law.compose(stack, here)
+        lead = self._control.lead
+        advance(self.reference, columns, step.displacement, here, lead, lower, upper)
 
     def at_limits(self) -> tuple[str, ...]:
         """The joints that their limits held back in the last tick."""
-        if self._last is None:
+        if self._last is None or self.step is None:
             return ()
-        body, _, step = self._last
         return tuple(
             self._signals.joints.names[column]
-            for column, locked in zip(body.columns, step.locked, strict=True)
+            for column, locked in zip(self._last.columns, self.step.locked, strict=True)
             if locked
         )
 
-    def _body(self, active: Sequence[Active]) -> _Body:
-        """The union of the active controllers' joints."""
+    def _composition(self, active: Sequence[Active]) -> _Composition:
+        """The active controllers' levels, and the union of their joints."""
         runs = tuple([item.run for item in active])
-        body = self._bodies.get(runs)
-        if body is None:
+        found = self._compositions.get(runs)
+        if found is None:
             joints = tuple(dict.fromkeys(joint for run in runs for joint in run.controller.joints))
             columns = self._signals.joints.pick(joints)
             limits, margin = self._signals.kinematics, self._settings.limit_margin
             lower, upper = limits.lower[columns], limits.upper[columns]
             law = Law(lower, upper, self._settings)
-            body = self._bodies[runs] = _Body(columns, lower + margin, upper - margin, law)
-        return body
+            stack = Stack([(run.controller.name, run.size) for run in runs], len(columns))
+            found = _Composition(columns, lower + margin, upper - margin, law, stack)
+            self._compositions[runs] = found
+        return found

@@ -10,13 +10,13 @@ from numpy.typing import NDArray
 
 from cbdsl.control.body import Body
 from cbdsl.control.field import NoPathError
-from cbdsl.control.law import Level
 from cbdsl.control.obstacle import Obstacle
 from cbdsl.control.potential import Evaluation
 from cbdsl.control.predicate import QuiescenceMonitor
 from cbdsl.control.registry import build
 from cbdsl.control.rotation import exp
 from cbdsl.control.signal import Signal
+from cbdsl.control.stack import Stack
 from cbdsl.control.task import Task
 from cbdsl.program.controller import AlongNormals, Ball, Controller, Field, Funnel, Literal
 from cbdsl.robot.density import Sampler
@@ -52,7 +52,6 @@ class ControllerRun:
         predicate: X - 0 1 (Eq 4.1).
         phi: the potential, NaN while undefined.
         error: norm of the residual in the unit of the feedback, NaN while undefined.
-        evaluation: the potential in this tick, in the joints that act, ``None`` while undefined.
         seeking: whether it acts to make its feedback defined.
         exhausted: whether it has sought in vain.
         no_path: why no free path leads to the reference; empty where one does.
@@ -63,21 +62,20 @@ class ControllerRun:
     ) -> None:
         self.controller = controller
         self._signals = signals
-        self._period = period
         self._rng = rng
         own = self._own = signals.joints.pick(controller.joints)
-        self._composition: Columns | None = None
+        self._stack: Stack | None = None
         self._read = _reader(controller, signals)
         limits = signals.kinematics
         cameras = (
             signals.sight.cameras() if isinstance(controller.feedback.source, Headings) else ()
         )
         self._potential = build(controller, Body(limits.lower[own], limits.upper[own], cameras))
-        self._task = Task(controller, period)
+        self._task = Task(controller, self._potential, period)
         self._moves = False
         self._always_defined = isinstance(controller.feedback.source, _PROPRIOCEPTIVE)
         quiescence = controller.quiescence
-        self._monitor = QuiescenceMonitor(quiescence.rate, quiescence.window)
+        self._monitor = QuiescenceMonitor(quiescence.rate, quiescence.window, period)
         self._tolerance = math.inf if quiescence.tolerance is None else quiescence.tolerance
         self._constant = _constant_reference(controller, signals)
         self._sampler: Sampler | None = None
@@ -87,7 +85,7 @@ class ControllerRun:
         """Forget the activation."""
         self.predicate = "X"
         self.phi = self.error = math.nan
-        self.evaluation: Evaluation | None = None
+        self._defined_by: tuple[Reading, Reading] | None = None
         self.seeking = self.exhausted = False
         self.settled = False
         self.no_path = ""
@@ -103,56 +101,84 @@ class ControllerRun:
             self.deactivate()
             self.predicate = "0"
 
-    def evaluate(self, columns: Columns, peers: Mapping[str, ControllerRun]) -> Level | None:
-        """Update the predicate and return this tick's level, in the joints ``columns``.
+    @property
+    def size(self) -> int:
+        """Number of task coordinates."""
+        return self._potential.size
+
+    def act(
+        self, stack: Stack, place: int, columns: Columns, peers: Mapping[str, ControllerRun]
+    ) -> bool:
+        """Update the predicate and write this tick's level; returns whether there is one.
 
         Args:
+            stack: of the composition that it acts in.
+            place: of its level in the stack.
             columns: indices of the composition's joints among all actuated ones.
             peers: the controllers it runs together with, by name.
+
+        Raises:
+            SignalError: a number that it would act on is not finite; the message names it.
         """
         reference = self._reference()
         if reference is None:
             self._undefined()
-            return None
+            return False
         feedback = self._read(reference)
         defined = feedback is not None and self._defines(feedback)
         if not defined:
             self._undefined()
             if not self._may_seek(peers):
-                return None
+                return False
         if feedback is None:
-            return None
-        signal = self._signal(feedback, columns)
-        try:
-            evaluation = self._potential.evaluate(signal, reference.value)
-        except NoPathError as error:
-            self._undefined()
-            self.no_path = str(error)
-            return None
-        if defined:
-            self._defined(evaluation, reference, feedback.stamp)
-        if self.controller.funnel is not None:
-            height = _height(reference.value, feedback.value, self.controller.funnel)
-            if height > 0.0:
-                raised = reference.value + np.array([0.0, 0.0, height])
-                evaluation = self._potential.evaluate(signal, raised)
-        return self._task.level(evaluation)
-
-    def _signal(self, feedback: Reading, columns: Columns) -> Signal:
-        """The feedback as the effector's joints move it; all others count as still (Eq 3.21)."""
-        if columns is not self._composition:
-            self._composition = columns
+            return False
+        if stack is not self._stack:
+            self._stack = stack
             self._columns = np.where(np.isin(columns, self._own), columns, -1)
-            self._jacobian: Floats | None = None
-        # That of a configuration never changes.
-        if feedback.jacobian is not self._jacobian:
-            self._jacobian = feedback.jacobian
-            self._rows = columns_of(feedback.jacobian, self._columns)
+            self._task.join(stack, place, self._columns)
+        try:
+            phi, error = self._follow(stack, place, feedback, reference)
+        except NoPathError as failure:
+            self._undefined()
+            self.no_path = str(failure)
+            return False
+        if defined:
+            self._defined(phi, error, reference, feedback)
+        return True
+
+    def _follow(
+        self, stack: Stack, place: int, feedback: Reading, reference: Reading
+    ) -> tuple[float, float]:
+        """Write this tick's level; returns phi and the norm of the residual."""
+        wanted, funnel, raised = reference.value, self.controller.funnel, 0.0
+        if funnel is not None:
+            raised = _height(wanted, feedback.value, funnel)
+        found = self._task.act(feedback, wanted, raised)
+        if found[0] == found[0]:
+            return found
+        signal = self._signal(feedback)
+        evaluation = self._potential.evaluate(signal, wanted)
+        found = evaluation.phi, math.sqrt(evaluation.residual.dot(evaluation.residual))
+        if raised > 0.0:
+            evaluation = self._potential.evaluate(signal, wanted + np.array([0.0, 0.0, raised]))
+        stack.put(place, self._task.level(evaluation))
+        return found
+
+    @property
+    def evaluation(self) -> Evaluation | None:
+        """The potential in this tick, in the joints that act; ``None`` while undefined."""
+        if self._defined_by is None:
+            return None
+        feedback, reference = self._defined_by
+        return self._potential.evaluate(self._signal(feedback), reference.value)
+
+    def _signal(self, feedback: Reading) -> Signal:
+        """The feedback as the effector's joints move it; all others count as still (Eq 3.21)."""
         curvature, field = feedback.curvature, self.controller.field
         return Signal(
             self.controller.feedback.name,
             feedback.value,
-            self._rows,
+            columns_of(feedback.jacobian, self._columns),
             None if curvature is None else columns_of_both(curvature, self._columns),
             () if field is None else tuple(self._obstacles(field)),
         )
@@ -186,21 +212,21 @@ class ControllerRun:
         self.predicate = self._monitor.undefined()
         self.no_path = ""
         self.phi = self.error = math.nan
-        self.evaluation = None
+        self._defined_by = None
         self.settled = False
         # The robot may be doing something else by the time the signal is back.
         if not self.seeking:
             self._task.reset()
 
-    def _defined(self, evaluation: Evaluation, reference: Reading, stamp: int) -> None:
+    def _defined(self, phi: float, error: float, reference: Reading, feedback: Reading) -> None:
         self.seeking = self.exhausted = False
         self.no_path = ""
-        self.phi, self.evaluation = evaluation.phi, evaluation
-        self.error = math.sqrt(evaluation.residual.dot(evaluation.residual))
-        stamp = max(stamp, reference.stamp)
-        self.predicate = self._monitor.update(self.phi, self._period, fresh=stamp != self._stamp)
+        self.phi, self.error = phi, error
+        self._defined_by = feedback, reference
+        stamp = max(feedback.stamp, reference.stamp)
+        self.predicate = self._monitor.update(phi, fresh=stamp != self._stamp)
         self._stamp = stamp
-        self.settled = self.error <= self._bound(reference)
+        self.settled = error <= self._bound(reference)
 
     def _bound(self, reference: Reading) -> float:
         """The largest error that earns a reward."""

@@ -9,7 +9,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from cbdsl.control.law import Level, LevelReport, Step
+from cbdsl.control.law import LevelReport, Step
+from cbdsl.control.level import Level
 from cbdsl.runtime.controller_run import ControllerRun
 from cbdsl.runtime.episode import Tick
 from cbdsl.runtime.program_run import ProgramRun
@@ -121,9 +122,9 @@ def _run(program: ProgramRun, name: str) -> tuple[str, ControllerRun]:
 
 def _change(run: ControllerRun, level: Level, displacement: Floats) -> float:
     """The change of phi that a displacement, rad, shape (n,), makes to first order."""
-    evaluation = run.evaluation
     kind = POTENTIALS[run.controller.potential]
-    if evaluation is None or kind.field:
+    evaluation = None if kind.field else run.evaluation
+    if evaluation is None:
         return math.nan
     if kind.residual:
         return -float(evaluation.residual @ (evaluation.jacobian @ displacement))

@@ -64,6 +64,11 @@ class PotentialType(NamedTuple):
     factors: int | None = None
     field: bool = False
 
+    @property
+    def scalar(self) -> bool:
+        """Whether phi itself is the only task coordinate."""
+        return not (self.residual or self.field)
+
 
 _MET, _ROBOT, _NOT_MET = Condition.MET, Condition.ROBOT, Condition.NOT_MET
 

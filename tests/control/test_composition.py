@@ -16,10 +16,11 @@ def composed(blocks: list[Floats], wanted: list[Floats]) -> tuple[Floats, Floats
     joints = blocks[0].shape[1]
     limits = np.array([np.full(joints, -FREE), np.full(joints, FREE)])
     ends = np.cumsum([len(rows) for rows in blocks])
-    rows = np.vstack(blocks)
-    step, locked, values = compose(
-        *(rows, rows, rows, np.concatenate(wanted), ends),
-        *(np.zeros(joints), limits, FREE, 0.0, 1e-300),
+    rows = np.stack([np.vstack(blocks)] * 3)
+    step, locked, values = np.empty(joints), np.empty(joints, dtype=bool), np.empty(ends[-1])
+    compose(
+        *(rows, 0, np.ones(len(blocks), dtype=int), np.concatenate(wanted), ends),
+        *(np.zeros(joints), limits, FREE, 0.0, 1e-300, step, locked, values),
     )
     assert not locked.any()
     return step, values
@@ -79,7 +80,21 @@ def test_rows_half_a_tick_ahead_are_exact_for_parabolas(rng: np.random.Generator
         found: Floats = position + rate * time + acceleration * time**2
         return found
 
-    np.testing.assert_allclose(midway(rows(0), rows(-1), rows(-2)), rows(0.5), atol=1e-12)
+    # The newest of the three may be anywhere in them.
+    found = midway(np.stack((rows(-1), rows(0), rows(-2))), 1, np.array([3]), np.array([2]))
+    np.testing.assert_allclose(found, rows(0.5), atol=1e-12)
+
+
+def test_rows_half_a_tick_ahead_go_by_as_many_ticks_as_each_level_has_acted(
+    rng: np.random.Generator,
+) -> None:
+    position, rate, unknown = rng.normal(size=(3, 4, 5))
+    rows = np.stack((position - rate, unknown, position))
+    ages, ends = np.array([2, 1, 0]), np.array([1, 2, 4])
+    found = midway(rows, 2, ages, ends)
+    np.testing.assert_allclose(found[0], position[0] + 0.5 * (position[0] - unknown[0]), atol=1e-12)
+    np.testing.assert_array_equal(found[1], position[1])
+    np.testing.assert_array_equal(found[2:], 0.0)
 
 
 @pytest.mark.parametrize("rows", [np.zeros((1, 4)), np.zeros((3, 4)), np.eye(1, 4)])

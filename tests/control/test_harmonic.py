@@ -11,7 +11,8 @@ from cbdsl.control import harmonic
 from cbdsl.control.body import Body
 from cbdsl.control.field import HarmonicField, NoPathError
 from cbdsl.control.harmonic import Harmonic
-from cbdsl.control.law import Law, LawSettings, Level
+from cbdsl.control.law import Law, LawSettings
+from cbdsl.control.level import Level
 from cbdsl.control.obstacle import Obstacle
 from cbdsl.control.registry import build
 from cbdsl.control.signal import Floats, Signal, SignalError

@@ -7,7 +7,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from cbdsl.control.law import Law, LawSettings, Level, Step
+from cbdsl.control.law import Law, LawSettings, Step
+from cbdsl.control.level import Level
 from cbdsl.control.signal import Floats, SignalError
 from cbdsl.control.spring import Spring
 from cbdsl.types.resource_type import POSITION

@@ -5,7 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from cbdsl.control.law import Law, LawSettings, Level
+from cbdsl.control.law import Law, LawSettings
+from cbdsl.control.level import Level
 from cbdsl.control.signal import Floats
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.robot.kinematics import Kinematics

@@ -16,7 +16,7 @@ IMAGE = 8  # ticks per image at 15 Hz
 
 
 def watch(monitor: QuiescenceMonitor, values: Iterable[float], fresh: Callable[[int], bool]) -> str:
-    return "".join(monitor.update(phi, TICK, fresh=fresh(i)).value for i, phi in enumerate(values))
+    return "".join(monitor.update(phi, fresh=fresh(i)).value for i, phi in enumerate(values))
 
 
 def every_tick(tick: int) -> bool:
@@ -32,26 +32,26 @@ def test_states_are_strings() -> None:
 
 
 def test_rest_needs_a_full_window() -> None:
-    monitor = QuiescenceMonitor(rate=1e-4, window=0.25)
+    monitor = QuiescenceMonitor(rate=1e-4, window=0.25, period=TICK)
     assert watch(monitor, [2.0] * 40, every_tick) == "0" * 30 + "1" * 10
 
 
 @given(slope=st.floats(0.01, 100), excess=st.sampled_from([0.9, 1.1]))
 def test_threshold_is_a_rate(slope: float, excess: float) -> None:
-    monitor = QuiescenceMonitor(rate=slope / excess, window=0.25)
+    monitor = QuiescenceMonitor(rate=slope / excess, window=0.25, period=TICK)
     ramp = [10 - slope * tick * TICK for tick in range(60)]
     assert watch(monitor, ramp, every_tick)[-20:] == ("1" if excess < 1 else "0") * 20
 
 
 def test_a_decaying_potential_comes_to_rest_once() -> None:
-    monitor = QuiescenceMonitor(rate=1e-3, window=0.3)
+    monitor = QuiescenceMonitor(rate=1e-3, window=0.3, period=TICK)
     states = watch(monitor, [math.exp(-4 * tick * TICK) for tick in range(600)], every_tick)
     assert states.strip("1").strip("0") == ""
     assert states.endswith("1")
 
 
 def test_a_disturbance_ends_the_rest() -> None:
-    monitor = QuiescenceMonitor(rate=1e-3, window=0.1)
+    monitor = QuiescenceMonitor(rate=1e-3, window=0.1, period=TICK)
     states = watch(monitor, [0.0] * 20 + [0.5] * 20, every_tick)
     assert states[19] == "1"
     assert states[20:32] == "0" * 12
@@ -62,32 +62,32 @@ def test_a_potential_repeated_between_images_is_not_at_rest() -> None:
     """The potential falls with every image; between images it only looks constant."""
     window = 0.05  # shorter than the 66.7 ms between two images
     falling = [1.0 / (1 + tick // IMAGE) for tick in range(IMAGE * 12)]
-    assert "1" in watch(QuiescenceMonitor(1e-3, window), falling, every_tick)
-    assert "1" not in watch(QuiescenceMonitor(1e-3, window), falling, every_image)
+    assert "1" in watch(QuiescenceMonitor(1e-3, window, TICK), falling, every_tick)
+    assert "1" not in watch(QuiescenceMonitor(1e-3, window, TICK), falling, every_image)
 
 
 def test_rest_over_images_is_counted_in_time() -> None:
     window = 0.2  # three images
-    states = watch(QuiescenceMonitor(1e-3, window), [0.3] * (IMAGE * 6), every_image)
+    states = watch(QuiescenceMonitor(1e-3, window, TICK), [0.3] * (IMAGE * 6), every_image)
     assert states == "0" * (3 * IMAGE) + "1" * (3 * IMAGE)
 
 
 def test_undefined_forgets_and_says_so() -> None:
-    monitor = QuiescenceMonitor(rate=1e-3, window=0.1)
+    monitor = QuiescenceMonitor(rate=1e-3, window=0.1, period=TICK)
     assert watch(monitor, [0.0] * 20, every_tick)[-1] == "1"
     assert monitor.undefined() is Predicate.UNDEFINED
     assert watch(monitor, [0.0] * 13, every_tick) == "0" * 12 + "1"
 
 
 def test_reset_forgets() -> None:
-    monitor = QuiescenceMonitor(rate=1e-3, window=0.1)
+    monitor = QuiescenceMonitor(rate=1e-3, window=0.1, period=TICK)
     watch(monitor, [0.0] * 20, every_tick)
     monitor.reset()
-    assert monitor.update(0.0, TICK, fresh=False) is Predicate.TRANSIENT
+    assert monitor.update(0.0, fresh=False) is Predicate.TRANSIENT
     assert watch(monitor, [0.0] * 13, every_tick) == "0" * 12 + "1"
 
 
 @pytest.mark.parametrize(("rate", "window"), [(0, 1), (1, 0), (-1, 1), (math.nan, 1)])
 def test_rate_and_window_are_positive(rate: float, window: float) -> None:
     with pytest.raises(ValueError, match="positive"):
-        QuiescenceMonitor(rate, window)
+        QuiescenceMonitor(rate, window, TICK)

@@ -11,6 +11,8 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
+from cbdsl.control.level import Level
+from cbdsl.control.stack import Stack
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.program.checked import CheckedProgram
 from cbdsl.program.controller import Controller, Literal
@@ -60,9 +62,14 @@ def look_at(ball: Ball | None, signals: Signals, backend: SyntheticBackend) -> N
 
 def evaluate(run: ControllerRun) -> Floats | None:
     """One tick; the wanted displacement of the task coordinates."""
-    columns = np.arange(24)
-    level = run.evaluate(columns, {})
+    level = level_of(run, 24)
     return None if level is None else level.velocity
+
+
+def level_of(run: ControllerRun, joints: int) -> Level | None:
+    """One tick in a composition of all joints."""
+    stack = Stack([(run.controller.name, run.size)], joints)
+    return stack.midway()[0] if run.act(stack, 0, np.arange(joints), {}) else None
 
 
 @pytest.fixture
@@ -265,7 +272,7 @@ def test_joints_other_than_the_effectors_count_as_still(
     signals = Signals(dexter, kinematics, [squeeze.feedback])
     look_at(None, signals, backend)
     run = ControllerRun(squeeze, signals, PERIOD, np.random.default_rng(0))
-    level = run.evaluate(np.arange(len(signals.joints)), {})
+    level = level_of(run, len(signals.joints))
     assert level is not None
     arms, hands = signals.joints.of("arms"), signals.joints.of("hands")
     assert signals.touch.normal_forces(squeeze.feedback.source).jacobian[:, hands].any()

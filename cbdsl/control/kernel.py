@@ -1,0 +1,101 @@
+"""One controller's tick, all at once: from its feedback to its level in the stack; compiled.
+
+Called one by one, the steps would take less time than the calls of them.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from cbdsl.control.composition import Integers
+from cbdsl.control.manipulability import volume
+from cbdsl.control.potential import RANGE, SPRING
+from cbdsl.control.range import turn
+from cbdsl.control.rate import displace, norm
+from cbdsl.control.signal import Floats
+from cbdsl.control.spring import subtract
+from cbdsl.control.stack import TICKS
+from cbdsl.robot.compiled import compiled, compiled_once
+
+
+@compiled_once
+def act(
+    kind: int,
+    constants: Floats,
+    value: Floats,
+    jacobian: Floats,
+    curvature: Floats,
+    reference: Floats,
+    raised: float,
+    newest: int,
+    bounds: Floats,
+    before: Floats,
+    columns: Integers,
+    rows: Floats,
+    wanted: Floats,
+    ages: Integers,
+    start: int,
+    place: int,
+) -> tuple[float, float]:
+    """Evaluate a potential and let its controller act.
+
+    Args:
+        kind: of the potential, ``SPRING``, ``RANGE`` or ``MANIPULABILITY``.
+        constants: of the potential.
+        value: of the feedback, shape (m,).
+        jacobian: of the feedback by all joints, shape (m, all).
+        curvature: derivative of the Jacobian, shape (m, all, all), or empty.
+        reference: what the feedback shall become, shape (m,).
+        raised: how far above its reference a position is sent to, m.
+        newest: of the stack.
+        bounds: see ``bounds_of``.
+        before: what the task moved by in the tick before, shape (k,); becomes this tick's.
+        columns: which joint each of the stack's n is, -1 for those that count as still.
+        rows, wanted, ages: of the stack.
+        start: the level's first row in the stack.
+        place: of the level in the stack.
+
+    Returns:
+        phi and the residual's norm; NaN, and nothing acts, where something is missing, misshapen
+        or not finite, or manipulability is near a singularity.
+    """
+    level = rows[newest, start : start + len(before)]
+    residual, scale = np.empty(len(before)), 1.0
+    if kind in (SPRING, RANGE):
+        if not len(value) == len(jacobian) == len(before):
+            return math.nan, math.nan
+        _select(jacobian, columns, level)
+        if kind == RANGE:
+            phi = turn(value, constants, residual, level)
+        else:
+            phi = subtract(value, reference, residual)
+        error = norm(residual)
+        if raised > 0.0:
+            residual[2] += raised
+        step = 0.5 * residual
+    else:
+        phi = -volume(jacobian, curvature, columns, level[0])
+        length = norm(level[0])
+        error = length * length
+        residual[0] = -error
+        step = residual
+        # Down the slope, as a unit vector, like any potential without a residual.
+        scale = 1.0 / length if length > 0.0 else 0.0
+        level[0] *= -scale
+    sound = math.isfinite(phi + np.sum(level * 0.0))
+    if not (sound and displace(step, residual, level, scale, bounds, before)):
+        return math.nan, math.nan
+    wanted[start : start + len(before)] = before
+    ages[place] = min(ages[place] + 1, TICKS)
+    return phi, error
+
+
+@compiled
+def _select(jacobian: Floats, columns: Integers, level: Floats) -> None:
+    """Columns of a Jacobian (m, all); one that is numbered -1 is 0."""
+    for place in range(len(columns)):
+        column = columns[place]
+        for row in range(len(jacobian)):
+            level[row, place] = jacobian[row, column] if column >= 0 else 0.0

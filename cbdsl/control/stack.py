@@ -1,0 +1,95 @@
+"""The levels of a composition, tick by tick: controllers write them, the law reads them."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from cbdsl.control.composition import midway
+from cbdsl.control.level import Level
+from cbdsl.control.signal import Floats, SignalError
+
+#: How many ticks are kept.
+TICKS = 3
+
+
+class Stack:
+    """Levels, highest priority first, k rows in all, of n joints.
+
+    Attributes:
+        names: the controllers.
+        rows: task coordinates per joint in three ticks, shape (3, k, n).
+        newest: which of the three is this tick; the tick before is one less, modulo 3.
+        wanted: displacement of the task coordinates in this tick, shape (k,).
+        starts: index of the first row of each level.
+        ends: index after the last row of each level, shape (levels,).
+        ages: for how many ticks in a row each level has acted, up to 3; 0 where it does not act,
+            shape (levels,).
+
+    Args:
+        levels: names of the controllers and how many task coordinates each has.
+        joints: n.
+    """
+
+    def __init__(self, levels: Sequence[tuple[str, int]], joints: int) -> None:
+        self.names = tuple(name for name, _ in levels)
+        sizes = np.array([size for _, size in levels], dtype=np.int64)
+        self.ends = np.cumsum(sizes)
+        self.starts: tuple[int, ...] = tuple((self.ends - sizes).tolist())
+        size = int(sizes.sum())
+        self.rows, self.wanted = np.zeros((TICKS, size, joints)), np.zeros(size)
+        self.ages = np.zeros(len(levels), dtype=np.int64)
+        self.newest = 0
+
+    @classmethod
+    def of(cls, levels: Sequence[Level], joints: int) -> Stack:
+        """Levels that act for the first time.
+
+        Raises:
+            SignalError: a level's shape does not fit.
+        """
+        stack = cls([(level.name, len(level.velocity)) for level in levels], joints)
+        for place, level in enumerate(levels):
+            stack.put(place, level)
+        return stack
+
+    def put(self, place: int, level: Level) -> None:
+        """Let a level act in this tick.
+
+        Raises:
+            SignalError: its shape does not fit.
+        """
+        rows = self.rows[self.newest, self.starts[place] : self.ends[place]]
+        if level.jacobian.shape != rows.shape:
+            raise SignalError(
+                f"{level.name} wants {len(level.velocity)} coordinates of {self.rows.shape[2]} "
+                f"joints, but its Jacobian has shape {level.jacobian.shape}"
+            )
+        rows[:] = level.jacobian
+        self.wanted[self.starts[place] : self.ends[place]] = level.velocity
+        self.ages[place] = min(self.ages[place] + 1, TICKS)
+
+    def rest(self, place: int) -> None:
+        """Let a level not act in this tick."""
+        self.ages[place] = 0
+
+    def turn(self) -> None:
+        """Begin a tick: the rows of the oldest make room."""
+        self.newest = (self.newest + 1) % TICKS
+
+    def forget(self) -> None:
+        """Forget the ticks before: something else has acted since."""
+        self.ages[:] = 0
+
+    def midway(self) -> tuple[Level, ...]:
+        """The levels that act, with their Jacobians half a tick ahead."""
+        rows = midway(self.rows, self.newest, self.ages, self.ends)
+        names = [name for name, age in zip(self.names, self.ages, strict=True) if age]
+        parts = zip(names, self.split(rows), self.split(self.wanted), strict=True)
+        return tuple(Level(name, jacobian, velocity) for name, jacobian, velocity in parts)
+
+    def split(self, values: Floats) -> list[Floats]:
+        """What each level that acts has of values (k, ...)."""
+        spans = zip(self.starts, self.ends, self.ages, strict=True)
+        return [values[start:end] for start, end, age in spans if age]
