@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from cbdsl.cli.report import Report
+    from cbdsl.cli.outcome import Report
     from cbdsl.errors.diagnostic import Diagnostic
     from cbdsl.yaml_text.library import Library
 
@@ -73,7 +73,7 @@ def _examine(paths: Iterable[str], values: Mapping[str, str], stdin: Path) -> Re
     from cbdsl.checking.document import check_document
     from cbdsl.checking.session import Session
     from cbdsl.cli.ignores import heed_ignores
-    from cbdsl.cli.report import Report
+    from cbdsl.cli.outcome import Report
     from cbdsl.yaml_text.library import Library
 
     words = list(paths)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from cbdsl.cli.report import Report
+from cbdsl.cli.outcome import Report
 from cbdsl.errors.diagnostic import Diagnostic
 
 # What a workflow command may not hold as it is; the sign of the escapes comes first.

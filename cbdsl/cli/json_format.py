@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 from typing import Any
 
-from cbdsl.cli.report import Report
+from cbdsl.cli.outcome import Report
 from cbdsl.errors.diagnostic import Diagnostic, Place
 
 #: Grows when a key changes its meaning or goes; new keys may come without it.

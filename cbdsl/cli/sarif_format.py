@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 from urllib.parse import quote
 
-from cbdsl.cli.report import Report
+from cbdsl.cli.outcome import Report
 from cbdsl.errors.catalogue import CATALOGUE
 from cbdsl.errors.diagnostic import Diagnostic, Place
 from cbdsl.errors.entry import Entry

@@ -9,7 +9,7 @@ from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from cbdsl.cli.report import Report
+from cbdsl.cli.outcome import Report
 from cbdsl.cli.text_format import text
 from cbdsl.errors.diagnostic import Diagnostic
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 import sys
 
-from cbdsl.cli.report import Report
+from cbdsl.cli.outcome import Report
 from cbdsl.errors.counting import count
 
 
