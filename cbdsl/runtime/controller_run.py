@@ -72,8 +72,7 @@ class ControllerRun:
         )
         self._potential = build(controller, Body(limits.lower[own], limits.upper[own], cameras))
         self._task = Task(controller, self._potential, period)
-        self._moves = False
-        self._always_defined = isinstance(controller.feedback.source, _PROPRIOCEPTIVE)
+        self._moves = self._always_defined = False
         quiescence = controller.quiescence
         self._monitor = QuiescenceMonitor(quiescence.rate, quiescence.window, period)
         self._tolerance = math.inf if quiescence.tolerance is None else quiescence.tolerance
@@ -87,7 +86,6 @@ class ControllerRun:
         self.phi = self.error = math.nan
         self._defined_by: tuple[Reading, Reading] | None = None
         self.seeking = self.exhausted = False
-        self.settled = False
         self.no_path = ""
         self._sample: Floats | None = None
         self._stamp = -1
@@ -120,12 +118,12 @@ class ControllerRun:
         Raises:
             SignalError: a number that it would act on is not finite; the message names it.
         """
-        reference = self._reference()
+        reference = self._constant or self._reference()
         if reference is None:
             self._undefined()
             return False
         feedback = self._read(reference)
-        defined = feedback is not None and self._defines(feedback)
+        defined = feedback is not None and (self._always_defined or self._defines(feedback))
         if not defined:
             self._undefined()
             if not self._may_seek(peers):
@@ -137,13 +135,13 @@ class ControllerRun:
             self._columns = np.where(np.isin(columns, self._own), columns, -1)
             self._task.join(stack, place, self._columns)
         try:
-            phi, error = self._follow(stack, place, feedback, reference)
+            found = self._follow(stack, place, feedback, reference)
         except NoPathError as failure:
             self._undefined()
             self.no_path = str(failure)
             return False
         if defined:
-            self._defined(phi, error, reference, feedback)
+            self._defined(*found, reference, feedback)
         return True
 
     def _follow(
@@ -153,16 +151,15 @@ class ControllerRun:
         wanted, funnel, raised = reference.value, self.controller.funnel, 0.0
         if funnel is not None:
             raised = _height(wanted, feedback.value, funnel)
-        found = self._task.act(feedback, wanted, raised)
-        if found[0] == found[0]:
-            return found
+        phi, error = self._task.act(feedback, wanted, raised)
+        if not math.isnan(phi):
+            return phi, error
         signal = self._signal(feedback)
-        evaluation = self._potential.evaluate(signal, wanted)
-        found = evaluation.phi, math.sqrt(evaluation.residual.dot(evaluation.residual))
+        judged = acting = self._potential.evaluate(signal, wanted)
         if raised > 0.0:
-            evaluation = self._potential.evaluate(signal, wanted + np.array([0.0, 0.0, raised]))
-        stack.put(place, self._task.level(evaluation))
-        return found
+            acting = self._potential.evaluate(signal, wanted + np.array([0.0, 0.0, raised]))
+        stack.put(place, self._task.level(acting))
+        return judged.phi, math.sqrt(judged.residual.dot(judged.residual))
 
     @property
     def evaluation(self) -> Evaluation | None:
@@ -200,20 +197,19 @@ class ControllerRun:
 
         What is seen moves with an arm only while the arm's hand holds it; all else always does.
         """
-        if not (self._always_defined or self._signals.defined(self.controller.feedback)):
+        source = self.controller.feedback.source
+        if not self._signals.defined(self.controller.feedback):
             return False
-        if not self._moves:
-            moves = bool(feedback.jacobian.take(self._own, axis=1).any())
-            self._moves = moves and not isinstance(self.controller.feedback.source, _SEEN)
-            return moves
-        return True
+        moves = self._moves or bool(feedback.jacobian.take(self._own, axis=1).any())
+        self._moves = moves and not isinstance(source, _SEEN)
+        self._always_defined = self._moves and isinstance(source, _PROPRIOCEPTIVE)
+        return moves
 
     def _undefined(self) -> None:
         self.predicate = self._monitor.undefined()
         self.no_path = ""
         self.phi = self.error = math.nan
         self._defined_by = None
-        self.settled = False
         # The robot may be doing something else by the time the signal is back.
         if not self.seeking:
             self._task.reset()
@@ -226,7 +222,11 @@ class ControllerRun:
         stamp = max(feedback.stamp, reference.stamp)
         self.predicate = self._monitor.update(phi, fresh=stamp != self._stamp)
         self._stamp = stamp
-        self.settled = error <= self._bound(reference)
+
+    @property
+    def settled(self) -> bool:
+        """Whether it is defined and its error small enough to earn a reward."""
+        return self._defined_by is not None and self.error <= self._bound(self._defined_by[1])
 
     def _bound(self, reference: Reading) -> float:
         """The largest error that earns a reward."""
@@ -254,9 +254,7 @@ class ControllerRun:
         return bool(np.all(self._signals.angles(joints) > until))
 
     def _reference(self) -> Reading | None:
-        """The reference now, or ``None`` while it is undefined."""
-        if self._constant is not None:
-            return self._constant
+        """The reference now, where it is not constant, or ``None`` while it is undefined."""
         resource = self.controller.reference
         assert isinstance(resource, Resource)
         if resource.origin is not Origin.MODEL:
