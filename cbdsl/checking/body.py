@@ -99,9 +99,10 @@ class Body(NamedTuple):
         source = resource.source
         if isinstance(source, EffectorConfiguration):
             return frozenset(self.document.joints(source.effector))
-        if self.model is None:
+        links = self._links(source)
+        if self.model is None or not self.model.links.issuperset(links):
             return None
-        return frozenset(joint for link in self._links(source) for joint in self._above(link))
+        return frozenset(joint for link in links for joint in self._above(link))
 
     def sensing(self, resource: Resource) -> frozenset[str] | None:
         """The joints that move the cameras which see a resource; ``None`` if nothing sees it."""
@@ -110,12 +111,16 @@ class Body(NamedTuple):
         ):
             return None
         links = self._camera_links(resource.source)
+        if not self.model.links.issuperset(links):
+            return None
         return frozenset(joint for link in links for joint in self._above(link))
 
     def has_rigid_cameras(self) -> bool:
         """Whether no joint moves one camera and not the others, as far as the model tells."""
         links = [camera.link for camera in self.document.cameras.values()]
-        return self.model is None or len({frozenset(self._above(link)) for link in links}) <= 1
+        if self.model is None or not self.model.links.issuperset(links):
+            return True
+        return len({frozenset(self._above(link)) for link in links}) <= 1
 
     def has_tip(self, resource: Resource) -> bool:
         """Whether an effector, or each member of a group, has a tip."""

@@ -133,6 +133,9 @@ class Compositions:
             self._context.used.add(term.name)
             self._context.add("CB406", place, name=term.name)
             return
+        is_whole = self._context.source.is_whole
+        if not (is_whole("controllers", term.name) and is_whole("use", term.name)):
+            return  # what it names has been reported
         names = [*document.controllers, *document.use]
         self._context.add("CB404", place, names=names, name=term.name)
 

@@ -28,6 +28,11 @@ _NOT_NEGATIVE: tuple[Steps, ...] = (
     ("vision", "regions", "ray_gap"),
     ("vision", "regions", "hand_radius"),
 )
+_RATES: tuple[Steps, ...] = (
+    ("control", "rate"),
+    ("vision", "rate"),
+    ("simulation", "physics_rate"),
+)
 
 
 def check_constants(loaded: Loaded[RobotDocument], findings: Findings) -> None:
@@ -41,8 +46,9 @@ def check_constants(loaded: Loaded[RobotDocument], findings: Findings) -> None:
     ]
     not_negative = [*_NOT_NEGATIVE, *(("simulation", "surfaces", i, "damping") for i in surfaces)]
     check_signs(robot, source, (), positive, not_negative, findings)
-    _rates(robot, source, findings)
-    _tasks(robot, source, findings)
+    if all(source.is_whole(*rate) for rate in _RATES):
+        _rates(robot, source, findings)
+        _tasks(robot, source, findings)
 
 
 def check_signs(

@@ -34,7 +34,8 @@ def check_document(
     """
     session, findings = session or Session(), Findings()
     try:
-        loaded = session.library.read(path, Document)
+        loaded = session.library.read_sound_parts(path, Document)
+        findings.extend(loaded.faults)
         _named_like_its_file(loaded, findings)
         _examine(path, loaded, with_ or {}, session, findings)
     except DiagnosticsError as error:
@@ -45,7 +46,8 @@ def check_document(
 def _named_like_its_file(loaded: Loaded[Document], findings: Findings) -> None:
     """What is on a disk is found by its file's name; what an editor holds may not have one."""
     name, path = loaded.document.name, loaded.path
-    if name != path.stem and path.is_file():
+    is_known = loaded.source.is_whole("name")
+    if is_known and name != path.stem and path.is_file():
         findings.add("CB704", loaded.source.place("name"), name=name, file=path.name)
 
 

@@ -98,8 +98,8 @@ class _Field:
         self._units()
         bounds = self._bounds()
         obstacles = tuple(self._obstacles())
-        if bounds is not None:
-            self._grid(*bounds)
+        if bounds is not None and not self._has_room(*bounds):
+            bounds = None
         if isinstance(self._wish.reference, Literal):
             self._goal(self._wish.reference.values, bounds, obstacles)
         return Field(
@@ -173,7 +173,8 @@ class _Field:
             self._add("CB524", *steps, key, problem=problem)
         return not misfits
 
-    def _grid(self, lower: Corner, upper: Corner) -> None:
+    def _has_room(self, lower: Corner, upper: Corner) -> bool:
+        """Whether a grid has something between the corners; one too fine is reported, too."""
         spacing = self._field.spacing
         cells = [math.floor((b - a) / spacing + 1e-9) for a, b in zip(lower, upper, strict=True)]
         if min(cells) < 2:
@@ -182,6 +183,7 @@ class _Field:
         elif math.prod(n + 1 for n in cells) > _MOST_VERTICES:
             vertices = " x ".join(str(n + 1) for n in cells)
             self._add("CB526", "spacing", vertices=vertices)
+        return min(cells) >= 2
 
     def _obstacles(self) -> Iterator[Box | Ball]:
         for i, obstacle in enumerate(self._field.obstacles):

@@ -68,7 +68,9 @@ class _PolicyCheck:
         self._predicates()
         for pattern, text in self._document.policy.items():
             self._action(text, ("policy", pattern))
-        check_states(self._document.policy, self._document.predicates, self._source, self._findings)
+        is_known = self._source.is_whole("predicates")
+        members = self._document.predicates if is_known else None
+        check_states(self._document.policy, members, self._source, self._findings)
         self._observed()
         known = internal_models(self._program)
         for name, model in self._document.models.items():
@@ -89,7 +91,8 @@ class _PolicyCheck:
 
     def _predicates(self) -> None:
         document, program = self._document, self._program
-        if document.predicates != program.members:
+        is_known = self._source.is_whole("predicates")
+        if is_known and document.predicates != program.members:
             found, wanted = ", ".join(document.predicates), ", ".join(program.members)
             details = {"found": found, "wanted": wanted, "program": program.name}
             self._findings.add("CB621", self._source.key("predicates"), **details)
@@ -124,7 +127,7 @@ class _PolicyCheck:
 
     def _state(self, state: str, steps: tuple[Step, ...]) -> None:
         members = self._document.predicates
-        if len(state) != len(members):
+        if len(state) != len(members) and self._source.is_whole("predicates"):
             found, wanted = count(len(state), "letter"), count(len(members), "predicate")
             details = {"state": state, "members": ", ".join(members)}
             place = self._source.key(*steps)

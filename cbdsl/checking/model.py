@@ -17,13 +17,17 @@ from cbdsl.yaml_text.source_map import Step
 
 def examine_model(loaded: Loaded[ModelDocument], session: Session, findings: Findings) -> None:
     """Check a model against its robot."""
+    if loaded.faults:
+        return  # a density makes sense as a whole
     name, library = loaded.document.robot, session.library
     path = library.find(RobotDocument, name, loaded.path)
     if path is None:
         names = library.names(RobotDocument, loaded.path)
         findings.add("CB601", loaded.source.place("robot"), names=names, name=name)
         return
-    _fits(loaded, session.body(path, findings), findings)
+    body = session.body(path, findings)
+    if body is not None:
+        _fits(loaded, body, findings)
 
 
 def model_resource(

@@ -7,6 +7,9 @@ from cbdsl.language.expression import Expression
 from cbdsl.language.parser import CompositionError, LookAlikeError, parse
 from cbdsl.yaml_text.source_map import SourceMap, Step
 
+# Sections whose keys occur in compositions.
+_CALLED = ("controllers", "use")
+
 
 def parse_at(
     text: str, source: SourceMap, steps: tuple[Step, ...], findings: Findings
@@ -18,6 +21,14 @@ def parse_at(
         place = source.inside(steps, error.span.start, error.span.end)
         findings.add("CB408", place, found=error.found, meant=error.meant)
     except CompositionError as error:
+        if _is_of_a_faulty_name(text, source):
+            return None
         place = source.inside(steps, error.span.start, error.span.end)
         findings.add("CB401", place, problem=str(error))
     return None
+
+
+def _is_of_a_faulty_name(text: str, source: SourceMap) -> bool:
+    """Whether a text mentions a key such as ``track-it``, which was reported where it stands."""
+    keys = [str(path[1]) for path in source.broken if len(path) == 2 and path[0] in _CALLED]
+    return any(key in text and not key.isidentifier() for key in keys)

@@ -15,6 +15,8 @@ def examine_policy(loaded: Loaded[PolicyDocument], session: Session, findings: F
     """Check that a policy's predicates, actions and models are those of its program."""
     name, source = loaded.document.program, loaded.source
     path = session.library.find(ProgramDocument, name, loaded.path)
+    if path is None and not source.is_whole("program"):
+        return
     if path is None:
         names = session.library.names(ProgramDocument, loaded.path)
         findings.add("CB604", source.place("program"), names=names, name=name)

@@ -123,7 +123,8 @@ def _examine(
     budget.depth += 1
     budget.count += 1
     try:
-        loaded = session.library.read(path, ProgramDocument)
+        loaded = session.library.read_sound_parts(path, ProgramDocument)
+        findings.extend(loaded.faults)
         return _ProgramCheck(loaded, values, session, findings, budget).check()
     except DiagnosticsError as error:
         findings.extend(error.diagnostics)
@@ -154,23 +155,29 @@ class _ProgramCheck:
         self._stage()
         for name, use in self._document.use.items():
             self._used_programs[name] = self._use(name, use)
-        if self._robot is None:
-            return None
-        body = self._with_models(self._session.body(self._robot, self._findings))
+        found = None if self._robot is None else self._session.body(self._robot, self._findings)
+        body = None if found is None else self._with_models(found)
         context = Context(self._loaded, body, self._scope, self._findings)
         self._context, self._compositions = context, Compositions(context)
+        if body is not None:
+            drawn = {name.rpartition(".")[2] for name in body.resources}
+            context.lost_models.update(set(self._document.models) - drawn)
         return self._build()
 
     def _build(self) -> CheckedProgram | None:
         context = self._context
         actions = self._actions()
         background = self._background()
+        are_read = self._are_read(actions)
+        # An action that cannot be read, or names nothing, may be the one that is missed.
+        complete = are_read and all(self._is_declared(expression) for expression, _ in actions)
         members = self._members(actions)
+        composed = self._only_composed(actions, members) if complete else []
         checked = [self._action(expression, steps) for expression, steps in actions]
-        self._seek(checked, _primitives(checked))
-        policy = self._policy([str(expression) for expression, _ in actions])
-        if len(actions) == len(self._document.actions):
-            check_states(policy, members, context.source, context.findings)
+        self._seek(checked if complete else [None], _primitives(checked))
+        policy = self._policy([str(expression) for expression, _ in actions], complete)
+        known = members if are_read and not composed else None
+        check_states(policy, known, context.source, context.findings)
         used = frozenset(context.used)
         self._compositions.check_all()
         if self._findings.failed:
@@ -206,7 +213,7 @@ class _ProgramCheck:
     def _find_robot(self) -> Path | None:
         name, library = self._document.robot, self._session.library
         path = library.find(RobotDocument, name, self._loaded.path)
-        if path is None:
+        if path is None and self._loaded.source.is_whole("robot"):
             names = library.names(RobotDocument, self._loaded.path)
             self._findings.add("CB601", self._loaded.source.place("robot"), names=names, name=name)
         return path
@@ -256,8 +263,8 @@ class _ProgramCheck:
 
     def _same_robot(self, other: str, name: str, steps: Steps) -> None:
         robot = self._document.robot
-        if other != robot and self._robot is not None:
-            source = self._loaded.source
+        source = self._loaded.source
+        if other != robot and self._robot is not None and source.is_whole("robot"):
             related = [(source.place("robot"), f"this program is for '{robot}'")]
             details = {"name": name, "other": other, "robot": robot}
             self._findings.add("CB603", source.place(*steps), related=related, **details)
@@ -278,8 +285,13 @@ class _ProgramCheck:
         if self._budget.ended:
             self._findings.add("CB610", source.place(*steps), depth=_DEEPEST, bound=_MOST)
             return None
-        used = library.read(path, ProgramDocument).document
-        self._same_robot(used.robot, use.program, steps)
+        try:
+            used = library.read_sound_parts(path, ProgramDocument)
+        except DiagnosticsError as error:
+            self._findings.extend(error.diagnostics)
+            return None
+        if used.source.is_whole("robot"):
+            self._same_robot(used.document.robot, use.program, steps)
         values = self._values(name, use, used)
         program = examine_program(path, values, self._session, self._findings, self._budget)
         if program is None or use.policy is None:
@@ -310,15 +322,16 @@ class _ProgramCheck:
         self._findings.extend(found.sorted())
         return None if found.failed else with_policy(program, loaded, library)
 
-    def _values(self, name: str, use: Use, used: ProgramDocument) -> dict[str, str]:
+    def _values(self, name: str, use: Use, used: Loaded[ProgramDocument]) -> dict[str, str]:
         """The parameters of a used program, with this program's own replaced."""
         source, values = self._loaded.source, {}
         for key, text in use.with_.items():
             steps = ("use", name, "with", key)
-            if key not in used.parameters:
-                names = list(used.parameters)
+            if key not in used.document.parameters:
+                names = list(used.document.parameters)
                 details = {"name": key, "program": use.program}
-                self._findings.add("CB606", source.key(*steps), names=names, **details)
+                if used.source.is_whole("parameters", key):
+                    self._findings.add("CB606", source.key(*steps), names=names, **details)
                 continue
             value = self._scope.substitute(text, source, steps, self._findings)
             if value is not None:
@@ -328,6 +341,8 @@ class _ProgramCheck:
     def _actions(self) -> list[tuple[Expression, Steps]]:
         """The actions that can be parsed, with their paths."""
         found: dict[str, tuple[Expression, Steps]] = {}
+        if ("actions",) in self._context.source.broken:
+            return []
         for i, text in enumerate(self._document.actions):
             steps: Steps = ("actions", i)
             expression = self._context.parse(text, steps)
@@ -339,16 +354,27 @@ class _ProgramCheck:
             found.setdefault(str(expression), (expression, steps))
         return list(found.values())
 
+    def _are_read(self, actions: list[tuple[Expression, Steps]]) -> bool:
+        """Whether every action could be read, and is there once."""
+        written = self._document.actions
+        return self._context.source.is_whole("actions") and len(actions) == len(written)
+
     def _members(self, actions: list[tuple[Expression, Steps]]) -> tuple[str, ...]:
         """What a state has a predicate for: the actions of a single term."""
-        members = [str(e.terms[0]) for e, _ in actions if len(e.terms) == 1]
-        known = self._document.controllers
+        return tuple(str(e.terms[0]) for e, _ in actions if len(e.terms) == 1)
+
+    def _only_composed(
+        self, actions: list[tuple[Expression, Steps]], members: tuple[str, ...]
+    ) -> list[str]:
+        """Report controllers that no state shows, and that are part of actions."""
+        known, names = self._document.controllers, []
         for expression, steps in actions:
             for term in expression.terms:
                 if str(term) not in members and term.name in known:
                     place = self._context.at(steps, term.span)
                     self._context.add("CB608", place, name=str(term))
-        return tuple(members)
+                    names.append(str(term))
+        return names
 
     def _action(self, expression: Expression, steps: Steps) -> Action | None:
         term = expression.terms[0]
@@ -381,27 +407,44 @@ class _ProgramCheck:
         names = [controller.name for controller in running]
         for key, document in self._document.controllers.items():
             seek = None if isinstance(document, str) else document.seek
-            if seek is None or seek.once is None or None in actions:
+            if seek is None or seek.once is None:
                 continue
             steps: Steps = ("controllers", key, "seek", "once")
             once = self._context.parse(seek.once, steps)
-            if once is not None and str(once) not in names:
+            if once is None or str(once) in names:
+                continue
+            if None not in actions or not self._is_declared(once):
                 place = self._context.source.place(*steps)
                 self._context.add("CB514", place, names=names, name=str(once))
 
-    def _policy(self, actions: list[str]) -> dict[str, str]:
-        """Canonical action by state pattern."""
+    def _policy(self, actions: list[str], complete: bool) -> dict[str, str]:
+        """Canonical action by state pattern.
+
+        Args:
+            actions: the names of those that can be read.
+            complete: whether these are all.
+        """
         policy = {}
         for pattern, text in self._document.policy.items():
             steps: Steps = ("policy", pattern)
             expression = self._context.parse(text, steps)
             if expression is None:
                 continue
-            if str(expression) not in actions:
+            if str(expression) not in actions and (complete or not self._is_declared(expression)):
                 place = self._context.source.place(*steps)
                 self._context.add("CB613", place, names=actions, name=str(expression))
             policy[pattern] = str(expression)
         return policy
+
+    def _is_declared(self, expression: Expression) -> bool:
+        """Whether there are controllers or programs of all names, if only faulty ones."""
+        known, is_whole = self._document, self._context.source.is_whole
+        return all(
+            term.name in known.controllers
+            or term.name in known.use
+            or not (is_whole("controllers", term.name) and is_whole("use", term.name))
+            for term in expression.terms
+        )
 
 
 def _primitives(actions: list[Action | None]) -> dict[str, Primitive]:

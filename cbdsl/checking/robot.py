@@ -24,25 +24,43 @@ Steps = tuple[Step, ...]
 
 def examine_robot(loaded: Loaded[RobotDocument], findings: Findings) -> Body:
     """Check a robot's document; programs can be checked on it even where it has faults."""
-    _RobotCheck(loaded, findings).all()
-    check_names(loaded, findings)
-    check_constants(loaded, findings)
     robot = loaded.document
     try:
         model: UrdfModel | None = read_urdf(loaded.path.parent / robot.model)
     except UrdfError as error:
-        findings.add("CB301", loaded.source.place("model"), problem=str(error))
         model = None
+        if loaded.source.is_whole("model"):
+            findings.add("CB301", loaded.source.place("model"), problem=str(error))
+    _RobotCheck(loaded, findings, _unclaimed(robot, model)).all()
+    check_names(loaded, findings)
+    check_constants(loaded, findings)
     if model is not None:
         _ModelCheck(loaded, findings, model).all()
         check_margins(loaded, model, findings)
     return Body(loaded, resources(robot), model)
 
 
-class _RobotCheck:
-    """What can be said without the model."""
+def _unclaimed(robot: RobotDocument, model: UrdfModel | None) -> frozenset[str]:
+    """Joints that an effector may have had in mind where it names one that is not there."""
+    named = {joint for effector in robot.effectors.values() for joint in effector.joints}
+    if model is None or named.issubset(model.revolute):
+        return frozenset()
+    return frozenset(model.revolute) - named
 
-    def __init__(self, loaded: Loaded[RobotDocument], findings: Findings) -> None:
+
+class _RobotCheck:
+    """What can be said without the model.
+
+    Args:
+        loaded: the robot.
+        findings: where findings go.
+        unclaimed: names of joints that are not missed.
+    """
+
+    def __init__(
+        self, loaded: Loaded[RobotDocument], findings: Findings, unclaimed: frozenset[str]
+    ) -> None:
+        self._unclaimed = unclaimed
         self._robot = loaded.document
         self._source = loaded.source
         self._findings = findings
@@ -78,7 +96,8 @@ class _RobotCheck:
                 self._findings.add("CB311", self._source.key("groups", name), name=name)
             for i, member in enumerate(group.members):
                 steps: Steps = ("groups", name, "members", i)
-                self._known(member, self._robot.effectors, steps, "effector")
+                if self._source.is_whole("effectors", member):
+                    self._known(member, self._robot.effectors, steps, "effector")
                 if member in group.members[:i]:
                     self._findings.add("CB312", self._source.place(*steps), name=member, group=name)
 
@@ -98,13 +117,15 @@ class _RobotCheck:
     def _couplings(self) -> None:
         actuated = [j for e in self._robot.effectors.values() for j in e.joints]
         for joint, coupling in self._robot.couplings.items():
-            self._known(
-                coupling.follows, actuated, ("couplings", joint, "follows"), "actuated joint"
-            )
+            steps: Steps = ("couplings", joint, "follows")
+            if self._source.is_whole("effectors") and coupling.follows not in self._unclaimed:
+                self._known(coupling.follows, actuated, steps, "actuated joint")
 
     def _load_cells(self) -> None:
         for hand, cells in self._robot.load_cells.items():
             effector = self._robot.effectors.get(hand)
+            if effector is None and not self._source.is_whole("effectors", hand):
+                continue
             if effector is None:
                 place = self._source.key("load_cells", hand)
                 names = list(self._robot.effectors)
@@ -112,9 +133,12 @@ class _RobotCheck:
                 continue
             for finger, cell in cells.items():
                 steps = ("load_cells", hand, finger, "joint")
-                self._known(cell.joint, effector.joints, steps, f"joint of '{hand}'")
+                if cell.joint not in self._unclaimed:
+                    self._known(cell.joint, effector.joints, steps, f"joint of '{hand}'")
 
     def _aliases(self) -> None:
+        if not self._source.is_whole("vision", "channels"):
+            return
         channels = self._robot.vision.channels
         for alias, channel in channels.aliases.items():
             steps = ("vision", "channels", "aliases", alias)
@@ -180,7 +204,8 @@ class _ModelCheck:
                 yield ("effectors", name, "joints", i), joint
 
     def _links(self) -> Iterator[tuple[Steps, str]]:
-        yield ("base",), self._robot.base
+        if self._source.is_whole("base"):
+            yield ("base",), self._robot.base
         for name, effector in self._robot.effectors.items():
             if effector.tip is not None:
                 yield ("effectors", name, "tip", "link"), effector.tip.link

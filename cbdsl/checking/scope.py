@@ -55,14 +55,21 @@ class Scope:
             name = match[1]
             self.used.add(name)
             length += len(self.values.get(name, ""))
-            if name not in self.values:
-                known = False
+            if name in self.values:
+                continue
+            known = False
+            if source.is_whole("parameters", name):
                 place = source.inside(steps, offset + match.start() + 1, offset + match.end() + 1)
                 findings.add("CB402", place, names=sorted(self.values), name=name)
         if known and length > _LONGEST:
             findings.add("CB409", source.place(*steps), bound=_LONGEST)
             known = False
         return _PARAMETER.sub(lambda match: self.values[match[1]], text) if known else None
+
+
+def parameters_in(text: str) -> list[str]:
+    """The names of the parameters that a text refers to."""
+    return [match[1] for match in _PARAMETER.finditer(text)]
 
 
 class _Hiding(set[str]):

@@ -10,6 +10,7 @@ from cbdsl.checking.findings import Findings
 from cbdsl.checking.robot import examine_robot
 from cbdsl.checking.uses import Uses
 from cbdsl.documents.robot import RobotDocument
+from cbdsl.errors.errors import DiagnosticsError
 from cbdsl.program.checked import CheckedProgram
 from cbdsl.yaml_text.library import Library
 
@@ -27,23 +28,32 @@ class Session:
     def __init__(self, library: Library | None = None) -> None:
         self.library = library or Library()
         self.uses = Uses(self.library)
-        self._bodies: dict[Path, tuple[Body, Findings]] = {}
+        self._bodies: dict[Path, tuple[Body | None, Findings]] = {}
         self._programs: dict[_Key, tuple[CheckedProgram | None, Findings]] = {}
 
-    def body(self, path: Path, findings: Findings) -> Body:
+    def body(self, path: Path, findings: Findings) -> Body | None:
         """The robot of a file, whose own findings are added.
 
-        Raises:
-            DiagnosticsError: the file holds no robot document.
+        Returns:
+            ``None`` where parts of it had to be left out, so that nobody knows what it has.
         """
         key = path.resolve()
         if key not in self._bodies:
             own = Findings()
-            body = examine_robot(self.library.read(path, RobotDocument), own)
-            self._bodies[key] = body, own
+            self._bodies[key] = self._examine_robot(path, own), own
         body, own = self._bodies[key]
         findings.extend(own.sorted())
         return body
+
+    def _examine_robot(self, path: Path, findings: Findings) -> Body | None:
+        try:
+            loaded = self.library.read_sound_parts(path, RobotDocument)
+        except DiagnosticsError as error:
+            findings.extend(error.diagnostics)
+            return None
+        findings.extend(loaded.faults)
+        body = examine_robot(loaded, findings)
+        return None if loaded.faults else body
 
     def recall(
         self, path: Path, values: Mapping[str, str]

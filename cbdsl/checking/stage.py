@@ -13,17 +13,19 @@ from cbdsl.yaml_text.node import Node
 from cbdsl.yaml_text.reader import Loaded
 from cbdsl.yaml_text.source_map import Step
 
+_FOR_THINGS = ("place", "motion", "removed_after")
+
 
 def examine_stage(loaded: Loaded[StageDocument], session: Session, findings: Findings) -> None:
     """Check that a stage names only what there is."""
     name, source = loaded.document.robot, loaded.source
     path = session.library.find(RobotDocument, name, loaded.path)
-    if path is None:
+    body = None
+    if path is not None:
+        body = session.body(path, findings)
+    elif source.is_whole("robot"):
         names = session.library.names(RobotDocument, loaded.path)
         findings.add("CB601", source.place("robot"), names=names, name=name)
-        body = None
-    else:
-        body = session.body(path, findings)
     for node, (first, last) in _reversed_spans(loaded.document, source.root):
         findings.add("CB352", node.place, first=f"{first:g}", last=f"{last:g}")
     for key, context in loaded.document.contexts.items():
@@ -34,13 +36,16 @@ def examine_stage(loaded: Loaded[StageDocument], session: Session, findings: Fin
 def _names(loaded: Loaded[StageDocument], findings: Findings) -> None:
     """Fixtures and things share the world, and things are there to be shown."""
     stage, source = loaded.document, loaded.source
-    shown = {name for context in stage.contexts.values() for name in context.things}
+    contexts = stage.contexts.values()
+    shown = {name for context in contexts for name in context.things}
+    is_forgotten = any(_idle(context) and not context.things for context in contexts)
+    are_known = shown.issubset(stage.things) and source.is_whole("contexts")
     for name in stage.things:
         place = source.key("things", name)
         if name in stage.fixtures:
             related = [(source.key("fixtures", name), "the fixture")]
             findings.add("CB354", place, related=related, name=name)
-        elif name not in shown and shown.issubset(stage.things):
+        elif name not in shown and are_known and not is_forgotten:
             findings.add("CB715", place, name=name)
 
 
@@ -61,9 +66,11 @@ class _ContextCheck:
     def all(self, body: Body | None) -> None:
         context, place = self._context, self._context.place
         for i, name in enumerate(context.things):
-            self._known(name, self._stage.things, "thing of this stage", "things", i)
+            if self._source.is_whole("things", name):
+                self._known(name, self._stage.things, "thing of this stage", "things", i)
         if place is not None and place.on is not None:
-            self._known(place.on, self._stage.fixtures, "fixture of this stage", "place", "on")
+            if self._source.is_whole("fixtures", place.on):
+                self._known(place.on, self._stage.fixtures, "fixture of this stage", "place", "on")
             self._on_fixture(place, place.on)
         if body is not None:
             self._on_robot(body)
@@ -121,10 +128,14 @@ class _ContextCheck:
         context, place = self._context, self._context.place
         if context.things and place is None:
             self._lacks("things", "things need a place")
-        for key in ("place", "motion", "removed_after"):
-            if getattr(context, key) is not None and not context.things:
-                self._lacks(key, f"{key} is for things, and this context has none")
-        if context.released_after is not None and not (place is not None and place.held):
+        idle = _idle(context)
+        if idle and not context.things:
+            verb = "is" if len(idle) == 1 else "are"
+            names = " and ".join(idle)
+            self._lacks(idle[0], f"{names} {verb} for things, and this context has none")
+        is_held = place is not None and place.held
+        lacks_place = context.things and place is None
+        if context.released_after is not None and not is_held and not lacks_place:
             self._lacks("released_after", "released_after needs a place with `held: true`")
 
     def _deeds(self) -> None:
@@ -147,6 +158,11 @@ class _ContextCheck:
 
     def _lacks(self, key: str, problem: str) -> None:
         self._findings.add("CB353", self._source.key(*self._steps, key), problem=problem)
+
+
+def _idle(context: Context) -> list[str]:
+    """What a context says of the thing that it shows."""
+    return [key for key in _FOR_THINGS if getattr(context, key) is not None]
 
 
 def _halves(fixture: Fixture) -> tuple[float, float]:

@@ -16,14 +16,23 @@ _MOST_LETTERS = 1_000_000
 
 
 def check_states(
-    policy: Mapping[str, str], members: Sequence[str], source: SourceMap, findings: Findings
+    policy: Mapping[str, str], members: Sequence[str] | None, source: SourceMap, findings: Findings
 ) -> None:
-    """Check the patterns of a policy, given as canonical action by pattern."""
+    """Check the patterns of a policy.
+
+    Args:
+        policy: canonical action by pattern.
+        members: what the letters of a state are of, or ``None`` where nobody knows.
+        source: where the policy stands.
+        findings: where findings go.
+    """
     sound = {
         pattern: action
         for pattern, action in policy.items()
         if _is_sound(pattern, members, source, findings)
     }
+    if members is None:
+        return
     patience, contradict = _Patience(_MOST_SPLITS), False
     for other, one, example in _contradictions(sound, patience):
         first = (source.key("policy", one), f"'{one}' is here")
@@ -71,18 +80,22 @@ def _idle(sound: Mapping[str, str], patience: _Patience) -> Iterator[str]:
             yield pattern
 
 
-def _is_sound(pattern: str, members: Sequence[str], source: SourceMap, findings: Findings) -> bool:
+def _is_sound(
+    pattern: str, members: Sequence[str] | None, source: SourceMap, findings: Findings
+) -> bool:
     place = source.key("policy", pattern)
     wrong = [letter for letter in pattern if letter not in PREDICATES + ANY]
     if wrong:
         findings.add("CB612", place, letter=wrong[0], state=pattern)
-    elif len(pattern) != len(members):
+        return False
+    if members is not None and len(pattern) != len(members):
         counts = {
             "found": count(len(pattern), "letter"),
             "wanted": count(len(members), "predicate"),
         }
         findings.add("CB611", place, state=pattern, members=", ".join(members), **counts)
-    return not wrong and len(pattern) == len(members)
+        return False
+    return True
 
 
 def _overlap(one: str, other: str) -> str | None:

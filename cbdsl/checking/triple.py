@@ -26,6 +26,7 @@ from cbdsl.program.controller import (
 from cbdsl.types.casts import Cast, chains, held_chain
 from cbdsl.types.potential import POTENTIALS, PotentialType
 from cbdsl.types.resource import FingerForces, Headings, NetForces, Origin, Resource, Tip
+from cbdsl.types.resource_type import TYPES
 
 _MANIPULABILITY = "manipulability"
 
@@ -70,6 +71,8 @@ class _Triple:
     def check(self) -> Controller | None:
         document = self._document
         potential = self._potential()
+        if not self._context.has_body:
+            return None
         feedback = self._resource(document.feedback, "feedback")
         effector = self._resource(document.effector, "effector")
         reference = self._reference(feedback)
@@ -298,6 +301,8 @@ class _Triple:
         gain = _first(settings.gain for settings in candidates)
         quiescence = _first(settings.quiescence for settings in candidates)
         if gain is None or quiescence is None:
+            if not TYPES.keys() >= body.document.control.tasks.keys():
+                return None  # one of them is misspelt, which has been reported
             lacking = {"a gain": gain, "a quiescence": quiescence}
             setting = " and ".join(name for name, value in lacking.items() if value is None)
             details = {"robot": body.document.name, "setting": setting}

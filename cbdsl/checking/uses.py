@@ -42,7 +42,7 @@ class Uses:
 
     def _read(self, path: Path) -> list[Path]:
         try:
-            document = self._library.read(path, ProgramDocument).document
+            document = self._library.read_sound_parts(path, ProgramDocument).document
         except DiagnosticsError:
             return []
         uses = document.use.values()

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator
-from typing import Any
+from typing import Any, NamedTuple
 
 import yaml
 
@@ -17,7 +17,7 @@ from cbdsl.errors.errors import DiagnosticsError
 from cbdsl.errors.lines import lines_of
 from cbdsl.errors.wording import diagnostic
 from cbdsl.yaml_text.node import Node
-from cbdsl.yaml_text.scalar import Scalar, ScalarError, resolve
+from cbdsl.yaml_text.scalar import ScalarError, resolve
 
 DEEPEST = 64
 # Far more than any person writes; without bounds a few lines can keep the checker busy for ever.
@@ -37,7 +37,19 @@ _CONTROL = re.compile(r"[\x00-\x08\x0b\x0c\x0e-\x1f\x7f-\x84\x86-\x9f\ud800-\udf
 _INVISIBLE = re.compile(r"[\u200b\u200e\u200f\u202a-\u202e\u2060\u2066-\u2069\ufeff]")
 
 
-def compose(text: str, file: str) -> Node:
+class Composed(NamedTuple):
+    """The one document of a YAML text.
+
+    Attributes:
+        root: all of its values; those with a finding are marked as faulty.
+        findings: what is wrong with single values.
+    """
+
+    root: Node
+    findings: tuple[Diagnostic, ...]
+
+
+def compose(text: str, file: str) -> Composed:
     """The one document of a YAML text.
 
     Raises:
@@ -58,9 +70,9 @@ def compose(text: str, file: str) -> Node:
         # What is no YAML is so because of them.
         rest = [d for d in error.diagnostics if not (invisible and d.code == "CB104")]
         raise DiagnosticsError([*invisible, *rest]) from None
-    if invisible or composer.findings:
+    if invisible:
         raise DiagnosticsError([*invisible, *composer.findings])
-    return root
+    return Composed(root, tuple(composer.findings))
 
 
 def _unseen(code: str, match: re.Match[str], file: str) -> Diagnostic:
@@ -119,14 +131,16 @@ class _Composer:
 
     def _fresh(self, event: Any, place: Place, depth: int) -> Node:
         self._count(1, place)
+        node = Node(place, None)
         if event.tag is not None and event.tag != "!":
             written = event.tag.replace("tag:yaml.org,2002:", "!!")
             self._find("CB112", place, tag=written)
+            node.faulty = True
         if isinstance(event, yaml.ScalarEvent):
-            return Node(place, self._scalar(event, place))
+            self._scalar(node, event)
+            return node
         if depth > DEEPEST:
             raise self._fatal("CB119", place, bound=DEEPEST)
-        node = Node(place, None)
         if isinstance(event, yaml.SequenceStartEvent):
             node.value = list(self._items(depth))
         else:
@@ -136,17 +150,19 @@ class _Composer:
             node.height = max(node.height, child.height + 1)
         return node
 
-    def _scalar(self, event: Any, place: Place) -> Scalar:
+    def _scalar(self, node: Node, event: Any) -> None:
         text: str = event.value
+        node.value = text
         if len(text) > LONGEST_TEXT:
-            raise self._fatal("CB108", place, bound=f"{LONGEST_TEXT} characters in one text")
+            bound = f"{LONGEST_TEXT} characters in one text"
+            raise self._fatal("CB108", node.place, bound=bound)
         if not event.implicit[0]:
-            return text
+            return
         try:
-            return resolve(text)
+            node.value = resolve(text)
         except ScalarError as error:
-            self._find(error.code, place, text=text)
-            return text
+            self._find(error.code, node.place, text=text)
+            node.faulty = True
 
     def _items(self, depth: int) -> Iterator[Node]:
         entries = 0
@@ -164,11 +180,13 @@ class _Composer:
             key = event.value if isinstance(event, yaml.ScalarEvent) else None
             if key is None:
                 self._find("CB113", place)
+                node.faulty = True
                 self._node(event, depth + 1)
             value = self._node(self._next(), depth + 1)
             if key in values:
                 first = (node.keys[key], "first written here")
                 self._find("CB107", place, related=[first], key=key)
+                values[key].faulty = True
             elif key is not None:
                 values[key], node.keys[key] = value, place
         node.value = values

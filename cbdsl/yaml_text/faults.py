@@ -37,6 +37,7 @@ _PROBLEMS = {
     "too_short": "{actual_length} given, at least {min_length} needed",
     "too_long": "{actual_length} given, at most {max_length} possible",
 }
+_MANY = (dict, list)
 
 
 class _Fault(NamedTuple):
@@ -49,16 +50,22 @@ class _Fault(NamedTuple):
     def is_wrong_kind(self) -> bool:
         return self.error["type"] in _EXPECTED
 
+    @property
+    def is_of_parts(self) -> bool:
+        """Whether it may be there only because of a fault inside, which says more."""
+        is_whole = self.error["type"] == "value_error" and isinstance(self.error["input"], _MANY)
+        return self.is_wrong_kind or is_whole or self.error["type"] == "too_short"
+
 
 def faults(
     errors: Iterable[ErrorDetails], source: SourceMap, model: type[BaseModel]
 ) -> list[Diagnostic]:
     """One diagnostic for each value that is wrong, however many ways of a union it failed."""
-    found = [_Fault(_path(error, source), error) for error in errors]
+    found = [_Fault(path_of(error, source), error) for error in errors]
     enclosing = {fault.path[:depth] for fault in found for depth in range(len(fault.path))}
     by_path: dict[tuple[Step, ...], list[_Fault]] = {}
     for fault in found:
-        if not (fault.is_wrong_kind and fault.path in enclosing):
+        if not (fault.is_of_parts and fault.path in enclosing):
             by_path.setdefault(fault.path, []).append(fault)
     misspelt = _misspelt(by_path)
     return [_diagnose(p, same, source, model) for p, same in by_path.items() if p not in misspelt]
@@ -78,7 +85,7 @@ def _misspelt(by_path: Mapping[tuple[Step, ...], list[_Fault]]) -> set[tuple[Ste
     }
 
 
-def _path(error: ErrorDetails, source: SourceMap) -> tuple[Step, ...]:
+def path_of(error: ErrorDetails, source: SourceMap) -> tuple[Step, ...]:
     """The steps of an error's ``loc`` that the text has, and the missing key at its end."""
     node, path = source.root, []
     for step in error["loc"]:
@@ -116,7 +123,7 @@ def _special(
             place = source.key(*path[:-1])
             return diagnostic("CB203", place, key=name)
         case "extra_forbidden":
-            keys = _keys(model, error["loc"][:-1])
+            keys = allowed_keys(model, error["loc"][:-1])
             return diagnostic("CB202", source.key(*path), names=keys, key=name)
         case "literal_error" | "union_tag_invalid":
             expected = str(context.get("expected") or context.get("expected_tags"))
@@ -134,7 +141,7 @@ def _special(
 
 
 @cache
-def _keys(model: type[BaseModel], steps: tuple[Step, ...]) -> tuple[str, ...]:
+def allowed_keys(model: type[BaseModel], steps: tuple[Step, ...]) -> tuple[str, ...]:
     """Keys that the section at a path may have, sorted."""
     models: list[type[BaseModel]] = [model]
     for step in steps:

@@ -15,7 +15,7 @@ from cbdsl.documents.robot import RobotDocument
 from cbdsl.documents.stage import StageDocument
 from cbdsl.errors.errors import UsageError
 from cbdsl.errors.nearest import nearest_name
-from cbdsl.yaml_text.reader import Loaded, decode, read, read_text
+from cbdsl.yaml_text.reader import Loaded, decode, flawless, read_sound_parts, read_text
 
 FOLDERS: dict[type[Document], str] = {
     RobotDocument: "robots",
@@ -107,9 +107,17 @@ class Library:
         Raises:
             DiagnosticsError: it is no valid document of this kind.
         """
+        return flawless(self.read_sound_parts(path, kind))
+
+    def read_sound_parts(self, path: Path, kind: type[D]) -> Loaded[D]:
+        """Read what has no faults of a file, or remember it.
+
+        Raises:
+            DiagnosticsError: there is nothing that could be checked.
+        """
         key = path.resolve()
         if key not in self._read or not isinstance(self._read[key].document, kind):
-            self._read[key] = read(path, kind, self.text(path))
+            self._read[key] = read_sound_parts(path, kind, self.text(path))
         loaded: Loaded[D] = self._read[key]
         return loaded
 

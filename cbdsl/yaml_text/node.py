@@ -15,16 +15,18 @@ class Node:
         place: its first line, up to its end where it is a scalar.
         value: the scalar, the items, or the values by key.
         keys: places of a mapping's keys.
+        faulty: whether it was found to be no value of any document.
         weight: number of nodes, with aliases written out.
         height: levels of nesting below it.
     """
 
-    __slots__ = ("height", "keys", "place", "value", "weight")
+    __slots__ = ("faulty", "height", "keys", "place", "value", "weight")
 
     def __init__(self, place: Place, value: Scalar | list[Node] | dict[str, Node]) -> None:
         self.place = place
         self.value = value
         self.keys: dict[str, Place] = {}
+        self.faulty = False
         self.weight = 1
         self.height = 0
 
@@ -34,6 +36,21 @@ class Node:
             yield from self.value.values()
         elif isinstance(self.value, list):
             yield from self.value
+
+    def steps(self) -> Iterator[tuple[str | int, Node]]:
+        """Items with their indices, or values with their keys, in order."""
+        if isinstance(self.value, dict):
+            yield from self.value.items()
+        elif isinstance(self.value, list):
+            yield from enumerate(self.value)
+
+    def drop(self, step: str | int) -> None:
+        """Take the value of a key or the item at an index away, where there is one."""
+        if isinstance(self.value, dict):
+            self.value.pop(str(step), None)
+            self.keys.pop(str(step), None)
+        elif isinstance(self.value, list) and isinstance(step, int) and step < len(self.value):
+            del self.value[step]
 
     def plain(self) -> object:
         """The same as dicts, lists and scalars."""

@@ -5,21 +5,20 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any, Generic, NamedTuple, TypeVar
 
-from pydantic import ValidationError
-
 from cbdsl.documents.document import Document
 from cbdsl.documents.model import ModelDocument
 from cbdsl.documents.policy import PolicyDocument
 from cbdsl.documents.program import ProgramDocument
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.documents.stage import StageDocument
-from cbdsl.errors.diagnostic import Place
+from cbdsl.errors.diagnostic import Diagnostic, Place
 from cbdsl.errors.errors import DiagnosticsError
 from cbdsl.errors.lines import lines_of
 from cbdsl.errors.wording import diagnostic
 from cbdsl.yaml_text.composer import compose
-from cbdsl.yaml_text.faults import describe, faults
+from cbdsl.yaml_text.faults import describe
 from cbdsl.yaml_text.node import Node
+from cbdsl.yaml_text.salvage import salvage
 from cbdsl.yaml_text.source_map import SourceMap
 
 KINDS: dict[str, type[Document]] = {
@@ -34,10 +33,17 @@ D = TypeVar("D", bound=Document, covariant=True)
 
 
 class Loaded(NamedTuple, Generic[D]):
-    """A document and where its parts stand."""
+    """A document and where its parts stand.
+
+    Attributes:
+        document: without what is faulty.
+        source: its text.
+        faults: what is wrong with the text; ``source.broken`` says what was left out.
+    """
 
     document: D
     source: SourceMap
+    faults: tuple[Diagnostic, ...] = ()
 
     @property
     def path(self) -> Path:
@@ -51,8 +57,7 @@ def read_document(path: Path) -> Loaded[Document]:
     Raises:
         DiagnosticsError: the file cannot be read, or is no valid document.
     """
-    source = _source(path)
-    return _load(source, _model(source))
+    return read(path, Document)
 
 
 def read(path: Path, kind: type[D], text: str | None = None) -> Loaded[D]:
@@ -66,13 +71,36 @@ def read(path: Path, kind: type[D], text: str | None = None) -> Loaded[D]:
     Raises:
         DiagnosticsError: as ``read_document``, or where the document is of another kind.
     """
-    source = _source(path, text)
-    model = _model(source)
+    return flawless(read_sound_parts(path, kind, text))
+
+
+def flawless(loaded: Loaded[D]) -> Loaded[D]:
+    """The same document, if nothing was left out of it.
+
+    Raises:
+        DiagnosticsError: its faults.
+    """
+    if loaded.faults:
+        raise DiagnosticsError(loaded.faults)
+    return loaded
+
+
+def read_sound_parts(path: Path, kind: type[D], text: str | None = None) -> Loaded[D]:
+    """Read what has no faults of a document of one kind; the arguments are those of ``read``.
+
+    Raises:
+        DiagnosticsError: there is nothing that could be checked.
+    """
+    text = read_text(path) if text is None else text
+    composed = compose(text, str(path))
+    source = SourceMap(path, lines_of(text), composed.root)
+    model = _model(source, composed.findings)
     if not issubclass(model, kind):
         wanted = next(name for name, known in KINDS.items() if known is kind)
         found = str(source.node(("kind",)).value)
         raise _error("CB201", source.place("kind"), wanted=wanted, found=found)
-    return _load(source, model)
+    document, faults, broken = salvage(source, model, composed.findings)
+    return Loaded(document, source._replace(broken=broken), faults)
 
 
 def read_text(path: Path) -> str:
@@ -103,30 +131,21 @@ def decode(data: bytes, file: str) -> str:
         raise _error("CB102", place, byte=f"0x{data[error.start]:02X}") from None
 
 
-def _source(path: Path, text: str | None = None) -> SourceMap:
-    text = read_text(path) if text is None else text
-    return SourceMap(path, lines_of(text), compose(text, str(path)))
-
-
-def _model(source: SourceMap) -> type[Document]:
-    if not isinstance(source.root.value, dict):
-        found = describe(source.root.value)
-        raise _error("CB204", source.root.place, expected="a mapping", found=found)
-    kind: Node | None = source.root.value.get("kind")
+def _model(source: SourceMap, found: tuple[Diagnostic, ...]) -> type[Document]:
+    """The kind of document that a text says it is."""
+    root = source.root
+    if not isinstance(root.value, dict):
+        described = describe(root.value)
+        raise _error("CB204", root.place, found, expected="a mapping", found=described)
+    kind: Node | None = root.value.get("kind")
     if kind is None:
-        raise _error("CB203", source.root.place, key="kind")
+        raise _error("CB203", root.place, found, key="kind")
     if str(kind.value) not in KINDS:
-        raise _error("CB206", kind.place, names=list(KINDS), name=str(kind.value))
+        raise _error("CB206", kind.place, found, names=list(KINDS), name=str(kind.value))
     return KINDS[str(kind.value)]
 
 
-def _load(source: SourceMap, model: type[D]) -> Loaded[D]:
-    try:
-        return Loaded(model.model_validate(source.root.plain()), source)
-    except ValidationError as error:
-        details = error.errors(include_url=False)
-        raise DiagnosticsError(faults(details, source, model)) from None
-
-
-def _error(code: str, place: Place, **details: Any) -> DiagnosticsError:
-    return DiagnosticsError([diagnostic(code, place, **details)])
+def _error(
+    code: str, place: Place, before: tuple[Diagnostic, ...] = (), **details: Any
+) -> DiagnosticsError:
+    return DiagnosticsError([*before, diagnostic(code, place, **details)])

@@ -17,11 +17,22 @@ class SourceMap(NamedTuple):
 
     Paths into the document are sequences of keys and indices. Steps that the text does not have,
     such as the tags that unions add, are passed over.
+
+    Attributes:
+        path: the file.
+        lines: its text.
+        root: its values.
+        broken: paths of what is faulty and was left out of ``root``.
     """
 
     path: Path
     lines: Sequence[str]
     root: Node
+    broken: frozenset[tuple[Step, ...]] = frozenset()
+
+    def is_whole(self, *steps: Step) -> bool:
+        """Whether nothing was left out at, above or below a path."""
+        return not any(all(a == b for a, b in zip(steps, path)) for path in self.broken)  # noqa: B905
 
     def place(self, *steps: Step) -> Place:
         """Where the value at a path stands, or what encloses it where it is absent."""

@@ -21,7 +21,7 @@ def found(policy: dict[str, str]) -> dict[str, set[str]]:
     """Patterns by the code of what is found in them."""
     text = "policy:\n" + "".join(f'  "{state}": {action}\n' for state, action in policy.items())
     findings = Findings()
-    source = SourceMap(Path("p.yaml"), text.split("\n"), compose(text, "p.yaml"))
+    source = SourceMap(Path("p.yaml"), text.split("\n"), compose(text, "p.yaml").root)
     check_states(policy, ("a", "b"), source, findings)
     lines = list(policy)
     by_code: dict[str, set[str]] = {}
@@ -62,7 +62,7 @@ def test_many_members_and_patterns_come_to_an_end(members: int) -> None:
     policy = {"*" * i + "X01-"[i % 4] + "*" * (members - i - 1): "a" for i in range(members)}
     policy |= {"*" * i + "XX" + "*" * (members - i - 2): "a" for i in range(members - 1)}
     text = "policy: {}\n"
-    source = SourceMap(Path("p.yaml"), text.split("\n"), compose(text, "p.yaml"))
+    source = SourceMap(Path("p.yaml"), text.split("\n"), compose(text, "p.yaml").root)
     findings = Findings()
     check_states(policy, ["a"] * members, source, findings)
     assert all(diagnostic.code == "CB707" for diagnostic in findings.sorted())

@@ -37,7 +37,10 @@ def validator(kind: str) -> Any:
 
 
 def plain(path: Path) -> Any:
-    return compose(path.read_text("utf-8"), str(path)).plain()
+    composed = compose(path.read_text("utf-8"), str(path))
+    if composed.findings:
+        raise DiagnosticsError(composed.findings)
+    return composed.root.plain()
 
 
 def is_valid(data: Any) -> bool:

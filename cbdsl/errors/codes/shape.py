@@ -62,7 +62,7 @@ SHAPE = (
         "not a name",
         "'{name}' is not a name: a letter, then letters, digits and '_'",
         "Names appear in compositions and in resources, where other characters have a meaning.",
-        HEAD + f"controllers:\n  track-it: {TRACK}\nactions: [track]\n",
+        HEAD + f"controllers:\n  track-it: {TRACK}\nactions: [track-it]\n",
         good=HEAD + f"controllers:\n  track_it: {TRACK}\nactions: [track_it]\n",
     ),
     Entry(

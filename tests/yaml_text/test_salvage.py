@@ -1,0 +1,121 @@
+"""What is left of a document with a fault: all of the rest, and no findings because of it."""
+
+from __future__ import annotations
+
+import copy
+import json
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Any
+
+from hypothesis import assume, given, settings
+from hypothesis import strategies as st
+
+from cbdsl.checking.document import check_document
+from cbdsl.checking.session import Session
+from cbdsl.errors.diagnostic import Diagnostic
+from cbdsl.yaml_text.composer import compose
+from cbdsl.yaml_text.library import Library, shipped
+
+Steps = tuple[str | int, ...]
+
+FILES = [
+    path
+    for folder in ("robots", "programs")
+    for path in sorted((shipped() / folder).rglob("*.yaml"))
+]
+FEW = settings(max_examples=60)
+
+
+def paths(value: Any, path: Steps = ()) -> Iterator[Steps]:
+    """Paths of all values below one."""
+    for step, inner in value.items() if isinstance(value, dict) else enumerate(value):
+        yield (*path, step)
+        if isinstance(inner, (dict, list)):
+            yield from paths(inner, (*path, step))
+
+
+def at(value: Any, path: Steps) -> Any:
+    for step in path:
+        value = value[step]
+    return value
+
+
+PLAIN = {file: compose(file.read_text("utf-8"), str(file)).root.plain() for file in FILES}
+PLACES = [
+    (file, path)
+    for file, data in PLAIN.items()
+    for path in paths(data)
+    if path[0] not in ("cbdsl", "kind")  # without these nobody knows what is to be checked
+]
+TEXTS = [place for place in PLACES if isinstance(at(PLAIN[place[0]], place[1]), str)]
+#: Parts of which there are several: one can be faulty, and another be checked.
+SEVERAL = ("controllers", "effectors", "contexts", "things")
+
+
+def found(file: Path, *changes: tuple[Callable[[Any, Steps], None], Steps]) -> list[Diagnostic]:
+    """What is found in a shipped document with changes; JSON is YAML."""
+    data = copy.deepcopy(PLAIN[file])
+    for change, path in changes:
+        change(at(data, path[:-1]), path)
+    library = Library(given={file: json.dumps(data, indent=1).encode()})
+    all_ = check_document(file, session=Session(library))
+    return [d for d in all_ if d.code != "CB704"]  # a name may differ from its file's
+
+
+def spoil(parent: Any, path: Steps) -> None:
+    """Put something there that is of the wrong kind."""
+    # A controller may be a mapping or a text, but never a list.
+    is_mapping = isinstance(parent[path[-1]], dict) or len(path) == 2
+    parent[path[-1]] = [[[]]] if is_mapping else {"nonsense": []}
+
+
+def misspell(parent: Any, path: Steps) -> None:
+    parent[path[-1]] += "q"
+
+
+def rename(parent: Any, path: Steps) -> None:
+    """Misspell a key, in its place."""
+    items = list(parent.items())
+    parent.clear()
+    parent.update({key + "q" if key == path[-1] else key: value for key, value in items})
+
+
+def causes(diagnostics: list[Diagnostic]) -> set[tuple[str, str]]:
+    return {(diagnostic.code, diagnostic.message) for diagnostic in diagnostics}
+
+
+@FEW
+@given(st.sampled_from(PLACES))
+def test_a_value_of_the_wrong_kind_is_one_finding(place: tuple[Path, Steps]) -> None:
+    file, path = place
+    (diagnostic,) = found(file, (spoil, path))
+    assert diagnostic.code in ("CB202", "CB203", "CB204", "CB205", "CB206", "CB208")
+
+
+@FEW
+@given(st.sampled_from([place for place in PLACES if isinstance(place[1][-1], str)]))
+def test_a_misspelt_key_is_one_cause(place: tuple[Path, Steps]) -> None:
+    file, path = place
+    assert len(causes(found(file, (rename, path)))) <= 1
+
+
+@FEW
+@given(st.sampled_from([place for place in TEXTS if place[1][0] != "parameters"]))
+def test_a_misspelt_text_is_one_cause(place: tuple[Path, Steps]) -> None:
+    file, path = place
+    assert len(causes(found(file, (misspell, path)))) <= 1
+
+
+@FEW
+@given(st.data())
+def test_a_faulty_part_hides_nothing_in_another(data: st.DataObject) -> None:
+    file, text = data.draw(st.sampled_from([p for p in TEXTS if p[1][0] in SEVERAL]))
+    others = [
+        p for f, p in PLACES if f == file and p[0] == text[0] and p[1:2] not in ((), text[1:2])
+    ]
+    assume(others)
+    other = data.draw(st.sampled_from(others))
+    both = causes(found(file, (spoil, other), (misspell, text)))
+    alone = causes([d for d in found(file, (misspell, text)) if d.is_error])
+    assert len(both) == 1 + len(alone) and both > alone
