@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import re
 import shlex
-from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -26,7 +25,8 @@ _NEVER = ("program", "resume", "workers", "scheduler")
 
 Program = Annotated[str, typer.Argument(help="A program: its file, or its name.")]
 Out = Annotated[
-    Path, typer.Option("--out", help="File for the policy; internal models go beside it.")
+    Path,
+    typer.Option("--out", help="File for the policy, NAME.yaml; internal models go beside it."),
 ]
 Stage = Annotated[
     str | None,
@@ -36,22 +36,32 @@ Episodes = Annotated[int, typer.Option("--episodes", min=1, help="How many episo
 Seed = Annotated[int, typer.Option("--seed", min=0, help="Seed of all chance.")]
 BackendName = Annotated[str, typer.Option("--backend", help="What embodies the robot.")]
 Trials = Annotated[
-    int, typer.Option("--trials", min=1, help="How many times, each from zero, in numbered files.")
+    int,
+    typer.Option(
+        "--trials", min=1, help="How many times, each from zero: NAME_0.yaml, NAME_1.yaml, and on."
+    ),
 ]
 Workers = Annotated[
     int,
-    typer.Option("--workers", min=1, help="How many trials at once, in processes of their own."),
+    typer.Option(
+        "--workers",
+        min=1,
+        help="How many trials at once, in processes of one thread; the outcome stays the same.",
+    ),
 ]
 Scheduler = Annotated[
     str | None,
-    typer.Option("--scheduler", help="Address of a Dask cluster that sees the same files."),
+    typer.Option(
+        "--scheduler",
+        help="Address of a Dask cluster, such as tcp://host:8786, whose workers see these files.",
+    ),
 ]
 With = Annotated[
     list[str],
     typer.Option("--with", help="A parameter of the program, as arm=left_arm; may be repeated."),
 ]
 Resume = Annotated[
-    bool, typer.Option("--resume", help="Go on where a trial was interrupted, or make it longer.")
+    bool, typer.Option("--resume", help="Go on where trials were interrupted, or make them longer.")
 ]
 Sequential = Annotated[
     bool, typer.Option("--sequential", help="Leave out the actions that are compositions.")
@@ -107,29 +117,32 @@ def learn(
     """Learn what a program's actions are good for, from zero, by discovering affordances.
 
     The policy in --out runs with cb run --policy. Beside it, a file that ends in .episodes.jsonl
-    holds each episode as soon as it is over: an interrupted trial goes on with --resume, and ends
-    as if it had never been interrupted.
+    holds each episode as soon as it is over, one a line: whatever interrupts a trial, it goes on
+    with --resume, and ends as if it had never been interrupted.
 
     Exit 0 when all episodes were run, 1 when a document has errors, 2 when it could not run.
     """
     from cbdsl.cli.assignments import read_assignments
+    from cbdsl.cli.lessons import one_by_one, side_by_side
     from cbdsl.cli.order import read_order
     from cbdsl.cli.quiet import shown_on_failure
     from cbdsl.cli.simulation import needing_simulation
 
     _require_name(out)
+    _require_one_place(workers, scheduler)
     order = read_order(program, stage, None, read_assignments(with_))
     lesson = _lesson(order.program, sequential, transitions, transition_time)
     with needing_simulation():
         constants = _constants(gamma, alpha, epsilon, density, bandwidth, prior)
         first = _assignment(order, lesson, constants, backend, seed, episodes, context, out)
         assignments = _numbered(first, trials)
-        _require_free(assignments, resume)
+        _require_ready(assignments, resume)
+    at_once = min(workers, trials)  # an episode needs what the one before it taught
     with shown_on_failure():
-        if workers == 1 and scheduler is None:
-            _one_by_one(assignments, order)
+        if at_once == 1 and scheduler is None:
+            one_by_one(assignments, order)
         else:
-            _side_by_side(assignments, workers, scheduler)
+            side_by_side(assignments, at_once, scheduler)
 
 
 def _require_name(out: Path) -> None:
@@ -141,6 +154,13 @@ def _require_name(out: Path) -> None:
         raise UsageError(f"--out {out}: a policy is <name>.yaml, of letters, digits and _")
     if out.is_dir():
         raise UsageError(f"--out {out}: is a folder")
+
+
+def _require_one_place(workers: int, scheduler: str | None) -> None:
+    from cbdsl.errors.errors import UsageError
+
+    if workers > 1 and scheduler is not None:
+        raise UsageError("--workers are processes of this machine, --scheduler has its own: choose")
 
 
 def _constants(
@@ -217,76 +237,21 @@ def _numbered(first: Assignment, trials: int) -> list[Assignment]:
     """As many trials; where they are several, their files are numbered."""
     if trials == 1:
         return [first]
-    digits = len(str(trials - 1))
     return [
-        replace(first, number=n, path=first.path.with_stem(f"{first.path.stem}_{n:0{digits}}"))
+        replace(first, number=n, path=first.path.with_stem(f"{first.path.stem}_{n}"))
         for n in range(trials)
     ]
 
 
-def _require_free(assignments: Sequence[Assignment], resume: bool) -> None:
-    from cbdsl.training.course import require_free
+def _require_ready(assignments: Sequence[Assignment], resume: bool) -> None:
+    """Find out before the episodes, not after, whether everything can be kept."""
+    from cbdsl.errors.errors import UsageError
 
     for assignment in assignments:
-        require_free(assignment.path, resume=resume)
-
-
-def _one_by_one(assignments: Sequence[Assignment], order: Order) -> None:
-    from cbdsl.cli.learning_progress import LearningProgress
-    from cbdsl.cli.simulation import simulation
-
-    with simulation(order, assignments[0].backend) as (body, kinematics):
-        for assignment in assignments:
-            with LearningProgress() as progress, _explained(assignment):
-                files = assignment.carry_out(body, kinematics, progress)
-            _tell(files)
-
-
-def _side_by_side(assignments: Sequence[Assignment], workers: int, scheduler: str | None) -> None:
-    from cbdsl.errors.errors import UsageError
-
-    try:
-        from cbdsl.training.cluster import carry_out_all
-    except ModuleNotFoundError as error:
-        raise UsageError(
-            f"--workers needs {error.name}, which is not installed: pip install 'cbdsl[learn]'"
-        ) from error
-    where = scheduler or f"{workers} workers"
-    print(f"{len(assignments)} trials of {assignments[0].episodes} episodes on {where}")
-    done = 0
-
-    def on_done(files: list[Path]) -> None:
-        nonlocal done
-        done += 1
-        print(f"trial {done} of {len(assignments)} is over")
-        _tell(files)
-
-    with _explained(assignments[0]):
-        carry_out_all(assignments, workers, scheduler, on_done)
-
-
-@contextmanager
-def _explained(assignment: Assignment) -> Iterator[None]:
-    """What keeps a trial from its end, in words."""
-    from cbdsl.cli.terminal import print_problem
-    from cbdsl.errors.errors import UsageError
-    from cbdsl.robot.signals import SensorError
-    from cbdsl.training.course import journal_file
-
-    journal = journal_file(assignment.path)
-    kept = f"{journal} holds the episodes that are over; --resume goes on with them"
-    try:
-        yield
-    except SensorError as error:
-        raise UsageError(f"{error}; {kept}") from error
-    except OSError as error:
-        told = f"--out {assignment.path}: {error.strerror or error}"
-        raise UsageError(f"{told}; {kept}" if journal.exists() else told) from error
-    except KeyboardInterrupt:
-        print_problem(f"interrupted; {kept}")
-        raise
-
-
-def _tell(files: Sequence[Path]) -> None:
-    for file in files:
-        print(f"wrote {file}", flush=True)
+        try:
+            assignment.require_ready(resume=resume)
+        except OSError as error:
+            raise UsageError(f"--out {assignment.path}: {error.strerror or error}") from error
+    journals = [each.journal for each in assignments]
+    if resume and not any(journal.exists() for journal in journals):
+        print(f"nothing to go on with: {journals[0]} is not there; begins anew", flush=True)

@@ -1,17 +1,19 @@
-"""How a trial gets on: a line that is replaced on a terminal, lines that stay elsewhere."""
+"""How trials get on: a line that is replaced on a terminal, lines that stay elsewhere."""
 
 from __future__ import annotations
 
 import sys
 import time
+from collections import defaultdict, deque
+from collections.abc import Sequence
+from functools import partial
 from types import TracebackType
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from rich.progress import Progress, TaskID
 
-    from cbdsl.documents.policy import Provenance
-    from cbdsl.training.trial import Trial
+    from cbdsl.learning.experience import Experience
 
 #: Least time between lines that stay, s.
 _PAUSE = 1.0
@@ -19,11 +21,26 @@ _RECENT = 10
 
 
 class LearningProgress:
-    """Tells of each episode what it was, how the last ten went, and how long the rest will take."""
+    """Tells of episodes what they were, how the last ten went, and how long the rest will take.
 
-    def __init__(self) -> None:
-        self._total = 0
-        self._seconds: list[float] = []
+    Args:
+        title: what is learned.
+        trials: how many times.
+        episodes: of each trial.
+        at_once: how many trials run side by side.
+
+    Attributes:
+        at_once: the same; it may change.
+    """
+
+    def __init__(self, title: str, trials: int, episodes: int, at_once: int = 1) -> None:
+        self._title: str | None = title
+        self._trials, self._episodes = trials, episodes
+        self.at_once = at_once
+        self._over: dict[int, int] = defaultdict(int)
+        last_ten = partial[deque["Experience"]](deque, maxlen=_RECENT)
+        self._recent: dict[int, deque[Experience]] = defaultdict(last_ten)
+        self._seconds: deque[float] = deque(maxlen=_RECENT * at_once)
         self._told = -_PAUSE
         self._bar: tuple[Progress, TaskID] | None = None
 
@@ -39,57 +56,75 @@ class LearningProgress:
         if self._bar is not None:
             self._bar[0].stop()
 
-    def begin(self, trial: Trial, provenance: Provenance) -> None:
-        """See ``Watcher.begin``."""
-        self._total, over = provenance.episodes, len(trial.experiences)
-        number = f", trial {trial.number}" if trial.number else ""
-        print(
-            f"{provenance.program.name} on {provenance.stage.name}, seed {trial.seed}{number}; "
-            f"images by {provenance.renderer}"
-        )
-        if over:
-            print(f"{over} of {self._total} episodes are over")
-        if sys.stdout.isatty():
-            self._bar = _bar(self._total, over)
-            self._bar[0].start()
+    @property
+    def total(self) -> int:
+        """How many episodes there will be in all trials."""
+        return self._trials * self._episodes
 
-    def note(self, trial: Trial, seconds: float) -> None:
+    @property
+    def over(self) -> int:
+        """How many of them are over, as far as it is known."""
+        return sum(self._over.values())
+
+    def begin(self, number: int, renderer: str, finished: Sequence[Experience]) -> None:
+        """See ``Watcher.begin``."""
+        if self._title is not None:
+            print(f"{self._title}; images by {renderer}", flush=True)
+            self._title = None
+        self._over[number] = len(finished)
+        self._recent[number].extend(finished[-_RECENT:])
+        if finished:
+            told = f"{len(finished)} of {self._episodes} episodes are over"
+            print(f"{self._name(number, ': ')}{told}", flush=True)
+        if sys.stdout.isatty() and self._bar is None:
+            # Everything has room on a line of eighty characters.
+            self._bar = _bar(self.total, width=16 if self._trials == 1 else 8)
+            self._bar[0].start()
+        if self._bar is not None:
+            self._bar[0].update(self._bar[1], completed=self.over)
+
+    def note(self, number: int, experience: Experience, seconds: float) -> None:
         """See ``Watcher.note``."""
+        self._over[number] += 1
+        self._recent[number].append(experience)
         self._seconds.append(seconds)
-        done = len(trial.experiences)
         if self._bar is not None:
             bar, task = self._bar
-            bar.update(task, completed=done, told=_lately(trial))
-        elif time.monotonic() >= self._told + _PAUSE or done == self._total:
+            told = f"{self._name(number, ', ')}{self._lately(number)}"
+            bar.update(task, completed=self.over, told=told)
+        elif time.monotonic() >= self._told + _PAUSE or self._over[number] == self._episodes:
             self._told = time.monotonic()
-            print(f"episode {done} of {self._total}: {_told(trial)}{self._left(done)}", flush=True)
+            print(self._line(number, experience), flush=True)
 
-    def _left(self, done: int) -> str:
-        recent = self._seconds[-_RECENT:]
-        left = sum(recent) / len(recent) * (self._total - done)
+    def _line(self, number: int, last: Experience) -> str:
+        where = f"episode {self._over[number]} of {self._episodes}"
+        what = f"{last.context}, reward {last.reward} in {len(last.transitions)} transitions"
+        parts = [f"{self._name(number, ', ')}{where}: {what}", self._lately(number)]
+        if self._trials > 1:
+            parts.append(f"{self.over} of {self.total} in all")
+        return "; ".join(parts) + self._left()
+
+    def _name(self, number: int, end: str) -> str:
+        return f"trial {number}{end}" if self._trials > 1 else ""
+
+    def _lately(self, number: int) -> str:
+        """The last ten episodes of a trial in a few words."""
+        recent = self._recent[number]
+        rewarded = sum(each.reward > 0 for each in recent)
+        each_transition = sum(e.reward for e in recent) / sum(len(e.transitions) for e in recent)
+        return f"last {len(recent)}: {rewarded} rewarded, {each_transition:.2f} per transition"
+
+    def _left(self) -> str:
+        """How long the rest will take, if episodes stay as long as the last ones."""
+        each = sum(self._seconds) / len(self._seconds)
+        left = each * (self.total - self.over) / self.at_once
         return f"; about {left // 60:.0f} min {left % 60:02.0f} s left" if left else ""
 
 
-def _told(trial: Trial) -> str:
-    """An episode and the last ten in a few words."""
-    last = trial.experiences[-1]
-    transitions = len(last.transitions)
-    return f"{last.context}, reward {last.reward} in {transitions} transitions; {_lately(trial)}"
-
-
-def _lately(trial: Trial) -> str:
-    recent = trial.experiences[-_RECENT:]
-    rewarded = sum(each.reward > 0 for each in recent)
-    each_transition = sum(e.reward for e in recent) / sum(len(e.transitions) for e in recent)
-    return f"last {len(recent)}: {rewarded} rewarded, {each_transition:.2f} per transition"
-
-
-def _bar(total: int, gone: int) -> tuple[Progress, TaskID]:
+def _bar(total: int, width: int) -> tuple[Progress, TaskID]:
     from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn
     from rich.progress import TimeRemainingColumn as Left
 
     told = TextColumn("{task.fields[told]}")
-    # Everything has room on a line of eighty characters.
-    columns = (MofNCompleteColumn(), BarColumn(bar_width=16), Left(), told)
-    bar = Progress(*columns)
-    return bar, bar.add_task("", total=total, completed=gone, told="")
+    bar = Progress(MofNCompleteColumn(), BarColumn(bar_width=width), Left(), told)
+    return bar, bar.add_task("", total=total, told="")

@@ -5,14 +5,25 @@ from __future__ import annotations
 from dataclasses import dataclass
 from pathlib import Path
 
-from cbdsl.backends.backend import Backend, find_backend
+from cbdsl.backends.backend import Backend
+from cbdsl.documents.policy import Provenance
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.documents.stage import StageDocument
 from cbdsl.learning.accommodate import Constants
 from cbdsl.program.checked import CheckedProgram
 from cbdsl.robot.kinematics import Kinematics
 from cbdsl.training.classroom import BackendClassroom
-from cbdsl.training.course import Nobody, Watcher, follow, open_journal
+from cbdsl.training.course import (
+    Nobody,
+    Watcher,
+    follow,
+    identity_of,
+    journal_file,
+    open_journal,
+    require_free,
+    require_writable,
+)
+from cbdsl.training.journal import require_usable
 from cbdsl.training.provenance import Setting, provenance_of
 from cbdsl.training.trial import Trial
 
@@ -49,6 +60,28 @@ class Assignment:
     command: str
     path: Path
 
+    @property
+    def journal(self) -> Path:
+        """Where its episodes are kept."""
+        return journal_file(self.path)
+
+    def require_ready(self, *, resume: bool) -> None:
+        """Find out what would keep its outcome from being written, before hours are spent on it.
+
+        Args:
+            resume: whether to go on with a trial that was begun there.
+
+        Raises:
+            JournalError: something is in the way, or the trial that was begun there is another.
+            OSError: nothing can be written there.
+        """
+        require_writable(self.path)
+        require_free(self.path, (*self.robot.effectors, *self.robot.groups), resume=resume)
+        if self.journal.exists():
+            # What makes the images is known only to a body.
+            known = identity_of(self._provenance(self._trial(), "unknown"), ("renderer",))
+            require_usable(self.journal, known)
+
     def carry_out(
         self, body: Backend, kinematics: Kinematics, watcher: Watcher | None = None
     ) -> list[Path]:
@@ -58,21 +91,17 @@ class Assignment:
             The files that were written.
 
         Raises:
-            JournalError, BackendError, SensorError, OSError: see ``follow``.
+            JournalError, BackendError, EpisodeError, OSError: see ``follow``.
         """
-        trial = Trial(self.program, self.constants, self.seed, self.number)
-        sha256, renderer = self.program_sha256, body.renderer
-        setting = Setting(sha256, self.robot, self.stage, self.backend, renderer)
-        provenance = provenance_of(trial, setting, self.episodes, self.command)
+        trial = self._trial()
+        provenance = self._provenance(trial, body.renderer)
         classroom = BackendClassroom(self.robot, kinematics, body, self.stage)
         with open_journal(self.path, provenance) as journal:
             return follow(trial, classroom, journal, provenance, self.path, watcher or Nobody())
 
+    def _trial(self) -> Trial:
+        return Trial(self.program, self.constants, self.seed, self.number)
 
-def carry_out_alone(assignment: Assignment) -> list[Path]:
-    """Carry out a trial on a body of its own; see ``Assignment.carry_out``."""
-    body = find_backend(assignment.backend)(assignment.robot, assignment.urdf)
-    try:
-        return assignment.carry_out(body, Kinematics(assignment.robot, assignment.urdf))
-    finally:
-        body.close()
+    def _provenance(self, trial: Trial, renderer: str) -> Provenance:
+        setting = Setting(self.program_sha256, self.robot, self.stage, self.backend, renderer)
+        return provenance_of(trial, setting, self.episodes, self.command)

@@ -3,20 +3,54 @@
 from __future__ import annotations
 
 import logging
-from collections.abc import Callable, Sequence
+import time
+from collections.abc import Iterator, Sequence
+from concurrent.futures import CancelledError
+from contextlib import contextmanager, suppress
 from pathlib import Path
+from tempfile import NamedTemporaryFile
+from typing import Protocol
 
-from distributed import Client, KilledWorker, LocalCluster, as_completed
+from distributed import Client, Future, KilledWorker, LocalCluster, wait
 
 from cbdsl.errors.errors import UsageError
-from cbdsl.training.assignment import Assignment, carry_out_alone
+from cbdsl.training.assignment import Assignment
+from cbdsl.training.provenance import versions
+from cbdsl.training.worker import work
+
+# How often a supervisor hears that time passes, s.
+_PERIOD = 0.5
+# How long a cluster may be without workers: those of a busy machine room may have to queue, s.
+_PATIENCE = 900.0
+# Libraries with threads of their own: there are as many workers as there is to be work at once.
+_ONE_THREAD = dict.fromkeys(("OPENCV_FOR_THREADS_NUM", "NUMBA_NUM_THREADS"), "1")
+# No lines about workers that come and go: the supervisor hears of them.
+_LOGGERS = ("distributed", "distributed.client", "distributed.core", "tornado.application")
+_GONE = "the cluster's scheduler is gone, or gave the trials up"
+
+
+class Supervisor(Protocol):
+    """Is told how trials get on that others carry out."""
+
+    def done(self, assignment: Assignment, files: Sequence[Path]) -> None:
+        """A trial is over, and wrote these files."""
+        ...
+
+    def failed(self, assignment: Assignment, error: Exception) -> None:
+        """A trial could not be carried out; the others go on."""
+        ...
+
+    def look(self, workers: int) -> None:
+        """Some time passed, and so many workers are there."""
+        ...
 
 
 def carry_out_all(
     assignments: Sequence[Assignment],
     workers: int,
     scheduler: str | None,
-    on_done: Callable[[list[Path]], None],
+    supervisor: Supervisor,
+    patience: float = _PATIENCE,
 ) -> None:
     """Carry out trials side by side; what is learned does not depend on who learns it.
 
@@ -26,39 +60,108 @@ def carry_out_all(
         assignments: the trials.
         workers: processes of one thread each, here.
         scheduler: address of a cluster instead, whose workers see the same files.
-        on_done: told the files that each trial wrote.
+        supervisor: is told how they get on.
+        patience: for how long there may be no worker at all, s.
 
     Raises:
-        UsageError: the cluster is not there, or its workers die again and again.
-        JournalError, BackendError, SensorError, OSError: see ``Assignment.carry_out``.
+        UsageError: the cluster is not there, goes away, or has no workers for too long.
     """
-    if scheduler is not None:
-        _carry_out(assignments, _connected(scheduler), on_done)
-        return
-    with LocalCluster(
-        n_workers=workers,
-        threads_per_worker=1,
-        processes=True,
-        dashboard_address=None,
-        silence_logs=logging.CRITICAL,
-    ) as cluster:
-        _carry_out(assignments, Client(cluster), on_done)
+    folder = assignments[0].path.parent
+    with (
+        _silence(),
+        _connected(workers, scheduler) as client,
+        NamedTemporaryFile(dir=folder, prefix=".cb_learn_") as there,
+    ):
+        given = versions()
+        futures = {
+            client.submit(work, each, Path(there.name), given, pure=False): each
+            for each in assignments
+        }
+        _supervise(futures, client, supervisor, patience)
 
 
-def _connected(scheduler: str) -> Client:
+@contextmanager
+def _silence() -> Iterator[None]:
+    loggers = [logging.getLogger(name) for name in _LOGGERS]
+    levels = [logger.level for logger in loggers]
+    for logger in loggers:
+        logger.setLevel(logging.CRITICAL + 1)
     try:
-        return Client(scheduler, timeout="10s")
-    except (OSError, ValueError) as error:
-        raise UsageError(f"--scheduler {scheduler}: nothing answers there ({error})") from error
+        yield
+    finally:
+        for logger, level in zip(loggers, levels, strict=True):
+            logger.setLevel(level)
 
 
-def _carry_out(
-    assignments: Sequence[Assignment], client: Client, on_done: Callable[[list[Path]], None]
-) -> None:
-    with client:
-        futures = client.map(carry_out_alone, assignments, pure=False)
+@contextmanager
+def _connected(workers: int, scheduler: str | None) -> Iterator[Client]:
+    if scheduler is not None:
         try:
-            for future in as_completed(futures):
-                on_done(future.result())
-        except KilledWorker as error:
-            raise UsageError(f"workers died again and again ({error}); --resume goes on") from error
+            client = Client(scheduler, timeout="10s")
+        except (OSError, ValueError) as error:
+            raise UsageError(f"--scheduler {scheduler}: nothing answers there ({error})") from error
+        with client:
+            yield client
+        return
+    with (
+        LocalCluster(
+            n_workers=workers,
+            threads_per_worker=1,
+            processes=True,
+            dashboard_address=None,
+            silence_logs=logging.CRITICAL,
+            env=_ONE_THREAD,
+        ) as cluster,
+        Client(cluster) as client,
+    ):
+        yield client
+
+
+def _supervise(
+    futures: dict[Future[list[Path]], Assignment],
+    client: Client,
+    supervisor: Supervisor,
+    patience: float,
+) -> None:
+    """Wait for all trials, as long as there is anybody to carry them out."""
+    last_seen = time.monotonic()
+    while futures:
+        workers = _workers(client)
+        supervisor.look(workers)
+        if workers:
+            last_seen = time.monotonic()
+        elif time.monotonic() > last_seen + patience:
+            raise UsageError(f"the cluster was without workers for {patience:.0f} s")
+        with suppress(TimeoutError, CancelledError):
+            wait(list(futures), timeout=_PERIOD, return_when="FIRST_COMPLETED")
+        for future in [each for each in futures if each.done()]:
+            _hand_over(future, futures.pop(future), supervisor)
+
+
+def _workers(client: Client) -> int:
+    """How many workers a cluster has.
+
+    Raises:
+        UsageError: there is no cluster any more.
+    """
+    try:
+        if client.status == "running":
+            return len(client.nthreads())
+    except OSError:
+        pass
+    raise UsageError(_GONE)
+
+
+def _hand_over(future: Future[list[Path]], assignment: Assignment, supervisor: Supervisor) -> None:
+    """Tell what became of a trial."""
+    try:
+        files = future.result()
+    except CancelledError as error:
+        raise UsageError(_GONE) from error
+    except KilledWorker:
+        died = UsageError("the workers that it was given to died, one after the other")
+        supervisor.failed(assignment, died)
+    except (UsageError, OSError, ImportError) as error:
+        supervisor.failed(assignment, error)
+    else:
+        supervisor.done(assignment, files)

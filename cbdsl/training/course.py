@@ -2,36 +2,48 @@
 
 from __future__ import annotations
 
+import tempfile
 import time
+from collections.abc import Iterable, Sequence
 from pathlib import Path
-from typing import Protocol
+from typing import Any, Protocol
 
 from cbdsl.documents.policy import Provenance
+from cbdsl.learning.experience import Experience
 from cbdsl.training.classroom import Classroom
 from cbdsl.training.journal import Journal, JournalError
-from cbdsl.training.knowledge import write_knowledge
+from cbdsl.training.knowledge import model_file, write_knowledge
 from cbdsl.training.trial import Trial
+
+# What the documents of a trial need at least, bytes.
+_ROOM = 1 << 16
 
 
 class Watcher(Protocol):
-    """Is told how a trial gets on."""
+    """Is told how trials get on."""
 
-    def begin(self, trial: Trial, provenance: Provenance) -> None:
-        """The trial begins or goes on, with the episodes that are over."""
+    def begin(self, number: int, renderer: str, finished: Sequence[Experience]) -> None:
+        """A trial begins or goes on.
+
+        Args:
+            number: of the trial.
+            renderer: what makes its images.
+            finished: its episodes that are over.
+        """
         ...
 
-    def note(self, trial: Trial, seconds: float) -> None:
-        """Another episode is over, which took ``seconds``."""
+    def note(self, number: int, experience: Experience, seconds: float) -> None:
+        """Another episode of trial ``number`` is over, which took ``seconds``."""
         ...
 
 
 class Nobody:
     """Watches nothing."""
 
-    def begin(self, trial: Trial, provenance: Provenance) -> None:
+    def begin(self, number: int, renderer: str, finished: Sequence[Experience]) -> None:
         """See ``Watcher.begin``."""
 
-    def note(self, trial: Trial, seconds: float) -> None:
+    def note(self, number: int, experience: Experience, seconds: float) -> None:
         """See ``Watcher.note``."""
 
 
@@ -40,11 +52,29 @@ def journal_file(path: Path) -> Path:
     return path.with_suffix(".episodes.jsonl")
 
 
-def require_free(path: Path, *, resume: bool) -> None:
+def require_writable(path: Path) -> None:
+    """Find out before the episodes, not after, whether a policy can be kept.
+
+    Args:
+        path: the policy's file.
+
+    Raises:
+        JournalError: there is no such folder.
+        OSError: nothing can be written there, or the disk is full.
+    """
+    folder = path.parent
+    if not folder.is_dir():
+        raise JournalError(f"--out {path}: there is no folder {folder}")
+    with tempfile.TemporaryFile(dir=folder, buffering=0) as file:
+        file.write(bytes(_ROOM))
+
+
+def require_free(path: Path, effectors: Iterable[str], *, resume: bool) -> None:
     """Make sure that a trial whose policy goes to ``path`` would overwrite nothing unasked.
 
     Args:
         path: the policy's file.
+        effectors: those of which internal models may be learned, and put beside it.
         resume: whether to go on with a trial that was begun there.
 
     Raises:
@@ -55,20 +85,26 @@ def require_free(path: Path, *, resume: bool) -> None:
         raise JournalError(
             f"{journal} is there already: go on with --resume, or choose another --out"
         )
-    if path.exists() and not journal.exists():
-        raise JournalError(f"{path} is there already, and was not learned here: choose another")
+    for file in (path, *(model_file(path, effector) for effector in effectors)):
+        if file.is_dir() or (file.exists() and not journal.exists()):
+            raise JournalError(f"{file} is there already, and was not learned here: choose another")
+
+
+def identity_of(provenance: Provenance, leave_out: Iterable[str] = ()) -> dict[str, Any]:
+    """All that the episodes of a trial depend on, as JSON has it.
+
+    How many of them are asked for does not matter to those that are over.
+    """
+    return provenance.model_dump(mode="json", exclude={"command", "episodes", *leave_out})
 
 
 def open_journal(path: Path, provenance: Provenance) -> Journal:
     """The journal of a trial whose policy goes to ``path``.
 
-    How many episodes are asked for does not matter to those that are over.
-
     Raises:
         JournalError, OSError: see ``Journal``.
     """
-    identity = provenance.model_dump(mode="json", exclude={"command", "episodes"})
-    return Journal(journal_file(path), identity)
+    return Journal(journal_file(path), identity_of(provenance))
 
 
 def follow(
@@ -93,16 +129,16 @@ def follow(
         The files that were written.
 
     Raises:
-        BackendError, SensorError: an episode cannot be run.
+        BackendError, EpisodeError: an episode cannot be run.
         OSError: the journal or a document cannot be written.
     """
     for experience in journal.finished[: provenance.episodes]:
         trial.replay(experience)
-    watcher.begin(trial, provenance)
+    watcher.begin(trial.number, provenance.renderer, trial.experiences)
     while len(trial.experiences) < provenance.episodes:
         began = time.perf_counter()
         experience = trial.run(classroom)
         seconds = time.perf_counter() - began
         journal.append(experience, seconds)
-        watcher.note(trial, seconds)
+        watcher.note(trial.number, experience, seconds)
     return write_knowledge(trial, provenance, path)

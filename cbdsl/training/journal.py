@@ -2,21 +2,38 @@
 
 from __future__ import annotations
 
+import fcntl
 import json
 import os
+import time
 from collections.abc import Mapping
 from dataclasses import asdict
 from pathlib import Path
 from types import TracebackType
-from typing import Any
+from typing import Any, BinaryIO, NamedTuple
 
 from cbdsl.errors.errors import UsageError
 from cbdsl.learning.experience import Experience
 from cbdsl.program.transition import Transition
 
+# How long a process that lost its cluster may still be busy with its last episode, s.
+_PATIENCE = 60.0
+
 
 class JournalError(UsageError):
     """A journal cannot be used; the message says why and what to do."""
+
+
+class Entry(NamedTuple):
+    """A line of a journal.
+
+    Attributes:
+        experience: the episode.
+        wall_seconds: how long it took, s.
+    """
+
+    experience: Experience
+    wall_seconds: float
 
 
 class Journal:
@@ -24,6 +41,7 @@ class Journal:
 
     Where the file is there, the trial goes on.
     A line that a killed process left unfinished counts for nothing, and is overwritten.
+    No two processes write the same journal: the second waits a minute for the first to end.
 
     Args:
         path: the file.
@@ -33,23 +51,35 @@ class Journal:
         finished: the episodes that the file holds.
 
     Raises:
-        JournalError: the file belongs to another trial, or is none.
+        JournalError: the file belongs to another trial, or is none, or is being written.
         OSError: it cannot be read or written.
     """
 
     def __init__(self, path: Path, identity: Mapping[str, Any]) -> None:
-        lines, sound = _whole_lines(path) if path.exists() else ([], 0)
-        if lines:
-            _require_same(path, lines[0], identity)
-        self.finished = tuple(_experience(row) for row in lines[1:])
-        self._file = path.open("r+b" if path.exists() else "w+b")
+        self._file = os.fdopen(os.open(path, os.O_RDWR | os.O_CREAT, 0o644), "r+b", buffering=0)
         try:
-            self._file.truncate(sound)
-            self._file.seek(sound)
-            if not lines:
-                self._append(dict(identity))
+            _lock(self._file, path, _PATIENCE)
+            self.finished = self._take_up(path, identity)
         except BaseException:
             self._file.close()
+            raise
+
+    def _take_up(self, path: Path, identity: Mapping[str, Any]) -> tuple[Experience, ...]:
+        rows, sound = rows_of(self._file.read(), path)
+        if rows:
+            _require_same(path, rows[0], identity)
+        finished = tuple(entry_of(row, path).experience for row in rows[1:])
+        self._file.truncate(sound)
+        self._file.seek(sound)
+        if not rows:
+            self._begin(path, identity)
+        return finished
+
+    def _begin(self, path: Path, identity: Mapping[str, Any]) -> None:
+        try:
+            self._append(identity)
+        except OSError:
+            path.unlink()  # a journal that holds nothing would only be in the way
             raise
 
     def __enter__(self) -> Journal:
@@ -76,36 +106,122 @@ class Journal:
         self._append({**asdict(experience), "wall_seconds": round(wall_seconds, 3)})
 
     def _append(self, row: Mapping[str, Any]) -> None:
-        self._file.write(json.dumps(row, ensure_ascii=False).encode() + b"\n")
-        self._file.flush()
+        left = memoryview(json.dumps(row, ensure_ascii=False).encode() + b"\n")
+        while left:  # a disk that is nearly full takes a part, and says so only of the next
+            left = left[self._file.write(left) :]
         os.fsync(self._file.fileno())
 
 
-def _whole_lines(path: Path) -> tuple[list[dict[str, Any]], int]:
-    """The lines of a file that are finished, and where they end."""
-    data = path.read_bytes()
+def rows_of(data: bytes, path: Path) -> tuple[list[dict[str, Any]], int]:
+    """The whole lines in a part of a journal, and where they end.
+
+    Args:
+        data: from the beginning of a line; what follows the last end of a line is left out.
+        path: of the journal, for messages.
+
+    Raises:
+        JournalError: it is no journal.
+    """
     sound = data.rfind(b"\n") + 1
     try:
         rows = [json.loads(line) for line in data[:sound].splitlines()]
-        if not all(isinstance(row, dict) for row in rows):
-            raise ValueError("a line is no JSON object")
     except ValueError as error:
         raise JournalError(f"{path} is no journal of a trial: {error}") from error
+    if not all(isinstance(row, dict) for row in rows):
+        raise JournalError(f"{path} is no journal of a trial: a line is no JSON object")
     return rows, sound
 
 
+def entry_of(row: Mapping[str, Any], path: Path) -> Entry:
+    """The episode in a line of a journal.
+
+    Raises:
+        JournalError: there is none.
+    """
+    try:
+        return _entry(row)
+    except (KeyError, TypeError, ValueError, AttributeError) as error:
+        raise JournalError(f"{path} is no journal of a trial: {error!r} in a line") from error
+
+
+def require_usable(path: Path, identity: Mapping[str, Any]) -> None:
+    """Make sure that the trial in a journal can go on.
+
+    Args:
+        path: the journal, which is there.
+        identity: what of the trial is known; what it does not name is not compared.
+
+    Raises:
+        JournalError: it cannot; the message says why.
+        OSError: the file cannot be read or written.
+    """
+    with path.open("r+b", buffering=0) as file:
+        _lock(file, path, patience=0.0)
+        rows, _ = rows_of(file.read(), path)
+    if rows:
+        known = {key: value for key, value in rows[0].items() if key in identity}
+        _require_same(path, known, identity)
+
+
 def _require_same(path: Path, found: Mapping[str, Any], wanted: Mapping[str, Any]) -> None:
-    differing = [key for key in {**found, **wanted} if found.get(key) != wanted.get(key)]
+    differing = _differences(found, wanted)
     if differing:
-        told = "; ".join(f"{key} was {found.get(key)}, is {wanted.get(key)}" for key in differing)
-        raise JournalError(f"{path} belongs to another trial: {told}; choose another --out")
+        told = "; ".join(differing)
+        raise JournalError(
+            f"{path} belongs to another trial: {told}; ask for the same, or choose another --out"
+        )
 
 
-def _experience(row: Mapping[str, Any]) -> Experience:
+def _differences(found: Mapping[str, Any], wanted: Mapping[str, Any]) -> list[str]:
+    """What differs, in words."""
+    told = []
+    for key in {**found, **wanted}:
+        old, new = found.get(key), wanted.get(key)
+        if old == new:
+            continue
+        if isinstance(old, dict) and isinstance(new, dict):
+            if old.get("name") != new.get("name"):
+                told.append(f"{key} was {old.get('name')}, is {new.get('name')}")
+            elif "sha256" in old:
+                told.append(f"{key} '{old.get('name')}' has changed since")
+            else:
+                told += _differences(old, new)
+        else:
+            told.append(f"{key} was {_shown(old)}, is {_shown(new)}")
+    return told
+
+
+def _shown(value: object) -> str:
+    if value is None:
+        return "nothing"
+    return ", ".join(map(str, value)) if isinstance(value, (list, tuple)) else str(value)
+
+
+def _lock(file: BinaryIO, path: Path, patience: float) -> None:
+    """Be the only one at work on a file; the end of a process frees what it held, however it ends.
+
+    Raises:
+        JournalError: somebody else is, and does not end within ``patience``, s.
+        OSError: the file system knows no locks.
+    """
+    deadline = time.monotonic() + patience
+    while True:
+        try:
+            fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+            return
+        except BlockingIOError as error:
+            if time.monotonic() >= deadline:
+                raise JournalError(
+                    f"another process is at work on {path}: let it end first"
+                ) from error
+        time.sleep(0.1)
+
+
+def _entry(row: Mapping[str, Any]) -> Entry:
     transitions = (
         Transition(**{**each, "rewarding": tuple(each["rewarding"])}) for each in row["transitions"]
     )
-    return Experience(
+    experience = Experience(
         context=row["context"],
         seed=row["seed"],
         transitions=tuple(transitions),
@@ -113,3 +229,4 @@ def _experience(row: Mapping[str, Any]) -> Experience:
         ticks=row["ticks"],
         sim_seconds=row["sim_seconds"],
     )
+    return Entry(experience, row["wall_seconds"])

@@ -14,6 +14,11 @@ from cbdsl.yaml_text.writer import write
 _DECIMALS = 6
 
 
+def model_file(path: Path, effector: str) -> Path:
+    """Where the internal model of an effector goes that was learned with the policy in ``path``."""
+    return path.with_name(f"{path.stem}_{effector}.yaml")
+
+
 def write_knowledge(trial: Trial, provenance: Provenance, path: Path) -> list[Path]:
     """Write what was learned, models before the policy that names them.
 
@@ -31,8 +36,8 @@ def write_knowledge(trial: Trial, provenance: Provenance, path: Path) -> list[Pa
     name = path.stem
     written = []
     documents: list[tuple[Path, Document]] = [
-        (path.with_name(f"{model.name}.yaml"), model)
-        for model in model_documents(trial, name).values()
+        (model_file(path, effector), model)
+        for effector, model in model_documents(trial, name).items()
     ]
     for file, document in (*documents, (path, policy_document(trial, provenance, name))):
         write(document, file)

@@ -61,7 +61,7 @@ def provenance_of(trial: Trial, setting: Setting, episodes: int, command: str) -
         episodes=episodes,
         backend=setting.backend,
         renderer=setting.renderer,
-        versions=_versions(),
+        versions=versions(),
     )
 
 
@@ -69,7 +69,8 @@ def _identity(document: Document) -> Identity:
     return Identity(name=document.name, sha256=digest(document))
 
 
-def _versions() -> dict[str, str]:
+def versions() -> dict[str, str]:
+    """Those of the packages that an outcome depends on, as they are installed here."""
     found = {"python": platform.python_version()}
     for package in _PACKAGES:
         try:

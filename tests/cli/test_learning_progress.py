@@ -8,7 +8,7 @@ import sys
 import pytest
 
 from cbdsl.cli.learning_progress import LearningProgress
-from tests.training.toy import ToyClassroom, toy_provenance, toy_trial
+from tests.training.toy import ToyClassroom, toy_trial
 
 EPISODES = 14
 
@@ -20,14 +20,15 @@ class Terminal(io.StringIO):
         return True
 
 
-def watched() -> None:
-    trial, classroom = toy_trial(), ToyClassroom()
-    trial.run(classroom)
-    with LearningProgress() as progress:
-        progress.begin(trial, toy_provenance(trial, EPISODES))
-        while len(trial.experiences) < EPISODES:
+def watched(*, trials: int = 1) -> None:
+    """Trials whose first episodes are over, and whose others take half a minute each."""
+    with LearningProgress("searchtrack", trials, EPISODES) as progress:
+        for number in range(trials):
+            trial, classroom = toy_trial(), ToyClassroom()
             trial.run(classroom)
-            progress.note(trial, 30.0)
+            progress.begin(number, "nothing", trial.experiences)
+            while len(trial.experiences) < EPISODES:
+                progress.note(number, trial.run(classroom), 30.0)
 
 
 def test_lines_say_what_was_how_it_goes_and_how_long_it_takes(
@@ -35,7 +36,7 @@ def test_lines_say_what_was_how_it_goes_and_how_long_it_takes(
 ) -> None:
     watched()
     lines = capsys.readouterr().out.splitlines()
-    assert lines[0].startswith("searchtrack on searchtrack_training, seed 1")
+    assert lines[0] == "searchtrack; images by nothing"
     assert lines[1] == "1 of 14 episodes are over"
     assert lines[2].startswith("episode 2 of 14: ") and "reward 1 in " in lines[2]
     assert lines[2].endswith("about 6 min 00 s left")
@@ -43,11 +44,36 @@ def test_lines_say_what_was_how_it_goes_and_how_long_it_takes(
     assert "left" not in lines[-1]
 
 
-def test_a_terminal_shows_all_of_it_on_one_line(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_of_several_trials_lines_say_which_it_is_and_what_is_left_of_all(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    watched(trials=3)
+    lines = capsys.readouterr().out.splitlines()
+    assert sum("images by" in line for line in lines) == 1
+    assert lines[1] == "trial 0: 1 of 14 episodes are over"
+    assert lines[2].startswith("trial 0, episode 2 of 14: ")
+    assert lines[2].endswith("2 of 42 in all; about 20 min 00 s left")
+    assert lines[-1].startswith("trial 2, episode 14 of 14: ")
+    assert lines[-1].endswith("42 of 42 in all")
+
+
+def test_trials_at_once_take_their_share_of_the_time(capsys: pytest.CaptureFixture[str]) -> None:
+    with LearningProgress("searchtrack", trials=8, episodes=10, at_once=4) as progress:
+        progress.begin(2, "nothing", [])
+        progress.note(2, toy_trial().run(ToyClassroom()), 12.0)
+    assert capsys.readouterr().out.splitlines()[-1].endswith("about 3 min 57 s left")
+
+
+@pytest.mark.parametrize("trials", [1, 30])
+def test_a_terminal_shows_all_of_it_on_one_line(
+    monkeypatch: pytest.MonkeyPatch, trials: int
+) -> None:
     terminal = Terminal()
     monkeypatch.setattr(sys, "stdout", terminal)
     monkeypatch.setenv("COLUMNS", "80")
     monkeypatch.setenv("TERM", "xterm")
-    watched()
+    watched(trials=trials)
     last = terminal.getvalue().split("\r")[-1]
-    assert "14/14" in last and "last 10: 10 rewarded" in last and "per transition" in last
+    total = trials * EPISODES
+    assert f"{total}/{total}" in last and "last 10: 10 rewarded" in last
+    assert "per transition" in last

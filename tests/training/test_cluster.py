@@ -2,86 +2,220 @@
 
 from __future__ import annotations
 
+import json
+import signal
+import subprocess
+import sys
 import threading
 import time
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import pytest
 
-from cbdsl.backends.bullet.backend import BulletBackend
-from cbdsl.checking.digest import program_digest
-from cbdsl.checking.program import check_program
-from cbdsl.documents.program import ProgramDocument
-from cbdsl.documents.robot import RobotDocument
-from cbdsl.documents.stage import StageDocument
-from cbdsl.learning.accommodate import Constants
-from cbdsl.robot.kinematics import Kinematics
+from cbdsl.errors.errors import UsageError
 from cbdsl.training.assignment import Assignment
-from cbdsl.training.course import journal_file
-from cbdsl.yaml_text.library import Library
-from tests.conftest import ROOT
+from cbdsl.training.provenance import versions
+from tests.training.lessons import assigned, carry_out_here, outcome
 
-pytest.importorskip("distributed", reason="many trials at once need the extra 'learn'")
+distributed = pytest.importorskip("distributed", reason="trials side by side: extra 'learn'")
+psutil = pytest.importorskip("psutil")
 
-TRIALS = 3
+from cbdsl.training.cluster import carry_out_all  # noqa: E402
+from cbdsl.training.worker import work  # noqa: E402
 
-
-@pytest.fixture
-def assignments(dexter: RobotDocument, urdf: Path, tmp_path: Path) -> list[Assignment]:
-    library = Library(ROOT)
-    stage = library.locate(StageDocument, "searchtrack_training")
-    first = Assignment(
-        program=check_program("searchtrack", {}, library),
-        program_sha256=program_digest(library.locate(ProgramDocument, "searchtrack"), library),
-        robot=dexter,
-        urdf=urdf,
-        stage=library.read(stage, StageDocument).document,
-        backend="bullet",
-        constants=Constants(),
-        seed=4,
-        number=0,
-        episodes=4,
-        command="cb learn searchtrack",
-        path=tmp_path / "policy.yaml",
-    )
-    paths = (tmp_path / f"policy_{n}.yaml" for n in range(TRIALS))
-    return [replace(first, number=n, path=path) for n, path in enumerate(paths)]
+TRIALS, EPISODES = 3, 12
+ENDLESS = 1_000_000
 
 
-def learned_alone(assignments: list[Assignment], folder: Path, body: BulletBackend) -> list[bytes]:
-    folder.mkdir()
-    for each in assignments:
-        moved = replace(each, path=folder / each.path.name)
-        moved.carry_out(body, Kinematics(each.robot, each.urdf))
-    return [(folder / each.path.name).read_bytes() for each in assignments]
+class Notes:
+    """What a supervisor is told."""
+
+    def __init__(self) -> None:
+        self.files: list[Path] = []
+        self.failures: list[str] = []
+        self.workers: list[int] = []
+
+    def done(self, assignment: Assignment, files: Sequence[Path]) -> None:
+        self.files += files
+
+    def failed(self, assignment: Assignment, error: Exception) -> None:
+        self.failures.append(f"trial {assignment.number}: {error}")
+
+    def look(self, workers: int) -> None:
+        self.workers.append(workers)
+
+
+@pytest.fixture(scope="module")
+def expected(tmp_path_factory: pytest.TempPathFactory) -> dict[str, bytes]:
+    """What the trials of this file learn in one process."""
+    folder = tmp_path_factory.mktemp("alone")
+    carry_out_here(assigned(folder, TRIALS, EPISODES))
+    return outcome(folder)
+
+
+def until(so: Callable[[], Any], course: threading.Thread | None = None) -> Any:
+    """Wait for something to be so, as long as a course goes on."""
+    while not (found := so()):
+        assert course is None or course.is_alive(), "the course ended before"
+        time.sleep(0.02)
+    return found
+
+
+def episodes(assignment: Assignment) -> int:
+    return assignment.journal.read_bytes().count(b"\n") - 1 if assignment.journal.exists() else 0
+
+
+def at_work() -> list[psutil.Process]:
+    """The child processes that write a journal."""
+    found = []
+    for child in psutil.Process().children(recursive=True):
+        try:
+            files = [Path(file.path).name for file in child.open_files()]
+        except psutil.Error:  # it ended meanwhile
+            continue
+        if any(name.endswith(".episodes.jsonl") for name in files):
+            found.append(child)
+    return found
 
 
 @pytest.mark.slow
-def test_killed_workers_lose_no_trial_and_change_nothing(
-    assignments: list[Assignment], tmp_path: Path, bullet: BulletBackend
+def test_one_worker_learns_what_one_process_learns(
+    tmp_path: Path, expected: dict[str, bytes]
 ) -> None:
-    import psutil
+    notes = Notes()
+    carry_out_all(assigned(tmp_path, TRIALS, EPISODES), 1, None, notes)
+    assert outcome(tmp_path) == expected
+    assert sorted(file.name for file in notes.files) == sorted(expected)
+    assert notes.failures == []
 
-    from cbdsl.training.cluster import carry_out_all
 
-    done: list[list[Path]] = []
-    course = threading.Thread(
-        target=carry_out_all, args=(assignments, 2, None, done.append), daemon=True
-    )
+@pytest.mark.slow
+def test_a_killed_worker_loses_no_trial_and_changes_nothing(
+    tmp_path: Path, expected: dict[str, bytes]
+) -> None:
+    assignments, notes = assigned(tmp_path, TRIALS, EPISODES), Notes()
+    course = threading.Thread(target=carry_out_all, args=(assignments, 2, None, notes), daemon=True)
     course.start()
-    journal = journal_file(assignments[0].path)
-    while not (journal.exists() and journal.read_bytes().count(b"\n") >= 2):
-        assert course.is_alive()
-        time.sleep(0.05)
-    workers = [
-        each
-        for each in psutil.Process().children(recursive=True)
-        if not each.children() and any("spawn_main" in word for word in each.cmdline())
+    until(lambda: any(map(episodes, assignments)), course)
+    until(at_work, course)[0].kill()
+    course.join()
+    assert notes.failures == []
+    assert outcome(tmp_path) == expected
+
+
+@pytest.mark.slow
+def test_a_scheduler_that_goes_away_is_told_and_what_was_run_is_kept(
+    tmp_path: Path, expected: dict[str, bytes]
+) -> None:
+    assignments = assigned(tmp_path, TRIALS, EPISODES)
+    longer = [replace(each, episodes=ENDLESS) for each in assignments]
+    file = tmp_path / "scheduler.json"
+    with dask("scheduler", file, "--port", "0") as scheduler, dask("worker", file, "--no-nanny"):
+        until(file.exists)
+        address = json.loads(file.read_text("utf-8"))["address"]
+
+        def kill() -> None:
+            until(lambda: any(map(episodes, longer)))
+            scheduler.kill()
+
+        threading.Thread(target=kill, daemon=True).start()
+        with pytest.raises(UsageError, match="scheduler is gone"):
+            carry_out_all(longer, 1, address, Notes())
+        assert any(map(episodes, longer))
+        # The worker gives the trial up by itself.
+        carry_out_here(assignments)
+    assert outcome(tmp_path) == expected
+
+
+class dask:  # noqa: N801
+    """A process of Dask's, as ``dask scheduler`` and ``dask worker`` start it."""
+
+    def __init__(self, what: str, file: Path, *words: str) -> None:
+        module = [sys.executable, "-m", f"distributed.cli.dask_{what}"]
+        if what == "worker":
+            words = (*words, "--nthreads", "1")
+        options = [*words, "--scheduler-file", str(file), "--no-dashboard"]
+        self._process = subprocess.Popen([*module, *options], stderr=subprocess.DEVNULL)
+
+    def __enter__(self) -> subprocess.Popen[bytes]:
+        return self._process
+
+    def __exit__(self, *error: object) -> None:
+        self._process.send_signal(signal.SIGKILL)
+        self._process.wait()
+
+
+@pytest.fixture
+def threads() -> int:
+    return 1
+
+
+@pytest.fixture
+def cluster(threads: int) -> Iterator[Any]:
+    """A cluster within this process, with one worker of so many threads or none."""
+    workers = 1 if threads else 0
+    with distributed.LocalCluster(
+        n_workers=workers, threads_per_worker=threads, processes=False, dashboard_address=None
+    ) as found:
+        yield found
+
+
+@pytest.mark.parametrize("threads", [0])
+def test_a_cluster_without_workers_is_waited_for_and_then_told(
+    tmp_path: Path, cluster: Any
+) -> None:
+    notes = Notes()
+    with pytest.raises(UsageError, match="without workers for 1 s"):
+        address = cluster.scheduler_address
+        carry_out_all(assigned(tmp_path, 1, 1), 1, address, notes, patience=1.0)
+    assert set(notes.workers) == {0}
+    assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize("threads", [2])
+def test_a_worker_of_several_threads_is_refused_trial_by_trial(
+    tmp_path: Path, cluster: Any
+) -> None:
+    notes = Notes()
+    carry_out_all(assigned(tmp_path, 2, 1), 1, cluster.scheduler_address, notes)
+    assert sorted(told.partition(" inproc")[0] for told in notes.failures) == [
+        "trial 0: worker",
+        "trial 1: worker",
     ]
-    for worker in workers:
-        worker.kill()
-    course.join(timeout=600)
-    assert workers and len(done) == TRIALS
-    expected = learned_alone(assignments, tmp_path / "alone", bullet)
-    assert [each.path.read_bytes() for each in assignments] == expected
+    assert all("has 2 threads" in told and "--nthreads 1" in told for told in notes.failures)
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_worker_that_would_learn_something_else_is_refused(tmp_path: Path, cluster: Any) -> None:
+    assignment, elsewhere = assigned(tmp_path, 1, 1)[0], tmp_path / "none" / "file"
+    with distributed.Client(cluster) as client:
+        for there, expected, told in (
+            (elsewhere, versions(), f"does not see the files in {elsewhere.parent}"),
+            (tmp_path, {**versions(), "numpy": "0.1"}, "not 0.1"),
+            (tmp_path, {**versions(), "pip": "1.0"}, "has pip none, not 1.0"),
+        ):
+            with pytest.raises(UsageError, match=told):
+                client.submit(work, assignment, there, expected, pure=False).result()
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_trial_that_nobody_waits_for_is_given_up_after_its_episode(
+    tmp_path: Path, cluster: Any
+) -> None:
+    assignment = replace(assigned(tmp_path, 1, 1)[0], episodes=ENDLESS)
+    with distributed.Client(cluster) as client:
+        future = client.submit(work, assignment, tmp_path, versions(), pure=False)
+        until(lambda: episodes(assignment) or future.done())
+    # Else its journal would stay locked.
+    carry_out_here([replace(assignment, episodes=1)])
+    assert outcome(tmp_path)
+
+
+@pytest.mark.parametrize("address", ["nonsense", "tcp://127.0.0.1:nine"])
+def test_no_address_of_a_scheduler_is_told(tmp_path: Path, address: str) -> None:
+    with pytest.raises(UsageError, match=rf"--scheduler {address}: nothing answers"):
+        carry_out_all(assigned(tmp_path, 1, 1), 1, address, Notes())
+    assert list(tmp_path.iterdir()) == []

@@ -21,7 +21,7 @@ from cbdsl.learning.experience import Experience
 from cbdsl.program.checked import CheckedProgram
 from cbdsl.program.transition import Transition
 from cbdsl.runtime.policy import Policy
-from cbdsl.training.course import Nobody, follow, open_journal, require_free
+from cbdsl.training.course import Nobody, follow, open_journal, require_free, require_writable
 from cbdsl.training.provenance import Setting, provenance_of
 from cbdsl.training.trial import Trial
 from cbdsl.yaml_text.library import Library
@@ -104,7 +104,8 @@ def take(out: Path, episodes: int, *, resume: bool = False, seed: int = 1) -> Tr
     """Take a course in the toy classroom."""
     trial = toy_trial(seed)
     provenance = toy_provenance(trial, episodes)
-    require_free(out, resume=resume)
+    require_writable(out)
+    require_free(out, ["head"], resume=resume)
     with open_journal(out, provenance) as journal:
         follow(trial, ToyClassroom(), journal, provenance, out, Nobody())
     return trial
