@@ -27,6 +27,7 @@ from cbdsl.types.casts import Cast, chains, held_chain
 from cbdsl.types.potential import POTENTIALS, PotentialType
 from cbdsl.types.resource import FingerForces, Headings, NetForces, Origin, Resource, Tip
 from cbdsl.types.resource_type import TYPES
+from cbdsl.yaml_text.faults import decimal_comma
 
 _MANIPULABILITY = "manipulability"
 
@@ -206,6 +207,11 @@ class _Triple:
         try:
             return read_literal(value, feedback)
         except LiteralError as error:
+            steps = (*self._steps, "reference")
+            comma = decimal_comma(self._context.source.node(steps))
+            if comma is not None and error.code == "CB505":
+                self._context.add("CB506", self._place("reference"), problem=comma)
+                return None
             item = () if error.item is None else (error.item,)
             place = self._place("reference", *item)
             self._context.add(error.code, place, **error.details)

@@ -6,6 +6,7 @@ from typing import NamedTuple
 
 _NUMBER = r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?"
 _QUANTITY = re.compile(rf"^\s*({_NUMBER})\s*(\S.*?)?\s*$")
+_DECIMAL_COMMA = re.compile(r"^\s*([+-]?\d+),(\d+(?:\s*[a-zA-Z/][\w/^ ]*)?)\s*$")
 
 
 class Unit(NamedTuple):
@@ -57,6 +58,8 @@ def parse_quantity(text: str) -> tuple[float, Unit | None]:
     Raises:
         QuantityError: the text is no number, or its unit is unknown.
     """
+    if comma := _DECIMAL_COMMA.match(text):
+        raise QuantityError(f"'{text}' has a decimal comma; write '{comma[1]}.{comma[2]}'")
     match = _QUANTITY.match(text)
     if not match:
         raise QuantityError(f"'{text}' is not a number with a unit")

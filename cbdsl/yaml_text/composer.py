@@ -18,6 +18,7 @@ from cbdsl.errors.lines import lines_of
 from cbdsl.errors.wording import diagnostic
 from cbdsl.yaml_text.node import Node
 from cbdsl.yaml_text.scalar import ScalarError, resolve
+from cbdsl.yaml_text.syntax import find_slip
 
 DEEPEST = 64
 # Far more than any person writes; without bounds a few lines can keep the checker busy for ever.
@@ -28,6 +29,10 @@ LONGEST_TEXT = 10_000
 
 # What libyaml says where it noticed too late.
 _OPEN = "found unexpected end of stream"
+_OPENED = {
+    "did not find expected ',' or ']'": ("[", "]"),
+    "did not find expected ',' or '}'": ("{", "}"),
+}
 _LATE = ("could not find expected ':'", _OPEN)
 
 LOADER: Any = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
@@ -233,6 +238,12 @@ class _Composer:
             start = error.context_mark
             place = Place(self._file, start.line + 1, start.column + 1, start.column + 2)
             related.append((place, error.context))
+        if slip := find_slip(problem, lines_of(self._text), line, column):
+            problem, line, column = slip
+        elif problem in _OPENED and error.context_mark:
+            opening, closing = _OPENED[problem]
+            where = f"the '{opening}' in line {error.context_mark.line + 1}"
+            problem = f"a ',' is missing before this, or the '{closing}' of {where}"
         place = Place(self._file, line, column, column + 1)
         return self._fatal("CB104", place, related=related, problem=problem)
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping
 from functools import cache
+from itertools import pairwise
 from typing import Any, NamedTuple, get_args
 
 from pydantic import BaseModel
@@ -12,6 +13,7 @@ from pydantic_core import ErrorDetails
 from cbdsl.errors.diagnostic import Diagnostic
 from cbdsl.errors.nearest import nearest_name
 from cbdsl.errors.wording import diagnostic
+from cbdsl.yaml_text.node import Node
 from cbdsl.yaml_text.source_map import SourceMap, Step, child_of
 
 _EXPECTED = {
@@ -38,6 +40,7 @@ _PROBLEMS = {
     "too_long": "{actual_length} given, at most {max_length} possible",
 }
 _MANY = (dict, list)
+_OF_KEYS = ("extra_forbidden", "string_pattern_mismatch")
 
 
 class _Fault(NamedTuple):
@@ -114,6 +117,8 @@ def _special(
 ) -> Diagnostic:
     error, name = fault.error, str(path[-1]) if path else ""
     context: dict[str, Any] = error.get("ctx", {})
+    if error["type"] in _OF_KEYS and (slip := _slip_in_key(path, source)):
+        return diagnostic("CB205", source.key(*path), problem=slip)
     match error["type"]:
         case "missing" if isinstance(error["loc"][-1], int):
             problem = "a value is missing"
@@ -136,8 +141,40 @@ def _special(
             return diagnostic("CB207", at, name=error["input"])
         case "value_error":
             return diagnostic("CB205", source.place(*path), problem=str(context["error"]))
+    if error["type"] == "too_long" and (comma := decimal_comma(source.node(path))):
+        return diagnostic("CB205", source.place(*path), problem=comma)
     problem = _PROBLEMS.get(error["type"], error["msg"]).format(**context)
     return diagnostic("CB208", source.place(*path), problem=problem)
+
+
+def _slip_in_key(path: tuple[Step, ...], source: SourceMap) -> str | None:
+    """What made a key out of what was never meant to be one."""
+    mapping, key = source.node(path[:-1]).value, str(path[-1])
+    if not isinstance(mapping, dict) or key not in mapping:
+        return None
+    before = dict(zip(list(mapping)[1:], mapping.values(), strict=False)).get(key)
+    is_alone = mapping[key].value is None
+    if is_alone and key[:1].isdigit() and before is not None and isinstance(before.value, int):
+        return _with_a_comma(before.value, key)
+    first, _, rest = key.partition(" ")
+    if rest and (is_alone or rest[0] in "{["):
+        return f"a ':' is missing after '{first}'"
+    return None
+
+
+def decimal_comma(node: Node) -> str | None:
+    """What is to be said of a list in which a comma without a space cuts a number in two."""
+    items = node.value if isinstance(node.value, list) else []
+    for one, other in pairwise(items):
+        end = (one.place.line, one.place.end_column + 1)
+        is_tight = end == (other.place.line, other.place.column)
+        if is_tight and isinstance(one.value, int) and str(other.value)[:1].isdigit():
+            return _with_a_comma(one.value, other.value)
+    return None
+
+
+def _with_a_comma(whole: int, rest: object) -> str:
+    return f"'{whole},{rest}' has a decimal comma; write '{whole}.{rest}'"
 
 
 @cache

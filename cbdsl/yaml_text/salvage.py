@@ -133,6 +133,8 @@ class _Salvage(Generic[D]):
             if not part:
                 raise self._hopeless()
             self._source.node(part[:-1]).drop(part[-1])
+            # In `track {gain: 3}` or `{arm right_arm}` the key is the first word.
+            self._broken.add((*part[:-1], str(part[-1]).partition(" ")[0]))
         self._broken |= parts
 
     def _stand_in(self, key: str) -> None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import tempfile
 from collections.abc import Iterable
+from glob import escape
 from pathlib import Path
 from typing import Any
 
@@ -66,7 +67,7 @@ def write_text(text: str, path: Path) -> None:
     Raises:
         OSError: the file cannot be written.
     """
-    handle, temporary = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name}.")
+    handle, temporary = tempfile.mkstemp(dir=path.parent, prefix=_prefix(path))
     try:
         with os.fdopen(handle, "w", encoding="utf-8") as file:
             file.write(text)
@@ -75,3 +76,19 @@ def write_text(text: str, path: Path) -> None:
     except BaseException:
         os.unlink(temporary)
         raise
+
+
+def remove_leftovers(path: Path) -> None:
+    """Remove what processes left that were killed while they wrote a file.
+
+    Whoever calls this has to know that nobody is writing the file now.
+
+    Raises:
+        OSError: it cannot be removed.
+    """
+    for leftover in path.parent.glob(f"{escape(_prefix(path))}*"):
+        leftover.unlink()
+
+
+def _prefix(path: Path) -> str:
+    return f".{path.name}.unfinished-"
