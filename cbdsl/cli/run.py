@@ -151,13 +151,12 @@ def _episode(
     from cbdsl.backends.backend import BackendError
     from cbdsl.cli.narration import json_line
     from cbdsl.errors.errors import UsageError
-    from cbdsl.robot.signals import SensorError
 
     recording = None if telling.record is None else _recording(body, order)
     on_transition, on_tick = _listeners(telling, recording)
     try:
         result = runner.run(order.stage, seed, context, on_transition, on_tick)
-    except (BackendError, SensorError) as error:
+    except BackendError as error:
         raise UsageError(f"seed {seed}: {error}") from error
     if recording is not None and telling.record is not None:
         file = recording.write(telling.record, result)

@@ -9,18 +9,25 @@ from dataclasses import dataclass
 import numpy as np
 
 from cbdsl.backends.backend import Backend
+from cbdsl.control.multigrid import ConvergenceError
+from cbdsl.control.signal import SignalError
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.documents.stage import StageDocument
+from cbdsl.errors.errors import UsageError
 from cbdsl.program.checked import CheckedProgram
 from cbdsl.program.transition import Transition
 from cbdsl.robot.kinematics import Kinematics
 from cbdsl.robot.observation import Observation
-from cbdsl.robot.signals import Signals
+from cbdsl.robot.signals import SensorError, Signals
 from cbdsl.runtime.actuation import Actuation
 from cbdsl.runtime.ending import describe
 from cbdsl.runtime.policy import Policy
 from cbdsl.runtime.program_run import ProgramRun
 from cbdsl.types.resource import Resource
+
+
+class EpisodeError(UsageError):
+    """An episode cannot go on; the message says which, when and why."""
 
 
 @dataclass(frozen=True)
@@ -102,7 +109,9 @@ class Runner:
         """Run one episode; the same seed gives the same episode.
 
         Raises:
-            SensorError: a sensor gave NaN or infinity; nothing is moved any more.
+            BackendError: the stage names something that it or the robot does not have.
+            EpisodeError: a sensor gave NaN or infinity, or a controller cannot do what it is for,
+                as where no path leads to its goal; nothing is moved any more.
         """
         began = time.perf_counter()
         world_rng, own_rng = (np.random.default_rng([seed, stream]) for stream in (0, 1))
@@ -121,12 +130,15 @@ class Runner:
         ticks = 0
         while True:
             observation = self._backend.observe()
-            self.signals.update(observation)
-            if ticks == 0:
-                actuation.reset(observation.positions)
-                run.activate()
-            actuation.move(run.active())
-            run.advance()
+            try:
+                self.signals.update(observation)
+                if ticks == 0:
+                    actuation.reset(observation.positions)
+                    run.activate()
+                actuation.move(run.active())
+                run.advance()
+            except (SensorError, SignalError, ConvergenceError) as error:
+                raise EpisodeError(f"seed {seed}, {observation.time:.2f} s: {error}") from error
             on_tick(Tick(observation, self.signals, run, actuation))
             if run.predicate != "0":
                 break

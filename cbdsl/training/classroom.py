@@ -65,7 +65,7 @@ class BackendClassroom:
         """See ``Classroom.hold``.
 
         Raises:
-            BackendError, SensorError: as ``Runner.run``.
+            BackendError, EpisodeError: as ``Runner.run``.
         """
         runner = Runner(self._robot, self._kinematics, program, self._backend, policy)
         transitions: list[Transition] = []

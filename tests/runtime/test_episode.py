@@ -16,8 +16,7 @@ from cbdsl.documents.robot import RobotDocument
 from cbdsl.program.checked import CheckedProgram
 from cbdsl.robot.kinematics import Kinematics
 from cbdsl.robot.observation import Observation
-from cbdsl.robot.signals import SensorError
-from cbdsl.runtime.episode import Runner, Tick, resources_of
+from cbdsl.runtime.episode import EpisodeError, Runner, Tick, resources_of
 from cbdsl.types.resource import Resource
 from tests.conftest import Checked
 from tests.runtime.conftest import GRIP, TABLE_BALL, Play, Played, made_stage, on_table
@@ -153,7 +152,7 @@ def test_a_broken_sensor_stops_the_robot(checked: Checked, play: Play, value: fl
     def watch(tick: Tick) -> None:
         seen.append(tick.observation.time)
 
-    with pytest.raises(SensorError, match=r"right_hand\.finger_2"):
+    with pytest.raises(EpisodeError, match=r"0\.2. s: .* right_hand\.finger_2"):
         play(checked("searchtrack"), lambda rng: on_table(), direct, watch=watch)
     assert seen[-1] == pytest.approx(0.2)
 
