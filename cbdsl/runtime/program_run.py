@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from cbdsl.program.checked import Action, CheckedProgram
-from cbdsl.program.controller import Composition, Controller
+from cbdsl.program.controller import Composition, Controller, Primitive
 from cbdsl.program.transition import Transition
 from cbdsl.robot.signals import Signals
 from cbdsl.runtime.controller_run import ControllerRun
@@ -25,11 +25,25 @@ class Active(NamedTuple):
 
 
 class _Lead(NamedTuple):
-    """The controller that gives a member's predicate, the member's place, and whether it counts."""
+    """The controller that leads a member, and what the member optimises below it.
+
+    Attributes:
+        place: the member's place in the state.
+        run: the controller with the highest priority.
+        optimising: its other controllers that have no reference, and no goal but their rest.
+        rewarded: whether its quiescence counts.
+    """
 
     place: int
     run: ControllerRun
+    optimising: tuple[ControllerRun, ...]
     rewarded: bool
+
+    @property
+    def predicate(self) -> str:
+        """The leading controller's; at rest only when what is optimised below it is, too."""
+        moves = any(run.predicate == "0" for run in self.optimising)
+        return "0" if moves and self.run.predicate == "1" else self.run.predicate
 
 
 class ProgramRun:
@@ -72,11 +86,7 @@ class ProgramRun:
         }
         self._leads = {
             action.name: [
-                _Lead(
-                    program.members.index(primitive.name),
-                    make.run(primitive.lead),
-                    primitive.rewarded,
-                )
+                make.lead(primitive, program.members.index(primitive.name))
                 for primitive in action.composition.primitives
             ]
             for action in program.actions
@@ -164,8 +174,9 @@ class ProgramRun:
             return "".join(state)
         # Nothing is at rest while another part of the composition still seeks contact.
         seeking = any(run.seeking for run in self._stacks[action.name])
-        for place, run, _ in self._leads[action.name]:
-            state[place] = "0" if seeking and run.predicate == "1" else run.predicate
+        for lead in self._leads[action.name]:
+            predicate = lead.predicate
+            state[lead.place] = "0" if seeking and predicate == "1" else predicate
         return "".join(state)
 
     def _transit(self, state: str) -> None:
@@ -198,9 +209,11 @@ class ProgramRun:
     def _rewarding(self, action: Action, state: str) -> tuple[str, ...]:
         """The members that newly quiesce on a signal from the environment (Eq 4.2-4.4)."""
         return tuple(
-            self.program.members[place]
-            for place, run, rewarded in self._leads.get(action.name, ())
-            if rewarded and state[place] == "1" != self.state[place] and run.settled
+            self.program.members[lead.place]
+            for lead in self._leads.get(action.name, ())
+            if lead.rewarded
+            and state[lead.place] == "1" != self.state[lead.place]
+            and lead.run.settled
         )
 
     def _choose(self, *, changed: bool) -> None:
@@ -272,6 +285,12 @@ class _ControllerRuns:
             for primitive in reversed(composition.primitives)
             for controller in reversed(primitive.controllers)
         )
+
+    def lead(self, primitive: Primitive, place: int) -> _Lead:
+        """What gives the predicate of a primitive at this place of the state."""
+        optimising = [each for each in primitive.controllers[:-1] if each.reference is None]
+        others = tuple(self.run(controller) for controller in optimising)
+        return _Lead(place, self.run(primitive.lead), others, primitive.rewarded)
 
     @property
     def all(self) -> tuple[ControllerRun, ...]:

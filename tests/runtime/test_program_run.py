@@ -275,6 +275,29 @@ def test_a_composite_reads_as_its_lead(checked: Checked, play: Play) -> None:
     assert runs["posture"].error > 0.1
 
 
+def test_a_composite_is_at_rest_when_what_it_optimises_is_too(written: Written, play: Play) -> None:
+    """As CONDITIONEDHOLD is when the manipulability completes (Section 4.3.3)."""
+    program = written(
+        "controllers:\n"
+        "  ahead: {potential: spring, reference: head.ahead, feedback: head, effector: head}\n"
+        "  condition: {potential: manipulability, feedback: right_arm, effector: right_arm, "
+        "gain: 8 /s, quiescence: {rate: 1e-3, window: 1 s}}\n"
+        "  conditioned: condition ◁ ahead\n"
+        "actions: [conditioned]\npolicy: {X: conditioned, '0': conditioned}\n"
+    )
+    waited = 0
+
+    def watch(tick: Tick) -> None:
+        nonlocal waited
+        runs = {run.controller.name: run.predicate for run in tick.run.runs}
+        if runs["ahead"] == "1":
+            assert tick.run.state == runs["condition"]
+            waited += tick.run.state == "0"
+
+    assert play(program, nothing, watch=watch).result.predicates[-1] == "1"
+    assert waited > 10
+
+
 @pytest.mark.parametrize(
     ("actions", "state", "reward"), [("search, track, search ◁ track", "**", 1), ("look", "*", 0)]
 )
