@@ -110,8 +110,8 @@ class Runner:
 
         Raises:
             BackendError: the stage names something that it or the robot does not have.
-            EpisodeError: a sensor gave NaN or infinity, or a controller cannot do what it is for,
-                as where no path leads to its goal; nothing is moved any more.
+            EpisodeError: a sensor gave NaN or infinity, or a controller cannot compute with what
+                it was given; nothing is moved any more.
         """
         began = time.perf_counter()
         world_rng, own_rng = (np.random.default_rng([seed, stream]) for stream in (0, 1))

@@ -9,8 +9,10 @@ from pathlib import Path
 import pytest
 
 from cbdsl.cli import main as command
+from cbdsl.control import multigrid
 from cbdsl.training.knowledge import policy_document
 from cbdsl.yaml_text.writer import write
+from tests.cli.test_run import STUCK
 from tests.conftest import ROOT
 from tests.training.toy import toy_provenance, toy_trial
 
@@ -113,3 +115,14 @@ def test_a_policy_of_a_program_that_changed_is_refused_before_it_runs(
     others = text.replace("table_right", "absent").replace('  "*1": search\n', "")
     program.write_text(f"# Another comment.\n{others}", encoding="utf-8")
     assert cb(monkeypatch, "validate", "policy.yaml") == 0
+
+
+def test_what_stops_an_episode_is_one_clear_message(
+    here: Path, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
+) -> None:
+    (here / "stuck.yaml").write_text(STUCK, encoding="utf-8")
+    monkeypatch.setattr(multigrid, "_CYCLES", 0)
+    assert cb(monkeypatch, "learn", "stuck.yaml", "--backend", "kinematic", "--out", "a.yaml") == 2
+    _, err = capfd.readouterr()
+    assert len(err.splitlines()) == 1
+    assert "0.00 s: no convergence in 0 cycles" in err and "a.episodes.jsonl" in err

@@ -11,6 +11,7 @@ from pathlib import Path
 import pytest
 
 from cbdsl.cli import main as command
+from cbdsl.control import multigrid
 from tests.conftest import ROOT
 
 OTHER_STAGE = "cbdsl: 1\nkind: stage\nname: elsewhere\nrobot: other\ncontexts: {only: {}}\n"
@@ -22,6 +23,23 @@ BROKEN = (
     "cbdsl: 1\nkind: program\nname: broken\nrobot: dexter\ncontrollers: {go: "
     "{potential: spring, reference: 0, feedback: head, effector: head}}\nactions: [gone]\n"
 )
+
+STUCK = """\
+cbdsl: 1
+kind: program
+name: stuck
+robot: dexter
+stage: absent
+controllers:
+  go:
+    potential: harmonic
+    reference: [70 cm, 0 m, 0 m]
+    feedback: right_arm.position
+    effector: right_arm.position
+    field: {lower: [-1 m, -1 m, -1 m], upper: [1 m, 1 m, 1 m], spacing: 10 cm}
+actions: [go]
+policy: {"*": go}
+"""
 
 
 @pytest.fixture
@@ -178,3 +196,13 @@ def test_the_shipped_programs_are_found_from_anywhere(
     assert not (here / "programs").exists() and here != ROOT
     cb(monkeypatch, "none")
     assert "reachtouch" in capfd.readouterr().err
+
+
+def test_what_stops_an_episode_is_one_clear_message(
+    here: Path, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
+) -> None:
+    (here / "stuck.yaml").write_text(STUCK, encoding="utf-8")
+    monkeypatch.setattr(multigrid, "_CYCLES", 0)
+    assert cb(monkeypatch, "stuck.yaml", "--backend", "kinematic", "--seed", "3") == 2
+    _, err = capfd.readouterr()
+    assert err.splitlines() == ["cb: seed 3, 0.00 s: no convergence in 0 cycles"]
