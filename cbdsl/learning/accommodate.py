@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from types import MappingProxyType
 
 import numpy as np
 
@@ -42,23 +43,41 @@ class Accommodate:
 
     Equal experience in equal order leaves equal knowledge, to the last bit.
 
+    A program among the actions is one temporally extended action: it is not left before it ends,
+    and the states that it passes meanwhile are worth nothing of their own (Section 4.3).
+
+    Args:
+        actions: what can be chosen.
+        constants: of the algorithm.
+        programs: the actions that are programs, by the place of their predicates in a state.
+
     Attributes:
         values: Phi of Algorithm 1.
         counts: the transitions that were observed.
     """
 
-    def __init__(self, actions: Sequence[str], constants: Constants) -> None:
-        self._constants = constants
+    def __init__(
+        self,
+        actions: Sequence[str],
+        constants: Constants,
+        programs: Mapping[int, str] = MappingProxyType({}),
+    ) -> None:
+        self._constants, self._programs = constants, programs
         self.values = QLearning(actions, constants.gamma, constants.alpha)
         self.counts = TransitionCounts()
         self._samples: dict[str, list[tuple[float, ...]]] = {}
+        # Where the action began that runs, or the last one that ran.
+        self._origin = ""
 
     def see(self, transition: Transition) -> None:
         """Take in one transition; a rewarded one ends its episode (line 7)."""
         state, action, after = transition.state, transition.action, transition.next_state
-        ended = transition.reward > 0
-        self.values.update(state, action, transition.reward, after, ended=ended)
         self.counts.add(state, action, after)
+        if self._running(state) is None:
+            self._origin = state
+        if self._running(after) is None:
+            ended = transition.reward > 0
+            self.values.update(self._origin, action, transition.reward, after, ended=ended)
 
     def remember(self, experience: Experience) -> None:
         """Take in what a finished episode found rewarded (line 19), besides its transitions."""
@@ -83,22 +102,46 @@ class Accommodate:
 
     def explorer(self, rng: np.random.Generator) -> Explorer:
         """Chooses the actions of an episode by what is known then."""
-        return Explorer(self.values, self._constants.epsilon, rng)
+        return Explorer(self.values, self._constants.epsilon, rng, self._running)
 
     def greedy(self) -> dict[str, str]:
         """The best action of every state in which one was tried.
 
-        Of equally good ones it is the first in the order of the program's actions.
+        Of equally good ones it is the first in the order of the program's actions. Where a
+        program runs, it is that program.
         """
-        return {state: self.values.best(state)[0] for state, _ in self.values.items()}
+        return {
+            state: self._running(state) or self.values.best(state)[0]
+            for state, _ in self.counts.items()
+        }
+
+    def _running(self, state: str) -> str | None:
+        """The program that runs in a state, ``None`` where an action can be chosen."""
+        return next((name for place, name in self._programs.items() if state[place] == "0"), None)
 
 
 class Explorer:
-    """The policy of a learner: epsilon-greedy, in every state, known or not."""
+    """The policy of a learner: epsilon-greedy, in every state, known or not.
 
-    def __init__(self, values: QLearning, epsilon: float, rng: np.random.Generator) -> None:
+    Args:
+        values: what is known of each action.
+        epsilon: share of the actions that are chosen at random.
+        rng: gives the choices.
+        running: the program that runs in a state, and is not left; ``None`` where none does.
+    """
+
+    def __init__(
+        self,
+        values: QLearning,
+        epsilon: float,
+        rng: np.random.Generator,
+        running: Callable[[str], str | None],
+    ) -> None:
         self._values, self._epsilon, self._rng = values, epsilon, rng
+        self._running = running
 
     def choose(self, state: str, *, changed: bool) -> str:
         """The next action; after one that changed nothing, too."""
-        return choose(self._values.best(state), self._values.actions, self._epsilon, self._rng)
+        return self._running(state) or choose(
+            self._values.best(state), self._values.actions, self._epsilon, self._rng
+        )

@@ -35,7 +35,9 @@ class Trial:
     ) -> None:
         self.program, self.constants = program, constants
         self.seed, self.number = seed, number
-        self.learner = Accommodate([action.name for action in program.actions], constants)
+        self.learner = Accommodate(
+            [action.name for action in program.actions], constants, _programs(program)
+        )
         self.experiences: list[Experience] = []
 
     def replay(self, experience: Experience) -> None:
@@ -79,3 +81,12 @@ class Trial:
         """Seed of the next episode, with which ``cb run`` meets the same world."""
         entropy = np.random.SeedSequence([self.seed, self.number, len(self.experiences)])
         return int(entropy.generate_state(1)[0])
+
+
+def _programs(program: CheckedProgram) -> dict[int, str]:
+    """The actions that are programs, by the place of their predicates in a state."""
+    return {
+        program.members.index(action.name): action.name
+        for action in program.actions
+        if action.program is not None
+    }

@@ -62,6 +62,27 @@ def test_it_learns_to_search_where_nothing_is_seen_and_to_track_where_something_
     assert greedy == {"XX": "track", "X-": "search", "1X": "track", "X0": "track"}
 
 
+def test_a_program_among_the_actions_is_one_action_until_it_ends(made: Made) -> None:
+    learner = Accommodate(("find", "track"), Constants(alpha=1.0), {0: "find"})
+    explorer = learner.explorer(np.random.default_rng(0))
+    for _ in range(2):
+        for step in (("XX", "find", "0X"), ("0X", "find", "1X"), ("1X", "track", "X1")):
+            learner.see(made(*step))
+    # Nothing is discounted for the time that it runs, nor is anything else chosen then.
+    assert learner.values.value("XX", "find") == pytest.approx(0.8)
+    assert {explorer.choose("0X", changed=True) for _ in range(50)} == {"find"}
+    assert learner.greedy() == {"XX": "find", "0X": "find", "1X": "track"}
+    assert dict(learner.counts.items())["0X"] == {"find": {"1X": 2}}
+
+
+def test_a_program_that_the_end_of_an_episode_cut_short_is_worth_nothing(made: Made) -> None:
+    learner = Accommodate(("find", "track"), Constants(alpha=1.0), {0: "find"})
+    learner.see(made("XX", "find", "0X"))
+    learner.see(made("1X", "track", "X1"))
+    assert learner.values.value("XX", "find") == 0.0
+    assert learner.values.value("1X", "track") == 1.0
+
+
 def test_what_was_never_rewarded_has_no_density(made: Made) -> None:
     learner = Accommodate(ACTIONS, Constants())
     learner.replay(Experience("here", 1, (made("XX", "track", "X-"),), {}, 9, 0.15))
