@@ -8,7 +8,7 @@ from cbdsl.documents.document import Document
 from cbdsl.documents.model import ModelDocument
 from cbdsl.documents.policy import Curve, PolicyDocument, Provenance
 from cbdsl.training.trial import Trial
-from cbdsl.yaml_text.writer import write
+from cbdsl.yaml_text.writer import remove_leftovers, write
 
 # Of learned values; what lies beyond says nothing.
 _DECIMALS = 6
@@ -21,6 +21,8 @@ def model_file(path: Path, effector: str) -> Path:
 
 def write_knowledge(trial: Trial, provenance: Provenance, path: Path) -> list[Path]:
     """Write what was learned, models before the policy that names them.
+
+    Nobody else may be at it, which the trial's journal sees to.
 
     Args:
         trial: at its end.
@@ -40,6 +42,7 @@ def write_knowledge(trial: Trial, provenance: Provenance, path: Path) -> list[Pa
         for effector, model in model_documents(trial, name).items()
     ]
     for file, document in (*documents, (path, policy_document(trial, provenance, name))):
+        remove_leftovers(file)
         write(document, file)
         written.append(file)
     return written

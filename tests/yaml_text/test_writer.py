@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import stat
 from pathlib import Path
 
@@ -11,7 +12,7 @@ from hypothesis import strategies as st
 
 from cbdsl.yaml_text.library import shipped
 from cbdsl.yaml_text.reader import KINDS, read_document
-from cbdsl.yaml_text.writer import dump, write
+from cbdsl.yaml_text.writer import dump, remove_leftovers, write, write_text
 from tests.yaml_text.documents import DOCUMENTS
 
 SHIPPED = sorted(
@@ -68,3 +69,18 @@ def test_failing_to_write_leaves_the_old_file(
     with pytest.raises(OSError, match="disk full"):
         write(document, path)
     assert [p.name for p in tmp_path.iterdir()] == ["a.yaml"] and path.read_text() == "old"
+
+
+def test_what_killed_writers_left_can_be_removed(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    path, other = tmp_path / "[a].yaml", tmp_path / "[a].yaml.yaml"
+    with monkeypatch.context() as patch:
+        # A killed process removes nothing.
+        patch.setattr(os, "replace", lambda *_: None)
+        for file in (path, path, other):
+            write_text("half", file)
+    assert len(list(tmp_path.iterdir())) == 3
+    remove_leftovers(path)
+    (left,) = tmp_path.iterdir()
+    assert left.name.startswith(".[a].yaml.yaml")

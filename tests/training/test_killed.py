@@ -1,0 +1,86 @@
+"""``cb learn`` killed again and again: nothing is lost, and the end is that of an unbroken run."""
+
+from __future__ import annotations
+
+import os
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from tests.conftest import ROOT
+from tests.training.lessons import outcome
+from tests.training.test_course import without_seconds
+
+KILLS, EPISODES = 20, 14
+JOURNAL = "policy.episodes.jsonl"
+LEARN = [
+    *("learn", "searchtrack", "--stage", "searchtrack_training", "--backend", "kinematic"),
+    *("--seed", "3", "--episodes", str(EPISODES), "--out", "policy.yaml"),
+]
+
+
+AS_EVER = ("-c", "from cbdsl.cli.main import main; main()")
+ON_A_SLOW_DISK = ("-m", "tests.training.slow_disk")
+
+
+def cb(folder: Path, how: tuple[str, str], *words: str) -> subprocess.Popen[bytes]:
+    """Start ``cb learn`` in a folder."""
+    return subprocess.Popen(
+        [sys.executable, *how, *LEARN, *words],
+        cwd=folder,
+        env={**os.environ, "PYTHONPATH": str(ROOT)},
+        stdout=subprocess.DEVNULL,
+    )
+
+
+def lines(folder: Path) -> int:
+    """How many whole ones the journal has."""
+    journal = folder / JOURNAL
+    return journal.read_bytes().count(b"\n") if journal.exists() else 0
+
+
+def killed(folder: Path, more: int, later: float) -> bool:
+    """Start or resume the run in a folder, and kill it.
+
+    Args:
+        folder: where.
+        more: once so many lines more are in its journal, or a document is being written,
+        later: so many seconds after that.
+
+    Returns:
+        Whether it was killed before it came to its end.
+    """
+    wanted, before = lines(folder) + more, set(folder.iterdir())
+    process = cb(folder, ON_A_SLOW_DISK, "--resume")
+    while process.poll() is None and lines(folder) < wanted:
+        if any(file.name.startswith(".") for file in set(folder.iterdir()) - before):
+            break
+        time.sleep(0.002)
+    time.sleep(later)
+    process.kill()
+    return process.wait() == -signal.SIGKILL
+
+
+@pytest.mark.slow
+def test_killed_twenty_times_it_ends_as_if_it_had_not_been(tmp_path: Path) -> None:
+    unbroken, broken = tmp_path / "unbroken", tmp_path / "broken"
+    unbroken.mkdir()
+    broken.mkdir()
+    began = time.monotonic()
+    assert cb(unbroken, AS_EVER).wait() == 0
+    pace = (time.monotonic() - began) / EPISODES
+    expected, rng, kills = outcome(unbroken), np.random.default_rng(7), 0
+    while kills < KILLS:
+        before = lines(broken)
+        kills += killed(broken, more=int(rng.integers(0, 3)), later=pace * rng.random())
+        assert lines(broken) >= before
+        assert outcome(broken).items() <= expected.items()
+    assert cb(broken, AS_EVER, "--resume").wait() == 0
+    assert outcome(broken) == expected
+    assert without_seconds(broken / JOURNAL) == without_seconds(unbroken / JOURNAL)
+    assert {file.name for file in broken.iterdir()} == {file.name for file in unbroken.iterdir()}
