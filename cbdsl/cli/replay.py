@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import sys
+from collections.abc import Iterable
 from pathlib import Path
 from typing import Annotated
 
@@ -39,10 +40,24 @@ def replay(what: What, out: Out = None, open_: Open = True) -> None:
         raise UsageError(
             f"--out {out}: {what} holds {len(recordings)} recordings; name one of them"
         )
-    pages = [_write(file, out or file.with_suffix(".html")) for file in recordings]
+    targets = {file: out or file.with_suffix(".html") for file in recordings}
+    _require_room(targets.values())
+    pages = [_write(file, target) for file, target in targets.items()]
     if open_ and len(pages) == 1 and sys.stdout.isatty():
         with quiet_stderr():  # a machine without a browser has much to say about it
             typer.launch(str(pages[0]))
+
+
+def _require_room(targets: Iterable[Path]) -> None:
+    """Find out before the pages are made, not after, whether they can be kept."""
+    from cbdsl.errors.errors import UsageError
+    from cbdsl.yaml_text.writer import make_room
+
+    for target in targets:
+        try:
+            make_room(target)
+        except OSError as error:
+            raise UsageError(f"{target}: cannot be written ({error.strerror or error})") from error
 
 
 def _write(recording: Path, target: Path) -> Path:

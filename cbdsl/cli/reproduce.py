@@ -147,16 +147,15 @@ def _print_rows(title: str, rows: list[dict[str, str]]) -> None:
 
 def _require_writable(out: Path) -> None:
     """Find out before the experiments, not after, whether their outcomes can be kept."""
-    import os
-
     from cbdsl.errors.errors import UsageError
+    from cbdsl.yaml_text.writer import make_room
 
     if out.suffix not in (".md", ".json"):
         raise UsageError(f"--out {out}: expected a file that ends in .md or .json")
-    if not out.parent.is_dir():
-        raise UsageError(f"--out {out}: there is no folder {out.parent}")
-    if out.is_dir() or not os.access(out.parent, os.W_OK):
-        raise UsageError(f"--out {out}: cannot be written")
+    try:
+        make_room(out)
+    except OSError as error:
+        raise UsageError(f"--out {out}: cannot be written ({error.strerror or error})") from error
 
 
 def _write(

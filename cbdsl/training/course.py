@@ -53,19 +53,16 @@ def journal_file(path: Path) -> Path:
 
 
 def require_writable(path: Path) -> None:
-    """Find out before the episodes, not after, whether a policy can be kept.
+    """Make a policy's folder, and find out before the episodes whether it can be kept there.
 
     Args:
         path: the policy's file.
 
     Raises:
-        JournalError: there is no such folder.
         OSError: nothing can be written there, or the disk is full.
     """
-    folder = path.parent
-    if not folder.is_dir():
-        raise JournalError(f"--out {path}: there is no folder {folder}")
-    with tempfile.TemporaryFile(dir=folder, buffering=0) as file:
+    path.parent.mkdir(parents=True, exist_ok=True)
+    with tempfile.TemporaryFile(dir=path.parent, buffering=0) as file:
         file.write(bytes(_ROOM))
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import os
 import tempfile
 from collections.abc import Iterable
@@ -59,6 +60,19 @@ def dump(document: Document) -> str:
 def write(document: Document, path: Path) -> None:
     """Write a document in one step; see ``write_text``."""
     write_text(dump(document), path)
+
+
+def make_room(path: Path) -> None:
+    """Make the folder of a file, so that whatever is written there later has a place.
+
+    Raises:
+        OSError: the folder cannot be made, or nothing can be written there.
+    """
+    path.parent.mkdir(parents=True, exist_ok=True)
+    if path.is_dir():
+        raise IsADirectoryError(errno.EISDIR, os.strerror(errno.EISDIR), str(path))
+    with tempfile.TemporaryFile(dir=path.parent):
+        pass
 
 
 def write_text(text: str, path: Path) -> None:

@@ -52,7 +52,7 @@ MISTAKES = [
     (["searchtrack", "--out", "a.json"], 2, ["a.json", "<name>.yaml"]),
     (["searchtrack", "--out", "a b.yaml"], 2, ["a b.yaml", "<name>.yaml"]),
     (["searchtrack", "--out", "folder.yaml"], 2, ["folder.yaml", "folder"]),
-    (["searchtrack", "--out", "none/a.yaml"], 2, ["none/a.yaml", "there is no folder"]),
+    (["searchtrack", "--out", "taken.yaml/a.yaml"], 2, ["taken.yaml/a.yaml", "exists"]),
     (["searchtrack", "--out", "taken.yaml"], 2, ["taken.yaml is there already"]),
     (["searchtrack", "--out", "begun.yaml"], 2, ["begun.episodes.jsonl", "--resume"]),
 ]

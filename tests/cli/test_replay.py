@@ -55,6 +55,9 @@ def test_a_folder_gets_a_page_for_each(folder: Path, monkeypatch: pytest.MonkeyP
 def test_a_page_goes_where_it_is_wanted(
     folder: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
+    assert cb(monkeypatch, folder / "episode_1.npz", "--out", tmp_path / "new/far/page.html") == 0
+    assert (tmp_path / "new" / "far" / "page.html").is_file()
+    shutil.rmtree(tmp_path / "new")
     target = tmp_path / "page.html"
     target.write_text("before", encoding="utf-8")
     assert cb(monkeypatch, folder / "episode_1.npz", "--out", target) == 0
@@ -85,7 +88,10 @@ MISTAKES: list[tuple[list[str], list[str]]] = [
     (["kept/episode_7.json"], ["episode_7.json", "no such file"]),
     (["empty"], ["empty: no recording", "--record"]),
     (["kept", "--out", "page.html"], ["2 recordings"]),
-    (["kept/episode_0.json", "--out", "missing/page.html"], ["missing/page.html", "cannot be"]),
+    (
+        ["kept/episode_0.json", "--out", "program.yaml/page.html"],
+        ["program.yaml/page.html", "exists"],
+    ),
     (["kept/episode_0.json", "--out", "empty"], ["empty: cannot be written"]),
     (["program.yaml"], ["program.yaml: no recording"]),
     ([], ["FILE|FOLDER"]),

@@ -70,7 +70,7 @@ def test_the_list(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture
         (("toy-11",), "did you mean 'toy-1'? (known: toy-1, toy-2, all)"),
         ((), "--list"),
         (("toy-1", "--out", "x.txt"), ".md or .json"),
-        (("toy-1", "--out", "none/x.md"), "no folder none"),
+        (("toy-1", "--out", "file/x.md"), "cannot be written"),
         (("toy-1", "--out", "folder.md"), "cannot be written"),
     ],
 )
@@ -84,6 +84,7 @@ def test_wrong_calls(
 ) -> None:
     monkeypatch.chdir(tmp_path)
     (tmp_path / "folder.md").mkdir()
+    (tmp_path / "file").touch()
     assert cb(monkeypatch, *arguments) == 2
     assert message in capsys.readouterr().err
     assert not toys
