@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -22,6 +24,26 @@ Quick = Annotated[
     bool,
     typer.Option("--quick", help="Small variants, which show that it works and prove nothing."),
 ]
+BackendName = Annotated[
+    str | None,
+    typer.Option(
+        "--backend", help="What embodies the robot in experiments that learn [kinematic]."
+    ),
+]
+Trials = Annotated[
+    int | None,
+    typer.Option(
+        "--trials",
+        min=1,
+        help="How many times it learns from zero [30 on kinematic, else as often as the source].",
+    ),
+]
+Keep = Annotated[
+    Path | None,
+    typer.Option(
+        "--keep", help="Folder for the episodes of trials; the same command goes on from there."
+    ),
+]
 Out = Annotated[
     Path | None,
     typer.Option(
@@ -36,10 +58,16 @@ def reproduce(
     list_them: ListThem = False,
     seed: Seed = 0,
     quick: Quick = False,
+    backend: BackendName = None,
+    trials: Trials = None,
+    keep: Keep = None,
     out: Out = None,
     as_json: Json = False,
 ) -> None:
     """Measure what the dissertation reports.
+
+    Experiments in which the robot learns run trials, and share those of the same programs. With
+    --keep each of their episodes is kept as soon as it is over.
 
     Exit 0 when it ran, whatever the verdicts, and 2 when it could not run.
     """
@@ -56,18 +84,58 @@ def reproduce(
     chosen = _chosen(name)
     if out is not None:
         _require_writable(out)
-    settings = Settings(seed=seed, quick=quick)
+    if not any(each.learns for each in chosen):
+        _require_unused({"--backend": backend, "--trials": trials, "--keep": keep}, name)
     found: list[dict[str, object]] = []
-    for experiment in chosen:
-        outcome = _run(experiment, settings)
-        found.append(data(experiment, settings, outcome))
-        if not as_json:
-            _tell(experiment, outcome)
-        if out is not None:
-            # After each, so that what is done is kept when a later one is interrupted.
-            _write(out, experiment, settings, outcome, found)
+    with _kept(keep) as folder:
+        settings = Settings(
+            seed=seed,
+            quick=quick,
+            backend=backend or Settings.backend,
+            trials=trials,
+            folder=folder,
+        )
+        for experiment in chosen:
+            outcome = _run(experiment, settings)
+            found.append(data(experiment, settings, outcome))
+            if not as_json:
+                _tell(experiment, outcome)
+            if out is not None:
+                # After each, so that what is done is kept when a later one is interrupted.
+                _write(out, experiment, settings, outcome, found)
     if as_json:
         print_json(found)
+
+
+def _require_unused(options: dict[str, object], name: str) -> None:
+    """Say so rather than ignore an option that has no meaning."""
+    from cbdsl.errors.errors import UsageError
+
+    given = [option for option, value in options.items() if value is not None]
+    if given:
+        raise UsageError(f"{given[0]} is for experiments that learn, which {name} is not")
+
+
+@contextmanager
+def _kept(folder: Path | None) -> Iterator[Path]:
+    """Where trials are kept, which without a folder is until the end of the command.
+
+    Raises:
+        UsageError: there can be no such folder.
+    """
+    from tempfile import TemporaryDirectory
+
+    from cbdsl.errors.errors import UsageError
+
+    if folder is None:
+        with TemporaryDirectory() as passing:
+            yield Path(passing)
+        return
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise UsageError(f"--keep {folder}: {error.strerror or error}") from error
+    yield folder
 
 
 def _list(as_json: bool) -> None:
@@ -168,7 +236,7 @@ def _write(
     import json
 
     from cbdsl.reproduction.registry import EXPERIMENTS
-    from cbdsl.reproduction.report import page, section
+    from cbdsl.reproduction.report import heading, page, section
     from cbdsl.yaml_text.writer import write_text
 
     if out.suffix == ".json":
@@ -180,5 +248,5 @@ def _write(
     for chart in outcome.charts:
         write_text(chart.svg(), pictures / f"{chart.name}.svg")
     before = out.read_text(encoding="utf-8") if out.exists() else ""
-    new = {experiment.name: section(experiment, settings, outcome, pictures.name)}
+    new = {heading(experiment, settings): section(experiment, settings, outcome, pictures.name)}
     write_text(page(before, new, EXPERIMENTS), out)

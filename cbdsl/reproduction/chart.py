@@ -16,11 +16,19 @@ _TICKS = 5
 
 @dataclass(frozen=True)
 class Line:
-    """One curve: a name and as many abscissas as ordinates."""
+    """One curve.
+
+    Attributes:
+        name: of the curve.
+        x, y: as many abscissas as ordinates.
+        low, high: as many ends of intervals around the ordinates, or none.
+    """
 
     name: str
     x: tuple[float, ...]
     y: tuple[float, ...]
+    low: tuple[float, ...] = ()
+    high: tuple[float, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -40,10 +48,22 @@ class Chart:
     y_label: str
     lines: tuple[Line, ...]
 
+    def data(self) -> dict[str, object]:
+        """What it shows, for scripts."""
+        return {
+            "x": self.x_label,
+            "y": self.y_label,
+            "lines": {line.name: [list(line.x), list(line.y)] for line in self.lines},
+        }
+
     def svg(self) -> str:
         """The picture, as the text of an SVG file."""
         horizontal = _Axis([x for line in self.lines for x in line.x], _LEFT, _WIDTH - _RIGHT)
-        vertical = _Axis([y for line in self.lines for y in line.y], _HEIGHT - _BOTTOM, _TOP)
+        vertical = _Axis(
+            [y for line in self.lines for y in (*line.y, *line.low, *line.high)],
+            _HEIGHT - _BOTTOM,
+            _TOP,
+        )
         parts = [
             f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {_WIDTH} {_HEIGHT}" '
             f'font-family="sans-serif" font-size="12">',
@@ -55,6 +75,12 @@ class Chart:
             + "</g>",
             *(_grid_across(at, label) for at, label in vertical.ticks()),
             *(_grid_up(at, label) for at, label in horizontal.ticks()),
+        ]
+        # Below all curves, so that none is hidden.
+        parts += [
+            _band(line, horizontal, vertical, color)
+            for line, (color, _) in zip(self.lines, _STYLES, strict=False)
+            if line.low
         ]
         for index, (line, style) in enumerate(zip(self.lines, _STYLES, strict=False)):
             points = " ".join(
@@ -106,6 +132,14 @@ def _grid_across(y: float, label: str) -> str:
 def _grid_up(x: float, label: str) -> str:
     line = f'<path d="M{x:.1f} {_HEIGHT - _BOTTOM}v5" stroke="#888888"/>'
     return line + _text(round(x, 1), _HEIGHT - _BOTTOM + 18, label, "middle")
+
+
+def _band(line: Line, horizontal: _Axis, vertical: _Axis, color: str) -> str:
+    """The interval around a curve, there along its upper end and back along the lower one."""
+    there = zip(line.x, line.high, strict=True)
+    back = reversed(list(zip(line.x, line.low, strict=True)))
+    corners = " ".join(f"{horizontal(x):.1f},{vertical(y):.1f}" for x, y in (*there, *back))
+    return f'<polygon points="{corners}" fill="{color}" fill-opacity="0.15"/>'
 
 
 def _drawn(name: str, points: str, style: tuple[str, str], y: float) -> list[str]:

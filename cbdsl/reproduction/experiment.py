@@ -4,9 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 from importlib import import_module
+from pathlib import Path
+from typing import Protocol
 
-from cbdsl.reproduction.chart import Chart
 from cbdsl.reproduction.quantity import Quantity
 
 Progress = Callable[[int, int], None]
@@ -25,11 +27,41 @@ class Settings:
         seed: of everything random; the same seed gives the same outcome.
         quick: a smaller variant that shows that it works; its numbers prove nothing.
         progress: told while it runs.
+        backend: what embodies the robot while it learns.
+        trials: how many times it learns from zero; ``None`` for as many as the backend is fast
+            enough for, see ``school``.
+        folder: where trials are kept, episode by episode, and gone on with.
     """
 
     seed: int = 0
     quick: bool = False
     progress: Progress = _silent
+    backend: str = "kinematic"
+    trials: int | None = None
+    folder: Path = Path()
+
+
+class Picture(Protocol):
+    """What an experiment draws, such as a chart.
+
+    Attributes:
+        name: of its file, without suffix.
+        title: what it shows.
+    """
+
+    @property
+    def name(self) -> str: ...
+
+    @property
+    def title(self) -> str: ...
+
+    def svg(self) -> str:
+        """The picture, as the text of an SVG file."""
+        ...
+
+    def data(self) -> dict[str, object]:
+        """What it shows, for scripts."""
+        ...
 
 
 @dataclass(frozen=True)
@@ -38,12 +70,12 @@ class Outcome:
 
     Attributes:
         quantities: our numbers beside the source's.
-        charts: the curves.
+        charts: the pictures.
         notes: how it was done, and what differs from the source; whole sentences.
     """
 
     quantities: tuple[Quantity, ...]
-    charts: tuple[Chart, ...] = ()
+    charts: tuple[Picture, ...] = ()
     notes: tuple[str, ...] = ()
 
 
@@ -57,12 +89,16 @@ class Experiment:
         section: where the source has it.
         module: in this package, whose function ``run(settings: Settings) -> Outcome`` measures,
             or raises BackendError or SensorError where the simulator cannot run it.
+        learns: whether the robot learns in it. Then the module measures all experiments of its
+            kind: ``run(settings: Settings, name: str) -> Outcome``, and raises JournalError where
+            the folder of the settings holds other trials.
     """
 
     name: str
     title: str
     section: str
     module: str
+    learns: bool = False
 
     def load(self) -> Callable[[Settings], Outcome]:
         """What measures; importing it may take a second, and make the simulator print.
@@ -70,5 +106,8 @@ class Experiment:
         Raises:
             ImportError: something is not installed that it needs.
         """
-        run: Callable[[Settings], Outcome] = import_module(f"{__package__}.{self.module}").run
-        return run
+        run = import_module(f"{__package__}.{self.module}").run
+        measure: Callable[[Settings], Outcome] = (
+            partial(run, name=self.name) if self.learns else run
+        )
+        return measure

@@ -1,9 +1,16 @@
-"""Intervals of 95 % for proportions and means."""
+"""Intervals of 95 % for proportions and means, and means that outliers do not move."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
+
+    Floats = NDArray[np.float64]
 
 
 def exact_interval(hits: int, trials: int, level: float = 0.95) -> tuple[float, float]:
@@ -60,4 +67,68 @@ def bootstrap_interval(
     chosen = np.random.default_rng(seed).integers(len(values), size=(draws, len(values)))
     tail = 50 * (1 - level)
     low, high = np.percentile(values[chosen].mean(axis=1), (tail, 100 - tail))
+    return float(low), float(high)
+
+
+def interquartile_mean(values: Floats) -> Floats:
+    """Mean of the middle half along the first axis, of at least one value.
+
+    A quarter is left out at either end, rounded down.
+    """
+    import numpy as np
+
+    out = len(values) // 4
+    middle: Floats = np.sort(values, axis=0)[out : len(values) - out].mean(axis=0)
+    return middle
+
+
+def interquartile_interval(
+    values: Floats, seed: int = 0, level: float = 0.95, draws: int = 2000
+) -> tuple[Floats, Floats]:
+    """Percentile bootstrap interval of the interquartile mean along the first axis.
+
+    Args:
+        values: shape (n, ...), of n independent trials.
+        seed: of the resampling.
+        level: probability that the interval holds.
+        draws: resampled means.
+
+    Returns:
+        Lower and upper ends, shape (...).
+
+    Raises:
+        ValueError: there are no values.
+    """
+    import numpy as np
+
+    if not len(values):
+        raise ValueError("no samples")
+    rng = np.random.default_rng(seed)
+    means = [
+        interquartile_mean(values[rng.integers(len(values), size=len(values))])
+        for _ in range(draws)
+    ]
+    tail = 50 * (1 - level)
+    low, high = np.percentile(means, (tail, 100 - tail), axis=0)
+    return low, high
+
+
+def median_interval(
+    values: Floats, seed: int = 0, level: float = 0.95, draws: int = 2000
+) -> tuple[float, float]:
+    """Percentile bootstrap interval of the median of values of which some may be infinite.
+
+    Args:
+        values: shape (n,), at least one.
+        seed: of the resampling.
+        level: probability that the interval holds.
+        draws: resampled medians.
+    """
+    import numpy as np
+
+    chosen = np.random.default_rng(seed).integers(len(values), size=(draws, len(values)))
+    tail = 50 * (1 - level)
+    medians = np.median(values[chosen], axis=1)
+    # Between infinite ones there is nothing to interpolate.
+    low, high = np.percentile(medians, (tail, 100 - tail), method="nearest")
     return float(low), float(high)

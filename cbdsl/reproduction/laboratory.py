@@ -62,9 +62,9 @@ def laboratory(
     """
     # What is shipped, not what somebody may have put into the working folder under its name.
     library = Library(shipped())
-    program = check_program(_file(library, ProgramDocument, name), values or {}, library)
+    program = check_program(shipped_file(library, ProgramDocument, name), values or {}, library)
     robot, urdf = shipped_robot(program.robot, library)
-    stage_file = _file(library, StageDocument, stage or program.stage or "")
+    stage_file = shipped_file(library, StageDocument, stage or program.stage or "")
     backend = BulletBackend(robot, urdf)
     try:
         yield Laboratory(
@@ -82,12 +82,17 @@ def laboratory(
 def shipped_robot(name: str, library: Library | None = None) -> tuple[RobotDocument, Path]:
     """A shipped robot and its URDF."""
     library = library or Library(shipped())
-    file = _file(library, RobotDocument, name)
+    file = shipped_file(library, RobotDocument, name)
     robot = library.read(file, RobotDocument).document
     return robot, file.parent / robot.model
 
 
-def _file(library: Library, kind: type[Document], name: str) -> Path:
+def shipped_file(library: Library, kind: type[Document], name: str) -> Path:
+    """The file of a shipped document.
+
+    Raises:
+        LookupError: it is not shipped.
+    """
     file = library.find(kind, name)
     if file is None:
         raise LookupError(f"'{name}' is not shipped")

@@ -66,6 +66,14 @@ def clearly_below(bound: float) -> Claim:
     )
 
 
+def clearly_above(bound: float) -> Claim:
+    """The number and all of its 95 % interval are larger than ``bound``."""
+    return Claim(
+        f"interval above {bound:.3g}",
+        lambda ours, interval: ours > bound and interval is not None and interval[0] > bound,
+    )
+
+
 def covering(target: float) -> Claim:
     """The 95 % interval of the number includes ``target``."""
     return Claim(

@@ -14,6 +14,12 @@ _ALL: tuple[Experiment, ...] = (
     Experiment("table-3.2", "Pixels per period, and localizability, at three depths", "Section 3.3.3.2, Table 3.2", "table_3_2"),  # noqa: E501
     Experiment("fig-3.5", "A box held in both hands and brought to where it is seen best", "Section 3.3.3.2, Figure 3.5", "fig_3_5"),  # noqa: E501
     Experiment("fig-3.6", "Barcodes read at three ranges", "Section 3.3.3.2, Figure 3.6", "fig_3_6"),  # noqa: E501
+    Experiment("fig-4.4", "Where SEARCHTRACK's internal model expects something to track", "Section 4.2.1, Figure 4.4", "internal_models", learns=True),  # noqa: E501
+    Experiment("fig-4.5", "Transitions of SEARCHTRACK's policies, without co-articulation and with it", "Section 4.2.1, Figure 4.5", "transition_diagrams", learns=True),  # noqa: E501
+    Experiment("fig-4.6a", "How SEARCHTRACK is learned, without co-articulation and with it", "Section 4.2.1, Figure 4.6 (a)", "learning_curves", learns=True),  # noqa: E501
+    Experiment("fig-4.6b", "What SEARCHTRACK's policies earn without exploring", "Section 4.2.1, Figure 4.6 (b)", "greedy_reward", learns=True),  # noqa: E501
+    Experiment("fig-4.7", "Transitions of TACTILEPROBE's policy", "Section 4.2.2, Figure 4.7", "transition_diagrams", learns=True),  # noqa: E501
+    Experiment("fig-4.8", "Where TACTILEPROBE's internal models expect contact", "Section 4.2.2, Figure 4.8", "internal_models", learns=True),  # noqa: E501
 )
 # fmt: on
 

@@ -19,7 +19,7 @@ Verdicts come from the rules in the column *expected*: **reproduced** where the 
 95 %: exact (Clopper-Pearson) for proportions, bootstrapped for means.
 """
 
-_SECTION = re.compile(r"^## (\S+): ", re.MULTILINE)
+_SECTION = re.compile(r"^## ([^:\n]+): ", re.MULTILINE)
 
 
 def row(quantity: Quantity) -> dict[str, str]:
@@ -36,22 +36,17 @@ def row(quantity: Quantity) -> dict[str, str]:
 
 def data(experiment: Experiment, settings: Settings, outcome: Outcome) -> dict[str, object]:
     """An outcome for scripts; what could not be measured is ``None``."""
+    learned = {"backend": settings.backend, "trials": settings.trials} if experiment.learns else {}
     return {
         "experiment": experiment.name,
         "title": experiment.title,
         "section": experiment.section,
         "seed": settings.seed,
         "quick": settings.quick,
+        **learned,
         "quantities": [_quantity(quantity) for quantity in outcome.quantities],
         "charts": [
-            {
-                "name": chart.name,
-                "title": chart.title,
-                "x": chart.x_label,
-                "y": chart.y_label,
-                "lines": {line.name: [list(line.x), list(line.y)] for line in chart.lines},
-            }
-            for chart in outcome.charts
+            {"name": chart.name, "title": chart.title, **chart.data()} for chart in outcome.charts
         ],
         "notes": list(outcome.notes),
     }
@@ -60,13 +55,12 @@ def data(experiment: Experiment, settings: Settings, outcome: Outcome) -> dict[s
 def section(experiment: Experiment, settings: Settings, outcome: Outcome, pictures: str) -> str:
     """The part of the page about one experiment; ``pictures`` is the folder of the charts."""
     rows = [row(quantity) for quantity in outcome.quantities]
-    quick = " --quick" if settings.quick else ""
     headings = list(rows[0]) if rows else []
     table = [headings, ["---"] * len(headings), *(list(cells.values()) for cells in rows)]
     lines = [
-        f"## {experiment.name}: {experiment.title}",
+        f"## {heading(experiment, settings)}: {experiment.title}",
         "",
-        f"{experiment.section}. `cb reproduce {experiment.name} --seed {settings.seed}{quick}`",
+        f"{experiment.section}. `{_command(experiment, settings)}`",
         "",
         *(f"| {' | '.join(_escaped(cell) for cell in cells)} |" for cells in table if cells),
         "",
@@ -78,13 +72,28 @@ def section(experiment: Experiment, settings: Settings, outcome: Outcome, pictur
     return "\n".join(lines)
 
 
+def heading(experiment: Experiment, settings: Settings) -> str:
+    """Whose section it is: an experiment has one for each backend on which it learned."""
+    if settings.backend == Settings.backend or not experiment.learns:
+        return experiment.name
+    return f"{experiment.name} on {settings.backend}"
+
+
+def _command(experiment: Experiment, settings: Settings) -> str:
+    words = ["cb", "reproduce", experiment.name, "--seed", str(settings.seed)]
+    if experiment.learns:
+        words += ["--backend", settings.backend]
+        words += ["--trials", str(settings.trials)] if settings.trials is not None else []
+    return " ".join([*words, "--quick"] if settings.quick else words)
+
+
 def page(before: str, sections: Mapping[str, str], order: Iterable[str]) -> str:
     """The whole page.
 
     Args:
         before: the page so far, or nothing.
-        sections: new text by the name of the experiment.
-        order: of all experiments; sections of any others are left out.
+        sections: new text by its heading.
+        order: names of all experiments; sections of any others are left out.
     """
     marks = list(_SECTION.finditer(before))
     ends = [mark.start() for mark in marks[1:]] + [len(before)] * bool(marks)
@@ -93,7 +102,9 @@ def page(before: str, sections: Mapping[str, str], order: Iterable[str]) -> str:
         for mark, end in zip(marks, ends, strict=True)
     }
     kept.update(sections)
-    return "\n".join([_HEADER, *(kept[name] for name in order if name in kept)])
+    # On other backends after the usual one.
+    ordered = (kept[each] for name in order for each in sorted(kept) if each.split()[0] == name)
+    return "\n".join([_HEADER, *ordered])
 
 
 def _quantity(quantity: Quantity) -> dict[str, object]:

@@ -21,10 +21,15 @@ def test_every_experiment_is_registered_once() -> None:
     measuring = {
         file.stem
         for file in folder.glob("*.py")
-        if re.search(r"^def run\(settings: Settings\) -> Outcome:", file.read_text("utf-8"), re.M)
+        if re.search(
+            r"^def run\(settings: Settings(, name: str)?\) -> Outcome:",
+            file.read_text("utf-8"),
+            re.M,
+        )
     }
-    modules = [each.module for each in EXPERIMENTS.values()]
-    assert sorted(modules) == sorted(measuring)
+    assert {each.module for each in EXPERIMENTS.values()} == measuring
+    alone = [each.module for each in EXPERIMENTS.values() if not each.learns]
+    assert len(set(alone)) == len(alone)
 
 
 @pytest.mark.parametrize("experiment", ALL)

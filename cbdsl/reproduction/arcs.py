@@ -1,0 +1,72 @@
+"""Arcs of transition diagrams: which state follows which, under a policy."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterable
+from dataclasses import dataclass
+from typing import NamedTuple
+
+from cbdsl.learning.experience import Experience
+from cbdsl.runtime.policy import matches
+
+#: The source draws an arc where more than this share of what leaves its state takes it.
+LEAST = 0.2
+
+
+class Arc(NamedTuple):
+    """A state, what was done in it, and the state that followed."""
+
+    state: str
+    action: str
+    next_state: str
+
+
+@dataclass(frozen=True)
+class DrawnArc:
+    """An arc that the source has, or some arcs of which one is enough.
+
+    Attributes:
+        state: pattern of the state that it leaves.
+        action: what is done there.
+        next_states: patterns of the state that it leads to.
+    """
+
+    state: str
+    action: str
+    next_states: tuple[str, ...]
+
+    def __str__(self) -> str:
+        return f"{self.state}, {self.action} → {' or '.join(self.next_states)}"
+
+    def is_among(self, arcs: Iterable[Arc]) -> bool:
+        """Whether a diagram has it."""
+        return any(arc.action == self.action and self._joins(arc) for arc in arcs)
+
+    def is_joined(self, arcs: Iterable[Arc]) -> bool:
+        """Whether a diagram has it with whatever action."""
+        return any(self._joins(arc) for arc in arcs)
+
+    def _joins(self, arc: Arc) -> bool:
+        return matches(self.state, arc.state) and any(
+            matches(pattern, arc.next_state) for pattern in self.next_states
+        )
+
+
+def diagram_of(experiences: Iterable[Experience], least: float = LEAST) -> dict[Arc, float]:
+    """The arcs that are drawn, with the share of what leaves their state.
+
+    Args:
+        experiences: episodes under a policy.
+        least: rarer ones are left out.
+    """
+    passed = Counter(
+        Arc(each.state, each.action, each.next_state)
+        for experience in experiences
+        for each in experience.transitions
+    )
+    leaving: Counter[str] = Counter()
+    for arc, count in passed.items():
+        leaving[arc.state] += count
+    shares = {arc: count / leaving[arc.state] for arc, count in sorted(passed.items())}
+    return {arc: share for arc, share in shares.items() if share > least}

@@ -1,0 +1,84 @@
+"""Checks of what a trial has learned: its greedy policy, again and again, in held-out episodes."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from cbdsl.learning.experience import Experience
+from cbdsl.reproduction.experiment import Settings
+from cbdsl.reproduction.lesson import Lesson
+from cbdsl.reproduction.school import Learned, School
+
+# A policy counts as learned once it succeeds this often, at as many checks in a row.
+_SUCCESS, _IN_A_ROW = 0.95, 3
+
+
+@dataclass(frozen=True)
+class Schedule:
+    """When a trial is checked, and by how many episodes.
+
+    Attributes:
+        every: how many episodes lie between two checks.
+        held_out: episodes of each check; the same ones each time.
+    """
+
+    every: int
+    held_out: int
+
+    def after(self, episodes: int) -> range:
+        """The numbers of episodes after which there is a check."""
+        return range(self.every, episodes + 1, self.every)
+
+
+def schedule(settings: Settings) -> Schedule:
+    """The usual schedule, or the quick one."""
+    return Schedule(every=2, held_out=2) if settings.quick else Schedule(every=5, held_out=20)
+
+
+@dataclass(frozen=True)
+class Check:
+    """The held-out episodes after some of a trial's own.
+
+    Attributes:
+        episodes: how many the policy was learned from.
+        experiences: under the greedy policy.
+    """
+
+    episodes: int
+    experiences: tuple[Experience, ...]
+
+    def success(self, lesson: Lesson) -> float:
+        """Share of the episodes that were rewarded, of those in which something can be."""
+        rewarded = [
+            each.reward > 0 for each in self.experiences if each.context not in lesson.hopeless
+        ]
+        return sum(rewarded) / len(rewarded) if rewarded else 0.0
+
+
+def checks(school: School, learned: Learned, schedule: Schedule) -> tuple[Check, ...]:
+    """All checks of a trial, in their order; see ``School.greedy`` for what is raised."""
+    return tuple(
+        check(school, learned.after(episodes), schedule)
+        for episodes in schedule.after(len(learned.trial.experiences))
+    )
+
+
+def check(school: School, learned: Learned, schedule: Schedule) -> Check:
+    """Check what is known now."""
+    episodes = len(learned.trial.experiences)
+    seeds = learned.held_out(schedule.held_out)
+    return Check(episodes, school.greedy(learned, f"greedy_{episodes}", seeds))
+
+
+def learned_in(lesson: Lesson, found: Sequence[Check]) -> float:
+    """The first episode from which the greedy policy succeeds, infinite where it never does.
+
+    It succeeds where 95 % of the episodes are rewarded at three checks in a row.
+    """
+    succeeds = [each.success(lesson) >= _SUCCESS for each in found]
+    for first in range(len(found) - _IN_A_ROW + 1):
+        if all(succeeds[first : first + _IN_A_ROW]):
+            return found[first].episodes
+    return math.inf

@@ -1,0 +1,116 @@
+"""Reward of the learned policies without exploration (Figure 4.6 b)."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cbdsl.program.binding import bind
+from cbdsl.program.checked import CheckedProgram
+from cbdsl.reproduction.chart import Chart, Line
+from cbdsl.reproduction.experiment import Outcome, Settings
+from cbdsl.reproduction.interval import bootstrap_interval
+from cbdsl.reproduction.learning_curves import per_transition
+from cbdsl.reproduction.lesson import COARTICULATED, SEQUENTIAL, Lesson
+from cbdsl.reproduction.quantity import Claim, Quantity, above, clearly_above
+from cbdsl.reproduction.school import Learned, School, school
+from cbdsl.types.resource import KernelSample
+
+Floats = NDArray[np.float64]
+
+# As many as the source has.
+_TRIALS, _EPISODES = 50, 10
+_QUICK_TRIALS, _QUICK_EPISODES = 4, 2
+# The context in which something has to be searched for, and a density that always finds it, rad.
+_SEARCHED, _EFFECTOR, _BANDWIDTH = "window", "head", 0.01
+
+
+def run(settings: Settings, name: str) -> Outcome:
+    """Run the greedy policies where the first search finds what there is."""
+    trials, episodes = (_QUICK_TRIALS, _QUICK_EPISODES) if settings.quick else (_TRIALS, _EPISODES)
+    lessons = (SEQUENTIAL, COARTICULATED)
+    with school(settings) as dexter:
+        for lesson in lessons:
+            dexter.expect(dexter.trials(lesson) * dexter.episodes(lesson) + trials * episodes)
+        sequential, both = (_rewards(dexter, lesson, trials, episodes) for lesson in lessons)
+    lower = _quantity(SEQUENTIAL, sequential, settings.seed, above(0))
+    assert lower.interval is not None
+    higher = _quantity(
+        COARTICULATED, both, settings.seed, clearly_above(lower.interval[1]), above(lower.ours)
+    )
+    found = {SEQUENTIAL: sequential, COARTICULATED: both}
+    return Outcome((lower, higher), (_chart(name, found, settings.seed),), _NOTES)
+
+
+def _rewards(dexter: School, lesson: Lesson, trials: int, episodes: int) -> Floats:
+    """Reward per transition, shape (trials, episodes); the learned policies take turns."""
+    policies = dexter.learn(lesson)
+    rows: dict[int, list[float]] = {}
+    for place, learned in enumerate(policies):
+        turns = range(place, trials, len(policies))
+        seeds = learned.held_out(len(turns) * episodes)
+        passed = dexter.greedy(learned, "finding", seeds, _finding(learned))
+        rewards = [per_transition(each) for each in passed]
+        for index, turn in enumerate(turns):
+            rows[turn] = rewards[index * episodes : (index + 1) * episodes]
+    return np.array([rows[turn] for turn in sorted(rows)])
+
+
+def _finding(learned: Learned) -> CheckedProgram:
+    """The program with the head's internal model narrowed to where a search succeeded."""
+    samples = tuple(
+        experience.rewarded[_EFFECTOR]
+        for experience in learned.trial.experiences
+        if experience.context == _SEARCHED and _EFFECTOR in experience.rewarded
+    )
+    if not samples:
+        return learned.trial.informed_program()
+    source = KernelSample(_EFFECTOR, samples, (_BANDWIDTH,) * len(samples[0]), uniform=0.0)
+    return bind(learned.trial.program, {f"{_EFFECTOR}.uniform": source})
+
+
+def _quantity(
+    lesson: Lesson, rewards: Floats, seed: int, expected: Claim, ordering: Claim | None = None
+) -> Quantity:
+    means = rewards.mean(axis=1)
+    return Quantity(
+        f"{lesson.label}: reward per transition",
+        "",
+        "clearly less than co-articulated" if lesson.sequential else "clearly more than sequential",
+        float(means.mean()),
+        expected,
+        ordering,
+        bootstrap_interval(means.tolist(), seed),
+        f"{rewards.shape[0]} trials of {rewards.shape[1]} episodes",
+    )
+
+
+def _chart(name: str, found: Mapping[Lesson, Floats], seed: int) -> Chart:
+    return Chart(
+        name,
+        "Reward per transition of the greedy policies",
+        "episode",
+        "reward per transition",
+        tuple(_line(lesson, rewards, seed) for lesson, rewards in found.items()),
+    )
+
+
+def _line(lesson: Lesson, rewards: Floats, seed: int) -> Line:
+    ends = [bootstrap_interval(column, seed) for column in rewards.T.tolist()]
+    return Line(
+        lesson.short,
+        tuple(map(float, range(1, rewards.shape[1] + 1))),
+        tuple(rewards.mean(axis=0).tolist()),
+        tuple(low for low, _ in ends),
+        tuple(high for _, high in ends),
+    )
+
+
+_NOTES = (
+    "The policies of the trials take turns; none explores. As in the source the first search "
+    "finds what has to be searched for: references are drawn from around the postures in which "
+    "the head was rewarded in the context without an object. Both sets of actions meet the same "
+    "episodes.",
+)

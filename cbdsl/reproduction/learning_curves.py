@@ -1,0 +1,239 @@
+"""Learning curves without co-articulation and with it (Figure 4.6 a)."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cbdsl.learning.experience import Experience
+from cbdsl.reproduction.chart import Chart, Line
+from cbdsl.reproduction.checks import Check, checks, learned_in, schedule
+from cbdsl.reproduction.experiment import Outcome, Settings
+from cbdsl.reproduction.interval import (
+    exact_interval,
+    interquartile_interval,
+    interquartile_mean,
+    median_interval,
+)
+from cbdsl.reproduction.lesson import COARTICULATED, SEQUENTIAL, Lesson
+from cbdsl.reproduction.quantity import Claim, Quantity, above, at_most, near
+from cbdsl.reproduction.school import Learned, School, school
+from cbdsl.training.course import journal_file
+from cbdsl.training.onlooker import Onlooker
+
+Floats = NDArray[np.float64]
+
+# Episodes at the end of a trial that tell its level; a curve that is smoothed over a few episodes
+# has settled where it stays above a share of that.
+_LAST, _WINDOW, _SETTLED = 20, 5, 0.8
+_DRAWS = 2000
+
+
+@dataclass(frozen=True)
+class Curves:
+    """What the trials of a lesson came to.
+
+    Attributes:
+        lesson: that was learned.
+        trials: at their ends.
+        checks: of each trial.
+    """
+
+    lesson: Lesson
+    trials: tuple[Learned, ...]
+    checks: tuple[tuple[Check, ...], ...]
+
+    @property
+    def rewards(self) -> Floats:
+        """Reward per transition while exploring, shape (trials, episodes)."""
+        return np.array(
+            [[per_transition(each) for each in one.trial.experiences] for one in self.trials]
+        )
+
+    @property
+    def level(self) -> Floats:
+        """Mean reward per transition of the last episodes, shape (trials,)."""
+        level: Floats = self.rewards[:, -_LAST:].mean(axis=1)
+        return level
+
+    @property
+    def learned_in(self) -> Floats:
+        """After how many episodes each trial had learned, infinite for never, shape (trials,)."""
+        return np.array([learned_in(self.lesson, found) for found in self.checks])
+
+
+def per_transition(experience: Experience) -> float:
+    """Reward per state transition, the measure of Figure 4.6."""
+    return experience.reward / len(experience.transitions)
+
+
+def run(settings: Settings, name: str) -> Outcome:
+    """Learn with both sets of actions, and check the greedy policies on the way."""
+    with school(settings) as dexter:
+        for lesson in (SEQUENTIAL, COARTICULATED):
+            _expect(dexter, lesson, settings)
+        sequential, both = (_curves(dexter, each, settings) for each in (SEQUENTIAL, COARTICULATED))
+    quantities = (
+        *_learned_in(sequential, "about 10 episodes", near(10, 5), settings.seed),
+        *_learned_in(both, "about 20 episodes", near(20, 10), settings.seed),
+        _times(sequential, both, settings.seed),
+        _advantage(sequential, both, settings.seed),
+    )
+    found = (sequential, both)
+    return Outcome(quantities, (_chart(name, found, settings.seed),), _notes(settings, found))
+
+
+def _expect(dexter: School, lesson: Lesson, settings: Settings) -> None:
+    plan, episodes = schedule(settings), dexter.episodes(lesson)
+    each = episodes + plan.held_out * len(plan.after(episodes))
+    dexter.expect(dexter.trials(lesson) * each)
+
+
+def _curves(dexter: School, lesson: Lesson, settings: Settings) -> Curves:
+    plan = schedule(settings)
+    trials = tuple(dexter.learn(lesson))
+    return Curves(lesson, trials, tuple(checks(dexter, each, plan) for each in trials))
+
+
+def _learned_in(curves: Curves, source: str, expected: Claim, seed: int) -> Iterator[Quantity]:
+    found, label = curves.learned_in, curves.lesson.label
+    finite = found[np.isfinite(found)]
+    middle = float(np.median(found))
+    yield Quantity(
+        f"{label}: learned in, median",
+        "episodes",
+        source,
+        middle if math.isfinite(middle) else math.nan,
+        expected,
+        interval=median_interval(found, seed) if math.isfinite(middle) else None,
+        note=f"{finite.min():g} to {finite.max():g}" if len(finite) else "",
+    )
+    never = len(found) - len(finite)
+    low, high = exact_interval(never, len(found))
+    yield Quantity(
+        f"{label}: trials that never learned",
+        "%",
+        "none",
+        100 * never / len(found),
+        at_most(0),
+        interval=(100 * low, 100 * high),
+        note=f"{never} of {len(found)}",
+    )
+
+
+def _times(sequential: Curves, both: Curves, seed: int) -> Quantity:
+    """How much longer the larger set of actions takes, by the level of the curves."""
+    once, twice = settled_at(sequential.rewards), settled_at(both.rewards)
+    rng = np.random.default_rng(seed)
+    ratios = [
+        settled_at(_resampled(both.rewards, rng)) / settled_at(_resampled(sequential.rewards, rng))
+        for _ in range(_DRAWS)
+    ]
+    low, high = np.percentile(ratios, (2.5, 97.5))
+    return Quantity(
+        "episodes until the curve stays at its level, co-articulated by sequential",
+        "",
+        "about 20 by about 10",
+        twice / once,
+        near(2, 0.5),
+        ordering=above(1),
+        interval=(float(low), float(high)),
+        note=f"{twice} by {once} episodes",
+    )
+
+
+def settled_at(rewards: Floats) -> int:
+    """From which episode on a learning curve stays at its level.
+
+    That is where the mean over five episodes stays above 80 % of the mean over the last twenty.
+
+    Args:
+        rewards: per transition, shape (trials, episodes).
+    """
+    curve = interquartile_mean(rewards)
+    level = _SETTLED * curve[-_LAST:].mean()
+    smooth = np.convolve(curve, np.full(_WINDOW, 1 / _WINDOW), mode="valid")
+    below = np.flatnonzero(smooth < level)
+    return int(below[-1]) + 2 if len(below) else 1
+
+
+def _resampled(rewards: Floats, rng: np.random.Generator) -> Floats:
+    drawn: Floats = rewards[rng.integers(len(rewards), size=len(rewards))]
+    return drawn
+
+
+def _advantage(sequential: Curves, both: Curves, seed: int) -> Quantity:
+    """How much more the co-articulated trials earn in the end, while both explore."""
+    difference = both.level - sequential.level
+    low, high = interquartile_interval(difference, seed)
+    return Quantity(
+        f"reward per transition in the last {_LAST} episodes, co-articulated minus sequential",
+        "",
+        "slightly above 0, not significantly",
+        float(interquartile_mean(difference)),
+        above(0),
+        interval=(float(low), float(high)),
+        note=f"{interquartile_mean(both.level):.3f} and {interquartile_mean(sequential.level):.3f}",
+    )
+
+
+def _chart(name: str, found: Sequence[Curves], seed: int) -> Chart:
+    return Chart(
+        name,
+        f"Reward per transition while learning, {len(found[0].trials)} trials",
+        "episode",
+        "reward per transition",
+        tuple(_line(curves, seed) for curves in found),
+    )
+
+
+def _line(curves: Curves, seed: int) -> Line:
+    rewards = curves.rewards
+    low, high = interquartile_interval(rewards, seed)
+    return Line(
+        curves.lesson.short,
+        tuple(map(float, range(1, rewards.shape[1] + 1))),
+        tuple(interquartile_mean(rewards).tolist()),
+        tuple(low.tolist()),
+        tuple(high.tolist()),
+    )
+
+
+def _notes(settings: Settings, found: Sequence[Curves]) -> tuple[str, ...]:
+    plan = schedule(settings)
+    return (
+        "Interquartile means over the trials, with bootstrap intervals. Learned in: the first of "
+        f"three checks in a row, one every {plan.every} episodes, at which the greedy policy was "
+        f"rewarded in 95 % of {plan.held_out} episodes that it did not learn from.",
+        f"A curve stays at its level from where its mean over {_WINDOW} episodes stays above "
+        f"{100 * _SETTLED:.0f} % of its last {_LAST} episodes; the source names them by eye.",
+        *(_effort(curves) for curves in found),
+    )
+
+
+def _effort(curves: Curves) -> str:
+    """What a trial costs."""
+    costs = np.array([_cost(each) for each in curves.trials])
+    reward, transitions, ticks, simulated, wall = interquartile_mean(costs)
+    return (
+        f"A trial of {curves.lesson.label} has {curves.rewards.shape[1]} episodes with a reward of "
+        f"{reward:.0f} in {transitions:.0f} transitions, {ticks:.0f} control ticks, "
+        f"{simulated:.0f} simulated seconds and {wall:.0f} s of wall time (interquartile means)."
+    )
+
+
+def _cost(learned: Learned) -> tuple[float, ...]:
+    """Reward, transitions, control ticks, simulated seconds and wall seconds of a trial."""
+    experiences = learned.trial.experiences
+    entries = Onlooker(journal_file(learned.path)).look()[: len(experiences)]
+    return (
+        sum(each.reward for each in experiences),
+        sum(len(each.transitions) for each in experiences),
+        sum(each.ticks for each in experiences),
+        sum(each.sim_seconds for each in experiences),
+        sum(each.wall_seconds for each in entries),
+    )

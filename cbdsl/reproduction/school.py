@@ -1,0 +1,218 @@
+"""A school: trials of lessons on one backend, and how well they do without exploring."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from cbdsl.backends.backend import Backend, find_backend
+from cbdsl.checking.digest import program_digest
+from cbdsl.checking.program import check_program
+from cbdsl.documents.policy import Provenance
+from cbdsl.documents.program import ProgramDocument
+from cbdsl.documents.robot import RobotDocument
+from cbdsl.documents.stage import StageDocument
+from cbdsl.learning.accommodate import Constants
+from cbdsl.learning.experience import Experience
+from cbdsl.program.checked import CheckedProgram
+from cbdsl.program.transition import Transition
+from cbdsl.reproduction.experiment import Settings
+from cbdsl.reproduction.laboratory import shipped_file, shipped_robot
+from cbdsl.reproduction.lesson import Lesson
+from cbdsl.robot.kinematics import Kinematics
+from cbdsl.runtime.policy import WrittenPolicy
+from cbdsl.training.classroom import BackendClassroom
+from cbdsl.training.course import follow, identity_of, open_journal
+from cbdsl.training.journal import Journal
+from cbdsl.training.provenance import Setting, provenance_of
+from cbdsl.training.trial import Trial
+from cbdsl.yaml_text.library import Library, shipped
+
+_ROBOT = "dexter"
+# As many seeds as the field asks for, where the backend is fast; else as many as the source has.
+_TRIALS = {"kinematic": 30}
+_QUICK_TRIALS, _QUICK_EPISODES = 2, 6
+# Where the held-out episodes of a trial are numbered from, far beyond its own ones.
+_HELD_OUT = 1_000_000
+
+
+@dataclass(frozen=True)
+class Learned:
+    """A trial at its end, or as it was before.
+
+    Attributes:
+        trial: what was learned, and from which episodes.
+        provenance: of the whole trial.
+        stage: the training context.
+        path: of the policy; what is found out about it is kept beside it.
+    """
+
+    trial: Trial
+    provenance: Provenance
+    stage: StageDocument
+    path: Path
+
+    def after(self, episodes: int) -> Learned:
+        """The same trial as it was after its first ``episodes``."""
+        whole = self.trial
+        trial = Trial(whole.program, whole.constants, whole.seed, whole.number)
+        for experience in whole.experiences[:episodes]:
+            trial.replay(experience)
+        return Learned(trial, self.provenance, self.stage, self.path)
+
+    def held_out(self, count: int) -> list[int]:
+        """Seeds of episodes that the trial does not learn from."""
+        entropy = (
+            np.random.SeedSequence([self.trial.seed, self.trial.number, _HELD_OUT + index])
+            for index in range(count)
+        )
+        return [int(each.generate_state(1)[0]) for each in entropy]
+
+
+class School:
+    """Runs episodes one after another; those that are kept already are not run again.
+
+    Args:
+        settings: which seed, how many trials, where they are kept, and who watches.
+        body: runs the episodes.
+        robot: that it embodies.
+        urdf: the robot's model.
+    """
+
+    def __init__(self, settings: Settings, body: Backend, robot: RobotDocument, urdf: Path) -> None:
+        self._settings = settings
+        self._body, self._robot = body, robot
+        self._kinematics = Kinematics(robot, urdf)
+        self._library = Library(shipped())
+        self._done = self._expected = 0
+
+    def expect(self, episodes: int) -> None:
+        """Tell those who watch that so many more episodes are to come."""
+        self._expected += episodes
+
+    def trials(self, lesson: Lesson) -> int:
+        """How many trials of a lesson there are."""
+        settings = self._settings
+        if settings.trials is not None:
+            return settings.trials
+        return _QUICK_TRIALS if settings.quick else _TRIALS.get(settings.backend, lesson.trials)
+
+    def episodes(self, lesson: Lesson) -> int:
+        """How many episodes each of them has."""
+        return _QUICK_EPISODES if self._settings.quick else lesson.episodes
+
+    def learn(self, lesson: Lesson) -> list[Learned]:
+        """Run the trials of a lesson, each from zero.
+
+        Raises:
+            JournalError: what is kept in the folder belongs to other trials.
+            BackendError, EpisodeError: the simulator cannot run them.
+            OSError: they cannot be kept.
+        """
+        file = shipped_file(self._library, ProgramDocument, lesson.program)
+        program = check_program(file, {}, self._library)
+        program = program._replace(actions=lesson.actions(program))
+        return [self._follow(lesson, program, file, n) for n in range(self.trials(lesson))]
+
+    def greedy(
+        self,
+        learned: Learned,
+        name: str,
+        seeds: Sequence[int],
+        program: CheckedProgram | None = None,
+    ) -> tuple[Experience, ...]:
+        """Run episodes under what was learned, without exploring or learning.
+
+        Args:
+            learned: what chooses the actions.
+            name: of these episodes, for their file beside the policy.
+            seeds: one for each episode.
+            program: the program with internal models other than those that were learned.
+
+        Raises:
+            JournalError, BackendError, EpisodeError, OSError: as ``learn``.
+        """
+        trial = learned.trial
+        policy = WrittenPolicy(trial.learner.greedy())
+        program = trial.informed_program() if program is None else program
+        classroom = self._classroom(learned.stage)
+        path = learned.path.with_suffix(f".{name}.jsonl")
+        identity = identity_of(learned.provenance) | {"learned_from": len(trial.experiences)}
+        with Journal(path, identity) as journal:
+            found = list(journal.finished[: len(seeds)])
+            self._advance(len(found))
+            for seed in seeds[len(found) :]:
+                began = time.perf_counter()
+                found.append(classroom.hold(program, policy, seed, _ignore))
+                journal.append(found[-1], time.perf_counter() - began)
+                self._advance(1)
+        return tuple(found)
+
+    def begin(self, number: int, renderer: str, finished: Sequence[Experience]) -> None:
+        """See ``Watcher.begin``."""
+        self._advance(len(finished))
+
+    def note(self, number: int, experience: Experience, seconds: float) -> None:
+        """See ``Watcher.note``."""
+        self._advance(1)
+
+    def _follow(self, lesson: Lesson, program: CheckedProgram, file: Path, number: int) -> Learned:
+        """One trial, from its beginning or from where it was interrupted."""
+        settings, trials, episodes = self._settings, self.trials(lesson), self.episodes(lesson)
+        stage = self._stage(lesson)
+        setting = Setting(
+            program_sha256=program_digest(file, self._library),
+            robot=self._robot,
+            stage=stage,
+            backend=settings.backend,
+            renderer=self._body.renderer,
+        )
+        trial = Trial(program, Constants(density=lesson.density), settings.seed, number)
+        command = lesson.command(settings.seed, trials, episodes, settings.backend)
+        provenance = provenance_of(trial, setting, episodes, command)
+        path = self._path(lesson, number)
+        with open_journal(path, provenance) as journal:
+            follow(trial, self._classroom(stage), journal, provenance, path, self)
+        return Learned(trial, provenance, stage, path)
+
+    def _stage(self, lesson: Lesson) -> StageDocument:
+        file = shipped_file(self._library, StageDocument, lesson.stage)
+        return self._library.read(file, StageDocument).document
+
+    def _classroom(self, stage: StageDocument) -> BackendClassroom:
+        return BackendClassroom(self._robot, self._kinematics, self._body, stage)
+
+    def _path(self, lesson: Lesson, number: int) -> Path:
+        """Where a policy goes: trials that are not comparable have folders of their own."""
+        settings = self._settings
+        folder = settings.folder / f"{settings.backend}_{settings.seed}" / lesson.name
+        folder.mkdir(parents=True, exist_ok=True)
+        return folder / f"{lesson.name}_{number}.yaml"
+
+    def _advance(self, episodes: int) -> None:
+        self._done += episodes
+        self._settings.progress(self._done, max(self._expected, self._done))
+
+
+@contextmanager
+def school(settings: Settings) -> Iterator[School]:
+    """Open the school on the backend that is asked for.
+
+    Raises:
+        BackendError: there is no such backend, or it cannot embody the robot.
+    """
+    robot, urdf = shipped_robot(_ROBOT)
+    body = find_backend(settings.backend)(robot, urdf)
+    try:
+        yield School(settings, body, robot, urdf)
+    finally:
+        body.close()
+
+
+def _ignore(transition: Transition) -> None:
+    """Greedy episodes teach nothing."""
