@@ -111,6 +111,7 @@ def _connected(workers: int, scheduler: str | None) -> Iterator[Client]:
             dashboard_address=None,
             silence_logs=logging.CRITICAL,
             env=_ONE_THREAD,
+            preload="cbdsl.training.worker",
         ) as cluster,
         Client(cluster) as client,
     ):

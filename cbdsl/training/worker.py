@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+import signal
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 
-from distributed import get_worker
+from distributed import Worker, get_worker
 from distributed.core import Status
 
 from cbdsl.backends.backend import Backend, find_backend
@@ -25,6 +26,11 @@ _kept: dict[tuple[str, str, Path], Workplace] = {}
 
 class AbandonedError(UsageError):
     """Nobody waits for the outcome of a trial any more."""
+
+
+def dask_setup(_: Worker) -> None:
+    """Leave Ctrl-C to the command that started this process; Dask calls this at its start."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
 
 
 def work(assignment: Assignment, there: Path, expected: Mapping[str, str]) -> list[Path]:
