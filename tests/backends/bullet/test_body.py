@@ -14,7 +14,7 @@ from cbdsl.backends.bullet.body import Body
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.robot.joints import Joints
 from cbdsl.robot.kinematics import Kinematics
-from tests.backends.bullet.conftest import URDF
+from tests.backends.conftest import URDF
 
 
 @pytest.fixture

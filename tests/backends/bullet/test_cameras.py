@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from cbdsl.backends.bullet.backend import BulletBackend
-from tests.backends.bullet.conftest import made_stage
+from tests.backends.conftest import made_stage
 
 
 def test_cameras_are_off_by_the_stated_distance_and_angle(backend: BulletBackend) -> None:

@@ -12,7 +12,7 @@ from cbdsl.backends.bullet.backend import BulletBackend
 from cbdsl.backends.bullet.load_cells import LoadCells
 from cbdsl.documents.robot import Contact
 from cbdsl.robot.joints import Joints
-from tests.backends.bullet.conftest import made_stage
+from tests.backends.conftest import made_stage
 
 CELLS = (("hand", "a"), ("hand", "b"))
 

@@ -15,7 +15,7 @@ from cbdsl.backends.bullet.view import View
 from cbdsl.backends.pose import Pose
 from cbdsl.documents.robot import Camera, RobotDocument
 from cbdsl.documents.stage import StageDocument
-from tests.backends.bullet.conftest import URDF, made_stage, with_vision
+from tests.backends.conftest import URDF, made_stage, with_vision
 
 CAMERA = Camera(link="left_camera", width=400, height=300, focal_length=800)
 CENTRE, EDGE, DISTANCE = np.array([3.0, 0.0, 0.0]), 0.16, 0.5

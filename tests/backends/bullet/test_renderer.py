@@ -17,7 +17,7 @@ from cbdsl.backends.bullet.view import View
 from cbdsl.backends.pose import Pose
 from cbdsl.documents.robot import Camera, RobotDocument
 from cbdsl.documents.stage import StageDocument
-from tests.backends.bullet.conftest import URDF, made_stage, with_vision
+from tests.backends.conftest import URDF, made_stage, with_vision
 
 RADIUS = 0.07
 GREENISH = (0.1, 0.8, 0.3)

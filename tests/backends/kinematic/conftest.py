@@ -1,8 +1,8 @@
-"""Dexter without physics, and the stages of the bullet backend's tests."""
+"""Dexter without physics."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
@@ -11,9 +11,7 @@ import pytest
 from cbdsl.backends.kinematic.backend import KinematicBackend
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.documents.stage import StageDocument
-from tests.backends.bullet.conftest import URDF
-
-Begin = Callable[..., KinematicBackend]
+from tests.backends.conftest import URDF
 
 
 @pytest.fixture
@@ -34,8 +32,3 @@ def quiet(dexter: RobotDocument) -> Iterator[KinematicBackend]:
 
 def begin(backend: KinematicBackend, stage: StageDocument, seed: int = 0, **values: Any) -> None:
     backend.reset(stage, values.get("context"), np.random.default_rng(seed))
-
-
-def run(backend: KinematicBackend, seconds: float) -> None:
-    for _ in range(round(seconds / backend.control_period)):
-        backend.step()

@@ -8,7 +8,7 @@ import pytest
 from cbdsl.backends.kinematic.tree import Tree
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.robot.kinematics import Kinematics
-from tests.backends.bullet.conftest import LIBRARY, ROOT
+from tests.backends.conftest import LIBRARY, ROOT
 
 
 @pytest.mark.parametrize("name", LIBRARY.names(RobotDocument))

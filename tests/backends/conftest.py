@@ -1,0 +1,74 @@
+"""Dexter in both backends, and stages made for tests."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Any
+
+import pytest
+
+from cbdsl.backends.bullet.backend import BulletBackend
+from cbdsl.backends.kinematic.backend import KinematicBackend
+from cbdsl.documents.robot import RobotDocument
+from cbdsl.documents.stage import StageDocument
+from cbdsl.yaml_text.library import Library
+from tests.conftest import ROOT
+
+URDF = ROOT / "robots" / "dexter.urdf"
+LIBRARY = Library(ROOT)
+
+Either = BulletBackend | KinematicBackend
+BACKENDS: dict[str, type[Either]] = {"bullet": BulletBackend, "kinematic": KinematicBackend}
+
+
+def stage_named(name: str) -> StageDocument:
+    return LIBRARY.read(LIBRARY.locate(StageDocument, name), StageDocument).document
+
+
+def robot_named(name: str) -> RobotDocument:
+    return LIBRARY.read(LIBRARY.locate(RobotDocument, name), RobotDocument).document
+
+
+def made_stage(context: dict[str, Any], **parts: Any) -> StageDocument:
+    """A stage with one context, ``only``."""
+    head = {"cbdsl": 1, "kind": "stage", "name": "made", "robot": "dexter"}
+    return StageDocument.model_validate({**head, "contexts": {"only": context}, **parts})
+
+
+def with_vision(robot: RobotDocument, **changes: Any) -> RobotDocument:
+    return robot.model_copy(update={"vision": robot.vision.model_copy(update=changes)})
+
+
+def sightless(robot: RobotDocument) -> RobotDocument:
+    """A robot for which no time is spent on images, with load cells that have no noise."""
+    contact = robot.contact.model_copy(update={"noise": 0.0})
+    return with_vision(
+        robot.model_copy(update={"cameras": {}, "contact": contact}), renderer="tiny"
+    )
+
+
+def run(backend: Either, seconds: float) -> None:
+    for _ in range(round(seconds / backend.control_period)):
+        backend.step()
+
+
+@pytest.fixture(scope="session", params=list(BACKENDS))
+def make(request: pytest.FixtureRequest) -> type[Either]:
+    """Either backend's class."""
+    return BACKENDS[request.param]
+
+
+@pytest.fixture(scope="session")
+def either(make: type[Either], dexter: RobotDocument) -> Iterator[Either]:
+    """Either backend; Bullet with whatever renderer works here."""
+    backend = make(dexter, URDF)
+    yield backend
+    backend.close()
+
+
+@pytest.fixture(scope="session")
+def unseeing(make: type[Either], dexter: RobotDocument) -> Iterator[Either]:
+    """Either backend without cameras, and without noise of its load cells."""
+    backend = make(sightless(dexter), URDF)
+    yield backend
+    backend.close()
