@@ -78,8 +78,9 @@ def _examine(paths: Iterable[str], values: Mapping[str, str], stdin: Path) -> Re
 
     words = list(paths)
     given = {stdin: sys.stdin.buffer.read()} if STANDARD_INPUT in words else {}
-    files = [file for word in words for file in _documents(word, stdin)]
-    session = Session(Library(given=given))
+    library = Library(given=given)
+    files = [file for word in words for file in _documents(word, stdin, library)]
+    session = Session(library)
     # A robot's findings come with every program on it: each is told once.
     found: dict[Diagnostic, None] = {}
     for file in files:
@@ -89,13 +90,16 @@ def _examine(paths: Iterable[str], values: Mapping[str, str], stdin: Path) -> Re
     return Report(told, len(files), len(findings) - len(told), _texts(session.library))
 
 
-def _documents(word: str, stdin: Path) -> Iterator[Path]:
-    """The file itself, or all documents below a folder."""
+def _documents(word: str, stdin: Path, library: Library) -> Iterator[Path]:
+    """The file itself, all documents below a folder, or those of a name."""
     from cbdsl.errors.errors import UsageError
 
     path = Path(word)
-    if word == STANDARD_INPUT or not path.is_dir():
-        yield stdin if word == STANDARD_INPUT else path
+    if word == STANDARD_INPUT:
+        yield stdin
+        return
+    if not path.is_dir():
+        yield from library.locate_any(word)
         return
     files = sorted(file for file in path.rglob("*") if file.suffix in (".yaml", ".yml"))
     if not files:

@@ -79,7 +79,7 @@ def _read_stage(
 
     wanted = name or program.stage
     if wanted is None:
-        known = ", ".join(library.names(StageDocument, program_file))
+        known = _stages_for(program.robot, program_file, library)
         raise UsageError(f"{program.name} names no stage; give one with --stage (known: {known})")
     file = library.find(StageDocument, wanted, program_file)
     file = file or library.locate(StageDocument, wanted)
@@ -91,6 +91,24 @@ def _read_stage(
             f"but program '{program.name}' is for '{program.robot}'"
         )
     return stage
+
+
+def _stages_for(robot: str, program_file: Path, library: Library) -> str:
+    """The names of the stages on which a robot is shown something."""
+    from cbdsl.documents.stage import StageDocument
+    from cbdsl.errors.errors import DiagnosticsError
+
+    names = []
+    for name in library.names(StageDocument, program_file):
+        file = library.find(StageDocument, name, program_file)
+        assert file is not None, "what is listed is found"
+        try:
+            stage = library.read(file, StageDocument).document
+        except DiagnosticsError:
+            continue
+        if stage.robot == robot:
+            names.append(name)
+    return ", ".join(names) or f"none; cb new stage NAME --robot {robot} writes one"
 
 
 def _under_policy(program: CheckedProgram, file: Path, library: Library) -> CheckedProgram:

@@ -11,7 +11,7 @@ from cbdsl.cli.findings import STANDARD_INPUT_NAME
 # Texts instead of paths: typer's conversion of paths costs a tenth of the whole command.
 Paths = Annotated[
     list[str],
-    typer.Argument(help="Documents, folders of documents, or - for the standard input."),
+    typer.Argument(help="Documents, names of them, folders of them, or - for the standard input."),
 ]
 With = Annotated[
     list[str],

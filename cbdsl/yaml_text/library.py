@@ -135,6 +135,30 @@ class Library:
             raise UsageError(self._not_found(kind, str(name)))
         return found
 
+    def locate_any(self, word: str) -> list[Path]:
+        """The files that a user means by a path, or by a name whatever kinds of documents have it.
+
+        Raises:
+            UsageError: no document has this name.
+        """
+        path = Path(word)
+        if path.suffix or len(path.parts) > 1 or path.exists():
+            return [path]
+        found = [self.find(kind, word, self.here / path) for kind in FOLDERS]
+        files = [file for file in found if file is not None]
+        if not files:
+            raise UsageError(self._nothing_found(word))
+        return list(dict.fromkeys(files))
+
+    def _nothing_found(self, name: str) -> str:
+        names = {n: kind for kind in FOLDERS for n in self.names(kind, self.here / name)}
+        nearest = nearest_name(name, names)
+        hint = f"; did you mean '{nearest}'?" if nearest else ""
+        return (
+            f"there is no file '{name}', and no robot, program, stage, policy or model of this "
+            f"name{hint} (a file is written with its folder and ending, as programs/{name}.yaml)"
+        )
+
     def _not_found(self, kind: type[Document], name: str) -> str:
         names = self.names(kind, self.here / name)
         nearest = nearest_name(name, names)

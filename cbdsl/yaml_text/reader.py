@@ -113,7 +113,9 @@ def read_text(path: Path) -> str:
         data = path.read_bytes()
     except OSError as error:
         reason = error.strerror or str(error)
-        raise _error("CB101", Place(str(path)), reason=reason) from None
+        beside = [str(path.with_name(file.name)) for file in path.parent.glob("*.y*ml")]
+        where = Place(str(path))
+        raise _error("CB101", where, candidates=beside, reason=reason, name=str(path)) from None
     return decode(data, str(path))
 
 

@@ -237,6 +237,31 @@ def test_a_silenced_error_still_keeps_a_program_from_running(tmp_path: Path) -> 
         check_program(tmp_path / "own.yaml")
 
 
+# -- what is checked -------------------------------------------------------------------------
+
+
+def test_a_name_stands_for_its_documents(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, printed: Any
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    assert printed("searchtrack", "table_right", "dexter") == (0, "3 documents, no findings\n")
+    (tmp_path / "own.yaml").write_text(HEAD + IDLE + REST, encoding="utf-8")
+    code, text = printed("own")
+    assert code == 0 and text.startswith("own.yaml:6:3: CB701")
+
+
+def test_a_name_that_nothing_has_is_a_wrong_call(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert cb(monkeypatch, "validate", "serchtrack") == 2
+    assert "did you mean 'searchtrack'?" in capsys.readouterr().err
+
+
+def test_a_file_that_is_not_there_may_be_a_neighbour(printed: Any) -> None:
+    code, text = printed(str(SEARCHTRACK.with_name("serchtrack.yaml")))
+    assert code == 1 and f"did you mean '{SEARCHTRACK}'?" in text
+
+
 # -- bounds ----------------------------------------------------------------------------------
 
 
