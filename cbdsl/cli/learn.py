@@ -252,6 +252,19 @@ def _require_ready(assignments: Sequence[Assignment], resume: bool) -> None:
             assignment.require_ready(resume=resume)
         except OSError as error:
             raise UsageError(f"--out {assignment.path}: {error.strerror or error}") from error
-    journals = [each.journal for each in assignments]
-    if resume and not any(journal.exists() for journal in journals):
-        print(f"nothing to go on with: {journals[0]} is not there; begins anew", flush=True)
+    if resume:
+        _tell_what_is_there(assignments)
+
+
+def _tell_what_is_there(assignments: Sequence[Assignment]) -> None:
+    """What of the trials to go on with is not as one may think."""
+    from cbdsl.training.onlooker import Onlooker
+
+    begun = [each for each in assignments if each.journal.exists()]
+    if not begun:
+        print(f"nothing to go on with: {assignments[0].journal} is not there; begins anew")
+    for assignment in begun:
+        there = len(Onlooker(assignment.journal).look())
+        if there > assignment.episodes:
+            first = f"the first {assignment.episodes} of its {there} episodes"
+            print(f"{assignment.journal}: {first} count, all are kept")

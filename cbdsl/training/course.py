@@ -62,8 +62,9 @@ def require_writable(path: Path) -> None:
         OSError: nothing can be written there, or the disk is full.
     """
     path.parent.mkdir(parents=True, exist_ok=True)
-    with tempfile.TemporaryFile(dir=path.parent, buffering=0) as file:
+    with tempfile.TemporaryFile(dir=path.parent) as file:
         file.write(bytes(_ROOM))
+        file.flush()
 
 
 def require_free(path: Path, effectors: Iterable[str], *, resume: bool) -> None:

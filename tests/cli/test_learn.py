@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import fcntl
 import json
 import sys
 from pathlib import Path
@@ -48,6 +49,11 @@ MISTAKES = [
     (["searchtrack", "--out", "a.yaml", "--backend", "gazebo"], 2, ["gazebo", "bullet"]),
     (["searchtrack", "--out", "a.yaml", "--gamma", "1.5"], 2, ["--gamma"]),
     (["searchtrack", "--out", "a.yaml", "--density", "round"], 2, ["kernel or gaussian"]),
+    (
+        ["searchtrack", "--out", "a.yaml", "--workers", "2", "--scheduler", "tcp://here:1"],
+        2,
+        ["--workers", "--scheduler", "choose"],
+    ),
     (["searchtrack", "--out", "a.yaml", "--episodes", "0"], 2, ["--episodes"]),
     (["searchtrack", "--out", "a.json"], 2, ["a.json", "<name>.yaml"]),
     (["searchtrack", "--out", "a b.yaml"], 2, ["a b.yaml", "<name>.yaml"]),
@@ -75,6 +81,116 @@ def test_a_mistake_is_one_clear_message(
     assert "Traceback" not in said and "internal error" not in said
     assert all(part in said for part in named)
     assert {path: path.is_file() and path.read_bytes() for path in here.iterdir()} == before
+
+
+BEGUN = [
+    *("learn", "searchtrack", "--stage", "searchtrack_training", "--backend", "kinematic"),
+    *("--seed", "3", "--episodes", "2", "--out", "begun.yaml"),
+]
+
+# Options that come after those, and how it is told what they differ in.
+OTHERS = [
+    ([], "go on with --resume"),
+    (["--resume", "--seed", "4"], "seed was 3, is 4"),
+    (["--resume", "--gamma", "0.5"], "gamma was 0.8, is 0.5"),
+    (["--resume", "--density", "gaussian"], "density was kernel, is gaussian"),
+    (["--resume", "--transitions", "9"], "transitions was 100, is 9"),
+    (["--resume", "--backend", "bullet"], "backend was kinematic, is bullet"),
+    (["--resume", "--stage", "absent"], "stage was searchtrack_training, is absent"),
+    (["--resume", "--with", "feature=sat_3"], "feature was sat_10, is sat_3"),
+    (["--resume", "--sequential"], "actions was search, track, search ◁ track"),
+]
+
+
+@pytest.fixture(scope="module")
+def begun(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A folder in which a trial is over."""
+    folder = tmp_path_factory.mktemp("begun")
+    with pytest.MonkeyPatch.context() as monkeypatch:
+        monkeypatch.chdir(folder)
+        assert cb(monkeypatch, *BEGUN) == 0
+    return folder
+
+
+def contents(folder: Path) -> dict[str, bytes]:
+    return {file.name: file.read_bytes() for file in folder.iterdir()}
+
+
+@pytest.mark.parametrize(("words", "told"), OTHERS, ids=[" ".join(each[0]) for each in OTHERS])
+def test_another_trial_does_not_go_on_and_what_differs_is_told(
+    begun: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+    words: list[str],
+    told: str,
+) -> None:
+    monkeypatch.chdir(begun)
+    before = contents(begun)
+    assert cb(monkeypatch, *BEGUN, *words) == 2
+    said = capsys.readouterr().err
+    assert told in said and "begun.episodes.jsonl" in said
+    assert contents(begun) == before
+
+
+def test_a_changed_program_does_not_go_on_with_what_the_old_one_did(
+    begun: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    text = (ROOT / "programs" / "searchtrack.yaml").read_text("utf-8")
+    changed = tmp_path / "searchtrack.yaml"
+    changed.write_text(text.replace("gain: 8 /s", "gain: 4 /s"), encoding="utf-8")
+    monkeypatch.chdir(begun)
+    words = [str(changed) if word == "searchtrack" else word for word in BEGUN]
+    assert cb(monkeypatch, *words, "--resume") == 2
+    assert "program 'searchtrack' has changed since" in capsys.readouterr().err
+
+
+def test_what_is_in_the_way_of_a_model_is_found_before_the_episodes(
+    here: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (here / "new_head.yaml").write_text("not learned", encoding="utf-8")
+    assert cb(monkeypatch, *BEGUN, "--out", "new.yaml") == 2
+    assert "new_head.yaml is there already" in capsys.readouterr().err
+    assert not (here / "new.episodes.jsonl").exists()
+
+
+def test_what_a_resumed_trial_begins_with_is_told(
+    begun: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.chdir(begun)
+    before = contents(begun)
+    assert cb(monkeypatch, *BEGUN, "--episodes", "1", "--resume") == 0
+    assert "the first 1 of its 2 episodes count, all are kept" in capsys.readouterr().out
+    assert cb(monkeypatch, *BEGUN, "--resume") == 0
+    assert "2 of 2 episodes are over" in capsys.readouterr().out
+    assert contents(begun) == before
+    assert cb(monkeypatch, *BEGUN, "--resume", "--out", "other.yaml") == 0
+    assert "nothing to go on with" in capsys.readouterr().out
+    for name in ("other.yaml", "other_head.yaml", "other.episodes.jsonl"):
+        (begun / name).unlink(missing_ok=True)
+
+
+def test_two_processes_are_never_at_work_on_one_trial(
+    begun: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.chdir(begun)
+    with (begun / "begun.episodes.jsonl").open("rb") as journal:
+        fcntl.flock(journal, fcntl.LOCK_EX)
+        assert cb(monkeypatch, *BEGUN, "--resume") == 2
+    assert "another process is at work on" in capsys.readouterr().err
+
+
+def test_trials_in_a_row_are_numbered_and_more_can_follow(
+    here: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    words = [*BEGUN, "--out", "many.yaml", "--episodes", "1"]
+    assert cb(monkeypatch, *words, "--trials", "2") == 0
+    first = (here / "many_1.episodes.jsonl").read_bytes()
+    assert cb(monkeypatch, *words, "--trials", "3", "--resume") == 0
+    assert (here / "many_1.episodes.jsonl").read_bytes() == first
+    assert sorted(file.name for file in here.glob("many_?.yaml")) == [
+        *("many_0.yaml", "many_1.yaml", "many_2.yaml")
+    ]
+    assert "trial 2, episode 1 of 1" in capsys.readouterr().out
 
 
 LEARN = ["learn", "searchtrack", "--stage", "searchtrack_training", "--seed", "3"]

@@ -1,0 +1,99 @@
+"""A disk that fills up: told, nothing half written, and a resumed trial ends as if it had not."""
+
+from __future__ import annotations
+
+import os
+import resource
+import shutil
+import subprocess
+import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+import pytest
+
+from cbdsl.training import course
+from cbdsl.training.course import journal_file
+from tests.conftest import ROOT
+from tests.training.lessons import outcome
+from tests.training.toy import take
+
+EPISODES = 12
+
+
+@contextmanager
+def no_file_beyond(size: int) -> Iterator[None]:
+    """Have the system refuse to write beyond so many bytes of any file."""
+    before = resource.getrlimit(resource.RLIMIT_FSIZE)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (size, before[1]))
+    try:
+        yield
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, before)
+
+
+@pytest.fixture(scope="module")
+def unbroken(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    folder = tmp_path_factory.mktemp("unbroken")
+    take(folder / "policy.yaml", EPISODES)
+    return folder
+
+
+def test_a_disk_without_room_is_told_before_the_episodes(tmp_path: Path) -> None:
+    with no_file_beyond(1000), pytest.raises(OSError, match="too large"):
+        take(tmp_path / "policy.yaml", EPISODES)
+    assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize("share", [0.01, 0.2, 0.5, 0.8, 0.99])
+def test_a_disk_that_fills_up_while_episodes_run_costs_one(
+    unbroken: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, share: float
+) -> None:
+    whole = journal_file(unbroken / "policy.yaml").read_bytes()
+    size = int(share * len(whole))
+    with monkeypatch.context() as patch, no_file_beyond(size):
+        patch.setattr(course, "_ROOM", 0)  # it was there at the beginning
+        with pytest.raises(OSError, match="too large"):
+            take(tmp_path / "policy.yaml", EPISODES)
+    assert outcome(tmp_path) == {}
+    journal = journal_file(tmp_path / "policy.yaml")
+    if journal.exists():
+        assert journal.read_bytes().count(b"\n") >= whole[:size].count(b"\n") - 1
+    take(tmp_path / "policy.yaml", EPISODES, resume=True)
+    assert outcome(tmp_path) == outcome(unbroken)
+
+
+LEARN = (
+    "learn searchtrack --stage searchtrack_training --backend kinematic --seed 3 --episodes 60 "
+    "--out policy.yaml"
+)
+CB = [sys.executable, "-c", "from cbdsl.cli.main import main; main()"]
+SMALL_DISK = f"""
+mount -t tmpfs -o size=72k tmpfs disk || exit 99
+cd disk
+"$@" {LEARN} 2> ../said
+echo $? > ../code
+ls -A > ../left
+mount -o remount,size=16m . && "$@" {LEARN} --resume && cp policy*.yaml ..
+"""
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(shutil.which("unshare") is None, reason="no disk of its own without unshare")
+def test_a_small_disk_is_told_and_with_a_larger_one_the_run_goes_on(tmp_path: Path) -> None:
+    (tmp_path / "disk").mkdir()
+    (tmp_path / "unbroken").mkdir()
+    small = ["unshare", "--map-root-user", "--mount", "sh", "-c", SMALL_DISK, "sh", *CB]
+    environment = {**os.environ, "PYTHONPATH": str(ROOT)}
+    code = subprocess.run(small, cwd=tmp_path, env=environment).returncode
+    if code in (1, 99):
+        pytest.skip("nothing may be mounted here")
+    assert code == 0
+    assert (tmp_path / "code").read_text("utf-8") == "2\n"
+    said = (tmp_path / "said").read_text("utf-8")
+    assert "No space left on device" in said and "--resume goes on" in said
+    assert (tmp_path / "left").read_text("utf-8") == "policy.episodes.jsonl\n"
+    again = [*CB, *LEARN.split()]
+    subprocess.run(again, cwd=tmp_path / "unbroken", env=environment, check=True)
+    assert outcome(tmp_path) == outcome(tmp_path / "unbroken")
