@@ -1,4 +1,4 @@
-"""``cb show``: types, potentials, resources and programs as the checker sees them."""
+"""``cb show``: types, potentials, resources, programs and policies, as they are understood."""
 
 from __future__ import annotations
 
@@ -6,13 +6,14 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from cbdsl.cli.show_policy import show_policy
 from cbdsl.cli.show_program import show_program
 
 if TYPE_CHECKING:
     from cbdsl.types.potential import PotentialType
 
 show = typer.Typer(
-    help="Show types, potentials, resources and programs.",
+    help="Show types, potentials, resources, programs and policies.",
     no_args_is_help=True,
     rich_markup_mode=None,
     pretty_exceptions_enable=False,
@@ -93,6 +94,7 @@ def show_resources(robot: Robot = "dexter", as_json: Json = False) -> None:
 
 
 show.command("program")(show_program)
+show.command("policy")(show_policy)
 
 
 def _signature(potential: PotentialType) -> dict[str, object]:

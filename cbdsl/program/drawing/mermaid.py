@@ -18,8 +18,8 @@ def mermaid(graph: Graph) -> str:
 def _subgraph(graph: Graph, key: str) -> Iterator[str]:
     """One program; ``key`` makes its nodes distinct from those of others."""
     label = graph.name if graph.background is None else f"{graph.name}; below: {graph.background}"
-    yield f"subgraph {key}_box[{_text(label)}]"
-    yield f"  {key}{{{_text('state of', *graph.members)}}}"
+    yield f"subgraph {key}_box[{quoted(label)}]"
+    yield f"  {key}{{{quoted('state of', *graph.members)}}}"
     for place, box in enumerate(graph.boxes):
         yield from (f"  {line}" for line in _action(box, f"{key}_{place}", key))
     if graph.coverage.undecided:
@@ -33,17 +33,17 @@ def _subgraph(graph: Graph, key: str) -> Iterator[str]:
 
 def _action(box: Box, key: str, state: str) -> Iterator[str]:
     reward = ["can be rewarded"] if box.rewarded else []
-    yield f"{key}[{_text(box.name, *box.lines, *reward)}]"
+    yield f"{key}[{quoted(box.name, *box.lines, *reward)}]"
     for number, pattern in enumerate(box.patterns):
-        yield f"{state} --> {key}_{number}([{_text(pattern)}]) --> {key}"
+        yield f"{state} --> {key}_{number}([{quoted(pattern)}]) --> {key}"
     if box.patterns:
         yield f"{key} -.-> {state}"
     else:
         yield f"style {key} stroke-dasharray: 4"
 
 
-def _text(*lines: str) -> str:
-    """Lines of a label, quoted, with what has a meaning in it as character codes."""
+def quoted(*lines: str) -> str:
+    """Lines of a label in quotes, with what has a meaning in them as character codes."""
     escaped = (
         "".join(f"#{ord(letter)};" if letter in _SPECIAL else letter for letter in line)
         for line in lines

@@ -7,17 +7,14 @@ from typing import NamedTuple
 from xml.sax.saxutils import escape, quoteattr
 
 from cbdsl.program.drawing.graph import Box, Graph
+from cbdsl.program.drawing.shapes import FONT, LINE, TIP, rectangle, text, text_width
 
-# In px. A letter of the monospaced font is 0.6 times as wide as high; some fonts are a bit wider.
-_FONT = 13
-_LETTER = 0.64 * _FONT
-_LINE = 18
 _PAD = 10
 _GAP = 14
 _CORRIDOR = 56
 
 _STYLE = """
-  svg { background: #fff; font: 13px "DejaVu Sans Mono", Menlo, Consolas, monospace; }
+  svg { background: #fff; font: %s; }
   text { fill: #1a1a1a; dominant-baseline: central; }
   .name { font-weight: bold; }
   .panel { fill: #f6f7f9; stroke: #c4c9d0; }
@@ -72,10 +69,8 @@ def svg(graph: Graph) -> str:
     body = "\n".join(line for panel in panels for line in panel.lines())
     return (
         f'<svg xmlns="http://www.w3.org/2000/svg" {size} {box} role="img">\n'
-        f"<title>{escape(graph.name)}: states and actions</title>\n<style>{_STYLE}</style>\n"
-        '<defs><marker id="tip" viewBox="0 0 8 8" refX="8" refY="4" markerWidth="8" '
-        'markerHeight="8" orient="auto"><path d="M0 0L8 4L0 8z" fill="#555"/></marker></defs>\n'
-        f"{body}\n</svg>\n"
+        f"<title>{escape(graph.name)}: states and actions</title>\n<style>{_STYLE % FONT}</style>\n"
+        f"{TIP}\n{body}\n</svg>\n"
     )
 
 
@@ -95,11 +90,11 @@ class _Panel:
     def __init__(self, graph: Graph, top: float) -> None:
         self._graph = graph
         self._top = top
-        self._rows = _rows(graph, top + 2 * _GAP + _LINE)
+        self._rows = _rows(graph, top + 2 * _GAP + LINE)
         self._columns = _columns(graph, self._rows)
         last = self._rows[-1]
         self.height = last.top + last.height + 3 * _GAP - top
-        self.width = max(self._columns.end + 2 * _GAP, _width(self._title()) + 2 * _PAD)
+        self.width = max(self._columns.end + 2 * _GAP, text_width(self._title()) + 2 * _PAD)
 
     def _title(self) -> str:
         below = self._graph.background
@@ -108,8 +103,8 @@ class _Panel:
     def lines(self) -> Iterator[str]:
         name = quoteattr(self._graph.name)
         yield f"<g id={name}>"
-        yield _rectangle("panel", _GAP, self._top, self.width, self.height)
-        yield _line(self._title(), _GAP + _PAD, self._top + _GAP, "name")
+        yield rectangle("panel", _GAP, self._top, self.width, self.height)
+        yield text(self._title(), _GAP + _PAD, self._top + _GAP, "name")
         yield from self._state()
         for row in self._rows:
             yield from self._row(row)
@@ -125,21 +120,21 @@ class _Panel:
         members = ("state of", *self._graph.members)
         height, columns = _height(members), self._columns
         top = self._middle() - height / 2
-        yield _rectangle("state", columns.state, top, columns.state_width, height, 8)
+        yield rectangle("state", columns.state, top, columns.state_width, height, 8)
         yield from _lines(members, columns.state, top)
 
     def _row(self, row: _Row) -> Iterator[str]:
         columns = self._columns
-        first = row.middle - (len(row.patterns) - 1) * (_LINE + _GAP) / 2
+        first = row.middle - (len(row.patterns) - 1) * (LINE + _GAP) / 2
         for number, pattern in enumerate(row.patterns):
-            height = first + number * (_LINE + _GAP)
+            height = first + number * (LINE + _GAP)
             start = columns.state + columns.state_width
             yield _curve(start, self._middle(), columns.pattern, height)
-            top, round_ = height - _LINE / 2 - 3, _LINE / 2 + 3
-            yield _rectangle(
-                "pattern", columns.pattern, top, columns.pattern_width, _LINE + 6, round_
+            top, round_ = height - LINE / 2 - 3, LINE / 2 + 3
+            yield rectangle(
+                "pattern", columns.pattern, top, columns.pattern_width, LINE + 6, round_
             )
-            yield _line(pattern, columns.pattern + _PAD, height)
+            yield text(pattern, columns.pattern + _PAD, height)
             yield _curve(
                 columns.pattern + columns.pattern_width, height, columns.action, row.middle
             )
@@ -170,8 +165,8 @@ def _rows(graph: Graph, top: float) -> list[_Row]:
         parts.insert(used, (None, ("any other",)))
     rows: list[_Row] = []
     for box, patterns in parts:
-        own = _height(_text(box)) if box is not None else 2 * _LINE
-        height = max(own, len(patterns) * (_LINE + _GAP))
+        own = _height(_text(box)) if box is not None else 2 * LINE
+        height = max(own, len(patterns) * (LINE + _GAP))
         rows.append(_Row(box, patterns, top, height))
         top += height + _GAP
     return rows
@@ -192,33 +187,29 @@ def _action(columns: _Columns, row: _Row, box: Box) -> Iterator[str]:
     kind = "action" if box.patterns else "unused"
     if box.inner is not None:
         yield f"<a href={quoteattr('#' + box.inner.name)}>"
-    yield _rectangle(kind, columns.action, top, columns.action_width, height, 3)
+    yield rectangle(kind, columns.action, top, columns.action_width, height, 3)
     yield from _lines(_text(box), columns.action, top, "name", box.rewarded)
     if box.inner is not None:
         yield "</a>"
 
 
 def _end(columns: _Columns, row: _Row) -> Iterator[str]:
-    x, y = columns.action + _LINE / 2, row.middle
-    yield f'<circle class="pattern" cx="{x:.1f}" cy="{y:.1f}" r="{_LINE / 2}"/>'
-    yield f'<circle cx="{x:.1f}" cy="{y:.1f}" r="{_LINE / 3:.1f}"/>'
-    yield _line("the program ends", x + _LINE, y)
+    x, y = columns.action + LINE / 2, row.middle
+    yield f'<circle class="pattern" cx="{x:.1f}" cy="{y:.1f}" r="{LINE / 2}"/>'
+    yield f'<circle cx="{x:.1f}" cy="{y:.1f}" r="{LINE / 3:.1f}"/>'
+    yield text("the program ends", x + LINE, y)
 
 
 def _text(box: Box) -> tuple[str, ...]:
     return (box.name, *box.lines, *(("can be rewarded",) if box.rewarded else ()))
 
 
-def _width(line: str) -> float:
-    return len(line) * _LETTER
-
-
 def _widest(lines: Sequence[str]) -> float:
-    return max((_width(line) for line in lines), default=0.0) + 2 * _PAD
+    return max((text_width(line) for line in lines), default=0.0) + 2 * _PAD
 
 
 def _height(lines: Sequence[str]) -> float:
-    return len(lines) * _LINE + _PAD
+    return len(lines) * LINE + _PAD
 
 
 def _lines(
@@ -227,19 +218,7 @@ def _lines(
     for place, line in enumerate(lines):
         last = rewarded and place == len(lines) - 1
         kind = "reward" if last else first if place == 0 else ""
-        yield _line(line, left + _PAD, top + _PAD / 2 + (place + 0.5) * _LINE, kind)
-
-
-def _line(text: str, x: float, y: float, kind: str = "") -> str:
-    style = f' class="{kind}"' if kind else ""
-    return f'<text{style} x="{x:.1f}" y="{y:.1f}">{escape(text)}</text>'
-
-
-def _rectangle(
-    kind: str, x: float, y: float, width: float, height: float, round_: float = 4
-) -> str:
-    place = f'x="{x:.1f}" y="{y:.1f}" width="{width:.1f}" height="{height:.1f}"'
-    return f'<rect class="{kind}" {place} rx="{round_:g}"/>'
+        yield text(line, left + _PAD, top + _PAD / 2 + (place + 0.5) * LINE, kind)
 
 
 def _curve(x1: float, y1: float, x2: float, y2: float) -> str:

@@ -1,0 +1,114 @@
+"""A policy as text for a terminal of 80 columns."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Sequence
+from textwrap import wrap
+
+from cbdsl.documents.policy import PolicyDocument
+from cbdsl.errors.counting import count
+from cbdsl.program.drawing.pictogram import LETTERS
+from cbdsl.program.drawing.policy_graph import Arc, Decision, PolicyGraph, decisions
+from cbdsl.program.drawing.policy_words import ending, percent, title
+
+_WIDTH = 80
+
+
+def policy_text(policy: PolicyDocument, graph: PolicyGraph) -> str:
+    """What a policy does in every state, and which state likely follows which.
+
+    Args:
+        policy: of which all states are told.
+        graph: of the same policy; of the transitions only those of the graph are.
+    """
+    return "\n".join(_policy(policy, graph)) + "\n"
+
+
+def _policy(policy: PolicyDocument, graph: PolicyGraph) -> Iterator[str]:
+    yield title(graph)
+    yield from _item("state", ", ".join(policy.predicates))
+    letters = (f"{letter} {look.meaning}" for letter, look in LETTERS.items())
+    yield from _item("letters", ", ".join(letters))
+    if policy.provenance is not None:
+        known = policy.provenance
+        where = f"{known.stage.name} ({known.backend})"
+        yield from _item(
+            "learned", f"{count(known.episodes, 'episode')} on {where}, seed {known.seed}"
+        )
+    if policy.curve is not None:
+        hits = sum(reward > 0 for reward in policy.curve.reward)
+        yield from _item("rewarded", f"{hits} of {count(len(policy.curve.reward), 'episode')}")
+    for name, model in policy.models.items():
+        yield from _item("model", f"{name} is {model}")
+    yield "\nPolicy"
+    yield from _table(_rows(decisions(policy)))
+    if graph.arcs:
+        yield f"\nWhat follows, above {percent(graph.above)} (Q: discounted reward to expect)"
+        yield from _tree(graph)
+
+
+def _rows(known: Iterable[Decision]) -> Iterator[tuple[str, ...]]:
+    yield "state", "action", "Q", "tried", "met", "ended"
+    for each in known:
+        value = "" if each.value is None else f"{each.value:.3f}"
+        counts = (str(number or "") for number in (each.tried, each.met, each.ended))
+        yield each.state, each.action or "", value, *counts
+
+
+def _table(rows: Iterable[Sequence[str]]) -> Iterator[str]:
+    """Rows below their headings; the first two columns are words, the others are numbers."""
+    cells = list(rows)
+    filled = [any(row[place] for row in cells[1:]) for place in range(len(cells[0]))]
+    kept = [[cell for cell, keep in zip(row, filled, strict=True) if keep] for row in cells]
+    widths = [max(map(len, column)) for column in zip(*kept, strict=True)]
+    for row in kept:
+        words = [
+            cell.ljust(width) if place < 2 else cell.rjust(width)
+            for place, (cell, width) in enumerate(zip(row, widths, strict=True))
+        ]
+        yield f"  {'  '.join(words)}".rstrip()
+
+
+def _tree(graph: PolicyGraph) -> Iterator[str]:
+    """States below those that they follow; what followed a state is told where it comes first."""
+    known = {decision.state: decision for decision in graph.decisions}
+    told: set[str] = set()
+    for decision in graph.decisions:
+        if decision.started or decision.state not in told:
+            yield from _branch(graph, known, decision.state, "  ", "", told)
+
+
+def _branch(
+    graph: PolicyGraph,
+    known: dict[str, Decision],
+    state: str,
+    margin: str,
+    share: str,
+    told: set[str],
+) -> Iterator[str]:
+    again = state in told
+    told.add(state)
+    yield f"{margin}{share}{_told(graph, known[state], again)}"
+    arcs: list[Arc] = [] if again else [arc for arc in graph.arcs if arc.source == state]
+    below = margin.replace("├", "│").replace("└", " ")
+    for arc in arcs:
+        last = arc is arcs[-1]
+        yield from _branch(
+            graph, known, arc.target, below + ("└ " if last else "├ "),
+            f"{percent(arc.share):>5} ", told,
+        )  # fmt: skip
+
+
+def _told(graph: PolicyGraph, decision: Decision, again: bool) -> str:
+    if again:
+        return f"{decision.state} (above)"
+    parts = [decision.state, *([decision.action] if decision.action else [])]
+    if decision.end > graph.above:
+        parts.append(f"{ending(graph)} {percent(decision.end)}")
+    return "  ".join(parts)
+
+
+def _item(name: str, told: str) -> Iterator[str]:
+    first, *others = wrap(told, _WIDTH - 14) or [""]
+    yield f"  {name:<12}{first}"
+    yield from (f"{'':14}{line}" for line in others)

@@ -1,0 +1,137 @@
+"""``cb show policy``: what a policy does, as text, as data, or as a picture."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from cbdsl.cli.show_program import Format, Json
+
+if TYPE_CHECKING:
+    from cbdsl.documents.policy import PolicyDocument
+    from cbdsl.program.drawing.policy_graph import Decision, PolicyGraph
+
+Policy = Annotated[
+    str,
+    typer.Argument(metavar="FILE|NAME", help="A policy, or a program for the one written in it."),
+]
+Above = Annotated[
+    float,
+    typer.Option("--above", min=0, max=1, help="Leave out arcs of this share and less."),
+]
+All = Annotated[bool, typer.Option("--all", help="Draw states that no drawn arc leads to, too.")]
+FormatOption = Annotated[
+    Format, typer.Option("--format", help="Text or data, or a diagram of the transitions.")
+]
+
+
+def show_policy(
+    name: Policy,
+    above: Above = 0.2,
+    all_: All = False,
+    format_: FormatOption = Format.TEXT,
+    as_json: Json = False,
+) -> None:
+    """What a policy does in every state, and what follows.
+
+    Of a learned policy: action values, how often actions were tried, and the transitions of more
+    than --above of the times; or a diagram of those (dot, mermaid, svg).
+    """
+    from cbdsl.cli.policy_text import policy_text
+    from cbdsl.cli.terminal import print_json
+    from cbdsl.program.drawing.policy_graph import policy_graph
+
+    policy, programs = _read(name)
+    graph = policy_graph(policy, above, all_, programs)
+    if as_json or format_ is Format.JSON:
+        print_json(policy_data(policy, graph))
+    elif format_ is Format.TEXT:
+        print(policy_text(policy, graph), end="")
+    else:
+        print(_drawing(graph, format_), end="")
+
+
+def _read(name: str) -> tuple[PolicyDocument, frozenset[str]]:
+    """A policy, and which names are those of programs that its own one uses.
+
+    Raises:
+        UsageError, DiagnosticsError: there is none.
+    """
+    from cbdsl.documents.policy import PolicyDocument
+    from cbdsl.documents.program import ProgramDocument
+    from cbdsl.errors.errors import UsageError
+    from cbdsl.yaml_text.library import Library
+    from cbdsl.yaml_text.reader import read_document
+
+    library = Library()
+    try:
+        path = library.locate(PolicyDocument, name)
+    except UsageError:
+        if library.find(ProgramDocument, name, library.here / name) is None:
+            raise
+        path = library.locate(ProgramDocument, name)
+    document = read_document(path).document
+    if isinstance(document, ProgramDocument):
+        return _written(document, path), frozenset(document.use)
+    policy = library.read(path, PolicyDocument).document
+    served = library.find(ProgramDocument, policy.program, path)
+    if served is None:
+        return policy, frozenset()
+    return policy, frozenset(library.read(served, ProgramDocument).document.use)
+
+
+def _written(document: object, path: Path) -> PolicyDocument:
+    """The policy that is written in a program, as a document of its own."""
+    from cbdsl.checking.program import check_program
+    from cbdsl.documents.policy import PolicyDocument
+
+    program = check_program(str(path), {})
+    return PolicyDocument(
+        cbdsl=1,
+        kind="policy",
+        name=program.name,
+        program=program.name,
+        predicates=program.members,
+        policy=dict(program.policy),
+    )
+
+
+def _drawing(graph: PolicyGraph, format_: Format) -> str:
+    from cbdsl.program.drawing.policy_dot import policy_dot
+    from cbdsl.program.drawing.policy_mermaid import policy_mermaid
+    from cbdsl.program.drawing.policy_svg import policy_svg
+
+    draw = {Format.DOT: policy_dot, Format.MERMAID: policy_mermaid, Format.SVG: policy_svg}
+    return draw[format_](graph)
+
+
+def policy_data(policy: PolicyDocument, graph: PolicyGraph) -> dict[str, object]:
+    """A policy as JSON has it: every state that is known, and the arcs that would be drawn."""
+    from cbdsl.program.drawing.policy_graph import decisions
+
+    return {
+        "name": policy.name,
+        "program": policy.program,
+        "state": list(policy.predicates),
+        "models": dict(policy.models),
+        "states": [_state(policy, decision) for decision in decisions(policy)],
+        "above": graph.above,
+        "arcs": [arc._asdict() for arc in graph.arcs],
+        "provenance": policy.provenance and policy.provenance.model_dump(mode="json"),
+    }
+
+
+def _state(policy: PolicyDocument, decision: Decision) -> dict[str, object]:
+    return {
+        "state": decision.state,
+        "action": decision.action,
+        "value": decision.value,
+        "values": dict(policy.values.get(decision.state, {})),
+        "tried": decision.tried,
+        "met": decision.met,
+        "started": decision.started,
+        "ended": decision.ended,
+        "after": {state: decision.share(state) for state in decision.after},
+    }

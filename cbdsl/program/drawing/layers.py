@@ -1,0 +1,311 @@
+"""Where the nodes of a directed graph go, in rows from top to bottom, and how arcs lead to them.
+
+The steps are those of Sugiyama, Tagawa and Toda (1981): rows, an order with few crossings, places.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from itertools import pairwise
+from typing import NamedTuple
+
+Key = str
+Point = tuple[float, float]
+
+_SWEEPS = 12
+# How much an arc between two nodes, a node and a passage, two passages wants to be straight.
+_STRAIGHT = (2, 1, 8)
+#: How many nodes without any arc share a row.
+_LOOSE = 4
+
+
+class Size(NamedTuple):
+    """How large a node is, px."""
+
+    width: float
+    height: float
+
+
+class Spacing(NamedTuple):
+    """Room between things, px.
+
+    Attributes:
+        across: between nodes of a row.
+        down: between rows.
+        lane: width of an arc that passes a row.
+    """
+
+    across: float
+    down: float
+    lane: float
+
+
+class Layout(NamedTuple):
+    """A drawing.
+
+    Attributes:
+        centers: of the nodes, from the upper left corner of the drawing.
+        routes: by arc, points that it passes, from the rim of one node to that of the other.
+        size: of all.
+    """
+
+    centers: Mapping[Key, Point]
+    routes: Mapping[tuple[Key, Key], tuple[Point, ...]]
+    size: Size
+
+
+class _Cell(NamedTuple):
+    """A node in its row, or the place where an arc passes a row."""
+
+    row: int
+    arc: tuple[Key, Key] | None
+    node: Key | None
+
+
+def lay_out(
+    sizes: Mapping[Key, Size],
+    arcs: Sequence[tuple[Key, Key]],
+    roots: Iterable[Key],
+    spacing: Spacing,
+) -> Layout:
+    """Place nodes.
+
+    Args:
+        sizes: of the nodes.
+        arcs: between different nodes.
+        roots: those in the first row.
+        spacing: room between things.
+    """
+    rows_of = _rows(list(sizes), arcs, list(roots))
+    chains = {arc: _chain(arc, rows_of) for arc in arcs}
+    rows = _order(_cells(rows_of, chains), list(chains.values()))
+    widths = {
+        cell: spacing.lane if cell.node is None else sizes[cell.node].width
+        for row in rows
+        for cell in row
+    }
+    across = _places(rows, list(chains.values()), widths, spacing.across)
+    tall = [max((sizes[c.node].height for c in row if c.node), default=0.0) for row in rows]
+    tops = [sum(tall[:number]) + number * spacing.down for number in range(len(rows))]
+    middles = [top + height / 2 for top, height in zip(tops, tall, strict=True)]
+    centers = {c.node: (x, middles[c.row]) for c, x in across.items() if c.node is not None}
+    width = max((x + widths[cell] / 2 for cell, x in across.items()), default=0.0)
+    height = tops[-1] + tall[-1] if rows else 0.0
+    routes = _routes(chains, across, sizes, (tops, tall, middles), spacing)
+    return Layout(centers, routes, Size(width, height))
+
+
+def _rows(
+    nodes: Sequence[Key], arcs: Sequence[tuple[Key, Key]], roots: list[Key]
+) -> dict[Key, int]:
+    """In which row each node goes: as many below a root as arcs lead there."""
+    after: dict[Key, list[Key]] = {node: [] for node in nodes}
+    for source, target in arcs:
+        after[source].append(target)
+    joined = {node for arc in arcs for node in arc}
+    found: dict[Key, int] = {}
+    for root in (*roots, *(node for node in nodes if node in joined)):
+        waiting = [root] if root not in found else []
+        found.setdefault(root, 0)
+        while waiting:
+            node = waiting.pop(0)
+            for target in after[node]:
+                if target not in found:
+                    found[target] = found[node] + 1
+                    waiting.append(target)
+    loose = [node for node in nodes if node not in found]
+    first = max(found.values(), default=-1) + 1
+    return found | {node: first + place // _LOOSE for place, node in enumerate(loose)}
+
+
+def _chain(arc: tuple[Key, Key], rows: Mapping[Key, int]) -> tuple[_Cell, ...]:
+    """An arc's source, what it passes, and its target."""
+    (source, target), (first, last) = arc, (rows[arc[0]], rows[arc[1]])
+    step = 1 if last > first else -1
+    passed = range(first + step, last, step) if first != last else range(0)
+    return (
+        _Cell(first, None, source),
+        *(_Cell(row, arc, None) for row in passed),
+        _Cell(last, None, target),
+    )
+
+
+def _cells(
+    rows: Mapping[Key, int], chains: Mapping[tuple[Key, Key], tuple[_Cell, ...]]
+) -> list[list[_Cell]]:
+    found: list[list[_Cell]] = [[] for _ in range(max(rows.values(), default=-1) + 1)]
+    for node, row in rows.items():
+        found[row].append(_Cell(row, None, node))
+    for chain in chains.values():
+        for cell in chain[1:-1]:
+            found[cell.row].append(cell)
+    return found
+
+
+def _neighbours(chains: Sequence[tuple[_Cell, ...]]) -> dict[_Cell, list[_Cell]]:
+    found: dict[_Cell, list[_Cell]] = {}
+    for chain in chains:
+        for one, other in pairwise(chain):
+            if one.row != other.row:
+                found.setdefault(one, []).append(other)
+                found.setdefault(other, []).append(one)
+    return found
+
+
+def _order(rows: list[list[_Cell]], chains: Sequence[tuple[_Cell, ...]]) -> list[list[_Cell]]:
+    """The rows with the fewest crossings that sweeps by barycentres come upon."""
+    near = _neighbours(chains)
+    best, fewest = rows, _crossings(rows, near)
+    for sweep in range(_SWEEPS):
+        step = 1 if sweep % 2 == 0 else -1
+        rows = [list(row) for row in rows]
+        for number in range(len(rows))[::step]:
+            if 0 <= number - step < len(rows):
+                beside = {cell: place for place, cell in enumerate(rows[number - step])}
+                rows[number] = _by_barycentre(rows[number], beside, near)
+        crossings = _crossings(rows, near)
+        if crossings < fewest:
+            best, fewest = rows, crossings
+    return best
+
+
+def _by_barycentre(
+    row: list[_Cell], beside: Mapping[_Cell, int], near: Mapping[_Cell, list[_Cell]]
+) -> list[_Cell]:
+    def weight(place: int) -> float:
+        places = [beside[cell] for cell in near.get(row[place], ()) if cell in beside]
+        return sum(places) / len(places) if places else float(place)
+
+    return [row[place] for place in sorted(range(len(row)), key=weight)]
+
+
+def _crossings(rows: Sequence[Sequence[_Cell]], near: Mapping[_Cell, list[_Cell]]) -> int:
+    total = 0
+    for upper, lower in pairwise(rows):
+        below = {cell: place for place, cell in enumerate(lower)}
+        ends = [
+            (place, below[other])
+            for place, cell in enumerate(upper)
+            for other in near.get(cell, ())
+            if other in below
+        ]
+        total += sum(a < c and b > d for a, b in ends for c, d in ends)
+    return total
+
+
+def _places(
+    rows: Sequence[Sequence[_Cell]],
+    chains: Sequence[tuple[_Cell, ...]],
+    widths: Mapping[_Cell, float],
+    across: float,
+) -> dict[_Cell, float]:
+    """Horizontal centres: each close to its neighbours' mean, none closer than there is room."""
+    near = _neighbours(chains)
+    found: dict[_Cell, float] = {}
+    for row in rows:
+        found |= _apart(row, dict.fromkeys(row, 0.0), widths, across)
+    for sweep in range(_SWEEPS):
+        for row in rows if sweep % 2 == 0 else rows[::-1]:
+            wanted = {cell: _wanted(cell, near.get(cell, []), found) for cell in row}
+            found |= _apart(row, wanted, widths, across)
+    left = min((x - widths[cell] / 2 for cell, x in found.items()), default=0.0)
+    return {cell: x - left for cell, x in found.items()}
+
+
+def _wanted(cell: _Cell, near: Sequence[_Cell], places: Mapping[_Cell, float]) -> float:
+    """The mean place of a cell's neighbours; long arcs should be straight above all."""
+    weights = [_STRAIGHT[(cell.node is None) + (other.node is None)] for other in near]
+    if not near:
+        return places[cell]
+    pull = sum(weight * places[other] for weight, other in zip(weights, near, strict=True))
+    return pull / sum(weights)
+
+
+def _apart(
+    row: Sequence[_Cell],
+    wanted: Mapping[_Cell, float],
+    widths: Mapping[_Cell, float],
+    across: float,
+) -> dict[_Cell, float]:
+    """The places with the least squared distance from where a row's cells want to be.
+
+    Less the room that each needs beside those before it, places may not decrease: isotonic
+    regression, by pooling adjacent violators.
+    """
+    offsets, offset = [], 0.0
+    for before, cell in zip((None, *row), row, strict=False):
+        offset += 0.0 if before is None else (widths[before] + widths[cell]) / 2 + across
+        offsets.append(offset)
+    pools: list[tuple[float, int]] = []
+    for cell, offset in zip(row, offsets, strict=True):
+        mean, size = wanted[cell] - offset, 1
+        while pools and pools[-1][0] > mean:
+            before_mean, before_size = pools.pop()
+            mean = (mean * size + before_mean * before_size) / (size + before_size)
+            size += before_size
+        pools.append((mean, size))
+    level = [mean for mean, size in pools for _ in range(size)]
+    return {cell: x + o for cell, x, o in zip(row, level, offsets, strict=True)}
+
+
+_Heights = tuple[Sequence[float], Sequence[float], Sequence[float]]
+
+
+def _routes(
+    chains: Mapping[tuple[Key, Key], tuple[_Cell, ...]],
+    across: Mapping[_Cell, float],
+    sizes: Mapping[Key, Size],
+    heights: _Heights,
+    spacing: Spacing,
+) -> dict[tuple[Key, Key], tuple[Point, ...]]:
+    """The points that arcs pass: ports share the sides of their nodes in the order of the arcs."""
+    ports = _ports(chains, across, sizes)
+    tops, tall, middles = heights
+    found = {}
+    for arc, chain in chains.items():
+        points: list[Point] = []
+        for end in (0, -1):
+            cell = chain[end]
+            half = sizes[cell.node or ""].height / 2
+            side = half if _below(chain, end, across) else -half
+            points.append((ports[arc, end], middles[cell.row] + side))
+        between: list[Point] = []
+        for cell in chain[1:-1]:
+            rim = tops[cell.row], tops[cell.row] + tall[cell.row]
+            down = chain[-1].row > chain[0].row
+            between += [(across[cell], y) for y in (rim if down else rim[::-1])]
+        if chain[0].row == chain[-1].row:
+            reach = spacing.down * (0.45 if _below(chain, 0, across) else -0.45)
+            between = [((points[0][0] + points[1][0]) / 2, points[0][1] + reach)]
+        found[arc] = (points[0], *between, points[1])
+    return found
+
+
+def _below(chain: Sequence[_Cell], end: int, across: Mapping[_Cell, float]) -> bool:
+    """Whether an arc meets the lower side of its source (``end`` 0) or target (-1).
+
+    Within a row, arcs to the right go below both, and arcs to the left above.
+    """
+    source, target = chain[0], chain[-1]
+    if source.row == target.row:
+        return across[target] > across[source]
+    return (target.row > source.row) == (end == 0)
+
+
+def _ports(
+    chains: Mapping[tuple[Key, Key], tuple[_Cell, ...]],
+    across: Mapping[_Cell, float],
+    sizes: Mapping[Key, Size],
+) -> dict[tuple[tuple[Key, Key], int], float]:
+    """Where each end of each arc meets its node, horizontally."""
+    sides: dict[tuple[_Cell, bool], list[tuple[float, tuple[Key, Key], int]]] = {}
+    for arc, chain in chains.items():
+        for end, other in ((0, 1), (-1, -2)):
+            side = chain[end], _below(chain, end, across)
+            sides.setdefault(side, []).append((across[chain[other]], arc, end))
+    found = {}
+    for (cell, _), ends in sides.items():
+        width = sizes[cell.node or ""].width
+        for place, (_, arc, end) in enumerate(sorted(ends), start=1):
+            found[arc, end] = across[cell] + width * (place / (len(ends) + 1) - 0.5) * 0.9
+    return found
