@@ -1,0 +1,68 @@
+"""SARIF against its published schema."""
+
+from __future__ import annotations
+
+import copy
+import json
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import jsonschema
+import pytest
+
+from cbdsl.cli.findings import check_paths
+from cbdsl.yaml_text.library import shipped
+
+SCHEMA = json.loads(
+    (Path(__file__).parent / "schemas" / "sarif-2.1.0-rtm.5.json").read_text("utf-8")
+)
+BAD = Path(__file__).parents[1] / "checking" / "bad"
+
+
+def faults(log: Any) -> list[str]:
+    """Where a log breaks the rules of its schema, and how."""
+    validator = jsonschema.Draft4Validator(SCHEMA, format_checker=jsonschema.FormatChecker())
+    return [f"{list(error.absolute_path)}: {error.message}" for error in validator.iter_errors(log)]
+
+
+def log_of(capsys: pytest.CaptureFixture[str], *paths: Path) -> Any:
+    check_paths([str(path) for path in paths], {}, "sarif")
+    return json.loads(capsys.readouterr().out)
+
+
+def test_findings_in_all_bad_documents_are_valid(capsys: pytest.CaptureFixture[str]) -> None:
+    log = log_of(capsys, BAD)
+    assert len(log["runs"][0]["results"]) > 400
+    assert faults(log) == []
+
+
+def test_no_findings_are_valid(capsys: pytest.CaptureFixture[str]) -> None:
+    log = log_of(capsys, shipped() / "programs")
+    assert log["runs"][0]["results"] == []
+    assert faults(log) == []
+
+
+def result(log: Any) -> Any:
+    return log["runs"][0]["results"][0]
+
+
+SPOILED: dict[str, Callable[[Any], object]] = {
+    "a driver without a name": lambda log: log["runs"][0]["tool"]["driver"].pop("name"),
+    "a result without a message": lambda log: result(log).pop("message"),
+    "a level that is none": lambda log: result(log).update(level="fatal"),
+    "a key that is none": lambda log: result(log).update(code="CB101"),
+    "a line before the first": lambda log: result(log)["locations"][0]["physicalLocation"][
+        "region"
+    ].update(startLine=0),
+}
+
+
+@pytest.mark.parametrize("spoil", SPOILED.values(), ids=SPOILED)
+def test_the_schema_tells_good_from_bad(
+    spoil: Callable[[Any], object], capsys: pytest.CaptureFixture[str]
+) -> None:
+    log = log_of(capsys, BAD / "programs" / "type_clash.yaml")
+    spoiled = copy.deepcopy(log)
+    spoil(spoiled)
+    assert faults(log) == [] and faults(spoiled) != []
