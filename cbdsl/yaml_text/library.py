@@ -75,7 +75,7 @@ class Library:
     def _search(self, kind: type[Document], name: str, beside: Path | None) -> Path | None:
         if beside is not None:
             sibling = beside.parent / f"{name}.yaml"
-            if sibling.is_file() and _is_of(kind, sibling):
+            if sibling.is_file() and is_of(kind, sibling):
                 return _shortened(sibling)
         for root in self._roots(beside):
             path = root / FOLDERS[kind] / f"{name}.yaml"
@@ -89,7 +89,7 @@ class Library:
         found = {path.stem for folder in folders for path in folder.glob("*.yaml")}
         if beside is not None:
             siblings = beside.parent.glob("*.yaml")
-            found |= {path.stem for path in siblings if _is_of(kind, path)}
+            found |= {path.stem for path in siblings if is_of(kind, path)}
         return sorted(found)
 
     def text(self, path: Path) -> str:
@@ -173,7 +173,7 @@ class Library:
         yield shipped()
 
 
-def _is_of(kind: type[Document], path: Path) -> bool:
+def is_of(kind: type[Document], path: Path) -> bool:
     """Whether a file says that it is of a kind; its other faults are for its reader to tell."""
     try:
         said = _KIND_LINE.search(path.read_text(encoding="utf-8"))
