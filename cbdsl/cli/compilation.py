@@ -6,6 +6,10 @@ import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
 
+from numba.core import event
+
+NOTICE = "compiling, once after each installation: up to half a minute of processor time"
+
 
 @contextmanager
 def told_of_compilation() -> Iterator[None]:
@@ -13,21 +17,21 @@ def told_of_compilation() -> Iterator[None]:
 
     Functions that an earlier process compiled are only loaded, which takes no time.
     """
-    from numba.core import event
-
-    class Teller(event.Listener):
-        told = False
-
-        def on_start(self, _: object) -> None:
-            if not self.told:
-                self.told = True
-                print(NOTICE, file=sys.stderr, flush=True)
-
-        def on_end(self, _: object) -> None:
-            pass
-
-    with event.install_listener("numba:compile", Teller()):
+    with event.install_listener("numba:compile", _Teller()):
         yield
 
 
-NOTICE = "compiling, once after each installation: some 15 s of processor time"
+class _Teller(event.Listener):
+    """Hears when the compiler begins and ends."""
+
+    def __init__(self) -> None:
+        self._told = False
+
+    def on_start(self, event: event.Event) -> None:
+        """Tell of the first function."""
+        if not self._told:
+            self._told = True
+            print(NOTICE, file=sys.stderr, flush=True)
+
+    def on_end(self, event: event.Event) -> None:
+        """The others follow at once."""

@@ -24,12 +24,10 @@ def one_by_one(assignments: Sequence[Assignment], order: Order) -> None:
     Raises:
         UsageError: one cannot be carried out; the message says why, and what is kept.
     """
-    from cbdsl.cli.compilation import told_of_compilation
     from cbdsl.cli.simulation import simulation
 
     with (
         simulation(order, assignments[0].backend) as (body, kinematics),
-        told_of_compilation(),
         _progress(assignments, at_once=1) as progress,
     ):
         for assignment in assignments:

@@ -45,12 +45,15 @@ def simulation(
 
     with needing_simulation():
         from cbdsl.backends.backend import find_backend
+        from cbdsl.cli.compilation import told_of_compilation
         from cbdsl.robot.kinematics import Kinematics
 
         with quiet_stderr():
             factory = find_backend(backend)
-        body = factory(order.robot, order.urdf, gui=gui)
-    try:
-        yield body, Kinematics(order.robot, order.urdf)
-    finally:
-        body.close()
+    with told_of_compilation():
+        with needing_simulation():
+            body = factory(order.robot, order.urdf, gui=gui)
+        try:
+            yield body, Kinematics(order.robot, order.urdf)
+        finally:
+            body.close()
