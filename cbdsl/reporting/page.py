@@ -1,11 +1,8 @@
-"""The page: one HTML file with everything in it, which loads nothing."""
+"""The page of a recorded episode."""
 
 from __future__ import annotations
 
-import re
 from collections.abc import Mapping
-from html import escape
-from importlib.resources import files
 from typing import Any
 
 import numpy as np
@@ -15,31 +12,19 @@ from cbdsl.reporting.bundle import Bundle
 from cbdsl.reporting.model import Link, Shape, read_links
 from cbdsl.reporting.reasons import reasons
 from cbdsl.reporting.recorded import Recorded
+from cbdsl.reporting.template import filled
 from cbdsl.reporting.thumbnails import chosen, encoded
 
-_SCRIPTS = ("vendor/three.min.js", "vendor/uPlot.iife.min.js", "data.js", "world.js", "timeline.js",
-            "replay.js")  # fmt: skip
-_STYLES = ("vendor/uPlot.min.css", "replay.css")
-_SLOT = re.compile(r"\{\{(\w+)\}\}")
-# Would end a script that it is a part of, whatever it means there.
-_END_OF_SCRIPT = re.compile(r"</(?=script)", re.IGNORECASE)
+_SCRIPTS = ("vendor/three.min.js", "vendor/uPlot.iife.min.js", "page.js", "data.js", "chart.js",
+            "world.js", "timeline.js", "replay.js")  # fmt: skip
+_STYLES = ("vendor/uPlot.min.css", "page.css", "replay.css")
 
 
 def page(recorded: Recorded) -> str:
     """The page of a recording; the same recording gives the same text."""
     result = recorded.summary["result"]
-    slots = {
-        "title": escape(f"{result['program']}, seed {result['seed']}"),
-        "licenses": _asset("vendor/LICENSES.txt"),
-        "styles": "\n".join(map(_asset, _STYLES)),
-        "scripts": "\n".join(_END_OF_SCRIPT.sub(r"<\\/", _asset(name)) for name in _SCRIPTS),
-        "data": _data(recorded),
-    }
-    return _SLOT.sub(lambda slot: slots[slot[1]], _asset("replay.html"))
-
-
-def _asset(name: str) -> str:
-    return files("cbdsl.reporting").joinpath("assets", name).read_text("utf-8")
+    title = f"{result['program']}, seed {result['seed']}"
+    return filled("replay.html", title, _STYLES, _SCRIPTS, {"data": _data(recorded)})
 
 
 def _data(recorded: Recorded) -> str:

@@ -1,4 +1,4 @@
-// The recording: a header and typed arrays, unpacked from the page itself.
+// What a page tells of: a header and typed arrays, unpacked from the page itself.
 
 const TYPES = { Float32Array, Float64Array, Uint8Array, Int16Array, Uint16Array, Int8Array };
 
@@ -47,12 +47,6 @@ function indexAt(times, t) {
     if (times[middle] <= t + 1e-9) low = middle; else high = middle - 1;
   }
   return low;
-}
-
-const PALETTE = ["#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#8a63d2", "#7a8b00"];
-const DASHES = [[], [7, 3], [2, 3]];
-function pen(index) {
-  return { stroke: PALETTE[index % PALETTE.length], dash: DASHES[Math.floor(index / PALETTE.length) % DASHES.length] };
 }
 
 // Three digits are enough for a glance.

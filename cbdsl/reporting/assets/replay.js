@@ -1,14 +1,5 @@
 // The page: what time it is, and who is told when that changes.
 
-const byId = (id) => document.getElementById(id);
-
-function tellProblem(error) {
-  byId("problem").hidden = false;
-  byId("problem").textContent = `This page cannot show everything: ${error.message ?? error}`;
-}
-addEventListener("error", (event) => tellProblem(event.error ?? event.message));
-addEventListener("unhandledrejection", (event) => tellProblem(event.reason));
-
 function tellResult({ result, reasons }) {
   byId("program").textContent = result.program;
   byId("where").textContent = `on ${result.stage}, ${result.context}, seed ${result.seed}`;

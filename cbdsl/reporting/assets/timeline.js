@@ -172,11 +172,6 @@ function normalised(values) {
 function extremes(values) {
   return values.reduce(([low, high], v) => [Math.min(low, v), Math.max(high, v)], [Infinity, -Infinity]);
 }
-const INCREMENTS = [-3, -2, -1, 0, 1, 2, 3, 4, 5].flatMap((power) => [1, 2, 5].map((first) => Number(`${first}e${power}`)));
-function padded(low, high) {
-  const rim = 0.06 * (high - low) || 0.5;
-  return [low - rim, high + rim];
-}
 function power(value) { return value < 0.01 || value >= 1e4 ? value.toExponential(0) : String(Number(value.toPrecision(2))); }
 
 // A chart: its lines' values by columns(), as axis and legend tell them by tell(value), unless
@@ -188,9 +183,8 @@ function addChart(parent, data, times, title, names, columns, tell, zoomed, heig
   heading.append(head);
   box.append(heading);
   parent.append(box);
-  const ink = (name) => () => getComputedStyle(document.documentElement).getPropertyValue(name);
   const gutter = () => parseFloat(getComputedStyle(parent).getPropertyValue("--gutter"));
-  const axis = { stroke: ink("--faint"), grid: { stroke: ink("--line"), width: 1 }, ticks: { stroke: ink("--line") } };
+  const axis = axisLook();
   const marks = (plot) => {
     for (const each of data.transitions) {
       const x = plot.valToPos(each.time, "x", true), { left, top, width, height: tall } = plot.bbox;
