@@ -105,11 +105,13 @@ class Signals:
         self.time = observation.time
         self.positions = observation.positions
         self.kinematics.update(observation.positions)
-        self.touch.update(observation.loads)
-        self.sight.update()
-        self.vision.update(observation)
-        if self.touch.touching_anything():
-            self.vision.touched()
+        if self._robot.load_cells:
+            self.touch.update(observation.loads)
+            self.sight.update()
+        if self._robot.cameras:
+            self.vision.update(observation)
+            if self.touch.touching_anything():
+                self.vision.touched()
 
     def read(self, resource: Resource) -> Reading | None:
         """The resource's value now, or ``None`` while it is undefined."""
