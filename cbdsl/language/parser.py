@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import re
 from functools import cache, lru_cache
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-import lark
-from lark import Lark, Token, Tree
-from lark.exceptions import UnexpectedCharacters, UnexpectedInput, UnexpectedToken
-
-from cbdsl.language import tables
 from cbdsl.language.expression import Argument, Expression, Span, Term
+from cbdsl.language.regular import read_composition
+
+if TYPE_CHECKING:
+    from lark import Lark, Token, Tree
+    from lark.exceptions import UnexpectedInput
 
 _WORDS = {
     "NAME": "a name",
@@ -51,6 +51,11 @@ class LookAlikeError(CompositionError):
 
 @cache
 def _grammar() -> Lark:
+    import lark
+    from lark import Lark
+
+    from cbdsl.language import tables
+
     if lark.__version__ != tables.LARK:
         return Lark.open("composition.lark", rel_to=__file__, parser="lalr", start="expression")
     # Stated to take a file, it takes what would be in the file as well.
@@ -65,6 +70,17 @@ def parse(text: str) -> Expression:
     Raises:
         CompositionError: the text is no composition; it knows where.
     """
+    return read_composition(text) or parse_by_grammar(text)
+
+
+def parse_by_grammar(text: str) -> Expression:
+    """The same by the grammar alone, which tells why a text is no composition.
+
+    Raises:
+        CompositionError: as ``parse``.
+    """
+    from lark.exceptions import UnexpectedInput
+
     try:
         return _expression(_grammar().parse(text))
     except UnexpectedInput as error:
@@ -91,6 +107,8 @@ def _span(token: Token) -> Span:
 
 
 def _located(error: UnexpectedInput, text: str) -> CompositionError:
+    from lark.exceptions import UnexpectedToken
+
     allowed = " or ".join(sorted({_WORDS[name] for name in _expected(error)}))
     if isinstance(error, UnexpectedToken) and error.token.type == "$END":
         end = len(text.rstrip()) + 1
@@ -115,6 +133,8 @@ def _look_alike(text: str, start: int) -> LookAlikeError | None:
 
 
 def _expected(error: UnexpectedInput) -> set[str]:
+    from lark.exceptions import UnexpectedCharacters, UnexpectedToken
+
     if isinstance(error, UnexpectedCharacters):
         return set(error.allowed or ())
     return set(error.accepts or error.expected) if isinstance(error, UnexpectedToken) else set()

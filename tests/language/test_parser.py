@@ -9,7 +9,8 @@ from hypothesis import strategies as st
 from cbdsl.language import parser, tables
 from cbdsl.language.expression import Argument, Expression, Span, Term, print_expression
 from cbdsl.language.make_tables import grammar_digest
-from cbdsl.language.parser import CompositionError, parse
+from cbdsl.language.parser import CompositionError, parse, parse_by_grammar
+from cbdsl.language.regular import read_composition
 
 NAMES = st.from_regex(r"[A-Za-z][A-Za-z0-9_]{0,8}", fullmatch=True)
 ARGUMENTS = st.from_regex(
@@ -38,7 +39,7 @@ def test_the_tables_are_those_of_the_grammar() -> None:
 def test_other_versions_of_lark_build_their_own_tables(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(tables, "LARK", "0.0")
     parser._grammar.cache_clear()
-    assert bare(parse("a ◁ b(c)")) == [("a", []), ("b", ["c"])]
+    assert bare(parse_by_grammar("a ◁ b(c)")) == [("a", []), ("b", ["c"])]
     parser._grammar.cache_clear()
 
 
@@ -60,6 +61,25 @@ def test_spans_are_where_the_names_stand(expression: Expression) -> None:
         assert text[term.span.start - 1 : term.span.end - 1] == term.name
         for argument in term.arguments:
             assert text[argument.span.start - 1 : argument.span.end - 1] == argument.text
+
+
+# Pieces of compositions in any order: mostly none, often nearly one.
+PIECES = st.lists(
+    st.sampled_from(
+        ["a", "b1", "_", "1", "$x", "p.q", ".", "(", ")", ",", "◁", "<|", "<", " ", "\n"]
+    ),
+    max_size=8,
+).map("".join)
+
+
+@given(EXPRESSIONS.map(print_expression) | PIECES)
+def test_the_grammar_and_the_regular_expressions_agree(text: str) -> None:
+    try:
+        by_grammar = parse_by_grammar(text)
+    except CompositionError:
+        assert read_composition(text) is None
+    else:
+        assert read_composition(text) == by_grammar
 
 
 @given(st.text(max_size=12))
