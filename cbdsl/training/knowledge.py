@@ -15,8 +15,13 @@ _DECIMALS = 6
 
 
 def model_file(path: Path, effector: str) -> Path:
-    """Where the internal model of an effector goes that was learned with the policy in ``path``."""
-    return path.with_name(f"{path.stem}_{effector}.yaml")
+    """Where the internal model of an effector goes that was learned with the policy in ``path``.
+
+    That is beside the policy, or where a library has its models: in ``models`` beside ``policies``.
+    """
+    folder = path.parent
+    models = folder.with_name("models") if folder.name == "policies" else folder
+    return models / f"{path.stem}_{effector}.yaml"
 
 
 def write_knowledge(trial: Trial, provenance: Provenance, path: Path) -> list[Path]:
@@ -42,6 +47,7 @@ def write_knowledge(trial: Trial, provenance: Provenance, path: Path) -> list[Pa
         for effector, model in model_documents(trial, name).items()
     ]
     for file, document in (*documents, (path, policy_document(trial, provenance, name))):
+        file.parent.mkdir(exist_ok=True)
         remove_leftovers(file)
         write(document, file)
         written.append(file)

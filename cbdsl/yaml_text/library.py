@@ -21,7 +21,7 @@ FOLDERS: dict[type[Document], str] = {
     RobotDocument: "robots",
     ProgramDocument: "programs",
     StageDocument: "programs/stages",
-    PolicyDocument: "knowledge",
+    PolicyDocument: "knowledge/policies",
     ModelDocument: "knowledge/models",
 }
 

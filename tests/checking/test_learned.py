@@ -44,7 +44,7 @@ def folder(tmp_path: Path) -> Path:
     files = {
         "programs/searchtrack.yaml": SHIPPED["searchtrack"],
         "programs/reachtouch.yaml": using,
-        "knowledge/learned.yaml": LEARNED,
+        "knowledge/policies/learned.yaml": LEARNED,
         "knowledge/models/looks.yaml": LOOKS,
     }
     for name, text in files.items():
@@ -79,9 +79,9 @@ def test_a_used_program_runs_under_its_learned_policy_and_draws_from_its_models(
 @pytest.mark.parametrize(
     ("file", "old", "new", "code"),
     [
-        ("knowledge/learned.yaml", "program: searchtrack", "program: reachtouch", "CB626"),
-        ("knowledge/learned.yaml", "X0: track", "X0: trak", "CB613"),
-        ("knowledge/learned.yaml", "head.uniform: looks", "head.unifrm: looks", "CB623"),
+        ("knowledge/policies/learned.yaml", "program: searchtrack", "program: reachtouch", "CB626"),
+        ("knowledge/policies/learned.yaml", "X0: track", "X0: trak", "CB613"),
+        ("knowledge/policies/learned.yaml", "head.uniform: looks", "head.unifrm: looks", "CB623"),
         ("knowledge/models/looks.yaml", "[0.1, 0.9]", "[0.1]", "CB631"),
         ("knowledge/models/looks.yaml", "kind: model", "kind: modl", "CB206"),
         ("programs/reachtouch.yaml", "policy: learned", "policy: lerned", "CB625"),
@@ -106,8 +106,13 @@ def test_what_does_not_fit_keeps_the_program_from_running(
         ("programs/reachtouch.yaml", "Look for an object", "Look for something", False),
         ("programs/searchtrack.yaml", "gain: 8 /s", "gain: 4 /s", True),
         ("programs/searchtrack.yaml", '"*1": search', '"*1": track', False),
-        ("knowledge/learned.yaml", "X0: track", "X0: search", True),
-        ("knowledge/learned.yaml", "models:", "values: {XX: {track: 0.5}}\nmodels:", False),
+        ("knowledge/policies/learned.yaml", "X0: track", "X0: search", True),
+        (
+            "knowledge/policies/learned.yaml",
+            "models:",
+            "values: {XX: {track: 0.5}}\nmodels:",
+            False,
+        ),
         ("knowledge/models/looks.yaml", "0.25", "0.3", True),
     ],
 )

@@ -40,8 +40,8 @@ _LEARNED = f"""provenance:
 
 _POLICIES = {
     "programs/other.yaml": _LOOKING.replace("looking", "other"),
-    "knowledge/looking_learned.yaml": _POLICY.replace("example", "looking_learned"),
-    "knowledge/other_learned.yaml": _POLICY.replace("example", "other_learned").replace(
+    "knowledge/policies/looking_learned.yaml": _POLICY.replace("example", "looking_learned"),
+    "knowledge/policies/other_learned.yaml": _POLICY.replace("example", "other_learned").replace(
         "program: looking", "program: other"
     ),
 }
@@ -55,7 +55,7 @@ POLICIES = (
         "What was learned of a program need not hold after its controllers or actions changed. "
         "Learn it again, or take `provenance` away to vouch for the policy yourself.",
         _POLICY + _LEARNED,
-        "knowledge/example.yaml",
+        "knowledge/policies/example.yaml",
         _PROGRAMS,
         good=_POLICY,
     ),
@@ -66,7 +66,7 @@ POLICIES = (
         "`models` gives other densities to internal models that references of the program's "
         "controllers name, such as `head.uniform`.",
         _POLICY + "models: {head.unform: window}\n",
-        "knowledge/example.yaml",
+        "knowledge/policies/example.yaml",
         _PROGRAMS | _MODELS,
         good=_POLICY + "models: {head.uniform: window}\n",
     ),
@@ -76,7 +76,7 @@ POLICIES = (
         "model '{model}' is of '{other}', and '{name}' of '{effector}'",
         "Only a density over the configurations of the same effector can take a model's place.",
         _POLICY + "models: {head.uniform: grip}\n",
-        "knowledge/example.yaml",
+        "knowledge/policies/example.yaml",
         _PROGRAMS | _MODELS,
         good=_POLICY + "models: {head.uniform: window}\n",
     ),
@@ -84,7 +84,7 @@ POLICIES = (
         "CB625",
         "unknown policy",
         "there is no policy '{name}'",
-        "A policy is `knowledge/<name>.yaml`, next to this document, here, or shipped.",
+        "A policy is `knowledge/policies/<name>.yaml`, next to this document, here, or shipped.",
         _USER % "lokking_learned",
         beside=_PROGRAMS | _POLICIES,
         good=_USER % "looking_learned",

@@ -153,7 +153,7 @@ PROGRAMS = (
         "A policy fits a program whose states have the same predicates in the same order.",
         "cbdsl: 1\nkind: policy\nname: example\nprogram: looking\npredicates: [search]\n"
         'policy: {"*": track}\n',
-        "knowledge/example.yaml",
+        "knowledge/policies/example.yaml",
         {"programs/looking.yaml": _LOOKING},
         good="cbdsl: 1\nkind: policy\nname: example\nprogram: looking\npredicates: [track]\n"
         'policy: {"*": track}\n',
