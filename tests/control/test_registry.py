@@ -110,7 +110,10 @@ def evaluations(
             reference = measure(potential, typed, chain, goal, mix).value
 
         def at(q: Floats) -> Evaluation:
-            return law.evaluate(measure(potential, typed, chain, q, mix), reference)  # noqa: B023
+            signal = measure(potential, typed, chain, q, mix)  # noqa: B023
+            found = law.evaluate(signal, reference)  # noqa: B023
+            assert found.residual.shape == (law.size,)  # noqa: B023
+            return found
 
         yield at, rng.uniform(-1.5, 1.5, chain.joints)
 
