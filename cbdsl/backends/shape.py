@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import Literal
 
@@ -9,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cbdsl.backends.span import draw
-from cbdsl.documents.stage import Ball, Box, Cylinder, Pattern
+from cbdsl.documents.stage import Ball, Box, Cylinder, Pattern, Spot
 
 Floats = NDArray[np.float64]
 
@@ -22,16 +23,18 @@ class Shape:
         kind: which of them; a cylinder stands along its z.
         halves: half its extents along its own axes, m.
         pattern: what is printed on it, if it is a box.
+        spot: what is painted on it, if it is a ball or a box.
     """
 
     kind: Literal["ball", "box", "cylinder"]
     halves: tuple[float, float, float]
     pattern: Pattern | None = None
+    spot: Spot | None = None
 
     @classmethod
-    def ball(cls, radius: float) -> Shape:
+    def ball(cls, radius: float, spot: Spot | None = None) -> Shape:
         """A ball of this radius, m."""
-        return cls("ball", (radius, radius, radius))
+        return cls("ball", (radius, radius, radius), spot=spot)
 
     @classmethod
     def cylinder(cls, radius: float, height: float) -> Shape:
@@ -42,10 +45,10 @@ class Shape:
     def draw(cls, form: Ball | Box | Cylinder, rng: np.random.Generator) -> Shape:
         """A shape of this form, of a size drawn from its spans."""
         if isinstance(form, Ball):
-            return cls.ball(draw(form.radius, rng))
+            return cls.ball(draw(form.radius, rng), form.spot)
         if isinstance(form, Box):
             x, y, z = (draw(span, rng) / 2 for span in form.size)
-            return cls("box", (x, y, z), form.pattern)
+            return cls("box", (x, y, z), form.pattern, form.spot)
         radius = draw(form.radius, rng)
         return cls.cylinder(radius, draw(form.height, rng))
 
@@ -53,6 +56,14 @@ class Shape:
     def half_height(self) -> float:
         """From its centre to its lowest point while it stands upright, m."""
         return self.halves[2]
+
+    def spot_height(self) -> float:
+        """From its centre along the spot's axis to the plane of the spot's edge, m."""
+        if self.spot is None:
+            raise ValueError("there is no spot")
+        if self.kind == "ball":
+            return math.sqrt(self.halves[0] ** 2 - self.spot.radius**2)
+        return self.halves["xy".index(self.spot.face[1])]
 
     def depth(self, rotation: Floats) -> float:
         """From its centre to its lowest point with these axes, shape (3, 3), m."""

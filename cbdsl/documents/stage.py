@@ -24,6 +24,23 @@ from cbdsl.documents.document import (
     TimeSpan,
 )
 
+Side = Literal["-x", "+x", "-y", "+y"]
+"""Where a side looks while the thing's yaw is 0."""
+
+
+class Spot(Section):
+    """A round spot of another colour on the middle of a side.
+
+    It is all of the surface on that side that is within ``radius`` of the axis through its middle.
+    """
+
+    face: Side = "-x"
+    """Side that it is on: where it looks while the thing's yaw is 0."""
+    radius: Size
+    """Radius, across the axis."""
+    color: Color
+    """Red, green and blue, each from 0 to 1."""
+
 
 class Ball(Section):
     """A sphere."""
@@ -32,12 +49,20 @@ class Ball(Section):
     """Which shape it is."""
     radius: SizeSpan
     """Radius, or the span that it is drawn from."""
+    spot: Spot | None = None
+    """What is painted on a side of it."""
+
+    @model_validator(mode="after")
+    def _has_room_for_the_spot(self) -> Self:
+        if self.spot is not None and self.spot.radius >= self.radius[0]:
+            raise ValueError("the spot is larger than the side of the ball")
+        return self
 
 
 class Pattern(Section):
     """Black bars printed on the middle of a box's side, upright and next to each other."""
 
-    face: Literal["-x", "+x", "-y", "+y"] = "-x"
+    face: Side = "-x"
     """Side that is printed on: where it looks while the box's yaw is 0."""
     height: Size
     """Length of the bars."""
@@ -60,6 +85,17 @@ class Box(Section):
     """Edge lengths."""
     pattern: Pattern | None = None
     """What is printed on a side of it."""
+    spot: Spot | None = None
+    """What is painted on a side of it."""
+
+    @model_validator(mode="after")
+    def _has_room_for_the_spot(self) -> Self:
+        if self.spot is not None:
+            (depth, _), (width, _), (height, _) = self.size
+            across = width if self.spot.face.endswith("x") else depth
+            if 2 * self.spot.radius > min(across, height):
+                raise ValueError("the spot is larger than the side of the box")
+        return self
 
     @model_validator(mode="after")
     def _has_room_for_the_pattern(self) -> Self:

@@ -27,7 +27,15 @@ from tests.conftest import Checked
 StageNamed = Callable[[str], StageDocument]
 
 LEFT = {"arm": "left_arm", "hand": "left_hand"}
-STAGES = ("table_right", "table_left", "moving_right", "thrown", "held_right", "box_between_hands")
+STAGES = (
+    "table_right",
+    "table_left",
+    "moving_right",
+    "thrown",
+    "held_right",
+    "box_between_hands",
+    "spotted_right",
+)
 
 
 @pytest.fixture(scope="module")
@@ -88,6 +96,29 @@ def test_ideal_cameras_see_what_is_in_rendered_images(
                 assert (other.column, other.row) == pytest.approx((one.column, one.row), abs=0.7)
                 compared += 1
     assert compared > 12
+
+
+def test_spots_are_seen_alike(
+    bullet: BulletBackend, kinematic: KinematicBackend, dexter: RobotDocument, stage: StageNamed
+) -> None:
+    channels, least = dexter.vision.channels, dexter.vision.regions.least_area
+    compared = 0
+    for context in ("facing", "hidden"):
+        for seed in range(6):
+            for backend in (bullet, kinematic):
+                backend.reset(stage("spotted_right"), context, np.random.default_rng(seed))
+            ideal = kinematic.observe().regions
+            for camera, image in bullet.observe().images.items():
+                rendered = ChannelFilter(channels, ["hue_7", "sat_10"], least).regions(image)
+                assert "sat_10" in rendered
+                if context == "hidden":
+                    assert "hue_7" not in rendered
+                    continue
+                one, other = rendered["hue_7"], ideal[camera]["hue_7"]
+                assert other.area == pytest.approx(one.area, rel=0.2, abs=20)
+                assert (other.column, other.row) == pytest.approx((one.column, one.row), abs=1.5)
+                compared += 1
+    assert compared == 12
 
 
 @dataclass

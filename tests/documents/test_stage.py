@@ -1,4 +1,4 @@
-"""What a stage document may say of a pattern on a box."""
+"""What a stage document may say of what is on a side of a thing."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from typing import Any
 import pytest
 from pydantic import ValidationError
 
-from cbdsl.documents.stage import Box
+from cbdsl.documents.stage import Ball, Box
 
 
 def _box(**pattern: Any) -> Box:
@@ -37,3 +37,19 @@ def test_a_pattern_is_no_higher_than_the_box() -> None:
 def test_stripes_have_widths_and_end_with_a_bar(stripes: list[str]) -> None:
     with pytest.raises(ValidationError):
         _box(stripes=stripes)
+
+
+@pytest.mark.parametrize(("radius", "fits"), [("5 cm", True), ("5.1 cm", False)])
+@pytest.mark.parametrize("face", ["-x", "+y"])
+def test_a_spot_has_room_on_the_smallest_thing_that_can_be_drawn(
+    radius: str, fits: bool, face: str
+) -> None:
+    spot = {"face": face, "radius": radius, "color": [0, 0, 1]}
+    box = {"shape": "box", "size": ["10 cm", ["10 cm", "30 cm"], "15 cm"], "spot": spot}
+    ball = {"shape": "ball", "radius": ["5.05 cm", "7 cm"], "spot": spot}
+    for form, made in ((box, Box), (ball, Ball)):
+        if fits:
+            assert made.model_validate(form).spot is not None
+        else:
+            with pytest.raises(ValidationError, match="the spot is larger than the side"):
+                made.model_validate(form)

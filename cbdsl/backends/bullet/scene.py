@@ -7,7 +7,7 @@ from typing import Any
 
 import pybullet as p
 
-from cbdsl.backends.bullet.printed_box import create_printed_box
+from cbdsl.backends.bullet.printed import create_printed
 from cbdsl.backends.pose import Pose
 from cbdsl.backends.shape import Shape
 from cbdsl.documents.stage import Surface
@@ -47,10 +47,8 @@ class Scene:
 
     def _create(self, shape: Shape, mass: float, color: Sequence[float], pose: Pose) -> int:
         position, quaternion = pose.position.tolist(), pose.quaternion()
-        if shape.pattern is not None:
-            return create_printed_box(
-                self._client, shape.halves, shape.pattern, mass, color, position, quaternion
-            )
+        if shape.pattern is not None or shape.spot is not None:
+            return create_printed(self._client, shape, mass, color, position, quaternion)
         kind, client = _KINDS[shape.kind], self._client
         # The simulator has two words for a cylinder's extent.
         collision, visual = _size(shape, "height"), _size(shape, "length")

@@ -4,18 +4,21 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from cbdsl.backends.kinematic.links import Links
 from cbdsl.backends.kinematic.paint import Palette
-from cbdsl.backends.kinematic.solids import WIDTH, attached, placed, silhouettes
+from cbdsl.backends.kinematic.solids import WHOLE, WIDTH, attached, placed, silhouettes
+from cbdsl.backends.kinematic.thing import Thing
 from cbdsl.backends.kinematic.tree import Tree
 from cbdsl.backends.kinematic.world import World
 from cbdsl.backends.pose import Pose
+from cbdsl.backends.shape import Shape
 from cbdsl.documents.robot import RobotDocument
-from cbdsl.documents.stage import Disturbance
+from cbdsl.documents.stage import Disturbance, Spot
 from cbdsl.robot.channels import Region
 from cbdsl.robot.kinematics import Kinematics
 
@@ -25,10 +28,36 @@ Floats = NDArray[np.float64]
 _SAMPLES = 20
 # And across a fixture, whose area matters less.
 _COARSE = 8
+# And across a thing with a spot, which is small.
+_FINE = 60
 # Joints at the end of an arm whose links are wide, and often before the cameras.
 _WRIST = 3
 # What has moved less from one image to the next does not count as motion, m.
 _LEAST_MOTION = 2e-3
+_ROUNDING = 1e-9
+
+
+class _Sight(NamedTuple):
+    """Something of one colour that there is to see: a thing, or the spot on it.
+
+    Attributes:
+        thing: what it belongs to.
+        target: its index among the world's things.
+        patch: the part of its surface, as ``silhouettes`` has it.
+        color: red, green and blue, each from 0 to 1.
+    """
+
+    thing: Thing
+    target: int
+    patch: Sequence[float]
+    color: Sequence[float]
+
+    @property
+    def samples(self) -> int:
+        """Lines of sight each way across the thing."""
+        if self.patch is not WHOLE:
+            return _FINE
+        return _SAMPLES if self.thing.mass else _COARSE
 
 
 class Limb:
@@ -58,7 +87,7 @@ class Cameras:
 
     Each is where the robot's model has it but for an error, drawn once: a distance in a random
     direction and an angle about a random axis. There is no noise of pixels, no shading, and
-    nothing printed on boxes.
+    nothing printed on boxes but spots.
 
     Args:
         robot: names the cameras and their links.
@@ -91,15 +120,18 @@ class Cameras:
         """The largest region of each channel, by camera and channel."""
         # Things first, then the parts of the robot that may be before them.
         solids = np.concatenate([world.solids, *(limb.solids() for limb in self._limbs)])
-        things = world.things.values()
-        samples = np.array([_SAMPLES if thing.mass else _COARSE for thing in things], np.intp)
+        sights = _sights(world)
+        targets = np.array([sight.target for sight in sights], np.intp)
+        patches = np.array([sight.patch for sight in sights]).reshape(len(sights), 4)
+        samples = np.array([sight.samples for sight in sights], np.intp)
         moved = self._motion(world)
         seen = {}
         for name, camera in self._cameras.items():
             pose = self._pose(name)
             lens = camera.focal_length, float(camera.width), float(camera.height)
-            found = silhouettes(solids, samples, pose.position, pose.rotation, lens)
-            seen[name] = self._regions(world, found, moved)
+            place = pose.position, pose.rotation
+            found = silhouettes(solids, targets, patches, samples, *place, lens)
+            seen[name] = self._regions(sights, found, moved)
         return seen
 
     def _pose(self, camera: str) -> Pose:
@@ -121,19 +153,40 @@ class Cameras:
             if math.dist(position, before.get(name, position)) > _LEAST_MOTION
         }
 
-    def _regions(self, world: World, shapes: Floats, moved: set[str]) -> Mapping[str, Region]:
+    def _regions(
+        self, sights: Sequence[_Sight], shapes: Floats, moved: set[str]
+    ) -> Mapping[str, Region]:
         found: dict[str, Region] = {}
-        for thing, (area, column, row, clipped) in zip(
-            world.things.values(), shapes.tolist(), strict=True
-        ):
+        for sight, (area, column, row, clipped) in zip(sights, shapes.tolist(), strict=True):
             if round(area) == 0:
                 continue
             region = Region(round(area), column, row, bool(clipped))
-            motion = ("motion",) if thing.name in moved else ()
-            for channel in self._palette.channels(thing.surface.color) + motion:
+            motion = ("motion",) if sight.thing.name in moved else ()
+            for channel in self._palette.channels(sight.color) + motion:
                 if channel not in found or found[channel].area < region.area:
                     found[channel] = region
         return found
+
+
+def _sights(world: World) -> list[_Sight]:
+    """All things, then the spots on them, whose area counts as their thing's, too."""
+    things = list(enumerate(world.things.values()))
+    return [
+        *(_Sight(thing, index, WHOLE, thing.surface.color) for index, thing in things),
+        *(
+            _Sight(thing, index, _patch(thing.shape, thing.shape.spot), thing.shape.spot.color)
+            for index, thing in things
+            if thing.shape.spot is not None
+        ),
+    ]
+
+
+def _patch(shape: Shape, spot: Spot) -> tuple[float, float, float, float]:
+    """A spot as ``silhouettes`` has it."""
+    side = -1.0 if spot.face.startswith("-") else 1.0
+    # A ray meets a plane but for rounding.
+    height = shape.spot_height() - _ROUNDING
+    return float("xy".index(spot.face[1])), side, height, spot.radius
 
 
 def limbs(robot: RobotDocument, kinematics: Kinematics, tree: Tree, links: Links) -> list[Limb]:

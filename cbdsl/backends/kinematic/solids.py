@@ -19,11 +19,15 @@ Floats = NDArray[np.float64]
 Rows = NDArray[np.intp]
 Triple = tuple[float, float, float]
 Window = tuple[float, float, float, float]
+Patch = tuple[float, float, float, float]
 
 BALL, BOX, CYLINDER = 0.0, 1.0, 2.0
 _NUMBERS = {"ball": BALL, "box": BOX, "cylinder": CYLINDER}
 WIDTH = 16
 HALVES, POSITION, ROTATION = slice(1, 4), slice(4, 7), slice(7, 16)
+
+#: All of a surface, as a patch.
+WHOLE = (0.0, 1.0, -math.inf, math.inf)
 
 _NEAREST = 0.02
 """What is nearer to a camera than this is not seen, m."""
@@ -270,8 +274,18 @@ def _relevant(views: Floats, target: int, window: Window) -> Floats:
 
 
 @compiled
-def _scanned(views: Floats, window: Window, samples: int) -> tuple[int, float, float, Window]:
-    """How many lines of sight in a window meet the first of some solids before the others.
+def _within(patch: Patch, x: float, y: float, z: float) -> bool:
+    """Whether a point of a surface, in the solid's frame, is part of a patch."""
+    axis, side, height, radius = patch
+    along, across = (x, y) if axis == 0.0 else (y, x)
+    return side * along >= height and across * across + z * z <= radius * radius
+
+
+@compiled
+def _scanned(
+    views: Floats, window: Window, samples: int, patch: Patch
+) -> tuple[int, float, float, Window]:
+    """How many lines of sight in a window meet a patch of the first of some solids, unhidden.
 
     Also the mean of their slopes, and between which they lie. The loop hands no arrays to other
     functions, which would cost more than all else in it.
@@ -306,7 +320,12 @@ def _scanned(views: Floats, window: Window, samples: int) -> tuple[int, float, f
                 distance = math.inf
             if distance == math.inf:
                 break
-        if distance < math.inf:
+        if distance < math.inf and _within(
+            patch,
+            views[0, 4] + distance * (views[0, 7] + views[0, 10] * y + views[0, 13] * z),
+            views[0, 5] + distance * (views[0, 8] + views[0, 11] * y + views[0, 14] * z),
+            views[0, 6] + distance * (views[0, 9] + views[0, 12] * y + views[0, 15] * z),
+        ):
             hits += 1
             mean_y += y
             mean_z += z
@@ -319,17 +338,23 @@ def _scanned(views: Floats, window: Window, samples: int) -> tuple[int, float, f
 @compiled_once
 def silhouettes(
     solids: Floats,
+    targets: Rows,
+    patches: Floats,
     samples: Rows,
     position: Floats,
     rotation: Floats,
     lens: tuple[float, float, float],
 ) -> Floats:
-    """What a pinhole camera sees of the first solids, which all of them may hide.
+    """What a pinhole camera sees of some solids, which all of them may hide.
 
     Args:
         solids: shape (k, 16).
-        samples: for each of the first n solids, lines of sight each way across the part of its
-            frame that is in the image, shape (n,).
+        targets: which of them are looked at, shape (n,).
+        patches: the part of each target's surface that is looked at, shape (n, 4): whether it is
+            around the axis x (0) or y (1), towards which end of it (1 or -1), from which height
+            on along it and within which radius of it, m; ``WHOLE`` for all of the surface.
+        samples: for each target, lines of sight each way across the part of its frame that is in
+            the image, shape (n,).
         position: of the camera, m, shape (3,).
         rotation: the camera's axes as columns: ahead, left and up, shape (3, 3).
         lens: focal length, width and height of the image, px.
@@ -345,19 +370,21 @@ def silhouettes(
     rim_y, rim_z = aside - 0.5 / focal, above - 0.5 / focal
     found = np.zeros((len(samples), 4))
     views = _viewed(solids, position, rotation)
-    for target in range(len(samples)):
+    for index in range(len(targets)):
+        target = targets[index]
         left, right = max(views[target, 16], -aside), min(views[target, 17], aside)
         bottom, top = max(views[target, 18], -above), min(views[target, 19], above)
         if left >= right or bottom >= top:
             continue
         window = (left, right, bottom, top)
         chosen = _relevant(views, target, window)
-        hits, y, z, ends = _scanned(chosen, window, samples[target])
+        patch = (patches[index, 0], patches[index, 1], patches[index, 2], patches[index, 3])
+        hits, y, z, ends = _scanned(chosen, window, samples[index], patch)
         if hits > 0:
-            area = hits * (right - left) * (top - bottom) / samples[target] ** 2
-            found[target, 0] = area * focal * focal
-            found[target, 1] = focal * (aside - y)
-            found[target, 2] = focal * (above - z)
+            area = hits * (right - left) * (top - bottom) / samples[index] ** 2
+            found[index, 0] = area * focal * focal
+            found[index, 1] = focal * (aside - y)
+            found[index, 2] = focal * (above - z)
             sideways = ends[0] <= -rim_y or ends[1] >= rim_y
-            found[target, 3] = sideways or ends[2] <= -rim_z or ends[3] >= rim_z
+            found[index, 3] = sideways or ends[2] <= -rim_z or ends[3] >= rim_z
     return found

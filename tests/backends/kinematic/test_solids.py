@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 
 import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from cbdsl.backends.kinematic.solids import depths, placed, silhouettes
+from cbdsl.backends.kinematic.solids import WHOLE, depths, placed, silhouettes
 from cbdsl.backends.pose import Pose
 from cbdsl.backends.shape import Shape
 
@@ -67,9 +68,11 @@ def test_a_step_of_the_distance_along_the_normal_leads_to_the_surface(name: str)
         assert (inside(shape, local) == (depth > 0)).all()
 
 
-def seen(*solids: Floats, samples: int = 64) -> Floats:
-    """What a camera at the origin sees of the first of some solids."""
-    return silhouettes(np.array(solids), np.array([samples]), HERE, AHEAD, LENS)[0]
+def seen(*solids: Floats, samples: int = 64, patch: Sequence[float] = WHOLE) -> Floats:
+    """What a camera at the origin sees of the first of some solids, or of a patch of it."""
+    patches = np.array([patch])
+    first, fine = np.zeros(1, np.intp), np.array([samples])
+    return silhouettes(np.array(solids), first, patches, fine, HERE, AHEAD, LENS)[0]
 
 
 @pytest.mark.parametrize("name", SHAPES)
@@ -92,6 +95,26 @@ def test_a_silhouette_is_where_lines_of_sight_come_through(name: str) -> None:
         assert column == pytest.approx(columns.ravel()[mask].mean(), abs=0.7)
         assert row == pytest.approx(rows.ravel()[mask].mean(), abs=0.7)
         assert not clipped
+
+
+@pytest.mark.parametrize(
+    ("axis", "name"), [(0.0, "ball"), (1.0, "ball"), (0.0, "box"), (1.0, "box")]
+)
+@pytest.mark.parametrize("side", [1.0, -1.0])
+def test_a_patch_is_seen_from_its_side_alone_and_round(axis: float, side: float, name: str) -> None:
+    shape, radius, distance = SHAPES[name], 0.02, 2.0
+    half = shape.halves[int(axis)]
+    height = math.sqrt(half**2 - radius**2) if name == "ball" else half
+    outward = side * np.eye(3)[int(axis)]
+    for facing in (True, False):
+        turn = (0.0 if axis else 0.5 * math.pi) + (0.0 if side > 0 else math.pi)
+        rotation = Pose.turned(np.array([0.0, 0.0, 1.0]), turn + 0.5 * math.pi).rotation
+        rotation = rotation if facing else np.diag([-1.0, -1.0, 1.0]) @ rotation
+        assert (rotation @ outward)[0] == pytest.approx(-1 if facing else 1)
+        solid = placed(shape, Pose(np.array([distance, 0.0, 0.0]), rotation))
+        row = seen(solid, samples=200, patch=(axis, side, height - 1e-9, radius))
+        wanted = math.pi * (LENS[0] * radius / (distance - height)) ** 2 if facing else 0.0
+        assert row[0] == pytest.approx(wanted, rel=0.05)
 
 
 def test_what_reaches_the_border_is_clipped() -> None:
