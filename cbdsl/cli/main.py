@@ -15,7 +15,9 @@ if TYPE_CHECKING:
     import typer
 
 #: Command by command, the module that defines a function or an app of the same name.
-COMMANDS = ("validate", "run", "explain", "show", "reproduce", "new", "schema", "replay", "learn")
+COMMANDS = (
+    "validate", "run", "explain", "show", "reproduce", "new", "schema", "replay", "learn", "report",
+)  # fmt: skip
 
 
 def build_app(names: Iterable[str] = COMMANDS) -> typer.Typer:

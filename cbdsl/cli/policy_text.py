@@ -104,7 +104,7 @@ def _told(graph: PolicyGraph, decision: Decision, again: bool) -> str:
         return f"{decision.state} (above)"
     parts = [decision.state, *([decision.action] if decision.action else [])]
     if decision.end > graph.above:
-        parts.append(f"{ending(graph)} {percent(decision.end)}")
+        parts.append(f"{ending(graph, decision)} {percent(decision.end)}")
     return "  ".join(parts)
 
 

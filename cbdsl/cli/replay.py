@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-import sys
 from collections.abc import Iterable
 from pathlib import Path
 from typing import Annotated
 
 import typer
+
+from cbdsl.cli.pages import open_page, write_page
 
 What = Annotated[
     Path,
@@ -26,7 +27,6 @@ def replay(what: What, out: Out = None, open_: Open = True) -> None:
 
     Exit 0 when the page was written, 2 when it could not be made.
     """
-    from cbdsl.cli.quiet import quiet_stderr
     from cbdsl.errors.errors import UsageError
 
     try:
@@ -43,9 +43,8 @@ def replay(what: What, out: Out = None, open_: Open = True) -> None:
     targets = {file: out or file.with_suffix(".html") for file in recordings}
     _require_room(targets.values())
     pages = [_write(file, target) for file, target in targets.items()]
-    if open_ and len(pages) == 1 and sys.stdout.isatty():
-        with quiet_stderr():  # a machine without a browser has much to say about it
-            typer.launch(str(pages[0]))
+    if open_ and len(pages) == 1:
+        open_page(pages[0])
 
 
 def _require_room(targets: Iterable[Path]) -> None:
@@ -61,15 +60,8 @@ def _require_room(targets: Iterable[Path]) -> None:
 
 
 def _write(recording: Path, target: Path) -> Path:
-    from cbdsl.errors.errors import UsageError
     from cbdsl.reporting.page import page
     from cbdsl.reporting.recorded import read_recording
-    from cbdsl.yaml_text.writer import write_text
 
-    text = page(read_recording(recording))
-    try:
-        write_text(text, target)
-    except OSError as error:
-        raise UsageError(f"{target}: cannot be written ({error.strerror or error})") from error
-    print(f"{target}: {len(text.encode()) / 1e6:.1f} MB")
+    write_page(page(read_recording(recording)), target)
     return target

@@ -76,7 +76,7 @@ class PolicyGraph(NamedTuple):
         decisions: what is drawn: the states that drawn arcs lead to from where episodes began.
         arcs: the transitions between them.
         left_out: how many other states are known.
-        rewarded: whether every episode was rewarded, so that to end is to be rewarded.
+        rewarded: the states in which every episode that ended there was rewarded, as far as known.
     """
 
     name: str
@@ -87,7 +87,7 @@ class PolicyGraph(NamedTuple):
     decisions: tuple[Decision, ...]
     arcs: tuple[Arc, ...]
     left_out: int
-    rewarded: bool
+    rewarded: frozenset[str]
 
 
 def decisions(policy: PolicyDocument) -> tuple[Decision, ...]:
@@ -139,6 +139,7 @@ def policy_graph(
     above: float = ABOVE,
     every: bool = False,
     programs: Collection[str] = (),
+    rewarded: Collection[str] | None = None,
 ) -> PolicyGraph:
     """The graph of a policy.
 
@@ -147,6 +148,8 @@ def policy_graph(
         above: arcs of a larger share are drawn, in [0, 1].
         every: draw also states that drawn arcs do not lead to from where episodes began.
         programs: names of programs, to tell them from controllers among the members.
+        rewarded: the states in which every episode that ended there was rewarded; without it, all
+            of them where the learning curve has no episode without reward.
     """
     known = {decision.state: decision for decision in decisions(policy)}
     leading = {state: _arcs(decision, above) for state, decision in known.items()}
@@ -154,7 +157,9 @@ def policy_graph(
     shown = _reached(began, leading)
     if every or not began:
         shown = list(dict.fromkeys((*shown, *known)))
-    curve = policy.curve
+    if rewarded is None:
+        always = policy.curve is not None and all(policy.curve.reward)
+        rewarded = [decision.state for decision in known.values() if always and decision.ended]
     return PolicyGraph(
         name=policy.name,
         program=policy.program,
@@ -164,7 +169,7 @@ def policy_graph(
         decisions=tuple(known[state] for state in shown),
         arcs=tuple(arc for state in shown for arc in leading[state]),
         left_out=len(known) - len(shown),
-        rewarded=curve is not None and bool(curve.reward) and all(curve.reward),
+        rewarded=frozenset(rewarded),
     )
 
 

@@ -123,7 +123,7 @@ def _node(
     outer, top = y - tall / 2, y - tall / 2 + rim
     yield f"<g><title>{escape(sentence(graph, decision))}</title>"
     if rim:
-        kind = "ending rewarded" if graph.rewarded else "ending"
+        kind = "ending rewarded" if decision.state in graph.rewarded else "ending"
         yield rectangle(kind, x - wide / 2, outer, wide, tall, 10)
     yield rectangle("node", x - wide / 2 + rim, top, wide - 2 * rim, tall - 2 * rim, 7)
     left = x - width(decision.state) / 2

@@ -27,13 +27,13 @@ def facts(graph: PolicyGraph, decision: Decision) -> list[str]:
     if decision.value is not None:
         lines.append(f"Q {decision.value:.2f}, n {decision.tried}")
     if decision.end > graph.above:
-        lines.append(f"{ending(graph)} {percent(decision.end)}")
+        lines.append(f"{ending(graph, decision)} {percent(decision.end)}")
     return lines
 
 
-def ending(graph: PolicyGraph) -> str:
-    """What it means that an episode ends."""
-    return "rewarded" if graph.rewarded else "ends"
+def ending(graph: PolicyGraph, decision: Decision) -> str:
+    """What it means that an episode ends in a state."""
+    return "rewarded" if decision.state in graph.rewarded else "ends"
 
 
 def sentence(graph: PolicyGraph, decision: Decision) -> str:
@@ -44,7 +44,7 @@ def sentence(graph: PolicyGraph, decision: Decision) -> str:
     if decision.started:
         parts.append(f"{count(decision.started, 'episode')} began here;")
     if decision.end > graph.above:
-        parts.append(f"{percent(decision.end)} {ending(graph)};")
+        parts.append(f"{percent(decision.end)} {ending(graph, decision)};")
     own = [arc for arc in graph.arcs if arc.source == decision.state]
     parts += [f"{percent(arc.share)} to {arc.target};" for arc in own]
     return " ".join(parts)[:-1] + "."

@@ -1,0 +1,50 @@
+"""``cb report``: what was learned as a page to look at."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from cbdsl.cli.pages import open_page, write_page
+
+What = Annotated[
+    Path,
+    typer.Argument(metavar="FILE|FOLDER", help="What cb learn wrote: a policy, or many trials'."),
+]
+Out = Annotated[
+    Path | None,
+    typer.Option("--out", help="The page's file [beside FILE, .html; FOLDER/report.html]."),
+]
+Above = Annotated[
+    float,
+    typer.Option("--above", min=0, max=1, help="Leave out arcs of this share and less."),
+]
+Open = Annotated[
+    bool, typer.Option("--open/--no-open", help="Show the page in the browser when it is made.")
+]
+
+
+def report(what: What, out: Out = None, above: Above = 0.2, open_: Open = True) -> None:
+    """Make one page of what was learned: everything in it, nothing loaded.
+
+    Learning curves over all trials, and each trial's policy, internal models and episodes.
+
+    Exit 0 when the page was written, 1 when a document has errors, 2 when it could not be made.
+    """
+    from cbdsl.errors.errors import UsageError
+
+    try:
+        from cbdsl.reporting.learned import find_learned, read_learned
+        from cbdsl.reporting.learned_page import learned_page
+    except ModuleNotFoundError as error:
+        raise UsageError(
+            f"a report needs {error.name}, which is not installed: pip install 'cbdsl[sim]'"
+        ) from error
+    learned = [read_learned(file) for file in find_learned(what)]
+    page = learned_page(learned, above)
+    target = out or (what / "report.html" if what.is_dir() else what.with_suffix(".html"))
+    write_page(page, target)
+    if open_:
+        open_page(target)

@@ -1,0 +1,168 @@
+"""Pictures of internal models: a map where there are two joints, else a curve for each joint."""
+
+from __future__ import annotations
+
+import base64
+import math
+from collections.abc import Iterator
+from typing import Any, NamedTuple
+from xml.sax.saxutils import escape
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from cbdsl.reporting.landscape import Floats, Landscape
+from cbdsl.reporting.learned import Joint, Model
+
+_PLOT = 360.0
+_TALLEST, _LOWEST = 300.0, 120.0
+_LEFT, _RIGHT, _TOP, _BOTTOM = 54.0, 86.0, 10.0, 42.0
+_CURVE_WIDTH, _CURVE_HEIGHT = 300.0, 130.0
+# Between ticks: degrees, and densities.
+_STEPS = (5, 10, 15, 30, 45, 90)
+_HEIGHTS = [first * 10.0**power for power in range(-1, 9) for first in (1, 2, 5)]
+_TIMES = "\N{MULTIPLICATION SIGN}"
+
+
+class _Axis(NamedTuple):
+    """A joint's angles along one side of a plot, from ``start`` to ``end``, px."""
+
+    joint: Joint
+    start: float
+    end: float
+
+    def __call__(self, angle: Any) -> Any:
+        """Where an angle (rad), or an array of them, is."""
+        lower, upper = self.joint.lower, self.joint.upper
+        return self.start + (angle - lower) / (upper - lower) * (self.end - self.start)
+
+    def ticks(self, room: float) -> Iterator[tuple[str, float]]:
+        """Round angles in degrees, and where they are, ``room`` px apart at least."""
+        lower, upper = math.degrees(self.joint.lower), math.degrees(self.joint.upper)
+        most = abs(self.end - self.start) / room
+        step = next((s for s in _STEPS if (upper - lower) / s <= most), _STEPS[-1])
+        for number in range(math.ceil(lower / step), math.floor(upper / step) + 1):
+            angle = number * step
+            yield str(angle).replace("-", "\N{MINUS SIGN}"), self(math.radians(angle))
+
+
+def density_svgs(model: Model) -> list[str]:
+    """The pictures of an internal model, each as SVG with a text alternative."""
+    landscape = Landscape(model)
+    if len(model.joints) == 2:
+        return [_map(model, landscape)]
+    return [_curve(joint, place, landscape) for place, joint in enumerate(model.joints)]
+
+
+def _map(model: Model, landscape: Landscape) -> str:
+    """Two joints: one across, the other upwards, equally many pixels a degree where it fits."""
+    first, second = model.joints
+    ratio = (second.upper - second.lower) / (first.upper - first.lower)
+    tall = min(_TALLEST, max(_LOWEST, _PLOT * ratio))
+    across, up = _Axis(first, _LEFT, _LEFT + _PLOT), _Axis(second, _TOP + tall, _TOP)
+    values = landscape.over(landscape.angles(0), landscape.angles(1))
+    (x, y), most = landscape.peak()
+    where = f"{first.name} {_degrees(x)}, {second.name} {_degrees(y)}"
+    area = f'x="{_LEFT}" y="{_TOP}" width="{_PLOT}" height="{tall:.1f}"'
+    picture = _image(values[::-1] / most)
+    parts = [
+        f'<image {area} preserveAspectRatio="none" href="{picture}"/>',
+        *(
+            f'<circle class="sample" cx="{across(x):.1f}" cy="{up(y):.1f}" r="1.6"/>'
+            for x, y in landscape.centers
+        ),
+        f'<rect class="frame" {area}/>',
+        *_axis_across(across, up.start),
+        *_axis_up(up, across.start),
+        *_scale(most, across.end + 18, tall),
+    ]
+    title = f"Density of {first.name} and {second.name}"
+    size = (across.end + _RIGHT, up.start + _BOTTOM)
+    return _svg(size, title, _told(where, most), parts)
+
+
+def _curve(joint: Joint, place: int, landscape: Landscape) -> str:
+    """One joint: how likely its angle is, and a line where every angle was equally likely."""
+    across = _Axis(joint, _LEFT, _LEFT + _CURVE_WIDTH)
+    angles = landscape.angles(place)
+    values = landscape.along(place, angles)
+    bottom, most = _TOP + _CURVE_HEIGHT, 1.08 * max(1.0, float(values.max()))
+    heights = bottom - values / most * _CURVE_HEIGHT
+    pairs = zip(across(angles), heights, strict=True)
+    line = " ".join(f"{x:.1f} {y:.1f}" for x, y in pairs)
+    parts = [
+        *_axis_across(across, bottom),
+        *_heights(most, bottom, across),
+        f'<path class="area" d="M{_LEFT} {bottom}L{line}L{across.end} {bottom}z"/>',
+        f'<path class="curve" d="M{line}"/>',
+        f'<path class="before" d="M{_LEFT} {bottom - _CURVE_HEIGHT / most:.1f}H{across.end}"/>',
+        *(
+            f'<path class="rug" d="M{across(center):.1f} {bottom}v-7"/>'
+            for center in landscape.centers[:, place]
+        ),
+    ]
+    told = _told(_degrees(angles[values.argmax()]), float(values.max()))
+    return _svg((across.end + 16, bottom + _BOTTOM), f"Density of {joint.name}", told, parts)
+
+
+def _told(where: str, most: float) -> str:
+    return f"Likeliest at {where}: {most:.3g} times as likely as in a uniform density."
+
+
+def _svg(size: tuple[float, float], title: str, told: str, parts: list[str]) -> str:
+    width, height = size
+    return (
+        f'<svg xmlns="http://www.w3.org/2000/svg" class="density" width="{width:.0f}" '
+        f'height="{height:.0f}" viewBox="0 0 {width:.0f} {height:.0f}" role="img">'
+        f"<title>{escape(title)}</title><desc>{escape(told)}</desc>{''.join(parts)}</svg>"
+    )
+
+
+def _text(kind: str, x: float, y: float, text: str) -> str:
+    return f'<text class="{kind}" x="{x:.1f}" y="{y:.1f}">{escape(text)}</text>'
+
+
+def _axis_across(axis: _Axis, y: float) -> Iterator[str]:
+    for angle, x in axis.ticks(room=45):
+        yield f'<path class="tick" d="M{x:.1f} {y:.1f}v5"/>'
+        yield _text("middle", x, y + 14, angle)
+    yield _text("middle", (axis.start + axis.end) / 2, y + 32, f"{axis.joint.name}, degrees")
+
+
+def _axis_up(axis: _Axis, x: float) -> Iterator[str]:
+    for angle, y in axis.ticks(room=28):
+        yield f'<path class="tick" d="M{x} {y:.1f}h-5"/>'
+        yield _text("end", x - 8, y, angle)
+    name = _text("middle", 0, 0, f"{axis.joint.name}, degrees")
+    middle = (axis.start + axis.end) / 2
+    yield f'<g transform="translate(13 {middle:.1f}) rotate(-90)">{name}</g>'
+
+
+def _scale(most: float, x: float, tall: float) -> Iterator[str]:
+    """What the colours of a map mean."""
+    ramp = _image(np.linspace(1, 0, 64)[:, None])
+    area = f'x="{x}" y="{_TOP}" width="12" height="{tall:.1f}"'
+    yield f'<image {area} preserveAspectRatio="none" href="{ramp}"/>'
+    for part in (0.0, 0.5, 1.0):
+        yield _text("start", x + 17, _TOP + tall * (1 - part), f"{part * most:.2g} {_TIMES}")
+
+
+def _heights(most: float, bottom: float, across: _Axis) -> Iterator[str]:
+    """What the heights of a curve mean: densities relative to the uniform one."""
+    step = next((step for step in _HEIGHTS if most / step <= 5), most)
+    for number in range(int(most / step) + 1):
+        y = bottom - number * step / most * _CURVE_HEIGHT
+        yield f'<path class="grid" d="M{across.start} {y:.1f}H{across.end}"/>'
+        yield _text("end", across.start - 6, y, f"{number * step:g} {_TIMES}")
+
+
+def _degrees(angle: float) -> str:
+    return f"{math.degrees(angle):.0f}°"
+
+
+def _image(values: Floats) -> str:
+    """Values from 0 to 1 as colours (viridis), row by row from the top, as a data URL."""
+    grey: NDArray[Any] = np.round(255 * values).astype(np.uint8)
+    _, content = cv2.imencode(".png", cv2.applyColorMap(grey, cv2.COLORMAP_VIRIDIS))
+    return "data:image/png;base64," + base64.b64encode(bytes(content)).decode()

@@ -1,0 +1,85 @@
+"""Means of many trials that a few odd ones do not sway, and how sure they are.
+
+Agarwal et al., "Deep Reinforcement Learning at the Edge of the Statistical Precipice" (2021), say
+why: with few trials, means follow outliers and medians jump.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+Floats = NDArray[np.float64]
+
+_DRAWS = 2000
+_PART = 100
+_LEVEL = 0.95
+
+
+class Band(NamedTuple):
+    """A curve over trials.
+
+    Attributes:
+        middle: means, shape (n,).
+        lower, upper: bounds of their 95 % bootstrap intervals, shape (n,).
+    """
+
+    middle: Floats
+    lower: Floats
+    upper: Floats
+
+
+Center = Callable[[Floats], Floats]
+
+
+def interquartile_mean(values: Floats) -> Floats:
+    """The mean of the middle half of the trials; shape (..., trials, n) to (..., n).
+
+    Where a quarter of the trials is no whole number, those at the rims count in part.
+    """
+    count = values.shape[-2]
+    edges = np.clip(np.arange(count + 1) / count, 0.25, 0.75)
+    weights = 2 * np.diff(edges)
+    mean: Floats = np.einsum("t,...tn->...n", weights, np.sort(values, axis=-2))
+    return mean
+
+
+def mean(values: Floats) -> Floats:
+    """The mean of the trials; shape (..., trials, n) to (..., n)."""
+    found: Floats = values.mean(axis=-2)
+    return found
+
+
+def band(values: Floats, center: Center = interquartile_mean, seed: int = 0) -> Band:
+    """The middle of each column, with its percentile bootstrap interval.
+
+    Whole trials are resampled, as their episodes depend on each other.
+
+    Args:
+        values: shape (trials, n).
+        center: which mean.
+        seed: of the resampling.
+    """
+    rng, count = np.random.default_rng(seed), len(values)
+    draws = _DRAWS if count > 1 else 1
+    # In parts: all draws at once of a hundred long trials would take gigabytes.
+    parts = [
+        center(values[rng.integers(count, size=(min(_PART, draws - done), count))])
+        for done in range(0, draws, _PART)
+    ]
+    tail = (1 - _LEVEL) / 2
+    lower, upper = np.quantile(np.concatenate(parts), (tail, 1 - tail), axis=0)
+    return Band(center(values), lower, upper)
+
+
+def running_mean(values: Floats, window: int) -> Floats:
+    """The mean of the last ``window`` values along the last axis, of fewer at its beginning."""
+    count = values.shape[-1]
+    sums = np.concatenate([np.zeros((*values.shape[:-1], 1)), values.cumsum(axis=-1)], axis=-1)
+    ends = np.arange(1, count + 1)
+    begins = np.maximum(ends - window, 0)
+    mean: Floats = (sums[..., ends] - sums[..., begins]) / (ends - begins)
+    return mean

@@ -1,0 +1,90 @@
+"""Internal models as functions: how likely an angle is, beside the uniform density at the start."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cbdsl.reporting.learned import Model
+
+Floats = NDArray[np.float64]
+
+#: How many angles of a joint are looked at.
+POINTS = 181
+
+_erf = np.vectorize(math.erf, otypes=[float])
+
+
+class Landscape:
+    """A density within joint limits, as draws have it: what lies beyond them is drawn again.
+
+    Values are relative to the uniform density over all joints: 1 is as likely as before learning.
+
+    Args:
+        model: the density, and the limits of its joints.
+    """
+
+    def __init__(self, model: Model) -> None:
+        density = model.document.density
+        if density.form == "gaussian":
+            centers, spread = [density.mean], density.deviation
+        else:
+            centers, spread = list(density.samples), density.bandwidth
+        self.centers: Floats = np.array(centers)
+        self.spread: Floats = np.array(spread)
+        self.lower = np.array([joint.lower for joint in model.joints])
+        self.upper = np.array([joint.upper for joint in model.joints])
+        self.uniform = density.uniform
+        # The part of each kernel within the limits of each joint, shape (kernels, joints).
+        self._inside = self._below(self.upper) - self._below(self.lower)
+
+    def _below(self, angle: Floats) -> Floats:
+        part: Floats = 0.5 * (1 + _erf((angle - self.centers) / (self.spread * math.sqrt(2))))
+        return part
+
+    def _kernels(self, joint: int, angles: Floats) -> Floats:
+        """Each kernel along one joint, shape (kernels, angles), times the joint's range."""
+        spread, span = self.spread[joint], self.upper[joint] - self.lower[joint]
+        z = (angles - self.centers[:, joint, None]) / spread
+        height: Floats = span * np.exp(-0.5 * z**2) / (spread * math.sqrt(2 * math.pi))
+        return height
+
+    def _mixed(self, learned: Floats) -> Floats:
+        mixed: Floats = (1 - self.uniform) * learned / self._inside.prod(axis=1).sum()
+        return mixed + self.uniform
+
+    def along(self, joint: int, angles: Floats) -> Floats:
+        """The density of one joint's angle, whatever the others are, shape (angles,)."""
+        others = np.delete(self._inside, joint, axis=1).prod(axis=1)
+        return self._mixed(others @ self._kernels(joint, angles))
+
+    def over(self, first: Floats, second: Floats) -> Floats:
+        """The density of the angles of two joints, of a model that has no more.
+
+        Returns:
+            Shape (second, first).
+        """
+        return self._mixed(self._kernels(1, second).T @ self._kernels(0, first))
+
+    def angles(self, joint: int) -> Floats:
+        """Angles of a joint from limit to limit, rad, shape (POINTS,)."""
+        found: Floats = np.linspace(self.lower[joint], self.upper[joint], POINTS)
+        return found
+
+    def peak(self) -> tuple[tuple[float, ...], float]:
+        """The likeliest angles, rad, and how likely they are; of more than two joints, of each.
+
+        Returns:
+            The angles, and the density there: of all joints where there are two, else of the
+            likeliest angle of any.
+        """
+        joints = range(len(self.lower))
+        if len(joints) == 2:
+            values = self.over(self.angles(0), self.angles(1))
+            row, column = np.unravel_index(values.argmax(), values.shape)
+            return (float(self.angles(0)[column]), float(self.angles(1)[row])), float(values.max())
+        heights = [self.along(joint, self.angles(joint)) for joint in joints]
+        best = tuple(float(self.angles(joint)[heights[joint].argmax()]) for joint in joints)
+        return best, float(max(height.max() for height in heights))

@@ -1,0 +1,234 @@
+"""What was learned: policies, their internal models and their journals, read from files."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import re
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, NamedTuple
+
+from cbdsl.documents.model import ModelDocument
+from cbdsl.documents.policy import PolicyDocument
+from cbdsl.documents.program import ProgramDocument
+from cbdsl.documents.robot import RobotDocument
+from cbdsl.errors.errors import DiagnosticsError, UsageError
+from cbdsl.robot.urdf import UrdfError, read_urdf
+from cbdsl.yaml_text.library import Library, is_of
+
+_JOURNAL = ".episodes.jsonl"
+
+
+class Episode(NamedTuple):
+    """One episode that was learned from.
+
+    Attributes:
+        context: of its stage.
+        seed: with which ``cb run`` meets the same world, or ``None`` where no journal tells it.
+        reward: that it earned.
+        transitions: that it took.
+        ticks: control ticks that it took.
+        sim_seconds: how long it took, simulated, s, or ``None``.
+        rewarding: what earned the reward, or ``None``.
+        end: the state that it ended in, or ``None``.
+    """
+
+    context: str
+    seed: int | None
+    reward: int
+    transitions: int
+    ticks: int
+    sim_seconds: float | None = None
+    rewarding: tuple[str, ...] | None = None
+    end: str | None = None
+
+
+class Joint(NamedTuple):
+    """A joint of an internal model.
+
+    Attributes:
+        name: of the joint.
+        lower, upper: its limits, rad.
+    """
+
+    name: str
+    lower: float
+    upper: float
+
+
+class Model(NamedTuple):
+    """An internal model.
+
+    Attributes:
+        name: by which the program draws from it, or ``None`` where it draws nothing from it.
+        document: the density.
+        joints: those that it has angles for, in their order.
+    """
+
+    name: str | None
+    document: ModelDocument
+    joints: tuple[Joint, ...]
+
+
+@dataclass(frozen=True)
+class Learned:
+    """A learned policy, with what belongs to it.
+
+    Attributes:
+        file: its file.
+        sha256: of the file's content.
+        policy: the policy.
+        programs: names of the programs among its members.
+        models: its internal models.
+        episodes: those that it was learned from.
+        notes: what could not be found, in sentences.
+    """
+
+    file: Path
+    sha256: str
+    policy: PolicyDocument
+    programs: frozenset[str]
+    models: tuple[Model, ...]
+    episodes: tuple[Episode, ...]
+    notes: tuple[str, ...]
+
+
+def find_learned(path: Path) -> list[Path]:
+    """The files of a policy, or of all that are in a folder.
+
+    Raises:
+        UsageError: there is none.
+    """
+    if not path.exists():
+        raise UsageError(f"{path}: there is no such file or folder")
+    if path.is_file():
+        if path.name.endswith(_JOURNAL):
+            policy = path.with_name(path.name.removesuffix(_JOURNAL) + ".yaml")
+            raise UsageError(f"{path}: a journal; name the policy that was learned, {policy}")
+        return [path]
+    found = [each for each in path.glob("*.yaml") if is_of(PolicyDocument, each)]
+    if not found:
+        raise UsageError(
+            f"{path}: no policy is in this folder; cb learn --out writes one when a trial is over"
+        )
+    return sorted(found, key=_numbered)
+
+
+def _numbered(file: Path) -> list[tuple[str, int]]:
+    """By name, and numbers in names by their size."""
+    return [(word, int(number or 0)) for word, number in re.findall(r"(\D*)(\d*)", file.name)]
+
+
+def read_learned(file: Path) -> Learned:
+    """Read a learned policy, the models that it names, and its journal.
+
+    Raises:
+        DiagnosticsError: a document has errors, or the file is of another kind.
+        UsageError: the policy was written by hand, or its journal is damaged.
+    """
+    library, notes = Library(), list[str]()
+    policy = library.read(file, PolicyDocument).document
+    if policy.curve is None:
+        raise UsageError(f"{file}: a written policy, without episodes; try cb show policy {file}")
+    episodes = tuple(_from_journal(file, len(policy.curve.reward)) or _from_curve(policy))
+    models = []
+    for name, document in _models(file, policy):
+        try:
+            models.append(_model(library, file, name, document))
+        except (UsageError, DiagnosticsError, UrdfError) as error:
+            notes.append(f"Without the internal model {document}: {_reason(error)}.")
+    digest = hashlib.sha256(file.read_bytes()).hexdigest()
+    programs = frozenset(_programs(library, file, policy))
+    return Learned(file, digest, policy, programs, tuple(models), episodes, tuple(notes))
+
+
+def _reason(error: Exception) -> str:
+    if isinstance(error, DiagnosticsError):
+        return error.diagnostics[0].message
+    return str(error)
+
+
+def _programs(library: Library, file: Path, policy: PolicyDocument) -> Iterator[str]:
+    """Names of programs that the policy's own program uses, as far as that is to be found."""
+    path = library.find(ProgramDocument, policy.program, file)
+    try:
+        if path is not None:
+            yield from library.read(path, ProgramDocument).document.use
+    except DiagnosticsError:
+        return
+
+
+def _models(file: Path, policy: PolicyDocument) -> Iterator[tuple[str | None, str]]:
+    """Names in the program, and of documents: those of the policy, and others learned with it."""
+    yield from policy.models.items()
+    for path in sorted(file.parent.glob(f"{file.stem}_*.yaml")):
+        if path.stem not in policy.models.values() and is_of(ModelDocument, path):
+            yield None, path.stem
+
+
+def _model(library: Library, file: Path, name: str | None, document: str) -> Model:
+    path = library.find(ModelDocument, document, file)
+    if path is None:
+        raise UsageError(f"there is no model '{document}'")
+    model = library.read(path, ModelDocument).document
+    place = library.find(RobotDocument, model.robot, path)
+    if place is None:
+        raise UsageError(f"there is no robot '{model.robot}', whose joint limits it keeps")
+    robot = library.read(place, RobotDocument).document
+    known = {*robot.effectors, *robot.groups}
+    if model.effector not in known:
+        raise UsageError(f"robot '{model.robot}' has no effector '{model.effector}'")
+    joints = read_urdf(place.parent / robot.model).joints
+    limits = tuple(
+        Joint(each, joints[each].lower, joints[each].upper)
+        for each in robot.joints(model.effector)
+        if each in joints
+    )
+    density = model.density
+    angles = density.mean if density.form == "gaussian" else density.samples[0]
+    if len(limits) != len(angles):
+        raise UsageError(f"{len(angles)} angles are too many or few for '{model.effector}'")
+    return Model(name, model, limits)
+
+
+def _from_curve(policy: PolicyDocument) -> Iterator[Episode]:
+    assert policy.curve is not None
+    curve = policy.curve
+    for row in zip(curve.context, curve.reward, curve.transitions, curve.ticks, strict=True):
+        context, reward, transitions, ticks = row
+        yield Episode(context, None, reward, transitions, ticks)
+
+
+def _from_journal(file: Path, count: int) -> list[Episode]:
+    """The first ``count`` episodes of the journal beside a policy; none where there is no journal.
+
+    Raises:
+        UsageError: it is no journal, or holds fewer.
+    """
+    path = file.with_suffix(_JOURNAL)
+    if not path.exists():
+        return []
+    try:
+        lines = path.read_text("utf-8").splitlines()[1 : 1 + count]
+        episodes = [_episode(json.loads(line)) for line in lines]
+    except (OSError, ValueError, KeyError, TypeError, IndexError) as error:
+        raise UsageError(f"{path}: no journal of a trial, or a damaged one ({error!r})") from error
+    if len(episodes) < count:
+        raise UsageError(f"{path}: holds {len(episodes)} episodes, and {file.name} {count}")
+    return episodes
+
+
+def _episode(row: dict[str, Any]) -> Episode:
+    transitions = row["transitions"]
+    return Episode(
+        context=row["context"],
+        seed=row["seed"],
+        reward=sum(each["reward"] for each in transitions),
+        transitions=len(transitions),
+        ticks=row["ticks"],
+        sim_seconds=row["sim_seconds"],
+        rewarding=tuple(name for each in transitions for name in each["rewarding"]),
+        end=transitions[-1]["next_state"],
+    )

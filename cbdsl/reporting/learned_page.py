@@ -1,0 +1,282 @@
+"""The page of what was learned: curves over trials, and each trial's policy and densities."""
+
+from __future__ import annotations
+
+import shlex
+from collections import Counter
+from collections.abc import Iterator, Mapping, Sequence
+from html import escape
+from typing import Any
+
+import numpy as np
+
+from cbdsl.documents.policy import Provenance
+from cbdsl.errors.counting import count
+from cbdsl.program.drawing.pictogram import LETTERS
+from cbdsl.program.drawing.policy_graph import Decision, PolicyGraph, decisions, policy_graph
+from cbdsl.program.drawing.policy_svg import policy_svg
+from cbdsl.program.drawing.policy_words import percent
+from cbdsl.reporting.bundle import Bundle
+from cbdsl.reporting.density_svg import density_svgs
+from cbdsl.reporting.interquartile import Band
+from cbdsl.reporting.landscape import Landscape
+from cbdsl.reporting.learned import Learned, Model
+from cbdsl.reporting.lessons import Lesson, Measured, lessons, measured
+from cbdsl.reporting.markup import Markup, html, letters, table, terms
+from cbdsl.reporting.template import filled
+
+_STYLES = ("vendor/uPlot.min.css", "page.css", "learned.css")
+_SCRIPTS = ("vendor/uPlot.iife.min.js", "page.js", "data.js", "chart.js", "learned.js")
+#: How many episodes at the beginning and the end are compared.
+_SOME = 10
+
+
+def learned_page(learned: Sequence[Learned], above: float) -> str:
+    """The page of one or more policies; the same files give the same text.
+
+    Args:
+        learned: at least one.
+        above: arcs of a larger share are drawn, in [0, 1].
+    """
+    groups = lessons(learned)
+    found = [measured(group) for group in groups]
+    programs = list(dict.fromkeys(each.policy.program for each in learned))
+    slots = {
+        "heading": escape(", ".join(programs)),
+        "where": escape(_where(groups)),
+        "verdict": escape(_verdict(learned)),
+        "lessons": _lessons(found),
+        "contexts": _contexts(groups),
+        "choice": _choice(learned),
+        "trials": "\n".join(_trial(each, place, above) for place, each in enumerate(learned)),
+        "data": _data(found, learned),
+    }
+    title = f"{', '.join(programs)}, learned"
+    return filled("learned.html", title, _STYLES, _SCRIPTS, slots)
+
+
+def _where(groups: Sequence[Lesson]) -> str:
+    trials = sum(len(group.trials) for group in groups)
+    stages = dict.fromkeys(
+        trial.policy.provenance.stage.name
+        for group in groups
+        for trial in group.trials
+        if trial.policy.provenance is not None
+    )
+    episodes = sum(len(trial.episodes) for group in groups for trial in group.trials)
+    told = f"{count(trials, 'trial')}, {count(episodes, 'episode')}"
+    return f"{told} on {', '.join(stages)}" if stages else told
+
+
+def _verdict(learned: Sequence[Learned]) -> str:
+    episodes = [episode for each in learned for episode in each.episodes]
+    return f"{percent(sum(e.reward > 0 for e in episodes) / len(episodes))} rewarded"
+
+
+def _lessons(found: Sequence[Measured]) -> str:
+    """What each lesson came to, in numbers."""
+    rows = [
+        (
+            each.lesson.name,
+            len(each.lesson.trials),
+            each.lesson.episodes,
+            percent(each.lesson.hits().mean()),
+            _interval(each.rate[_SOME], min(_SOME, each.lesson.episodes) - 1),
+            _interval(each.rate[_SOME], -1),
+        )
+        for each in found
+    ]
+    some = f"{_SOME} episodes"
+    headings = ("lesson", "trials", "episodes", "rewarded", f"first {some}", f"last {some}")
+    caption = "Reward per transition: interquartile mean over trials, and its 95 % interval"
+    if all(len(each.lesson.trials) == 1 for each in found):
+        caption = "Reward per transition, on average"
+    return table(caption, headings, rows)
+
+
+def _interval(band: Band, place: int) -> str:
+    middle, lower, upper = (f"{values[place]:.3f}" for values in band)
+    return middle if lower == upper else f"{middle} [{lower}, {upper}]"
+
+
+def _contexts(groups: Sequence[Lesson]) -> str:
+    rows = []
+    for group in groups:
+        episodes = [episode for trial in group.trials for episode in trial.episodes]
+        for context in dict.fromkeys(sorted(each.context for each in episodes)):
+            own = [each for each in episodes if each.context == context]
+            hits = sum(each.reward > 0 for each in own)
+            rate = float(np.mean([each.reward / each.transitions for each in own]))
+            steps = float(np.median([each.transitions for each in own]))
+            rows.append((group.name, context, len(own), hits, percent(hits / len(own)),
+                         f"{rate:.3f}", f"{steps:g}"))  # fmt: skip
+    headings = ("lesson", "context", "episodes", "rewarded", "share", "reward per transition",
+                "transitions, median")  # fmt: skip
+    return table("By the stage's contexts", headings, rows, words=(0, 1))
+
+
+def _choice(learned: Sequence[Learned]) -> str:
+    """What chooses between trials, where there are several."""
+    if len(learned) == 1:
+        return ""
+    options = "".join(
+        f'<option value="trial-{place}">{escape(each.policy.name)}</option>'
+        for place, each in enumerate(learned)
+    )
+    return f'<label>Trial <select id="trial">{options}</select></label>'
+
+
+def _trial(learned: Learned, place: int, above: float) -> str:
+    """All of one trial."""
+    policy = learned.policy
+    diagram = policy_svg(_graph(learned, above))
+    densities = "".join(map(_density, learned.models))
+    notes = "".join(f"<p>{html(note)}</p>" for note in learned.notes)
+    name = escape(policy.name)
+    return (
+        f'<section class="trial" id="trial-{place}" aria-label="{name}"><h2>{name}</h2>{notes}'
+        f'<div class="pair"><figure class="scroll" tabindex="0" aria-label="Transition diagram">'
+        f"{diagram}<figcaption>What the policy does, and what follows.</figcaption></figure>"
+        f"<div>{_policy(learned)}{densities}</div></div>"
+        f'<details class="episodes"><summary>Episodes</summary><div class="rows" tabindex="0" '
+        f'role="region" aria-label="Episodes"></div></details>'
+        f"<details><summary>Provenance</summary>{_provenance(learned)}</details></section>"
+    )
+
+
+def _graph(learned: Learned, above: float) -> PolicyGraph:
+    """The policy's graph; what was rewarded is taken from the journal, where there is one."""
+    ends = [(episode.end, episode.reward > 0) for episode in learned.episodes]
+    unrewarded = {end for end, rewarded in ends if not rewarded}
+    known = {end for end, _ in ends if end is not None}
+    return policy_graph(
+        learned.policy, above, False, learned.programs, known - unrewarded if known else None
+    )
+
+
+def _policy(learned: Learned) -> str:
+    """The policy as a table."""
+    rows = [_row(learned, decision) for decision in decisions(learned.policy)]
+    headings = ("state", "action", "Q", "next best", "tried", "met", "ended", "what follows")
+    caption = f"Policy; a state has a letter for {', '.join(learned.policy.predicates)}"
+    return table(caption, headings, rows, words=(0, 1, 3, 7))
+
+
+def _row(learned: Learned, decision: Decision) -> tuple[object, ...]:
+    meanings = [
+        f"{member} {LETTERS[letter].meaning}"
+        for member, letter in zip(learned.policy.predicates, decision.state, strict=True)
+    ]
+    values = learned.policy.values.get(decision.state, {})
+    others = {action: value for action, value in values.items() if action != decision.action}
+    next_best = max(others, key=lambda action: others[action]) if others else None
+    shares = Counter({state: decision.share(state) for state in decision.after})
+    follows = ", ".join(f"{state} {percent(share)}" for state, share in shares.most_common(3))
+    return (
+        letters(decision.state, meanings),
+        decision.action,
+        None if decision.value is None else f"{decision.value:.3f}",
+        None if next_best is None else f"{next_best} {others[next_best]:.3f}",
+        decision.tried or None,
+        decision.met,
+        decision.ended or None,
+        follows,
+    )
+
+
+def _density(model: Model) -> str:
+    """An internal model: pictures, and what they show in numbers."""
+    density = model.document.density
+    samples = np.array([density.mean] if density.form == "gaussian" else density.samples)
+    spread = density.deviation if density.form == "gaussian" else samples.std(axis=0)
+    likeliest, _ = Landscape(model).peak()
+    rows = [
+        (joint.name, *(f"{np.degrees(v):.1f}" for v in
+                       (joint.lower, joint.upper, likeliest[place], samples[:, place].mean(),
+                        spread[place])))
+        for place, joint in enumerate(model.joints)
+    ]  # fmt: skip
+    headings = ("joint, degrees", "lower limit", "upper limit", "likeliest", "mean", "deviation")
+    kind = (
+        "a Gaussian for each joint"
+        if density.form == "gaussian"
+        else f"kernels around {count(len(samples), 'configuration')}"
+    )
+    use = "" if model.name is None else f", from which the program draws {model.name}"
+    told = (
+        f"Where {model.document.effector} was rewarded{use}: {kind}, {percent(density.uniform)} "
+        "uniform. Densities are relative to a uniform one."
+    )
+    pictures = "".join(density_svgs(model))
+    numbers = table(f"Internal model {model.document.name}", headings, rows)
+    return (
+        f'<figure class="densities"><figcaption>{html(told)}</figcaption>'
+        f'<div class="scroll" tabindex="0" role="region" aria-label="Densities">{pictures}</div>'
+        f"{numbers}</figure>"
+    )
+
+
+def _provenance(learned: Learned) -> str:
+    """Where the policy comes from, to learn it again."""
+    provenance = learned.policy.provenance
+    told: dict[str, object] = {"file": learned.file.name, "sha256": _digest(learned.sha256)}
+    if provenance is not None:
+        told = dict(_origin(provenance)) | told
+    return terms(told)
+
+
+def _origin(provenance: Provenance) -> Iterator[tuple[str, object]]:
+    yield "command", Markup(f"<code>{escape(provenance.command)}</code>")
+    for role in ("program", "robot", "stage"):
+        identity = getattr(provenance, role)
+        yield role, Markup(f"{escape(identity.name)} {_digest(identity.sha256)}")
+    yield "parameters", _pairs(provenance.parameters) or "none"
+    yield "actions", ", ".join(provenance.actions)
+    yield "seed, trial", f"{provenance.seed}, {provenance.trial}"
+    yield "backend", f"{provenance.backend}, images by {provenance.renderer}"
+    yield provenance.algorithm, _pairs(provenance.constants)
+    yield "versions", _pairs(provenance.versions)
+
+
+def _pairs(told: Mapping[str, object]) -> str:
+    return ", ".join(f"{name} {value}" for name, value in told.items())
+
+
+def _digest(sha256: str) -> Markup:
+    return Markup(f'<code class="digest">{escape(sha256)}</code>')
+
+
+def _data(found: Sequence[Measured], learned: Sequence[Learned]) -> str:
+    bundle = Bundle()
+    header: dict[str, Any] = {
+        "lessons": [_curves(each, bundle) for each in found],
+        "trials": [
+            {
+                "again": _again(each),
+                "episodes": [episode._asdict() for episode in each.episodes],
+            }
+            for each in learned
+        ],
+    }
+    return bundle.text(header)
+
+
+def _again(learned: Learned) -> str:
+    """The command that runs the program where an episode was."""
+    words = ["cb", "run", learned.policy.program]
+    provenance = learned.policy.provenance
+    if provenance is not None:
+        words += ["--stage", provenance.stage.name, "--backend", provenance.backend]
+    return shlex.join([*words, "--seed", "SEED"])
+
+
+def _curves(measured: Measured, bundle: Bundle) -> dict[str, Any]:
+    def kept(band: Band) -> dict[str, object]:
+        return {part: bundle.add(each.astype(np.float32)) for part, each in band._asdict().items()}
+
+    return {
+        "name": measured.lesson.name,
+        "trials": len(measured.lesson.trials),
+        "rate": {str(window): kept(band) for window, band in measured.rate.items()},
+        "hits": {str(window): kept(band) for window, band in measured.hits.items()},
+    }
