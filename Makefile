@@ -22,7 +22,7 @@ spelling:
 	$(BIN)codespell
 
 documents:
-	$(BIN)cb validate robots programs
+	$(BIN)cb validate robots programs knowledge
 
 # The slow tests too: they run episodes on the simulator.
 tests:

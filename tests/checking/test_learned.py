@@ -19,7 +19,6 @@ SHIPPED = {
     name: (ROOT / "programs" / f"{name}.yaml").read_text("utf-8")
     for name in ("searchtrack", "reachtouch")
 }
-USE = "{program: searchtrack, with: {feature: $feature}}"
 LEARNED = """cbdsl: 1
 kind: policy
 name: learned
@@ -40,7 +39,7 @@ density: {form: gaussian, mean: [0.1, 0.9], deviation: [0.2, 0.1], uniform: 0.25
 @pytest.fixture
 def folder(tmp_path: Path) -> Path:
     """REACHTOUCH, which uses SEARCHTRACK as it was learned."""
-    using = SHIPPED["reachtouch"].replace(USE, USE.replace("with:", "policy: learned, with:"))
+    using = SHIPPED["reachtouch"].replace("policy: searchtrack_table", "policy: learned")
     files = {
         "programs/searchtrack.yaml": SHIPPED["searchtrack"],
         "programs/reachtouch.yaml": using,

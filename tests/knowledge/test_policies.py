@@ -1,0 +1,122 @@
+"""What is shipped as learned belongs to the programs as they are, and does what they are for."""
+
+from __future__ import annotations
+
+import shlex
+from collections.abc import Callable, Iterator
+from pathlib import Path
+
+import pytest
+
+from cbdsl.backends.backend import Backend
+from cbdsl.backends.bullet.backend import BulletBackend
+from cbdsl.backends.kinematic.backend import KinematicBackend
+from cbdsl.checking.document import check_document
+from cbdsl.checking.learned import with_policy
+from cbdsl.checking.session import Session
+from cbdsl.documents.model import ModelDocument
+from cbdsl.documents.policy import PolicyDocument
+from cbdsl.documents.robot import RobotDocument
+from cbdsl.documents.stage import StageDocument
+from cbdsl.robot.kinematics import Kinematics
+from cbdsl.runtime.episode import EpisodeResult, Runner
+from cbdsl.yaml_text.library import FOLDERS, Library
+from tests.conftest import ROOT, Checked
+
+StageNamed = Callable[[str], StageDocument]
+Play = Callable[[Backend, str, int], EpisodeResult]
+
+POLICIES = sorted((ROOT / FOLDERS[PolicyDocument]).glob("*.yaml"))
+MODELS = sorted((ROOT / FOLDERS[ModelDocument]).glob("*.yaml"))
+NAMES = [path.stem for path in POLICIES]
+
+# In these contexts of training stages nothing can be won.
+HOPELESS = {"absent"}
+# How far fingers and objects give way differs, and with it the states that probing fingers pass.
+OTHERWISE = {"tactileprobe"}
+
+
+@pytest.fixture(scope="module")
+def kinematic(dexter: RobotDocument, urdf: Path) -> Iterator[KinematicBackend]:
+    backend = KinematicBackend(dexter, urdf)
+    yield backend
+    backend.close()
+
+
+@pytest.fixture(scope="module")
+def learned(library: Library) -> Callable[[str], PolicyDocument]:
+    def read(name: str) -> PolicyDocument:
+        return library.read(library.locate(PolicyDocument, name), PolicyDocument).document
+
+    return read
+
+
+@pytest.fixture(scope="module")
+def play(
+    dexter: RobotDocument,
+    kinematics: Kinematics,
+    library: Library,
+    checked: Checked,
+    stage: StageNamed,
+) -> Play:
+    """Runs an episode of a policy in the context that it was learned in."""
+
+    def run(backend: Backend, name: str, seed: int) -> EpisodeResult:
+        loaded = library.read(library.locate(PolicyDocument, name), PolicyDocument)
+        assert loaded.document.provenance is not None
+        program = with_policy(checked(loaded.document.program), loaded, library)
+        runner = Runner(dexter, kinematics, program, backend)
+        return runner.run(stage(loaded.document.provenance.stage.name), seed)
+
+    return run
+
+
+@pytest.mark.parametrize("path", [*POLICIES, *MODELS], ids=lambda path: path.stem)
+def test_what_was_learned_holds_for_the_programs_as_they_are(path: Path) -> None:
+    assert check_document(path, session=Session(Library(ROOT))) == []
+
+
+def test_every_model_belongs_to_a_policy(learned: Callable[[str], PolicyDocument]) -> None:
+    used = {model for name in NAMES for model in learned(name).models.values()}
+    assert used <= {path.stem for path in MODELS}
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_a_policy_names_the_command_that_learns_it_again(
+    learned: Callable[[str], PolicyDocument], name: str
+) -> None:
+    document = learned(name)
+    provenance = document.provenance
+    assert provenance is not None and document.curve is not None
+    words = shlex.split(provenance.command)
+    assert words[:3] == ["cb", "learn", document.program]
+    assert words[words.index("--out") + 1] == f"{name}.yaml"
+    assert words[words.index("--seed") + 1] == str(provenance.seed)
+    assert provenance.backend == "bullet"
+    assert len(document.curve.reward) == provenance.episodes
+
+
+def require_sense(result: EpisodeResult) -> None:
+    """Rewarded where something can be won, and nowhere else."""
+    assert result.rewarded == (result.context not in HOPELESS), result.ending
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_a_policy_runs(kinematic: KinematicBackend, play: Play, name: str) -> None:
+    for seed in (81_001, 81_002):
+        require_sense(play(kinematic, name, seed))
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", NAMES)
+@pytest.mark.parametrize("seed", range(82_001, 82_007))
+def test_a_policy_passes_the_same_states_on_both_backends(
+    bullet: BulletBackend, kinematic: KinematicBackend, play: Play, name: str, seed: int
+) -> None:
+    one, other = play(bullet, name, seed), play(kinematic, name, seed)
+    for result in (one, other):
+        require_sense(result)
+    assert other.context == one.context
+    if name not in OTHERWISE:
+        assert other.predicates == one.predicates, f"{one.ending} / {other.ending}"
+        assert other.actions == one.actions
