@@ -30,14 +30,17 @@ class DrawnArc:
         state: pattern of the state that it leaves.
         action: what is done there.
         next_states: patterns of the state that it leads to.
+        context: of the stage; only there it is looked for, where it is not ``None``.
     """
 
     state: str
     action: str
     next_states: tuple[str, ...]
+    context: str | None = None
 
     def __str__(self) -> str:
-        return f"{self.state}, {self.action} → {' or '.join(self.next_states)}"
+        where = f" ({self.context})" if self.context else ""
+        return f"{self.state}, {self.action} → {' or '.join(self.next_states)}{where}"
 
     def is_among(self, arcs: Iterable[Arc]) -> bool:
         """Whether a diagram has it."""

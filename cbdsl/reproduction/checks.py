@@ -2,17 +2,12 @@
 
 from __future__ import annotations
 
-import math
-from collections.abc import Sequence
 from dataclasses import dataclass
 
 from cbdsl.learning.experience import Experience
 from cbdsl.reproduction.experiment import Settings
 from cbdsl.reproduction.lesson import Lesson
 from cbdsl.reproduction.school import Learned, School
-
-# A policy counts as learned once it succeeds this often, at as many checks in a row.
-_SUCCESS, _IN_A_ROW = 0.95, 3
 
 
 @dataclass(frozen=True)
@@ -70,15 +65,3 @@ def check(school: School, learned: Learned, schedule: Schedule) -> Check:
     episodes = len(learned.trial.experiences)
     seeds = learned.held_out(schedule.held_out)
     return Check(episodes, school.greedy(learned, f"greedy_{episodes}", seeds))
-
-
-def learned_in(lesson: Lesson, found: Sequence[Check]) -> float:
-    """The first episode from which the greedy policy succeeds, infinite where it never does.
-
-    It succeeds where 95 % of the episodes are rewarded at three checks in a row.
-    """
-    succeeds = [each.success(lesson) >= _SUCCESS for each in found]
-    for first in range(len(found) - _IN_A_ROW + 1):
-        if all(succeeds[first : first + _IN_A_ROW]):
-            return found[first].episodes
-    return math.inf

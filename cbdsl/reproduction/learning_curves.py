@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -11,16 +10,12 @@ from numpy.typing import NDArray
 
 from cbdsl.learning.experience import Experience
 from cbdsl.reproduction.chart import Chart, Line
-from cbdsl.reproduction.checks import Check, checks, learned_in, schedule
+from cbdsl.reproduction.checks import Check, checks, schedule
 from cbdsl.reproduction.experiment import Outcome, Settings
-from cbdsl.reproduction.interval import (
-    exact_interval,
-    interquartile_interval,
-    interquartile_mean,
-    median_interval,
-)
+from cbdsl.reproduction.interval import interquartile_interval, interquartile_mean
+from cbdsl.reproduction.learned_in import learned_in_quantities
 from cbdsl.reproduction.lesson import COARTICULATED, SEQUENTIAL, Lesson
-from cbdsl.reproduction.quantity import Claim, Quantity, above, at_most, near
+from cbdsl.reproduction.quantity import Quantity, above, near
 from cbdsl.reproduction.school import Learned, School, school
 from cbdsl.training.course import journal_file
 from cbdsl.training.onlooker import Onlooker
@@ -60,11 +55,6 @@ class Curves:
         level: Floats = self.rewards[:, -_LAST:].mean(axis=1)
         return level
 
-    @property
-    def learned_in(self) -> Floats:
-        """After how many episodes each trial had learned, infinite for never, shape (trials,)."""
-        return np.array([learned_in(self.lesson, found) for found in self.checks])
-
 
 def per_transition(experience: Experience) -> float:
     """Reward per state transition, the measure of Figure 4.6."""
@@ -78,8 +68,12 @@ def run(settings: Settings, name: str) -> Outcome:
             _expect(dexter, lesson, settings)
         sequential, both = (_curves(dexter, each, settings) for each in (SEQUENTIAL, COARTICULATED))
     quantities = (
-        *_learned_in(sequential, "about 10 episodes", near(10, 5), settings.seed),
-        *_learned_in(both, "about 20 episodes", near(20, 10), settings.seed),
+        *learned_in_quantities(
+            SEQUENTIAL, sequential.checks, "about 10 episodes", near(10, 5), settings.seed
+        ),
+        *learned_in_quantities(
+            COARTICULATED, both.checks, "about 20 episodes", near(20, 10), settings.seed
+        ),
         _times(sequential, both, settings.seed),
         _advantage(sequential, both, settings.seed),
     )
@@ -97,32 +91,6 @@ def _curves(dexter: School, lesson: Lesson, settings: Settings) -> Curves:
     plan = schedule(settings)
     trials = tuple(dexter.learn(lesson))
     return Curves(lesson, trials, tuple(checks(dexter, each, plan) for each in trials))
-
-
-def _learned_in(curves: Curves, source: str, expected: Claim, seed: int) -> Iterator[Quantity]:
-    found, label = curves.learned_in, curves.lesson.label
-    finite = found[np.isfinite(found)]
-    middle = float(np.median(found))
-    yield Quantity(
-        f"{label}: learned in, median",
-        "episodes",
-        source,
-        middle if math.isfinite(middle) else math.nan,
-        expected,
-        interval=median_interval(found, seed) if math.isfinite(middle) else None,
-        note=f"{finite.min():g} to {finite.max():g}" if len(finite) else "",
-    )
-    never = len(found) - len(finite)
-    low, high = exact_interval(never, len(found))
-    yield Quantity(
-        f"{label}: trials that never learned",
-        "%",
-        "none",
-        100 * never / len(found),
-        at_most(0),
-        interval=(100 * low, 100 * high),
-        note=f"{never} of {len(found)}",
-    )
 
 
 def _times(sequential: Curves, both: Curves, seed: int) -> Quantity:

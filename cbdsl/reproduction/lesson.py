@@ -80,3 +80,13 @@ TACTILEPROBE = Lesson(
     trials=1,
     density="gaussian",
 )
+#: Section 4.3.1.
+REACHTOUCH = Lesson(
+    name="reachtouch",
+    label="REACHTOUCH",
+    program="reachtouch",
+    stage="reachtouch_training",
+    episodes=25,
+    trials=1,
+    hopeless=frozenset({"absent"}),
+)

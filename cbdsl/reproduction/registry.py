@@ -20,6 +20,7 @@ _ALL: tuple[Experiment, ...] = (
     Experiment("fig-4.6b", "What SEARCHTRACK's policies earn without exploring", "Section 4.2.1, Figure 4.6 (b)", "greedy_reward", learns=True),  # noqa: E501
     Experiment("fig-4.7", "Transitions of TACTILEPROBE's policy", "Section 4.2.2, Figure 4.7", "transition_diagrams", learns=True),  # noqa: E501
     Experiment("fig-4.8", "Where TACTILEPROBE's internal models expect contact", "Section 4.2.2, Figure 4.8", "internal_models", learns=True),  # noqa: E501
+    Experiment("fig-4.10", "Transitions of REACHTOUCH's policy", "Section 4.3.1, Figure 4.10", "transition_diagrams", learns=True),  # noqa: E501
 )
 # fmt: on
 

@@ -113,7 +113,9 @@ def _quantity(quantity: Quantity) -> dict[str, object]:
         "unit": quantity.unit,
         "source": quantity.source,
         "ours": None if math.isnan(quantity.ours) else quantity.ours,
-        "interval": list(quantity.interval) if quantity.interval else None,
+        # JSON has no infinity.
+        "interval": quantity.interval
+        and [end if math.isfinite(end) else None for end in quantity.interval],
         "expected": quantity.expected.text,
         "verdict": quantity.verdict.value,
         "note": quantity.note,

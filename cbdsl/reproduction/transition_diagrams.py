@@ -12,11 +12,12 @@ from cbdsl.reproduction.checks import Check, Schedule, check, schedule
 from cbdsl.reproduction.diagram import Diagram
 from cbdsl.reproduction.experiment import Outcome, Settings
 from cbdsl.reproduction.interval import exact_interval
-from cbdsl.reproduction.lesson import COARTICULATED, SEQUENTIAL, TACTILEPROBE, Lesson
-from cbdsl.reproduction.quantity import Interval, Quantity, above, at_least
+from cbdsl.reproduction.learned_in import learned_in_quantities
+from cbdsl.reproduction.lesson import COARTICULATED, REACHTOUCH, SEQUENTIAL, TACTILEPROBE, Lesson
+from cbdsl.reproduction.quantity import Interval, Quantity, above, at_least, at_most
 from cbdsl.reproduction.school import School, school
 
-Found = tuple[Check, Mapping[Arc, float]]
+_REACH = "reach ◁ touch"
 
 
 @dataclass(frozen=True)
@@ -26,10 +27,12 @@ class DrawnPolicy:
     Attributes:
         lesson: what it is learned from.
         arcs: that the source draws.
+        learned_in: within how many episodes the source has it learned, where it shows no curve.
     """
 
     lesson: Lesson
     arcs: tuple[DrawnArc, ...]
+    learned_in: int | None = None
 
 
 def _probing(search: str, sense: str) -> tuple[DrawnArc, ...]:
@@ -59,7 +62,22 @@ DRAWN: Mapping[str, tuple[DrawnPolicy, ...]] = {
         ),
         DrawnPolicy(COARTICULATED, _probing("search", "track")),
     ),
-    "fig-4.7": (DrawnPolicy(TACTILEPROBE, _probing("search", "touch")),),
+    "fig-4.7": (DrawnPolicy(TACTILEPROBE, _probing("search", "touch"), learned_in=25),),
+    "fig-4.10": (
+        DrawnPolicy(
+            REACHTOUCH,
+            (
+                DrawnArc("XXX", _REACH, ("X0-",), "presented"),
+                DrawnArc("XXX", _REACH, ("X--",), "delivered"),
+                DrawnArc("X--", "searchtrack", ("0XX", "1XX")),
+                DrawnArc("1XX", _REACH, ("X0-",)),
+                DrawnArc("X0-", _REACH, ("X*0", "X11"), "presented"),
+                DrawnArc("X**", _REACH, ("X11",), "presented"),
+                DrawnArc("X0-", _REACH, ("X1-",), "absent"),
+            ),
+            learned_in=25,
+        ),
+    ),
 }
 
 
@@ -70,46 +88,71 @@ def run(settings: Settings, name: str) -> Outcome:
     diagrams: list[Diagram] = []
     with school(settings) as dexter:
         for drawn in DRAWN[name]:
-            dexter.expect(
-                dexter.trials(drawn.lesson) * (dexter.episodes(drawn.lesson) + plan.held_out)
-            )
+            episodes = dexter.episodes(drawn.lesson)
+            each = episodes + plan.held_out * len(_when(drawn, episodes, plan))
+            dexter.expect(dexter.trials(drawn.lesson) * each)
         for drawn in DRAWN[name]:
-            found = _final_diagrams(dexter, drawn.lesson, plan)
-            quantities += _quantities(drawn, found)
-            diagrams.append(_pooled(name, drawn.lesson, found))
+            trials = _checks(dexter, drawn, plan)
+            last = [checks[-1] for checks in trials]
+            quantities += _quantities(drawn, last)
+            quantities.append(_rewarded(drawn.lesson, last))
+            if drawn.learned_in is not None:
+                source, expected = f"within {drawn.learned_in}", at_most(drawn.learned_in)
+                quantities += learned_in_quantities(
+                    drawn.lesson, trials, source, expected, settings.seed
+                )
+            diagrams.append(_pooled(name, drawn.lesson, last))
     return Outcome(tuple(quantities), tuple(diagrams), _notes(plan))
 
 
-def _final_diagrams(dexter: School, lesson: Lesson, plan: Schedule) -> list[Found]:
-    """What each trial's greedy policy passes in held-out episodes."""
-    checks = [check(dexter, learned, plan) for learned in dexter.learn(lesson)]
-    return [(each, diagram_of(each.experiences)) for each in checks]
+def _when(drawn: DrawnPolicy, episodes: int, plan: Schedule) -> Sequence[int]:
+    """After which episodes there is a check: the last one is enough for a diagram."""
+    return [episodes] if drawn.learned_in is None else plan.after(episodes)
 
 
-def _quantities(drawn: DrawnPolicy, found: Sequence[Found]) -> Iterator[Quantity]:
+def _checks(dexter: School, drawn: DrawnPolicy, plan: Schedule) -> list[list[Check]]:
+    """The checks of each trial."""
+    when = _when(drawn, dexter.episodes(drawn.lesson), plan)
+    return [
+        [check(dexter, learned.after(episodes), plan) for episodes in when]
+        for learned in dexter.learn(drawn.lesson)
+    ]
+
+
+def _quantities(drawn: DrawnPolicy, found: Sequence[Check]) -> Iterator[Quantity]:
     """How many of the trials have what the source draws."""
-    diagrams = [diagram for _, diagram in found]
-    have_all = [all(arc.is_among(diagram) for arc in drawn.arcs) for diagram in diagrams]
     label = drawn.lesson.label
-    yield _share(f"{label}: policies with all arcs", have_all, "")
-    for arc in drawn.arcs:
-        joined = sum(arc.is_joined(diagram) for diagram in diagrams)
-        note = f"{joined} with whatever action"
-        yield _share(f"{label}: {arc}", [arc.is_among(diagram) for diagram in diagrams], note)
+    pairs = [[(arc, _diagram(arc, check)) for arc in drawn.arcs] for check in found]
+    whole = [all(arc.is_among(arcs) for arc, arcs in row if arcs) for row in pairs]
+    yield _share(f"{label}: policies with all arcs", whole, "")
+    for column in zip(*pairs, strict=True):
+        has = [arc.is_among(arcs) for arc, arcs in column if arcs]
+        joined = sum(arc.is_joined(arcs) for arc, arcs in column if arcs)
+        arc, _ = column[0]
+        yield _share(f"{label}: {arc}", has, f"{joined} with whatever action")
+
+
+def _diagram(arc: DrawnArc, check: Check) -> Mapping[Arc, float]:
+    """The diagram that an arc is looked for in; empty where its context did not occur."""
+    return diagram_of(each for each in check.experiences if arc.context in (None, each.context))
+
+
+def _rewarded(lesson: Lesson, found: Sequence[Check]) -> Quantity:
     rewarded = [
         experience.reward > 0
-        for check, _ in found
+        for check in found
         for experience in check.experiences
-        if experience.context not in drawn.lesson.hopeless
+        if experience.context not in lesson.hopeless
     ]
-    yield Quantity(
-        f"{label}: held-out episodes that the greedy policy is rewarded in",
+    hits, trials = sum(rewarded), len(rewarded)
+    return Quantity(
+        f"{lesson.label}: held-out episodes that the greedy policy is rewarded in",
         "%",
         "its reward is found",
-        100 * sum(rewarded) / len(rewarded) if rewarded else math.nan,
+        100 * hits / trials if trials else math.nan,
         at_least(95),
-        interval=_percent(sum(rewarded), len(rewarded)) if rewarded else None,
-        note=f"{sum(rewarded)} of {len(rewarded)}",
+        interval=_percent(hits, trials) if trials else None,
+        note=f"{hits} of {trials}",
     )
 
 
@@ -119,9 +162,9 @@ def _share(name: str, has: Sequence[bool], note: str) -> Quantity:
         name,
         "%",
         "drawn",
-        100 * sum(has) / len(has),
+        100 * sum(has) / len(has) if has else math.nan,
         above(50),
-        interval=_percent(sum(has), len(has)),
+        interval=_percent(sum(has), len(has)) if has else None,
         note=f"{counted}; {note}" if note else counted,
     )
 
@@ -131,9 +174,9 @@ def _percent(hits: int, trials: int) -> Interval:
     return 100 * low, 100 * high
 
 
-def _pooled(name: str, lesson: Lesson, found: Sequence[Found]) -> Diagram:
+def _pooled(name: str, lesson: Lesson, found: Sequence[Check]) -> Diagram:
     """The episodes of all trials in one diagram."""
-    arcs = diagram_of(chain.from_iterable(check.experiences for check, _ in found))
+    arcs = diagram_of(chain.from_iterable(check.experiences for check in found))
     members = next(iter(arcs)).state
     title = f"{lesson.label}: transitions of all greedy policies, above {100 * LEAST:.0f} %"
     return Diagram(f"{name}-{lesson.name}", title, "X" * len(members), arcs)
@@ -143,7 +186,8 @@ def _notes(plan: Schedule) -> tuple[str, ...]:
     return (
         f"After a trial, its greedy policy runs {plan.held_out} episodes that it did not learn "
         f"from. An arc is there if more than {100 * LEAST:.0f} % of what leaves its state takes "
-        "it, and counts as reproduced if most trials have it. In the picture all trials are one.",
+        "it, and counts as reproduced if most trials have it; where a context of the stage is "
+        "named, only episodes in it count. In the picture all trials are one.",
         "Where the superior controller has no reference, it moves nothing: then both orders of a "
         "composition do the same, and which of them a policy names there is chance.",
     )

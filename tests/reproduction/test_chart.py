@@ -46,3 +46,13 @@ def test_curves_share_their_axes() -> None:
     assert low[0] == high[0]
     assert low[1][0] == high[1][0]
     assert low[1][1] - low[0][1] == pytest.approx((high[1][1] - high[0][1]) / 2, abs=0.2)
+
+
+def test_an_interval_is_drawn_around_its_curve() -> None:
+    line = Line("one", (0.0, 1.0), (1.0, 2.0), low=(0.5, 1.0), high=(1.5, 4.0))
+    root = ET.fromstring(Chart("name", "title", "x", "y", (line,)).svg())
+    (band,) = root.iter(f"{SVG}polygon")
+    downs = [float(pair.split(",")[1]) for pair in band.attrib["points"].split()]
+    (corners,) = drawn(line)
+    for (_, middle), top, bottom in zip(corners, downs[:2], reversed(downs[2:]), strict=True):
+        assert 33 <= top < middle < bottom <= 255

@@ -9,7 +9,13 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from cbdsl.reproduction.interval import bootstrap_interval, exact_interval
+from cbdsl.reproduction.interval import (
+    bootstrap_interval,
+    exact_interval,
+    interquartile_interval,
+    interquartile_mean,
+    median_interval,
+)
 
 
 def at_least(hits: int, trials: int, p: float) -> float:
@@ -52,3 +58,38 @@ def test_bootstrapping_is_repeatable_and_needs_samples() -> None:
     assert bootstrap_interval([5.0]) == (5.0, 5.0)
     with pytest.raises(ValueError, match="no samples"):
         bootstrap_interval([])
+
+
+@given(st.lists(st.floats(-1e3, 1e3), min_size=1, max_size=40))
+def test_an_interquartile_mean_lies_in_the_middle_and_forgets_what_is_far(
+    values: list[float],
+) -> None:
+    mean = float(interquartile_mean(np.array(values)))
+    ordered, out = sorted(values), len(values) // 4
+    assert ordered[out] - 1e-9 <= mean <= ordered[len(values) - out - 1] + 1e-9
+    if out:
+        ordered[-1] = 1e9
+        assert float(interquartile_mean(np.array(ordered))) == pytest.approx(mean)
+
+
+def test_interquartile_means_go_along_the_first_axis() -> None:
+    values = np.random.default_rng(0).normal(size=(30, 4)) + np.arange(4)
+    low, high = interquartile_interval(values, seed=1)
+    middle = interquartile_mean(values)
+    assert low.shape == high.shape == middle.shape == (4,)
+    assert (low < middle).all() and (middle < high).all()
+    one_low, one_high = interquartile_interval(values[:, 0], seed=1)
+    assert (one_low, one_high) == pytest.approx((low[0], high[0]))
+
+
+def test_nothing_has_no_interquartile_interval() -> None:
+    with pytest.raises(ValueError, match="no samples"):
+        interquartile_interval(np.empty((0, 3)))
+
+
+@given(st.lists(st.sampled_from([5.0, 10.0, 20.0, math.inf]), min_size=1, max_size=30))
+def test_the_interval_of_a_median_includes_it_even_if_some_are_infinite(
+    values: list[float],
+) -> None:
+    low, high = median_interval(np.array(values), draws=500)
+    assert low <= np.median(values) <= high

@@ -1,0 +1,43 @@
+"""Which arcs a diagram has, and which of the source's are among them."""
+
+from __future__ import annotations
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from cbdsl.reproduction.arcs import Arc, DrawnArc, diagram_of
+
+from .lessons import experience
+
+STEPS = st.tuples(*(st.sampled_from(each) for each in (["XX", "X0"], ["a", "b"], ["X0", "X1"])))
+
+
+@given(st.lists(st.lists(STEPS, min_size=1, max_size=5), max_size=5))
+def test_what_leaves_a_state_adds_up(episodes: list[list[tuple[str, str, str]]]) -> None:
+    experiences = [experience(*steps) for steps in episodes]
+    whole = diagram_of(experiences, least=0.0)
+    for state in {arc.state for arc in whole}:
+        assert sum(share for arc, share in whole.items() if arc.state == state) == pytest.approx(1)
+    drawn = diagram_of(experiences)
+    assert drawn == {arc: share for arc, share in whole.items() if share > 0.2}
+
+
+def test_arcs_that_are_rare_are_not_drawn() -> None:
+    often, seldom = ("XX", "track", "X0"), ("XX", "track", "X-")
+    assert diagram_of([experience(often)] * 4 + [experience(seldom)]) == {Arc(*often): 0.8}
+
+
+@pytest.mark.parametrize(
+    ("arc", "among", "joined"),
+    [
+        (Arc("X-", "search", "0X"), True, True),
+        (Arc("1-", "search", "1X"), True, True),
+        (Arc("X-", "track", "0X"), False, True),
+        (Arc("X0", "search", "0X"), False, False),
+        (Arc("X-", "search", "X-"), False, False),
+    ],
+)
+def test_a_drawn_arc_is_found_by_patterns(arc: Arc, among: bool, joined: bool) -> None:
+    drawn = DrawnArc("*-", "search", ("0X", "1*"))
+    assert (drawn.is_among([arc]), drawn.is_joined([arc])) == (among, joined)

@@ -1,0 +1,53 @@
+"""Experiments that learn: small ones on the kinematic backend, and going on where they stopped."""
+
+from __future__ import annotations
+
+import math
+import xml.etree.ElementTree as ET
+from pathlib import Path
+
+import pytest
+
+from cbdsl.reproduction.experiment import Experiment, Settings
+from cbdsl.reproduction.registry import EXPERIMENTS
+from cbdsl.reproduction.report import data
+from cbdsl.training.classroom import BackendClassroom
+
+LEARNING = [
+    pytest.param(each, id=each.name, marks=[] if "4.2.1" in each.section else pytest.mark.slow)
+    for each in EXPERIMENTS.values()
+    if each.learns
+]
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Where the trials of all experiments are kept, which share them."""
+    return tmp_path_factory.mktemp("trials")
+
+
+@pytest.mark.parametrize("experiment", LEARNING)
+def test_an_experiment_measures_and_goes_on_from_what_is_kept(
+    experiment: Experiment, folder: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    told: list[tuple[int, int]] = []
+    settings = Settings(
+        seed=2, quick=True, trials=1, folder=folder, progress=lambda *parts: told.append(parts)
+    )
+    outcome = experiment.load()(settings)
+    assert outcome.quantities and outcome.notes
+    assert told[-1][0] == told[-1][1]
+    for quantity in outcome.quantities:
+        if quantity.interval is not None and not math.isnan(quantity.ours):
+            low, high = quantity.interval
+            assert low - 1e-9 <= quantity.ours <= high + 1e-9, quantity.name
+    for picture in outcome.charts:
+        ET.fromstring(picture.svg())
+        assert picture.name.startswith(experiment.name)
+
+    def none(*_: object) -> None:
+        raise AssertionError("all episodes are kept")
+
+    monkeypatch.setattr(BackendClassroom, "hold", none)
+    again = experiment.load()(settings)
+    assert data(experiment, settings, again) == data(experiment, settings, outcome)
