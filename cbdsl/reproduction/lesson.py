@@ -90,3 +90,21 @@ REACHTOUCH = Lesson(
     trials=1,
     hopeless=frozenset({"absent"}),
 )
+#: Section 4.3.2. The source has 25 episodes in the text, and 50 in the caption of its figure.
+VISUALINSPECT = Lesson(
+    name="visualinspect",
+    label="VISUALINSPECT",
+    program="visualinspect",
+    stage="spotted_right",
+    episodes=50,
+    trials=1,
+)
+#: Section 4.3.3.
+BIMANUALTOUCH = Lesson(
+    name="bimanualtouch",
+    label="BIMANUALTOUCH",
+    program="bimanualtouch",
+    stage="table_right",
+    episodes=25,
+    trials=1,
+)

@@ -21,6 +21,8 @@ _ALL: tuple[Experiment, ...] = (
     Experiment("fig-4.7", "Transitions of TACTILEPROBE's policy", "Section 4.2.2, Figure 4.7", "transition_diagrams", learns=True),  # noqa: E501
     Experiment("fig-4.8", "Where TACTILEPROBE's internal models expect contact", "Section 4.2.2, Figure 4.8", "internal_models", learns=True),  # noqa: E501
     Experiment("fig-4.10", "Transitions of REACHTOUCH's policy", "Section 4.3.1, Figure 4.10", "transition_diagrams", learns=True),  # noqa: E501
+    Experiment("fig-4.11", "Transitions of VISUALINSPECT's policy", "Section 4.3.2, Figure 4.11", "transition_diagrams", learns=True),  # noqa: E501
+    Experiment("fig-4.13", "Transitions of BIMANUALTOUCH's policy", "Section 4.3.3, Figure 4.13", "transition_diagrams", learns=True),  # noqa: E501
 )
 # fmt: on
 

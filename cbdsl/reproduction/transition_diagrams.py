@@ -13,11 +13,23 @@ from cbdsl.reproduction.diagram import Diagram
 from cbdsl.reproduction.experiment import Outcome, Settings
 from cbdsl.reproduction.interval import exact_interval
 from cbdsl.reproduction.learned_in import learned_in_quantities
-from cbdsl.reproduction.lesson import COARTICULATED, REACHTOUCH, SEQUENTIAL, TACTILEPROBE, Lesson
+from cbdsl.reproduction.lesson import (
+    BIMANUALTOUCH,
+    COARTICULATED,
+    REACHTOUCH,
+    SEQUENTIAL,
+    TACTILEPROBE,
+    VISUALINSPECT,
+    Lesson,
+)
 from cbdsl.reproduction.quantity import Interval, Quantity, above, at_least, at_most
 from cbdsl.reproduction.school import School, school
 
-_REACH = "reach ◁ touch"
+_REACH, _INSPECT, _BRING = (
+    "reach ◁ touch",
+    "localizability ◁ track",
+    "conditionedhold ◁ touch",
+)
 
 
 @dataclass(frozen=True)
@@ -74,6 +86,34 @@ DRAWN: Mapping[str, tuple[DrawnPolicy, ...]] = {
                 DrawnArc("X0-", _REACH, ("X*0", "X11"), "presented"),
                 DrawnArc("X**", _REACH, ("X11",), "presented"),
                 DrawnArc("X0-", _REACH, ("X1-",), "absent"),
+            ),
+            learned_in=25,
+        ),
+    ),
+    "fig-4.11": (
+        DrawnPolicy(
+            VISUALINSPECT,
+            (
+                DrawnArc("XXX", "track", ("XX0",), "facing"),
+                DrawnArc("XX0", "track", ("XX1",), "facing"),
+                DrawnArc("XXX", "track", ("XX-",), "hidden"),
+                DrawnArc("XX-", "reachtouch", ("0XX", "1XX"), "hidden"),
+                DrawnArc("1XX", _INSPECT, ("X0-",), "hidden"),
+                DrawnArc("X0-", _INSPECT, ("X00",), "hidden"),
+                DrawnArc("X00", _INSPECT, ("X01",), "hidden"),
+            ),
+            learned_in=50,
+        ),
+    ),
+    "fig-4.13": (
+        DrawnPolicy(
+            BIMANUALTOUCH,
+            (
+                DrawnArc("XXX", "reachtouch", ("0XX", "1XX")),
+                DrawnArc("1XX", _BRING, ("X0-",)),
+                DrawnArc("X0-", _BRING, ("X00",)),
+                DrawnArc("X00", _BRING, ("X10",)),
+                DrawnArc("X10", _BRING, ("X11",)),
             ),
             learned_in=25,
         ),

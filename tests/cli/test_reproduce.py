@@ -19,6 +19,7 @@ from cbdsl.reproduction.quantity import Quantity, above
 
 TOY = Experiment("toy-1", "A toy", "Section 0", "toy")
 OTHER = Experiment("toy-2", "Another toy", "Section 0.1", "toy")
+LEARNED = Experiment("toy-3", "A toy that learns", "Section 0.2", "learned_toy", learns=True)
 
 
 def cb(monkeypatch: pytest.MonkeyPatch, *arguments: str) -> int:
@@ -49,6 +50,23 @@ def toys(monkeypatch: pytest.MonkeyPatch) -> list[Settings]:
     monkeypatch.setitem(sys.modules, module.__name__, module)
     monkeypatch.setattr(registry, "EXPERIMENTS", {each.name: each for each in (TOY, OTHER)})
     return ran
+
+
+@pytest.fixture
+def learning(toys: list[Settings], monkeypatch: pytest.MonkeyPatch) -> list[Settings]:
+    """The toys, and one that learns."""
+
+    def run(settings: Settings, name: str) -> Outcome:
+        toys.append(settings)
+        assert settings.folder.is_dir()
+        return Outcome((Quantity(name, "", "some", 1.0, above(0)),))
+
+    module = types.ModuleType("cbdsl.reproduction.learned_toy")
+    module.run = run  # type: ignore[attr-defined]
+    monkeypatch.setitem(sys.modules, module.__name__, module)
+    everything = {each.name: each for each in (TOY, LEARNED, OTHER)}
+    monkeypatch.setattr(registry, "EXPERIMENTS", everything)
+    return toys
 
 
 def test_the_list(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
@@ -128,6 +146,50 @@ def test_a_page_is_renewed_section_by_section(
     assert page.read_text("utf-8") == both.replace("Seed 1.", "Seed 3.").replace(
         "--seed 1", "--seed 3"
     )
+
+
+def test_what_was_learned_has_a_section_for_each_backend(
+    learning: list[Settings], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    page, keep = tmp_path / "page.md", tmp_path / "a" / "trials"
+    chosen = ("--backend", "bullet", "--trials", "3", "--keep", str(keep))
+    assert cb(monkeypatch, "all", "--out", str(page), *chosen) == 0
+    assert cb(monkeypatch, "toy-3", "--out", str(page)) == 0
+    text = page.read_text("utf-8")
+    headings = [line.split(": ")[0] for line in text.splitlines() if line.startswith("## ")]
+    assert headings == ["## toy-1", "## toy-3", "## toy-3 on bullet", "## toy-2"]
+    assert "`cb reproduce toy-3 --seed 0 --backend bullet --trials 3`" in text
+    assert "`cb reproduce toy-3 --seed 0 --backend kinematic`" in text
+    assert "`cb reproduce toy-1 --seed 0`" in text
+    kept, passing = learning[1], learning[-1]
+    assert (kept.backend, kept.trials, kept.folder) == ("bullet", 3, keep) and keep.is_dir()
+    assert not passing.folder.exists()
+
+
+@pytest.mark.parametrize("option", [("--backend", "bullet"), ("--trials", "3"), ("--keep", "x")])
+def test_options_of_learning_are_for_what_learns(
+    option: tuple[str, str],
+    learning: list[Settings],
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    assert cb(monkeypatch, "toy-1", *option) == 2
+    assert f"{option[0]} is for experiments that learn" in capsys.readouterr().err
+    assert not learning and not list(tmp_path.iterdir())
+
+
+def test_a_folder_that_cannot_be_is_told(
+    learning: list[Settings],
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    (tmp_path / "file").touch()
+    assert cb(monkeypatch, "toy-3", "--keep", str(tmp_path / "file")) == 2
+    assert "--keep" in capsys.readouterr().err
+    assert not learning
 
 
 def test_a_json_file(toys: list[Settings], tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

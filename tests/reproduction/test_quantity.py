@@ -14,6 +14,7 @@ from cbdsl.reproduction.quantity import (
     at_least,
     at_most,
     below,
+    clearly_above,
     clearly_below,
     covering,
     near,
@@ -37,6 +38,9 @@ def test_claims_about_numbers(claim: Claim, holds: float, fails: float) -> None:
 
 
 def test_claims_about_intervals() -> None:
+    assert clearly_above(0.5).holds(0.7, (0.6, 0.8))
+    assert not clearly_above(0.5).holds(0.7, (0.4, 0.8))
+    assert not clearly_above(0.5).holds(0.7, None)
     assert covering(0.5).holds(0.3, (0.2, 0.6))
     assert not covering(0.5).holds(0.3, (0.2, 0.4))
     assert not covering(0.5).holds(0.5, None)
