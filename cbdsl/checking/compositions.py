@@ -14,9 +14,16 @@ _DEEPEST = 64
 
 
 class Compositions:
-    """Builds the primitives of one program, each once."""
+    """Builds the primitives of one program, each once.
+
+    Attributes:
+        repetitive: the compositions in which a controller occurs twice.
+        unknown: names that nothing has.
+    """
 
     def __init__(self, context: Context) -> None:
+        self.repetitive: set[Expression] = set()
+        self.unknown: set[str] = set()
         self._context = context
         self._built: dict[str, tuple[Controller, ...] | None] = {}
 
@@ -123,6 +130,7 @@ class Compositions:
                 if controller.name in seen:
                     place = self._context.at(steps, term.span)
                     self._context.add("CB407", place, name=controller.name)
+                    self.repetitive.add(expression)
                     repeats = True
                 seen.add(controller.name)
         return repeats
@@ -137,6 +145,7 @@ class Compositions:
         if not (is_whole("controllers", term.name) and is_whole("use", term.name)):
             return  # what it names has been reported
         names = [*document.controllers, *document.use]
+        self.unknown.add(term.name)
         self._context.add("CB404", place, names=names, name=term.name)
 
     def wrong_arity(self, term: Term, steps: Steps, parameters: tuple[str, ...]) -> None:

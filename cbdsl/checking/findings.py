@@ -5,8 +5,14 @@ from __future__ import annotations
 from collections.abc import Iterable
 from typing import Any
 
-from cbdsl.errors.diagnostic import Diagnostic, Place
+from cbdsl.errors.counting import count
+from cbdsl.errors.diagnostic import Diagnostic, Place, Related
 from cbdsl.errors.wording import diagnostic
+
+# What these miss is declared in one place, and may be missed in many.
+_MISSED = frozenset({"CB308", "CB351", "CB402", "CB404", "CB501", "CB613"})
+# More places show nothing that these do not.
+_MOST_PLACES = 6
 
 
 class Findings:
@@ -29,5 +35,23 @@ class Findings:
         return any(found.is_error for found in self._found)
 
     def sorted(self) -> tuple[Diagnostic, ...]:
-        """All of them by place."""
-        return tuple(sorted(self._found, key=lambda found: (found.place, found.code)))
+        """All of them by place, and each name that is missed once."""
+        missed: dict[tuple[str, str, str], Diagnostic] = {}
+        places: dict[Diagnostic, list[Place]] = {}
+        for found in sorted(self._found, key=lambda found: (found.place, found.code)):
+            key = (found.place.file, found.code, found.message)
+            first = missed.setdefault(key, found) if found.code in _MISSED else found
+            others = places.setdefault(first, [])
+            if first is not found:
+                others.append(found.place)
+        return tuple(_with(first, others) for first, others in places.items())
+
+
+def _with(found: Diagnostic, others: list[Place]) -> Diagnostic:
+    """A finding that speaks of the other places where the same is missed."""
+    if not others:
+        return found
+    told = [Related(place, "and here") for place in others[:_MOST_PLACES]]
+    if more := len(others) - len(told):
+        told[-1] = told[-1]._replace(message=f"and here, and in {count(more, 'more place')}")
+    return found._replace(related=(*found.related, *told))

@@ -24,8 +24,20 @@ def parse_at(
         if _is_of_a_faulty_name(text, source):
             return None
         place = source.inside(steps, error.span.start, error.span.end)
-        findings.add("CB401", place, problem=str(error))
+        is_cut = ends_within_a_call(text) and _is_before_a_comma(source, steps)
+        cut = "; YAML ends it at the ',', so quote the whole call" if is_cut else ""
+        findings.add("CB401", place, problem=f"{error}{cut}")
     return None
+
+
+def ends_within_a_call(text: str) -> bool:
+    """Whether a bracket is not closed, as in the first part of ``[look(sat_10, head)]``."""
+    return text.count("(") > text.count(")")
+
+
+def _is_before_a_comma(source: SourceMap, steps: tuple[Step, ...]) -> bool:
+    place = source.place(*steps)
+    return source.lines[place.line - 1][place.end_column - 1 :].lstrip()[:1] == ","
 
 
 def _is_of_a_faulty_name(text: str, source: SourceMap) -> bool:

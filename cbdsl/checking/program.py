@@ -11,6 +11,7 @@ from cbdsl.checking.context import Context, Steps
 from cbdsl.checking.findings import Findings
 from cbdsl.checking.learned import check_policy, with_policy
 from cbdsl.checking.model import model_resource
+from cbdsl.checking.parsing import ends_within_a_call
 from cbdsl.checking.scope import Scope
 from cbdsl.checking.session import Session
 from cbdsl.checking.states import check_states
@@ -172,14 +173,14 @@ class _ProgramCheck:
         # An action that cannot be read, or names nothing, may be the one that is missed.
         complete = are_read and all(self._is_declared(expression) for expression, _ in actions)
         members = self._members(actions)
-        composed = self._only_composed(actions, members) if complete else []
         checked = [self._action(expression, steps) for expression, steps in actions]
-        self._seek(checked if complete else [None], _primitives(checked))
+        composed = self._only_composed(actions, members) if complete else []
         policy = self._policy([str(expression) for expression, _ in actions], complete)
         known = members if are_read and not composed else None
         check_states(policy, known, context.source, context.findings)
         used = frozenset(context.used)
         self._compositions.check_all()
+        self._seek(_primitives(checked), complete and None not in checked)
         if self._findings.failed:
             return None
         check_unused(context, used)
@@ -343,8 +344,13 @@ class _ProgramCheck:
         found: dict[str, tuple[Expression, Steps]] = {}
         if ("actions",) in self._context.source.broken:
             return []
+        is_cut = False
         for i, text in enumerate(self._document.actions):
             steps: Steps = ("actions", i)
+            if is_cut:  # a part of the call before, which has been reported
+                is_cut = ")" not in text
+                continue
+            is_cut = ends_within_a_call(text)
             expression = self._context.parse(text, steps)
             if expression is None:
                 continue
@@ -369,6 +375,8 @@ class _ProgramCheck:
         """Report controllers that no state shows, and that are part of actions."""
         known, names = self._document.controllers, []
         for expression, steps in actions:
+            if expression in self._compositions.repetitive:
+                continue  # without the repetition it may be an action of a single term
             for term in expression.terms:
                 if str(term) not in members and term.name in known:
                     place = self._context.at(steps, term.span)
@@ -401,8 +409,13 @@ class _ProgramCheck:
         expression = self._context.parse(text, steps)
         return None if expression is None else self._compositions.composition(expression, steps)
 
-    def _seek(self, actions: list[Action | None], primitives: Mapping[str, Primitive]) -> None:
-        """Controllers that others wait for have to run."""
+    def _seek(self, primitives: Mapping[str, Primitive], complete: bool) -> None:
+        """Controllers that others wait for have to run.
+
+        Args:
+            primitives: what runs, by name.
+            complete: whether that is all, because no action is faulty.
+        """
         running = [c for primitive in primitives.values() for c in primitive.controllers]
         names = [controller.name for controller in running]
         for key, document in self._document.controllers.items():
@@ -413,7 +426,8 @@ class _ProgramCheck:
             once = self._context.parse(seek.once, steps)
             if once is None or str(once) in names:
                 continue
-            if None not in actions or not self._is_declared(once):
+            missed = {term.name for term in once.terms} <= self._compositions.unknown
+            if complete or not (missed or self._is_declared(once)):
                 place = self._context.source.place(*steps)
                 self._context.add("CB514", place, names=names, name=str(once))
 

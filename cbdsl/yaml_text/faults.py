@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from functools import cache
 from itertools import pairwise
 from typing import Any, NamedTuple, get_args
@@ -61,14 +61,25 @@ class _Fault(NamedTuple):
 
 
 def faults(
-    errors: Iterable[ErrorDetails], source: SourceMap, model: type[BaseModel]
+    errors: Iterable[ErrorDetails],
+    source: SourceMap,
+    model: type[BaseModel],
+    follows: Callable[[tuple[Step, ...], str], bool],
 ) -> list[Diagnostic]:
-    """One diagnostic for each value that is wrong, however many ways of a union it failed."""
+    """One diagnostic for each value that is wrong, however many ways of a union it failed.
+
+    Args:
+        errors: what pydantic found.
+        source: the text.
+        model: the kind of document.
+        follows: whether an error of a type at a path is there only because of another one.
+    """
     found = [_Fault(path_of(error, source), error) for error in errors]
     enclosing = {fault.path[:depth] for fault in found for depth in range(len(fault.path))}
     by_path: dict[tuple[Step, ...], list[_Fault]] = {}
     for fault in found:
-        if not (fault.is_of_parts and fault.path in enclosing):
+        is_known = follows(fault.path, fault.error["type"])
+        if not (is_known or (fault.is_of_parts and fault.path in enclosing)):
             by_path.setdefault(fault.path, []).append(fault)
     misspelt = _misspelt(by_path)
     return [_diagnose(p, same, source, model) for p, same in by_path.items() if p not in misspelt]

@@ -95,9 +95,10 @@ class _Salvage(Generic[D]):
     def _mend(self, errors: list[ErrorDetails]) -> None:
         """Report what is wrong, and take it away."""
         located = [(path_of(error, self._source), error) for error in errors]
-        new = [error for path, error in located if not self._follows(path, error["type"])]
-        self._faults += faults(new, self._source, self._model)
-        wrong = [path for path, error in located if error["type"] != "missing"]
+        self._faults += faults(errors, self._source, self._model, self._follows)
+        # Where something inside is wrong as well, the whole may be right without that.
+        outer = {path[:depth] for path, _ in located for depth in range(len(path))}
+        wrong = [p for p, e in located if e["type"] != "missing" and p not in outer]
         unknown = {path: e["loc"] for path, e in located if e["type"] == "extra_forbidden"}
         respelt = {path for path, loc in unknown.items() if self._respell(path, loc)}
         missing = {path for path, error in located if error["type"] == "missing"} - self._respelt

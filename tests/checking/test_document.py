@@ -50,6 +50,37 @@ def test_findings(path: Path, session: Session) -> None:
     assert found == wanted
 
 
+#: Cases with several findings, and the reason for each group: one mended mistake leaves the others.
+SEVERAL = {
+    "the same kind of mistake in several places": """
+        background_unknown compared_with_itself elbow_bent_backwards field_obstacle_shape
+        funnel_below half_a_standoff light_touch short_windows beside_the_table
+        looks_too_far negative_radius standoff_behind alias_hides_a_channel alias_of_nothing
+        far_behind negative_constants no_contact_of_nothing no_speed_at_all
+        posture_named_position surface_of_nothing task_speed unknown_joint window_of_a_task
+    """,
+    "several mistakes, each of its own kind": """
+        other_predicates wrong_letters field_obstacles field_workspace many_at_once
+        several_faults several_keys several_states half_contexts joint_unknown robot_unknown
+        unknown_hand unknown_thing two_errors_of_a_reference base_moves camera_faults
+        channel_faults coupling_faults gains_of_one load_cell_faults no_normal
+        posture_faults task_faults unknown_renderer broken_and_wrong key_meant_by_another
+        octal_and_unknown robot_unknown_and_more thing_is_broken broken_effector
+        rate_and_joint
+    """,
+    "mistakes of another document": "faulty_stage robot_is_faulty robot_is_broken",
+    "one key too few, and one too many": "shape_incomplete",
+    "an ignore that silences nothing, and what it should silence": "ignore_everything",
+    "a wrong name and a use of itself": "uses_itself_under_another_name",
+}
+
+
+@pytest.mark.parametrize("path", CASES, ids=lambda path: path.stem)
+def test_one_mistake_is_one_finding(path: Path, session: Session) -> None:
+    justified = {name for names in SEVERAL.values() for name in names.split()}
+    assert (len(findings(path, session)) > 1) == (path.stem in justified)
+
+
 def test_there_are_enough_cases() -> None:
     assert len(CASES) >= 350
 
