@@ -39,8 +39,15 @@ class Page:
         self.errors: list[str] = []
         self.requests: list[str] = []
 
-    def open(self, file: Path, hash_: str = "", width: int = 1400, height: int = 1500) -> None:
-        """Show a file, and wait until it has unpacked itself."""
+    def open(
+        self,
+        file: Path,
+        hash_: str = "",
+        width: int = 1400,
+        height: int = 1500,
+        ready: str = "document.getElementById('clock')?.textContent",
+    ) -> None:
+        """Show a file, and wait until it has unpacked itself, which makes ``ready`` true."""
         target = self.send("Target.createTarget", url="about:blank")["targetId"]
         session = self.send("Target.attachToTarget", targetId=target, flatten=True)
         self._session = session["sessionId"]
@@ -49,7 +56,7 @@ class Page:
         self.send("Page.addScriptToEvaluateOnNewDocument", source=self.before)
         self.size(width, height)
         self.send("Page.navigate", url=f"{file.resolve().as_uri()}{hash_}")
-        self.wait("document.getElementById('clock')?.textContent")
+        self.wait(ready)
 
     def size(self, width: int, height: int) -> None:
         """Make the page as large as this."""

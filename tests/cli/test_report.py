@@ -1,0 +1,109 @@
+"""``cb report``: a page is written in one step, or a sentence says why not."""
+
+from __future__ import annotations
+
+import os
+import sys
+from pathlib import Path
+
+import pytest
+
+from tests.cli.test_main import cb
+from tests.reporting.trials import write_trial
+
+
+@pytest.fixture
+def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """The working folder, with the trials of a lesson in ``knowledge``."""
+    (tmp_path / "knowledge").mkdir()
+    for seed in (0, 1):
+        write_trial(tmp_path / "knowledge", f"walked_{seed}", seed)
+    (tmp_path / "empty").mkdir()
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
+def test_a_policy_has_its_page_beside_it(
+    folder: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert cb(monkeypatch, "report", "knowledge/walked_0.yaml") == 0
+    assert capsys.readouterr().out == "knowledge/walked_0.html: 0.1 MB\n"
+    text = Path("knowledge/walked_0.html").read_text("utf-8")
+    assert text.startswith("<!doctype html>") and text.count('<section class="trial"') == 1
+
+
+def test_a_folder_has_one_page_of_all_its_trials(
+    folder: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    assert cb(monkeypatch, "report", "knowledge") == 0
+    text = Path("knowledge/report.html").read_text("utf-8")
+    assert text.count('<section class="trial"') == 2
+    # The page is no policy: the same command makes the same page again.
+    assert cb(monkeypatch, "report", "knowledge") == 0
+    assert Path("knowledge/report.html").read_text("utf-8") == text
+
+
+def test_a_failed_write_leaves_what_was_there(
+    folder: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    def fail(*_: object) -> None:
+        raise OSError(28, "No space left on device")
+
+    target = folder / "empty" / "page.html"
+    target.write_text("before", encoding="utf-8")
+    monkeypatch.setattr(os, "replace", fail)
+    assert cb(monkeypatch, "report", "knowledge", "--out", str(target)) == 2
+    assert "cannot be written (No space left on device)" in capsys.readouterr().err
+    assert target.read_text("utf-8") == "before"
+    assert [each.name for each in target.parent.iterdir()] == ["page.html"]
+
+
+MISTAKES = [
+    (["none.yaml"], 2, "none.yaml: there is no such file"),
+    (["empty"], 2, "empty: no policy is in this folder"),
+    (["knowledge/walked_0_head.yaml"], 1, "CB201"),
+    (["knowledge/walked_0.episodes.jsonl"], 2, "name the policy"),
+    (["knowledge/walked_0.yaml", "--out", "missing/page.html"], 2, "cannot be written"),
+    (["knowledge/walked_0.yaml", "--above", "-1"], 2, "--above"),
+    ([], 2, "FILE|FOLDER"),
+]
+
+
+@pytest.mark.parametrize(
+    ("arguments", "code", "named"), MISTAKES, ids=[" ".join(m[0]) for m in MISTAKES]
+)
+def test_a_mistake_is_one_clear_message(
+    folder: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+    arguments: list[str],
+    code: int,
+    named: str,
+) -> None:
+    assert cb(monkeypatch, "report", *arguments) == code
+    out, err = capsys.readouterr()
+    assert named in out + err
+    assert "Traceback" not in err and "internal error" not in err
+    assert not list(folder.rglob("*.html"))
+
+
+def test_a_browser_opens_only_for_people(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    opened: list[str] = []
+    monkeypatch.setattr("typer.launch", opened.append)
+    assert cb(monkeypatch, "report", "knowledge") == 0
+    monkeypatch.setattr(sys.stdout, "isatty", lambda: True, raising=False)
+    assert cb(monkeypatch, "report", "knowledge", "--no-open") == 0
+    assert opened == []
+    assert cb(monkeypatch, "report", "knowledge") == 0
+    assert opened == [str(Path("knowledge/report.html"))]
+
+
+def test_without_numpy_it_says_what_to_install(
+    folder: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    for name in [*sys.modules]:
+        if name == "numpy" or name.startswith("cbdsl.reporting"):
+            monkeypatch.delitem(sys.modules, name)
+    monkeypatch.setitem(sys.modules, "numpy", None)
+    assert cb(monkeypatch, "report", "knowledge") == 2
+    assert "pip install 'cbdsl[sim]'" in capsys.readouterr().err

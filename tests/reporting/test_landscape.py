@@ -1,0 +1,95 @@
+"""Densities as functions: those that references are drawn from."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from cbdsl.documents.model import Gaussian, Kernel, ModelDocument
+from cbdsl.program.binding import density_source
+from cbdsl.reporting.landscape import Landscape
+from cbdsl.reporting.learned import Joint, Model
+from cbdsl.robot.density import DensitySampler
+
+ANGLES = st.floats(-1.2, 1.2)
+WIDTHS = st.floats(0.1, 1.0)
+SHARES = st.floats(0, 1)
+JOINTS = (Joint("pan", -1.0, 1.5), Joint("tilt", -0.5, 1.0))
+
+
+def pairs(each: st.SearchStrategy[float]) -> st.SearchStrategy[tuple[float, ...]]:
+    return st.tuples(each, each)
+
+
+DENSITIES = st.one_of(
+    st.builds(
+        Gaussian,
+        form=st.just("gaussian"),
+        mean=pairs(ANGLES),
+        deviation=pairs(WIDTHS),
+        uniform=SHARES,
+    ),
+    st.builds(
+        Kernel,
+        form=st.just("kernel"),
+        samples=st.lists(pairs(ANGLES), min_size=1, max_size=6).map(tuple),
+        bandwidth=pairs(WIDTHS),
+        uniform=SHARES,
+    ),
+)
+
+
+def landscape(density: Gaussian | Kernel) -> Landscape:
+    document = ModelDocument(
+        cbdsl=1, kind="model", name="m", robot="r", effector="e", density=density
+    )
+    return Landscape(Model("head.likely", document, JOINTS))
+
+
+def mean_over(values: np.ndarray) -> np.ndarray:
+    """The mean along the last axis, by the trapezoidal rule."""
+    return (values[..., 1:] + values[..., :-1]).mean(axis=-1) / 2
+
+
+@given(DENSITIES)
+@settings(max_examples=30)
+def test_they_are_one_on_average(density: Gaussian | Kernel) -> None:
+    found = landscape(density)
+    whole = found.over(found.angles(0), found.angles(1))
+    assert mean_over(mean_over(whole)) == pytest.approx(1, abs=2e-3)
+    assert (whole >= density.uniform - 1e-12).all()
+
+
+@given(DENSITIES)
+@settings(max_examples=30)
+def test_along_one_joint_is_over_both_on_average(density: Gaussian | Kernel) -> None:
+    found = landscape(density)
+    whole = found.over(found.angles(0), found.angles(1))
+    assert mean_over(whole) == pytest.approx(found.along(1, found.angles(1)), abs=5e-3)
+    assert mean_over(whole.T) == pytest.approx(found.along(0, found.angles(0)), abs=5e-3)
+
+
+@given(DENSITIES)
+@settings(max_examples=10, deadline=None)
+def test_draws_have_this_density(density: Gaussian | Kernel) -> None:
+    found = landscape(density)
+    sampler = DensitySampler(
+        density_source("e", density), found.lower, found.upper, np.random.default_rng(0)
+    )
+    draws = np.array([sampler.draw() for _ in range(1500)])
+    for joint in range(2):
+        counts, edges = np.histogram(draws[:, joint], 6, (found.lower[joint], found.upper[joint]))
+        for count, low, high in zip(counts, edges, edges[1:], strict=False):
+            expected = mean_over(found.along(joint, np.linspace(low, high, 50))) / 6
+            assert abs(count / len(draws) - expected) < 0.06
+
+
+@given(DENSITIES)
+@settings(max_examples=20)
+def test_nothing_is_likelier_than_the_peak(density: Gaussian | Kernel) -> None:
+    found = landscape(density)
+    (first, second), most = found.peak()
+    assert found.over(np.array([first]), np.array([second]))[0, 0] == pytest.approx(most)
+    assert found.over(found.angles(0), found.angles(1)).max() <= most + 1e-12

@@ -1,0 +1,115 @@
+"""What was learned is read as it was written, or a sentence says why not."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import pytest
+
+from cbdsl.documents.policy import PolicyDocument
+from cbdsl.errors.errors import DiagnosticsError, UsageError
+from cbdsl.reporting.learned import find_learned, read_learned
+from cbdsl.reporting.lessons import lessons, measured
+from cbdsl.yaml_text.reader import read
+from cbdsl.yaml_text.writer import write
+from tests.reporting.trials import write_trial
+
+
+def test_a_trial_is_what_its_files_say(tmp_path: Path) -> None:
+    file = write_trial(tmp_path, "walked", episodes=30)
+    learned = read_learned(file)
+    curve = learned.policy.curve
+    assert curve is not None
+    assert tuple(each.reward for each in learned.episodes) == curve.reward
+    assert tuple(each.transitions for each in learned.episodes) == curve.transitions
+    assert [each.seed for each in learned.episodes] == list(range(30))
+    assert {each.end for each in learned.episodes if each.reward} == {"X1"}
+    assert [(model.name, model.document.effector) for model in learned.models] == [
+        ("head.uniform", "head"),
+        (None, "right_hand"),
+    ]
+    assert [joint.name for joint in learned.models[0].joints] == ["pan", "tilt"]
+    assert learned.notes == ()
+
+
+def test_without_a_journal_the_curve_tells(tmp_path: Path) -> None:
+    file = write_trial(tmp_path, "walked")
+    with_journal = read_learned(file)
+    file.with_suffix(".episodes.jsonl").unlink()
+    without = read_learned(file)
+    for one, other in zip(with_journal.episodes, without.episodes, strict=True):
+        assert (one.reward, one.transitions) == (other.reward, other.transitions)
+        assert other.seed is None and other.end is None
+
+
+def test_a_trial_that_went_on_has_more_in_its_journal(tmp_path: Path) -> None:
+    file = write_trial(tmp_path, "walked", episodes=20)
+    journal = file.with_suffix(".episodes.jsonl")
+    whole = journal.read_text("utf-8")
+    journal.write_text(whole + whole.splitlines()[-1] + '\n{"cut', encoding="utf-8")
+    assert len(read_learned(file).episodes) == 20
+
+
+def test_what_is_missing_is_told(tmp_path: Path) -> None:
+    file = write_trial(tmp_path, "walked")
+    (tmp_path / "walked_head.yaml").unlink()
+    learned = read_learned(file)
+    assert [model.document.effector for model in learned.models] == ["right_hand"]
+    assert learned.notes == (
+        "Without the internal model walked_head: there is no model 'walked_head'.",
+    )
+
+
+@pytest.mark.parametrize("content", ["", "[]\n[]\n", '{"a": 1}\n{"b"', '{}\n{"transitions": []}\n'])
+def test_a_damaged_journal_is_an_error(tmp_path: Path, content: str) -> None:
+    file = write_trial(tmp_path, "walked")
+    file.with_suffix(".episodes.jsonl").write_text(content, encoding="utf-8")
+    with pytest.raises(UsageError, match=r"walked\.episodes\.jsonl: (no journal|holds 0)"):
+        read_learned(file)
+
+
+def test_a_folder_has_its_policies_in_the_order_of_their_numbers(tmp_path: Path) -> None:
+    for number in (10, 9, 0):
+        write_trial(tmp_path, f"walked_{number}", seed=number)
+    names = [file.name for file in find_learned(tmp_path)]
+    assert names == ["walked_0.yaml", "walked_9.yaml", "walked_10.yaml"]
+
+
+def test_mistakes_are_told(tmp_path: Path) -> None:
+    file = write_trial(tmp_path, "walked")
+    with pytest.raises(UsageError, match="no such file"):
+        find_learned(tmp_path / "none.yaml")
+    with pytest.raises(UsageError, match=r"walked\.yaml"):
+        find_learned(file.with_suffix(".episodes.jsonl"))
+    (tmp_path / "empty").mkdir()
+    with pytest.raises(UsageError, match="no policy"):
+        find_learned(tmp_path / "empty")
+    with pytest.raises(DiagnosticsError):
+        read_learned(tmp_path / "walked_head.yaml")
+    policy = read(file, PolicyDocument).document
+    write(policy.model_copy(update={"curve": None}), file)
+    with pytest.raises(UsageError, match="cb show policy"):
+        read_learned(file)
+
+
+def test_trials_that_differ_in_chance_are_one_lesson(tmp_path: Path) -> None:
+    files = [write_trial(tmp_path, f"walked_{seed}", seed, 10 + seed) for seed in range(3)]
+    files.append(write_trial(tmp_path, "other", alpha=0.5))
+    found = lessons([read_learned(file) for file in files])
+    assert [(each.name, len(each.trials), each.episodes) for each in found] == [
+        ("walked", 3, 10),
+        ("other", 1, 20),
+    ]
+
+
+def test_curves_are_those_of_the_journals(tmp_path: Path) -> None:
+    file = write_trial(tmp_path, "walked")
+    rows = file.with_suffix(".episodes.jsonl").read_text("utf-8").splitlines()[1:]
+    episodes = [json.loads(row)["transitions"] for row in rows]
+    (lesson,) = lessons([read_learned(file)])
+    found = measured(lesson)
+    rates = [sum(each["reward"] for each in own) / len(own) for own in episodes]
+    assert found.rate[1].middle.tolist() == pytest.approx(rates)
+    assert found.rate[10].middle[-1] == pytest.approx(sum(rates[-10:]) / 10)
+    assert found.hits[1].middle.tolist() == [float(rate > 0) for rate in rates]
