@@ -27,8 +27,9 @@ def policy_text(policy: PolicyDocument, graph: PolicyGraph) -> str:
 def _policy(policy: PolicyDocument, graph: PolicyGraph) -> Iterator[str]:
     yield title(graph)
     yield from _item("state", ", ".join(policy.predicates))
-    letters = (f"{letter} {look.meaning}" for letter, look in LETTERS.items())
-    yield from _item("letters", ", ".join(letters))
+    letters = [letter for letter in LETTERS if letter != "*" or "*" in "".join(policy.policy)]
+    told = (f"{letter} {LETTERS[letter].meaning}" for letter in letters)
+    yield from _item("letters", ", ".join(told))
     if policy.provenance is not None:
         known = policy.provenance
         where = f"{known.stage.name} ({known.backend})"
@@ -40,10 +41,11 @@ def _policy(policy: PolicyDocument, graph: PolicyGraph) -> Iterator[str]:
         yield from _item("rewarded", f"{hits} of {count(len(policy.curve.reward), 'episode')}")
     for name, model in policy.models.items():
         yield from _item("model", f"{name} is {model}")
-    yield "\nPolicy"
+    learned = any(decision.value is not None for decision in decisions(policy))
+    yield f"\nPolicy{' (Q: discounted reward to expect)' if learned else ''}"
     yield from _table(_rows(decisions(policy)))
     if graph.arcs:
-        yield f"\nWhat follows, above {percent(graph.above)} (Q: discounted reward to expect)"
+        yield f"\nWhat follows, above {percent(graph.above)}"
         yield from _tree(graph)
 
 
