@@ -14,7 +14,7 @@ from cbdsl.reproduction.experiment import Outcome, Settings
 from cbdsl.reproduction.interval import interquartile_interval, interquartile_mean
 from cbdsl.reproduction.laboratory import shipped_robot
 from cbdsl.reproduction.lesson import COARTICULATED, TACTILEPROBE, Lesson
-from cbdsl.reproduction.quantity import Quantity, above, clearly_below
+from cbdsl.reproduction.quantity import Quantity, above, clearly_above, clearly_below
 from cbdsl.reproduction.school import school
 from cbdsl.robot.kinematics import Kinematics
 
@@ -78,7 +78,8 @@ def _peaks(expectations: Sequence[Expectation], seed: int) -> Iterator[Quantity]
 def _quantity(name: str, source: str, values: Floats, seed: int) -> Quantity:
     low, high = interquartile_interval(values, seed)
     middle = float(interquartile_mean(values))
-    return Quantity(name, "", source, middle, above(1), interval=(float(low), float(high)))
+    interval = (float(low), float(high))
+    return Quantity(name, "", source, middle, clearly_above(1), above(1), interval)
 
 
 def _narrowing(expectations: Sequence[Expectation], seed: int) -> Iterator[Quantity]:
