@@ -16,6 +16,9 @@ class Shutter:
 
     def opens(self, tick: int) -> bool:
         """Whether the time for an image came within the last tick; the first is at tick 0."""
-        # The small shares keep rounding from putting an image off to the next tick.
-        before, now = (int(each * self._per_tick + 1e-6) for each in (tick - 1, tick))
-        return tick == 0 or now > before
+        return tick == 0 or self._images(tick) > self._images(tick - 1)
+
+    def _images(self, tick: int) -> int:
+        """How many are due by then."""
+        # The small share keeps rounding from putting an image off to the next tick.
+        return int(tick * self._per_tick + 1e-6)

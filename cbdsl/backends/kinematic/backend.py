@@ -78,9 +78,10 @@ class KinematicBackend:
         # The sensors' noise has a stream of its own: who else draws from rng cannot change it.
         noise = np.random.default_rng(rng.integers(2**63))
         self._tick = 0
-        self._positions = self._reference = starting_posture(
+        self._positions = starting_posture(
             chosen, self._robot, self._joints, self._nearest_to_zero, rng
         )
+        self._reference = self._positions.copy()
         self._velocities = np.zeros_like(self._positions)
         self._tree.update(self._positions)
         self._world = World()
@@ -112,7 +113,7 @@ class KinematicBackend:
 
     def apply(self, reference: Floats) -> None:
         """Set the references of the actuated joints, rad, shape (n,), for the end of the step."""
-        self._reference = np.array(reference, dtype=np.float64)
+        self._reference[:] = reference
 
     def step(self) -> None:
         """Let one control period pass."""

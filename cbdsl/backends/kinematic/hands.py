@@ -159,8 +159,9 @@ class Hands:
         """Where fingertips are pressed into things or fixtures."""
         if not world.things or not self._fingertips:
             return []
-        found = depths(world.solids, self._tree.placements, self._rows, self._centres, self._radii)
-        if found[:, :, 0].max() <= 0.0:
+        found = np.empty((len(self._fingertips), len(world.things), 7))
+        tips = self._rows, self._centres, self._radii
+        if not depths(world.solids, self._tree.placements, *tips, found):
             return []
         things = list(world.things.values())
         contacts = []

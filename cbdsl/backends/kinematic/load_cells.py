@@ -45,8 +45,8 @@ class LoadCells:
 
     def sample(self, wrenches: Floats) -> None:
         """Take in the wrenches of one control tick, shape (cells, 6)."""
-        chance = self._rng.standard_normal(self._readings.shape)
-        self._readings = _filtered(self._readings, wrenches, self._noise, chance, self._gain)
+        before, self._readings = self._readings, self._rng.standard_normal(self._readings.shape)
+        _filter(before, wrenches, self._noise, self._gain, self._readings)
 
     def read(self) -> Mapping[Cell, Floats]:
         """Force, N, and torque, N m, that each fingertip exerts, world frame, shape (6,) each."""
@@ -54,16 +54,12 @@ class LoadCells:
 
 
 @compiled_once
-def _filtered(
-    before: Floats, wrenches: Floats, noise: Floats, chance: Floats, gain: float
-) -> Floats:
-    """The readings after those before, shape (cells, 6), with ``chance`` from a unit normal."""
-    found = np.empty_like(before)
+def _filter(before: Floats, wrenches: Floats, noise: Floats, gain: float, after: Floats) -> None:
+    """The readings after those before, shape (cells, 6); ``after`` brings draws of a unit normal."""
     for cell in range(len(before)):
         for part in range(6):
-            sample = wrenches[cell, part] + noise[part] * chance[cell, part]
-            found[cell, part] = before[cell, part] + gain * (sample - before[cell, part])
-    return found
+            sample = wrenches[cell, part] + noise[part] * after[cell, part]
+            after[cell, part] = before[cell, part] + gain * (sample - before[cell, part])
 
 
 def _gain(time_constant: float, rate: float) -> float:

@@ -28,16 +28,21 @@ class Servos:
 
     def follow(self, positions: Floats, reference: Floats) -> Floats:
         """Where the joints are a tick later, rad, shape (n,) each."""
-        return _followed(positions, reference, self._step, self._lower, self._upper)
+        reached = np.empty(len(positions))
+        _follow(positions, reference, self._step, self._lower, self._upper, reached)
+        return reached
 
 
 @compiled_once
-def _followed(
-    positions: Floats, reference: Floats, step: Floats, lower: Floats, upper: Floats
-) -> Floats:
-    reached = np.empty_like(positions)
+def _follow(
+    positions: Floats,
+    reference: Floats,
+    step: Floats,
+    lower: Floats,
+    upper: Floats,
+    reached: Floats,
+) -> None:
     for joint in range(len(positions)):
         least, most = positions[joint] - step[joint], positions[joint] + step[joint]
         wanted = min(max(reference[joint], least), most)
         reached[joint] = min(max(wanted, lower[joint]), upper[joint])
-    return reached

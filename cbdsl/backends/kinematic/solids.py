@@ -86,9 +86,14 @@ def _outside(solid: Floats, x: float, y: float, z: float) -> tuple[float, float,
 
 @compiled_once
 def depths(
-    solids: Floats, placements: Floats, rows: Rows, centres: Floats, radii: Floats
-) -> Floats:
-    """How deep balls are inside solids, and which way is out.
+    solids: Floats,
+    placements: Floats,
+    rows: Rows,
+    centres: Floats,
+    radii: Floats,
+    found: Floats,
+) -> bool:
+    """Find how deep balls are inside solids, and which way is out.
 
     Args:
         solids: shape (k, 16).
@@ -96,12 +101,13 @@ def depths(
         rows: of the links that carry the balls, shape (n,).
         centres: of the balls in their links' frames, m, shape (n, 3).
         radii: of the balls, m, shape (n,).
+        found: takes depth, m, negative where they do not touch; the solid's outward unit normal;
+            and the ball's centre in the world frame, m, shape (n, k, 7).
 
     Returns:
-        Shape (n, k, 7): depth, m, negative where they do not touch; the solid's outward unit
-        normal; and the ball's centre in the world frame, m.
+        Whether any ball touches any solid.
     """
-    found = np.empty((len(rows), len(solids), 7))
+    touching = False
     for i in range(len(rows)):
         place, centre = placements[rows[i]], centres[i]
         x, y, z = (
@@ -114,11 +120,12 @@ def depths(
             a, b, c = _into(solid, x - solid[4], y - solid[5], z - solid[6])
             distance, u, v, w = _outside(solid, a, b, c)
             own[0] = radii[i] - distance
+            touching |= own[0] > 0.0
             own[1] = solid[7] * u + solid[8] * v + solid[9] * w
             own[2] = solid[10] * u + solid[11] * v + solid[12] * w
             own[3] = solid[13] * u + solid[14] * v + solid[15] * w
             own[4], own[5], own[6] = x, y, z
-    return found
+    return touching
 
 
 @compiled_once

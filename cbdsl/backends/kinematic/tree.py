@@ -51,9 +51,8 @@ class Tree:
     def update(self, positions: Floats) -> None:
         """Set the actuated joints' positions, rad, shape (n,)."""
         angles: Floats = self._joints.expansion.dot(positions)
-        self.placements: Floats = _place(
-            self._parents, self._columns, self._origins, self._axes, angles
-        )
+        self.placements: Floats = np.empty((len(self.rows), 12))
+        _place(self._parents, self._columns, self._origins, self._axes, angles, self.placements)
 
     def pose(self, link: str) -> Pose:
         """Where a link is."""
@@ -83,8 +82,10 @@ def _outwards(
 
 
 @compiled_once
-def _place(parents: Rows, columns: Rows, origins: Floats, axes: Floats, angles: Floats) -> Floats:
-    """Placements of the base and of all links beyond it, shape (1 + joints, 12).
+def _place(
+    parents: Rows, columns: Rows, origins: Floats, axes: Floats, angles: Floats, placed: Floats
+) -> None:
+    """Place the base and all links beyond it.
 
     Args:
         parents: row of the link that each joint leaves from, shape (joints,).
@@ -92,8 +93,9 @@ def _place(parents: Rows, columns: Rows, origins: Floats, axes: Floats, angles: 
         origins: of each joint in that link's frame, as placements, shape (joints, 12).
         axes: unit vectors, shape (joints, 3).
         angles: rad.
+        placed: takes the placements of all links, shape (1 + joints, 12).
     """
-    placed = np.zeros((1 + len(parents), 12))
+    placed[0] = 0.0
     placed[0, 0] = placed[0, 4] = placed[0, 8] = 1.0
     turn, turned = np.empty((3, 3)), np.empty((3, 3))
     for joint in range(len(parents)):
@@ -121,4 +123,3 @@ def _place(parents: Rows, columns: Rows, origins: Floats, axes: Floats, angles: 
                     + turned[i, 1] * turn[1, k]
                     + turned[i, 2] * turn[2, k]
                 )
-    return placed

@@ -42,7 +42,10 @@ def inside(shape: Shape, points: Floats) -> NDArray[np.bool_]:
 def one(solid: Floats, point: Floats) -> Floats:
     """The row of ``depths`` of a point, in a link that is the world."""
     world = np.array([[1.0, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0]])
-    return depths(solid[None], world, np.zeros(1, np.intp), point[None], np.zeros(1))[0, 0]
+    found = np.empty((1, 1, 7))
+    touches = depths(solid[None], world, np.zeros(1, np.intp), point[None], np.zeros(1), found)
+    assert touches == (found[0, 0, 0] > 0.0)
+    return found[0, 0]
 
 
 @pytest.mark.parametrize("name", SHAPES)
