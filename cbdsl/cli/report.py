@@ -43,8 +43,9 @@ def report(what: What, out: Out = None, above: Above = 0.2, open_: Open = True) 
             f"a report needs {error.name}, which is not installed: pip install 'cbdsl[sim]'"
         ) from error
     learned = [read_learned(file) for file in find_learned(what)]
-    page = learned_page(learned, above)
     target = out or (what / "report.html" if what.is_dir() else what.with_suffix(".html"))
-    write_page(page, target)
+    if any(target.resolve() == each.file.resolve() for each in learned):
+        raise UsageError(f"--out {target}: this is a policy, which a page would overwrite")
+    write_page(learned_page(learned, above), target)
     if open_:
         open_page(target)

@@ -62,6 +62,7 @@ def _read(name: str) -> tuple[PolicyDocument, frozenset[str]]:
     from cbdsl.documents.policy import PolicyDocument
     from cbdsl.documents.program import ProgramDocument
     from cbdsl.errors.errors import UsageError
+    from cbdsl.program.drawing.policy_graph import require_legible
     from cbdsl.yaml_text.library import Library
     from cbdsl.yaml_text.reader import read_document
 
@@ -76,6 +77,7 @@ def _read(name: str) -> tuple[PolicyDocument, frozenset[str]]:
     if isinstance(document, ProgramDocument):
         return _written(document, path), frozenset(document.use)
     policy = library.read(path, PolicyDocument).document
+    require_legible(policy, path)
     served = library.find(ProgramDocument, policy.program, path)
     if served is None:
         return policy, frozenset()

@@ -62,7 +62,8 @@ def _map(model: Model, landscape: Landscape) -> str:
     tall = min(_TALLEST, max(_LOWEST, _PLOT * ratio))
     across, up = _Axis(first, _LEFT, _LEFT + _PLOT), _Axis(second, _TOP + tall, _TOP)
     values = landscape.over(landscape.angles(0), landscape.angles(1))
-    (x, y), most = landscape.peak()
+    (x, y), peak = landscape.peak()
+    most = max(peak, np.finfo(float).tiny)
     where = f"{first.name} {_degrees(x)}, {second.name} {_degrees(y)}"
     area = f'x="{_LEFT}" y="{_TOP}" width="{_PLOT}" height="{tall:.1f}"'
     picture = _image(values[::-1] / most)

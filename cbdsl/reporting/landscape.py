@@ -39,6 +39,8 @@ class Landscape:
         self.uniform = density.uniform
         # The part of each kernel within the limits of each joint, shape (kernels, joints).
         self._inside = self._below(self.upper) - self._below(self.lower)
+        # Where next to nothing is within the limits, this keeps what is drawn finite.
+        self._total = max(float(self._inside.prod(axis=1).sum()), np.finfo(float).tiny)
 
     def _below(self, angle: Floats) -> Floats:
         part: Floats = 0.5 * (1 + _erf((angle - self.centers) / (self.spread * math.sqrt(2))))
@@ -52,7 +54,7 @@ class Landscape:
         return height
 
     def _mixed(self, learned: Floats) -> Floats:
-        mixed: Floats = (1 - self.uniform) * learned / self._inside.prod(axis=1).sum()
+        mixed: Floats = (1 - self.uniform) * learned / self._total
         return mixed + self.uniform
 
     def along(self, joint: int, angles: Floats) -> Floats:

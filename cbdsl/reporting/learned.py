@@ -14,7 +14,9 @@ from cbdsl.documents.model import ModelDocument
 from cbdsl.documents.policy import PolicyDocument
 from cbdsl.documents.program import ProgramDocument
 from cbdsl.documents.robot import RobotDocument
+from cbdsl.errors.counting import count
 from cbdsl.errors.errors import DiagnosticsError, UsageError
+from cbdsl.program.drawing.policy_graph import require_legible
 from cbdsl.robot.urdf import UrdfError, read_urdf
 from cbdsl.yaml_text.library import Library, is_of
 
@@ -130,8 +132,9 @@ def read_learned(file: Path) -> Learned:
     """
     library, notes = Library(), list[str]()
     policy = library.read(file, PolicyDocument).document
-    if policy.curve is None:
+    if policy.curve is None or not policy.curve.reward:
         raise UsageError(f"{file}: a written policy, without episodes; try cb show policy {file}")
+    require_legible(policy, file)
     episodes = tuple(_from_journal(file, len(policy.curve.reward)) or _from_curve(policy))
     models = []
     for name, document in _models(file, policy):
@@ -187,9 +190,13 @@ def _model(library: Library, file: Path, name: str | None, document: str) -> Mod
         if each in joints
     )
     density = model.density
-    angles = density.mean if density.form == "gaussian" else density.samples[0]
-    if len(limits) != len(angles):
-        raise UsageError(f"{len(angles)} angles are too many or few for '{model.effector}'")
+    angles = (
+        (density.mean, density.deviation)
+        if density.form == "gaussian"
+        else (*density.samples, density.bandwidth)
+    )
+    if any(len(each) != len(limits) for each in angles):
+        raise UsageError(f"it needs {count(len(limits), 'angle')}, as '{model.effector}' has")
     return Model(name, model, limits)
 
 
@@ -201,8 +208,8 @@ def _from_curve(policy: PolicyDocument) -> Iterator[Episode]:
         yield Episode(context, None, reward, transitions, ticks)
 
 
-def _from_journal(file: Path, count: int) -> list[Episode]:
-    """The first ``count`` episodes of the journal beside a policy; none where there is no journal.
+def _from_journal(file: Path, wanted: int) -> list[Episode]:
+    """The first ``wanted`` episodes of the journal beside a policy; none where there is no journal.
 
     Raises:
         UsageError: it is no journal, or holds fewer.
@@ -211,12 +218,12 @@ def _from_journal(file: Path, count: int) -> list[Episode]:
     if not path.exists():
         return []
     try:
-        lines = path.read_text("utf-8").splitlines()[1 : 1 + count]
+        lines = path.read_text("utf-8").splitlines()[1 : 1 + wanted]
         episodes = [_episode(json.loads(line)) for line in lines]
     except (OSError, ValueError, KeyError, TypeError, IndexError) as error:
         raise UsageError(f"{path}: no journal of a trial, or a damaged one ({error!r})") from error
-    if len(episodes) < count:
-        raise UsageError(f"{path}: holds {len(episodes)} episodes, and {file.name} {count}")
+    if len(episodes) < wanted:
+        raise UsageError(f"{path}: holds {len(episodes)} episodes, and {file.name} {wanted}")
     return episodes
 
 

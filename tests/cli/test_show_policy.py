@@ -126,3 +126,17 @@ def test_a_mistake_is_one_clear_message(
     out, err = capsys.readouterr()
     assert named in out + err
     assert "Traceback" not in err and "internal error" not in err
+
+
+@pytest.mark.parametrize("state", ["X", "XXX", "X?"])
+def test_a_state_without_a_letter_for_each_member_is_told(
+    state: str,
+    policy: PolicyDocument,
+    file: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    write(policy.model_copy(update={"policy": {**policy.policy, state: "reach"}}), file)
+    for command in (["show", "policy"], ["report"]):
+        assert cb(monkeypatch, *command, str(file)) == 2
+        assert f"'{state}' is no state of searchtrack, reach" in capsys.readouterr().err

@@ -9,11 +9,13 @@ from hypothesis import strategies as st
 
 from cbdsl.documents.model import Gaussian, Kernel, ModelDocument
 from cbdsl.program.binding import density_source
+from cbdsl.reporting.density_svg import density_svgs
 from cbdsl.reporting.landscape import Landscape
 from cbdsl.reporting.learned import Joint, Model
 from cbdsl.robot.density import DensitySampler
 
-ANGLES = st.floats(-1.2, 1.2)
+# Some beyond the limits, none so far that only a steep tail is left within them.
+ANGLES = st.floats(-0.7, 1.2)
 WIDTHS = st.floats(0.1, 1.0)
 SHARES = st.floats(0, 1)
 JOINTS = (Joint("pan", -1.0, 1.5), Joint("tilt", -0.5, 1.0))
@@ -93,3 +95,12 @@ def test_nothing_is_likelier_than_the_peak(density: Gaussian | Kernel) -> None:
     (first, second), most = found.peak()
     assert found.over(np.array([first]), np.array([second]))[0, 0] == pytest.approx(most)
     assert found.over(found.angles(0), found.angles(1)).max() <= most + 1e-12
+
+
+def test_a_density_beyond_the_limits_is_drawn_as_nothing() -> None:
+    far = Gaussian(form="gaussian", mean=(90.0, 0.0), deviation=(0.1, 0.1))
+    document = ModelDocument(cbdsl=1, kind="model", name="m", robot="r", effector="e", density=far)
+    found = landscape(far)
+    assert not found.over(found.angles(0), found.angles(1)).any()
+    (picture,) = density_svgs(Model("head.likely", document, JOINTS))
+    assert "nan" not in picture and "inf" not in picture

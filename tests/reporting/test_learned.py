@@ -7,6 +7,7 @@ from pathlib import Path
 
 import pytest
 
+from cbdsl.documents.model import ModelDocument
 from cbdsl.documents.policy import PolicyDocument
 from cbdsl.errors.errors import DiagnosticsError, UsageError
 from cbdsl.reporting.learned import find_learned, read_learned
@@ -59,6 +60,17 @@ def test_what_is_missing_is_told(tmp_path: Path) -> None:
     assert learned.notes == (
         "Without the internal model walked_head: there is no model 'walked_head'.",
     )
+
+
+def test_a_model_with_other_joints_than_its_effector_is_told(tmp_path: Path) -> None:
+    file = write_trial(tmp_path, "walked")
+    path = tmp_path / "walked_right_hand.yaml"
+    model = read(path, ModelDocument).document
+    density = model.density.model_copy(update={"deviation": (0.1,)})
+    write(model.model_copy(update={"density": density}), path)
+    learned = read_learned(file)
+    assert [model.document.effector for model in learned.models] == ["head"]
+    assert "it needs 4 angles, as 'right_hand' has" in learned.notes[0]
 
 
 @pytest.mark.parametrize("content", ["", "[]\n[]\n", '{"a": 1}\n{"b"', '{}\n{"transitions": []}\n'])

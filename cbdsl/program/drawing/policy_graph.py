@@ -4,12 +4,16 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Collection, Mapping, Sequence
+from pathlib import Path
 from typing import NamedTuple
 
 from cbdsl.documents.policy import PolicyDocument
+from cbdsl.errors.errors import UsageError
 
 #: Arcs of a larger share are drawn, as in the figures of Chapter 4.
 ABOVE = 0.2
+
+_LETTERS = frozenset("X-01*")
 
 
 class Decision(NamedTuple):
@@ -100,6 +104,21 @@ def decisions(policy: PolicyDocument) -> tuple[Decision, ...]:
     came, left = _arrivals(policy), _departures(policy)
     states = dict.fromkeys((*policy.policy, *left, *came))
     return tuple(_decision(policy, state, came[state], left[state]) for state in states)
+
+
+def require_legible(policy: PolicyDocument, file: Path) -> None:
+    """Make sure that every state of a policy has a letter for each member.
+
+    Whether they are those of its program is for ``cb validate`` to say.
+
+    Raises:
+        UsageError: one has not.
+    """
+    size = len(policy.predicates)
+    for each in decisions(policy):
+        if len(each.state) != size or not set(each.state) <= _LETTERS:
+            told = ", ".join(policy.predicates) or "no members"
+            raise UsageError(f"{file}: '{each.state}' is no state of {told}; see cb validate")
 
 
 def _arrivals(policy: PolicyDocument) -> Counter[str]:
