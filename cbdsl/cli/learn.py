@@ -251,7 +251,9 @@ def _require_ready(assignments: Sequence[Assignment], resume: bool) -> None:
         try:
             assignment.require_ready(resume=resume)
         except OSError as error:
-            raise UsageError(f"--out {assignment.path}: {error.strerror or error}") from error
+            where = f" ({error.filename})" if error.filename else ""
+            told = f"--out {assignment.path}: {error.strerror or error}{where}"
+            raise UsageError(told) from error
     if resume:
         _tell_what_is_there(assignments)
 

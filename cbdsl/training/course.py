@@ -53,7 +53,9 @@ def journal_file(path: Path) -> Path:
 
 
 def require_writable(path: Path) -> None:
-    """Make a policy's folder, and find out before the episodes whether it can be kept there.
+    """Make the folders of a policy and its models, and find out whether they can be kept there.
+
+    That is to be known before the episodes, not after.
 
     Args:
         path: the policy's file.
@@ -61,10 +63,11 @@ def require_writable(path: Path) -> None:
     Raises:
         OSError: nothing can be written there, or the disk is full.
     """
-    path.parent.mkdir(parents=True, exist_ok=True)
-    with tempfile.TemporaryFile(dir=path.parent) as file:
-        file.write(bytes(_ROOM))
-        file.flush()
+    for folder in (path.parent, model_file(path, "any").parent):
+        folder.mkdir(parents=True, exist_ok=True)
+        with tempfile.TemporaryFile(dir=folder) as file:
+            file.write(bytes(_ROOM))
+            file.flush()
 
 
 def require_free(path: Path, effectors: Iterable[str], *, resume: bool) -> None:

@@ -153,6 +153,15 @@ def test_what_is_in_the_way_of_a_model_is_found_before_the_episodes(
     assert not (here / "new.episodes.jsonl").exists()
 
 
+def test_where_models_cannot_go_is_found_before_the_episodes(
+    here: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (here / "models").write_text("no folder", encoding="utf-8")
+    assert cb(monkeypatch, *BEGUN, "--out", "policies/new.yaml") == 2
+    assert f"File exists ({here / 'models'})" in capsys.readouterr().err
+    assert list((here / "policies").iterdir()) == []
+
+
 def test_what_a_resumed_trial_begins_with_is_told(
     begun: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:

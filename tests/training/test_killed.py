@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import fcntl
 import os
 import signal
 import subprocess
@@ -38,9 +39,9 @@ def cb(folder: Path, how: tuple[str, str], *words: str) -> subprocess.Popen[byte
     )
 
 
-def lines(folder: Path) -> int:
+def lines(folder: Path, name: str = JOURNAL) -> int:
     """How many whole ones the journal has."""
-    journal = folder / JOURNAL
+    journal = folder / name
     return journal.read_bytes().count(b"\n") if journal.exists() else 0
 
 
@@ -84,3 +85,34 @@ def test_killed_twenty_times_it_ends_as_if_it_had_not_been(tmp_path: Path) -> No
     assert outcome(broken) == expected
     assert without_seconds(broken / JOURNAL) == without_seconds(unbroken / JOURNAL)
     assert {file.name for file in broken.iterdir()} == {file.name for file in unbroken.iterdir()}
+
+
+def is_free(journal: Path) -> bool:
+    """Whether no process is at work on it."""
+    with journal.open("rb") as file:
+        try:
+            fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except BlockingIOError:
+            return False
+    return True
+
+
+@pytest.mark.slow
+def test_killed_with_its_workers_it_goes_on_alone(tmp_path: Path) -> None:
+    pytest.importorskip("distributed", reason="trials side by side: extra 'learn'")
+    trials = [f"policy_{number}.episodes.jsonl" for number in range(2)]
+    unbroken, broken = tmp_path / "unbroken", tmp_path / "broken"
+    unbroken.mkdir()
+    broken.mkdir()
+    assert cb(unbroken, AS_EVER, "--trials", "2").wait() == 0
+    endless = ("--trials", "2", "--workers", "2", "--episodes", "1000000")
+    command = cb(broken, AS_EVER, *endless)
+    while command.poll() is None and not any(lines(broken, each) > 2 for each in trials):
+        time.sleep(0.01)
+    command.kill()
+    assert command.wait() == -signal.SIGKILL
+    # Workers end with the command that started them; until then they hold their journals.
+    while not all(is_free(file) for file in broken.glob("*.jsonl")):
+        time.sleep(0.01)
+    assert cb(broken, AS_EVER, "--trials", "2", "--resume").wait() == 0
+    assert outcome(broken) == outcome(unbroken)
