@@ -181,3 +181,42 @@ def test_a_box_is_held_in_both_hands_and_brought_to_where_it_is_seen_best(
     assert np.linalg.norm(box - centroid) < 0.1
     head = signals.kinematics.frame("left_camera").position
     assert np.linalg.norm(box - head) < 0.62  # it was shown at 0.8 m
+
+
+def palm_of(judged: Judged, hand: str) -> np.ndarray:
+    """From a palm to the thing, by the simulator, m."""
+    palm = judged.backend.truth.link_pose(f"{hand}_palm").position
+    return judged.backend.truth.pose(thing_of(judged)).position - palm
+
+
+@pytest.mark.parametrize("seed", [70001, 70002, 70003])
+def test_a_hidden_spot_is_found_on_what_the_hand_holds(perform: Perform, seed: int) -> None:
+    judged = perform("visualinspect", "spotted_right", seed, "hidden")
+    predicates = judged.result.predicates
+    assert judged.result.rewarded, judged.result.ending
+    assert predicates[:4] == ("XXX", "XX-", "0XX", "1XX")
+    assert predicates[-1] == "X01"
+    assert np.linalg.norm(palm_of(judged, "right")) < 0.15
+    assert judged.backend.truth.pose(thing_of(judged)).position[2] > -0.3
+
+
+def test_a_spot_that_faces_the_robot_is_tracked_at_once(perform: Perform) -> None:
+    judged = perform("visualinspect", "spotted_right", 70001, "facing")
+    assert judged.result.predicates == ("XXX", "XX0", "XX1")
+    assert judged.result.rewarded
+    require_on_table(judged)
+
+
+@pytest.mark.parametrize("seed", [70001, 70002, 70003])
+def test_what_one_hand_holds_is_touched_by_the_other(perform: Perform, seed: int) -> None:
+    """The object hangs in the air between both palms, and fingers of both hands press on it."""
+    judged = perform("bimanualtouch", "table_right", seed)
+    predicates = judged.result.predicates
+    assert judged.result.rewarded, judged.result.ending
+    assert predicates[:4] == ("XXX", "0XX", "1XX", "X0-")
+    assert predicates[-1] in ("X01", "X11")
+    for side in ("left", "right"):
+        assert np.linalg.norm(palm_of(judged, side)) < 0.16
+        pressing = np.linalg.norm(true_forces(judged, f"{side}_hand"), axis=1)
+        assert (pressing > 0.1).any(), f"{side}: {pressing} N"
+    assert judged.backend.truth.pose(thing_of(judged)).position[2] > -0.2
