@@ -42,5 +42,4 @@ def _is_before_a_comma(source: SourceMap, steps: tuple[Step, ...]) -> bool:
 
 def _is_of_a_faulty_name(text: str, source: SourceMap) -> bool:
     """Whether a text mentions a key such as ``track-it``, which was reported where it stands."""
-    keys = [str(path[1]) for path in source.broken if len(path) == 2 and path[0] in _CALLED]
-    return any(key in text and not key.isidentifier() for key in keys)
+    return any(key in text and not key.isidentifier() for key in source.broken.keys(_CALLED))

@@ -342,7 +342,7 @@ class _ProgramCheck:
     def _actions(self) -> list[tuple[Expression, Steps]]:
         """The actions that can be parsed, with their paths."""
         found: dict[str, tuple[Expression, Steps]] = {}
-        if ("actions",) in self._context.source.broken:
+        if self._context.source.broken.holds("actions"):
             return []
         is_cut = False
         for i, text in enumerate(self._document.actions):

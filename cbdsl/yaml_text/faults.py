@@ -167,6 +167,9 @@ def _slip_in_key(path: tuple[Step, ...], source: SourceMap) -> str | None:
     is_alone = mapping[key].value is None
     if is_alone and key[:1].isdigit() and before is not None and isinstance(before.value, int):
         return _with_a_comma(before.value, key)
+    tight, _, rest = key.partition(":")
+    if rest[:1] in ("{", "["):
+        return f"a space is missing after the ':' of '{tight}'"
     first, _, rest = key.partition(" ")
     if rest and (is_alone or rest[0] in "{["):
         return f"a ':' is missing after '{first}'"

@@ -17,6 +17,7 @@ from cbdsl.documents.document import Document
 from cbdsl.errors.diagnostic import Diagnostic, Place
 from cbdsl.errors.errors import DiagnosticsError
 from cbdsl.errors.nearest import nearest_name
+from cbdsl.yaml_text.broken import Broken
 from cbdsl.yaml_text.faults import allowed_keys, faults, path_of
 from cbdsl.yaml_text.node import Node
 from cbdsl.yaml_text.source_map import SourceMap, Step
@@ -50,12 +51,12 @@ class Salvaged(NamedTuple, Generic[D]):
     Attributes:
         document: without what is faulty.
         faults: what is wrong with the text.
-        broken: paths of what was left out, or stands under another key.
+        broken: what was left out.
     """
 
     document: D
     faults: tuple[Diagnostic, ...]
-    broken: frozenset[Steps]
+    broken: Broken
 
 
 def salvage(source: SourceMap, model: type[D], found: Iterable[Diagnostic]) -> Salvaged[D]:
@@ -77,7 +78,7 @@ class _Salvage(Generic[D]):
         self._source = source
         self._model = model
         self._faults = list(found)
-        self._broken: set[Steps] = set()
+        self._broken = Broken()
         self._respelt: set[Steps] = set()
 
     def salvage(self) -> Salvaged[D]:
@@ -89,7 +90,7 @@ class _Salvage(Generic[D]):
             except ValidationError as error:
                 self._mend(error.errors(include_url=False))
             else:
-                return Salvaged(document, tuple(self._faults), frozenset(self._broken))
+                return Salvaged(document, tuple(self._faults), self._broken)
         raise self._hopeless()
 
     def _mend(self, errors: list[ErrorDetails]) -> None:
@@ -112,7 +113,7 @@ class _Salvage(Generic[D]):
         """Whether a fault is there only because of another."""
         if kind == "extra_forbidden":
             return False
-        return path in self._respelt or any(path == b[: len(path)] for b in self._broken)
+        return path in self._respelt or self._broken.is_below(path)
 
     def _respell(self, path: Steps, loc: Steps) -> bool:
         """Put a value under the key that was probably meant; whether there is one."""
@@ -135,15 +136,14 @@ class _Salvage(Generic[D]):
                 raise self._hopeless()
             self._source.node(part[:-1]).drop(part[-1])
             # In `track {gain: 3}` or `{arm right_arm}` the key is the first word.
-            self._broken.add((*part[:-1], str(part[-1]).partition(" ")[0]))
-        self._broken |= parts
+            self._broken.add([part, (*part[:-1], str(part[-1]).partition(" ")[0])])
 
     def _stand_in(self, key: str) -> None:
         root = self._source.root
         if key not in _STAND_INS or not isinstance(root.value, dict):
             raise self._hopeless()
         root.value[key] = _node(_STAND_INS[key], root.place)
-        self._broken.add((key,))
+        self._broken.add([(key,)])
 
     def _hopeless(self) -> DiagnosticsError:
         return DiagnosticsError(self._faults)

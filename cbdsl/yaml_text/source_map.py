@@ -7,9 +7,12 @@ from pathlib import Path
 from typing import NamedTuple
 
 from cbdsl.errors.diagnostic import Place
+from cbdsl.yaml_text.broken import Broken
 from cbdsl.yaml_text.node import Node
 
 Step = str | int
+
+_NOTHING = Broken()
 
 
 class SourceMap(NamedTuple):
@@ -22,17 +25,17 @@ class SourceMap(NamedTuple):
         path: the file.
         lines: its text.
         root: its values.
-        broken: paths of what is faulty and was left out of ``root``.
+        broken: what is faulty and was left out of ``root``.
     """
 
     path: Path
     lines: Sequence[str]
     root: Node
-    broken: frozenset[tuple[Step, ...]] = frozenset()
+    broken: Broken = _NOTHING
 
     def is_whole(self, *steps: Step) -> bool:
         """Whether nothing was left out at, above or below a path."""
-        return not any(all(a == b for a, b in zip(steps, path)) for path in self.broken)  # noqa: B905
+        return not self.broken.touches(steps)
 
     def place(self, *steps: Step) -> Place:
         """Where the value at a path stands, or what encloses it where it is absent."""

@@ -9,10 +9,12 @@ from typing import NamedTuple
 _NO_COLON = "could not find expected ':'"
 _NO_MAPPING = "mapping values are not allowed in this context"
 _NO_COMMA = "did not find expected ',' or "
+_NO_KEY = "did not find expected key"
 
 _KEY = re.compile(r"\s*(?:- +)*(?P<key>[^\s:#][^:#]*):\s")
 _TIGHT = re.compile(r"\s*(?:- +)*(?P<key>\w+):(?P<value>[^\s:/].*)")
 _FIRST = re.compile(r"\s*(?:- +)*(?P<key>\S+)")
+_OPENED = re.compile(r"\s*(?:- +)*\w+:? *(?:&\w+ +)?[{\[]")
 
 
 class Slip(NamedTuple):
@@ -42,6 +44,9 @@ def find_slip(problem: str, lines: Sequence[str], line: int, column: int) -> Sli
         return None
     if problem == _NO_COLON:
         return _no_colon(lines, line)
+    if problem == _NO_KEY:
+        rows = (row for row in (line, line - 1) if row and _OPENED.match(lines[row - 1]))
+        return next((slip for row in rows if (slip := _no_colon(lines, row))), None)
     if problem == _NO_MAPPING:
         return _second_colon(lines, line, column) or _above(lines, line)
     before, at = lines[line - 1][: column - 1], lines[line - 1][column - 1 : column]
@@ -57,13 +62,13 @@ def find_slip(problem: str, lines: Sequence[str], line: int, column: int) -> Sli
 def _no_colon(lines: Sequence[str], line: int) -> Slip | None:
     """A line that should have a key, and has no colon after it, or no space after that."""
     text = lines[line - 1]
-    first = _FIRST.match(text)
-    if first is None:
-        return None
     if tight := _TIGHT.match(text):
         key, value = tight["key"], tight["value"].strip()
         problem = f"a space is missing after the ':' of '{key}'; write '{key}: {value}'"
         return Slip(problem, line, tight.end("key") + 1)
+    first = _FIRST.match(text)
+    if first is None or first["key"].endswith(":"):
+        return None
     return Slip(f"a ':' is missing after '{first['key']}'", line, first.end("key") + 1)
 
 
@@ -71,9 +76,9 @@ def _second_colon(lines: Sequence[str], line: int, column: int) -> Slip | None:
     """A text on the line of its key that holds a colon and a space."""
     key = _KEY.match(lines[line - 1][: column - 1])
     if key is None:
-        return None
+        return _no_colon(lines, line) if _TIGHT.match(lines[line - 1]) else None
     first, _, rest = key["key"].partition(" ")
-    if rest[:1] in ("{", "["):
+    if re.match(r"(&\w+ +)?[{\[]", rest):
         return Slip(f"a ':' is missing after '{first}'", line, key.start("key") + len(first) + 1)
     value = lines[line - 1][key.end() :].strip()
     problem = f"a text that holds ': ' needs quotes; write '{key['key']}: \"{value}\"'"
