@@ -98,6 +98,56 @@ def test_a_printed_box_has_the_mass_and_inertia_of_a_plain_one(rendered: BulletB
     assert dynamics[0] == dynamics[1]
 
 
+def test_a_ball_with_a_spot_has_the_mass_and_inertia_of_a_plain_one(
+    rendered: BulletBackend,
+) -> None:
+    dynamics = []
+    for spot in ({}, {"spot": {"radius": 0.03, "color": (0, 0, 1)}}):
+        form = {"shape": "ball", "radius": EDGE / 2, **spot}
+        x, y, z = CENTRE
+        context = {"things": ["ball"], "place": {"x": x, "y": y, "z": z, "held": True}}
+        stage = made_stage(context, things={"ball": {"form": form, "mass": 0.3}})
+        rendered.reset(stage, None, np.random.default_rng(0))
+        client, body = rendered._client, rendered._scene.bodies["ball"]
+        dynamics.append(p.getDynamicsInfo(body, -1, physicsClientId=client))
+    assert dynamics[0] == dynamics[1]
+
+
+@pytest.mark.parametrize("face", TURNS)
+@pytest.mark.parametrize(
+    "form", [{"shape": "ball", "radius": 0.08}, {"shape": "box", "size": [0.16] * 3}]
+)
+def test_a_spot_is_round_and_on_its_side_alone(
+    rendered: BulletBackend, form: dict[str, Any], face: str
+) -> None:
+    spot = {"face": face, "radius": 0.03, "color": (0, 0, 1)}
+    x, y, z = CENTRE
+    context = {"things": ["thing"], "place": {"x": x, "y": y, "z": z, "held": True}}
+    things = {"thing": {"form": {**form, "spot": spot}, "mass": 0.3, "color": (1, 1, 0)}}
+    stage = made_stage(context, things=things)
+    for side in TURNS:
+        rendered.reset(stage, None, np.random.default_rng(0))
+        turned = Pose.turned(np.array([0.0, 0.0, 1.0]), TURNS[side])
+        away = turned.rotation @ np.array([-DISTANCE - EDGE / 2, 0, 0])
+        (image,) = rendered._renderer.render([View(CAMERA, Pose(CENTRE + away, turned.rotation))])
+        blue = image[..., 2].astype(int) - image[..., 0] > 20
+        if side != face:
+            # A ball's spot is seen a little from beside it.
+            beside = form["shape"] == "ball" and side[1] != face[1]
+            assert beside or not blue.any()
+            continue
+        rows, columns = np.nonzero(blue)
+        if form["shape"] == "ball" and "tiny" in rendered.renderer.lower():
+            assert blue.mean() > 0.02  # its balls have corners
+            continue
+        # A ball's spot is as far away as its edge.
+        nearer = 0.0 if form["shape"] == "box" else 0.08 - np.sqrt(0.08**2 - 0.03**2)
+        across = 2 * 0.03 * CAMERA.focal_length / (DISTANCE + nearer)
+        assert np.ptp(rows) == pytest.approx(across, rel=0.06)
+        assert np.ptp(columns) == pytest.approx(across, rel=0.06)
+        assert blue.sum() == pytest.approx(np.pi * across**2 / 4, rel=0.08)
+
+
 def test_a_printed_fixture_does_not_fall(rendered: BulletBackend) -> None:
     form = {"shape": "box", "size": [EDGE] * 3, "pattern": {"height": 0.1, "stripes": [0.1]}}
     rendered.reset(
