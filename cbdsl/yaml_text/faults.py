@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from functools import cache
 from itertools import pairwise
@@ -40,6 +41,7 @@ _PROBLEMS = {
     "too_long": "{actual_length} given, at most {max_length} possible",
 }
 _MANY = (dict, list)
+_KEY_AND_VALUE = re.compile(r"(\w+)(:?) *(?:&\w+ +)?[-{\[*]")
 _OF_KEYS = ("extra_forbidden", "string_pattern_mismatch")
 
 
@@ -117,7 +119,10 @@ def _diagnose(
 ) -> Diagnostic:
     if all(fault.is_wrong_kind for fault in same):
         expected = " or ".join(dict.fromkeys(_EXPECTED[fault.error["type"]] for fault in same))
-        found = describe(source.node(path).value)
+        value = source.node(path).value
+        if "a mapping" in expected and (slip := _slip_in_text(value)):
+            return diagnostic("CB205", source.place(*path), problem=slip)
+        found = describe(value)
         return diagnostic("CB204", source.place(*path), expected=expected, found=found)
     fault = next(fault for fault in same if not fault.is_wrong_kind)
     return _special(fault, path, source, model)
@@ -174,6 +179,15 @@ def _slip_in_key(path: tuple[Step, ...], source: SourceMap) -> str | None:
     if rest and (is_alone or rest[0] in "{["):
         return f"a ':' is missing after '{first}'"
     return None
+
+
+def _slip_in_text(value: object) -> str | None:
+    """What made a text out of a key and its value."""
+    match = _KEY_AND_VALUE.match(value) if isinstance(value, str) else None
+    if match is None:
+        return None
+    missing = "a space is missing after the ':' of" if match[2] else "a ':' is missing after"
+    return f"{missing} '{match[1]}'"
 
 
 def decimal_comma(node: Node) -> str | None:

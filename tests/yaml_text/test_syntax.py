@@ -21,8 +21,7 @@ LINES = {
     for folder in ("robots", "programs")
     for path in sorted((shipped() / folder).rglob("*.yaml"))
 }
-# Without its colon a key with an empty mapping is a text, and no error of YAML.
-KEY = re.compile(r"\s*(?:- )?[A-Za-z_]\w*(?=: (?!\{\})|:$)")
+KEY = re.compile(r"\s*(?:- )?[A-Za-z_]\w*(?=:( |$))")
 KEYS = [
     (path, number, match.end())
     for path, lines in LINES.items()
