@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import json
 import signal
 import subprocess
@@ -56,12 +57,10 @@ def expected(tmp_path_factory: pytest.TempPathFactory) -> dict[str, bytes]:
     return outcome(folder)
 
 
-def until(so: Callable[[], Any], course: threading.Thread | None = None) -> Any:
-    """Wait for something to be so, as long as a course goes on."""
-    while not (found := so()):
-        assert course is None or course.is_alive(), "the course ended before"
+def until(so: Callable[[], Any]) -> None:
+    """Wait for something to be so."""
+    while not so():
         time.sleep(0.02)
-    return found
 
 
 def episodes(assignment: Assignment) -> int:
@@ -96,14 +95,26 @@ def test_one_worker_learns_what_one_process_learns(
 def test_a_killed_worker_loses_no_trial_and_changes_nothing(
     tmp_path: Path, expected: dict[str, bytes]
 ) -> None:
-    assignments, notes = assigned(tmp_path, TRIALS, EPISODES), Notes()
+    folders = (tmp_path / str(attempt) for attempt in itertools.count())
+    while not (killed := worker_killed(folder := next(folders))):
+        pass  # all trials were over before
+    assert killed.failures == []
+    assert outcome(folder) == expected
+
+
+def worker_killed(folder: Path) -> Notes | None:
+    """What is told of trials of which one loses its worker; ``None`` if they ended too soon."""
+    folder.mkdir()
+    assignments, notes = assigned(folder, TRIALS, EPISODES), Notes()
     course = threading.Thread(target=carry_out_all, args=(assignments, 2, None, notes), daemon=True)
     course.start()
-    until(lambda: any(map(episodes, assignments)), course)
-    until(at_work, course)[0].kill()
+    while course.is_alive() and not (any(map(episodes, assignments)) and at_work()):
+        time.sleep(0.02)
+    victims = at_work()
+    if victims:
+        victims[0].kill()
     course.join()
-    assert notes.failures == []
-    assert outcome(tmp_path) == expected
+    return notes if victims else None
 
 
 @pytest.mark.slow
