@@ -16,7 +16,8 @@ What the dissertation reports, and what we measure. `cb reproduce all --out docs
 writes this page, and `cb reproduce NAME --out docs/reproduction.md` renews one section of it.
 Verdicts come from the rules in the column *expected*: **reproduced** where the rule holds,
 **ordering only** where at least the reported order does, **missed** otherwise. Intervals are of
-95 %: exact (Clopper-Pearson) for proportions, bootstrapped for means.
+95 %: exact (Clopper-Pearson) for proportions, bootstrapped for means. Where the robot learns, it
+does so on the kinematic backend, many times from zero; other backends have sections of their own.
 """
 
 _SECTION = re.compile(r"^## ([^:\n]+): ", re.MULTILINE)

@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from itertools import chain
 
 from cbdsl.reproduction.arcs import LEAST, Arc, DrawnArc, diagram_of
 from cbdsl.reproduction.checks import Check, Schedule, check, schedule
@@ -141,7 +140,7 @@ def run(settings: Settings, name: str) -> Outcome:
                 quantities += learned_in_quantities(
                     drawn.lesson, trials, source, expected, settings.seed
                 )
-            diagrams.append(_pooled(name, drawn.lesson, last))
+            diagrams.append(_typical(name, drawn.lesson, last))
     return Outcome(tuple(quantities), tuple(diagrams), _notes(plan))
 
 
@@ -214,12 +213,19 @@ def _percent(hits: int, trials: int) -> Interval:
     return 100 * low, 100 * high
 
 
-def _pooled(name: str, lesson: Lesson, found: Sequence[Check]) -> Diagram:
-    """The episodes of all trials in one diagram."""
-    arcs = diagram_of(chain.from_iterable(check.experiences for check in found))
-    members = next(iter(arcs)).state
-    title = f"{lesson.label}: transitions of all greedy policies, above {100 * LEAST:.0f} %"
-    return Diagram(f"{name}-{lesson.name}", title, "X" * len(members), arcs)
+def _typical(name: str, lesson: Lesson, found: Sequence[Check]) -> Diagram:
+    """The diagram of the trial whose arcs have the most in common with those of all trials."""
+    diagrams = [diagram_of(check.experiences) for check in found]
+    likeness = [sum(_likeness(each, other) for other in diagrams) for each in diagrams]
+    trial = likeness.index(max(likeness))
+    members = next(iter(diagrams[trial])).state
+    title = f"{lesson.label}: greedy policy of trial {trial}, arcs above {100 * LEAST:.0f} %"
+    return Diagram(f"{name}-{lesson.name}", title, "X" * len(members), diagrams[trial])
+
+
+def _likeness(one: Mapping[Arc, float], other: Mapping[Arc, float]) -> float:
+    """Share of the arcs of either that both have."""
+    return len(one.keys() & other.keys()) / len(one.keys() | other.keys())
 
 
 def _notes(plan: Schedule) -> tuple[str, ...]:
@@ -227,7 +233,8 @@ def _notes(plan: Schedule) -> tuple[str, ...]:
         f"After a trial, its greedy policy runs {plan.held_out} episodes that it did not learn "
         f"from. An arc is there if more than {100 * LEAST:.0f} % of what leaves its state takes "
         "it, and counts as reproduced if most trials have it; where a context of the stage is "
-        "named, only episodes in it count. In the picture all trials are one.",
+        "named, only episodes in it count. The picture shows the trial whose arcs have the most in "
+        "common with those of the others.",
         "Where the superior controller has no reference, it moves nothing: then both orders of a "
         "composition do the same, and which of them a policy names there is chance.",
     )
