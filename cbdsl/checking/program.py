@@ -55,9 +55,10 @@ def check_program(
     session, findings = Session(library), Findings()
     path = session.library.locate(ProgramDocument, path_or_name)
     values = with_ or {}
-    known = session.library.read(path, ProgramDocument).document.parameters
+    loaded = session.library.read_sound_parts(path, ProgramDocument)
+    known = loaded.document.parameters
     for name in values:
-        if name not in known:
+        if name not in known and loaded.source.is_whole("parameters", name):
             raise UsageError(f"{path}: {_no_parameter(name, list(known))}")
     checked = examine_program(path, values, session, findings)
     if checked is None or findings.failed:

@@ -134,3 +134,15 @@ def test_a_closer_pattern_settles_what_others_leave_open(tmp_path: Path) -> None
         ]
         fewest = min(p.count("*") for p in matching)
         assert len({program.policy[p] for p in matching if p.count("*") == fewest}) == 1
+
+
+def test_a_faulty_part_does_not_hide_the_others_from_whoever_runs_it(tmp_path: Path) -> None:
+    text = (
+        "parameters: {feature: [hue_1]}\n"
+        f"controllers:\n  look: {{{LOOK}, gain: [3]}}\n  watch: {{{LOOK.replace('head', 'hed')}}}\n"
+        "actions: [look, watch]\n"
+    )
+    path = write(tmp_path, text)
+    with pytest.raises(DiagnosticsError) as error:
+        check_program(path, {"feature": "hue_1"}, Library(tmp_path))
+    assert [d.code for d in error.value.diagnostics] == ["CB204", "CB205", "CB501"]
