@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from pathlib import Path
 from typing import NamedTuple
 
@@ -19,8 +18,7 @@ Floats = NDArray[np.float64]
 _ORIGIN = (0.0, 0.0, 0.0)
 
 
-@dataclass(frozen=True)
-class Frame:
+class Frame(NamedTuple):
     """A link's placement in the world frame.
 
     Attributes:

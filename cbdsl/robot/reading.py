@@ -41,6 +41,20 @@ def stacked(readings: Sequence[Reading]) -> Reading:
     )
 
 
+def mean(readings: Sequence[Reading]) -> Reading:
+    """The mean of readings of the same shape, as new as the newest of them."""
+    first, *others = readings
+    if not others:
+        return first
+    # A few sums take a tenth of the time of np.mean.
+    value, jacobian = first.value.copy(), first.jacobian.copy()
+    for reading in others:
+        value += reading.value
+        jacobian += reading.jacobian
+    number = len(readings)
+    return Reading(value / number, jacobian / number, max(each.stamp for each in readings))
+
+
 def transform(rotation: Floats, position: Floats) -> Floats:
     """The homogeneous transform (4, 4) of a rotation (3, 3) and a position (3,), m."""
     pose = np.eye(4)

@@ -13,7 +13,7 @@ from cbdsl.robot.camera import direction, heading_jacobian, sighting_jacobian
 from cbdsl.robot.hold import Hold
 from cbdsl.robot.kinematics import Frame, Kinematics
 from cbdsl.robot.memory import PositionMemory
-from cbdsl.robot.reading import Reading, stacked
+from cbdsl.robot.reading import Reading, mean, stacked
 from cbdsl.robot.resources import CYCLOPEAN
 from cbdsl.robot.stereo import Ray, triangulate
 from cbdsl.robot.tips import Tips
@@ -63,13 +63,15 @@ class Sight:
 
     def _found_hold(self) -> Hold | None:
         """How the hands that feel contact hold, or ``None`` where none of them does."""
+        if not self._touch.touching_anything():
+            return None
         carriers = self._touch.carriers.items()
         arms = tuple([arm for hand, arm in carriers if self._touch.touching(hand)])
         if not arms:
             return None
         if len(arms) == 1:
             return Hold.of_one(arms[0], self._tips.read(Tip(arms[0], "pose")))
-        centroid = self._tips.mean([self._tips.position(arm) for arm in arms])
+        centroid = mean([self._tips.position(arm) for arm in arms])
         return Hold.of_several(arms, centroid)
 
     def heading(self, source: Heading) -> Reading | None:
@@ -79,11 +81,7 @@ class Sight:
         seen = [reading for reading in found if reading is not None]
         if not seen:
             return None
-        return Reading(
-            np.mean([reading.value for reading in seen], axis=0),
-            np.mean([reading.jacobian for reading in seen], axis=0),
-            max(reading.stamp for reading in seen),
-        )
+        return mean(seen)
 
     def headings(self, source: Headings) -> Reading | None:
         """The headings in both cameras, or ``None`` unless both see the same whole region."""

@@ -99,14 +99,15 @@ class Signals:
         Raises:
             SensorError: a joint or load cell is not finite.
         """
-        self._require_finite(observation)
+        wrenches = self.touch.gathered(observation.loads)
+        self._require_finite(observation, wrenches)
         self.tips.stamp += 1
         self._known.clear()
         self.time = observation.time
         self.positions = observation.positions
         self.kinematics.update(observation.positions)
         if self._robot.load_cells:
-            self.touch.update(observation.loads)
+            self.touch.update(wrenches)
             self.sight.update()
         if self._robot.cameras:
             self.vision.update(observation)
@@ -164,12 +165,11 @@ class Signals:
             self._postures[source] = known
         return known
 
-    def _require_finite(self, observation: Observation) -> None:
+    def _require_finite(self, observation: Observation, wrenches: Floats) -> None:
         positions, velocities = observation.positions, observation.velocities
         # A sum of squares is NaN or infinite as soon as one of its terms is.
         squares = positions.dot(positions) + velocities.dot(velocities)
-        for load in observation.loads.values():
-            squares += load.dot(load)
+        squares += np.vdot(wrenches, wrenches)
         if not math.isfinite(squares):
             self._refuse(observation)
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -10,8 +10,7 @@ from numpy.typing import NDArray
 Floats = NDArray[np.float64]
 
 
-@dataclass(frozen=True)
-class Ray:
+class Ray(NamedTuple):
     """A line of sight in the world frame.
 
     Attributes:
@@ -23,8 +22,7 @@ class Ray:
     direction: Floats
 
 
-@dataclass(frozen=True)
-class Crossing:
+class Crossing(NamedTuple):
     """Where two lines of sight come nearest to each other.
 
     Attributes:

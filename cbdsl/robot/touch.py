@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Set
+from collections.abc import Mapping
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,6 +15,7 @@ from cbdsl.robot.tips import Tips
 from cbdsl.types.resource import FingerForces, FingerLoad, NetForces, NetLoad
 
 Floats = NDArray[np.float64]
+Cell = tuple[str, str]
 
 _PARTS = {"force": slice(0, 3), "torque": slice(3, 6), "wrench": slice(0, 6)}
 
@@ -30,6 +31,9 @@ class Touch:
         self._robot = robot
         self._kinematics = kinematics
         self._tips = tips
+        self._cells = [(hand, f) for hand, fingers in robot.load_cells.items() for f in fingers]
+        #: By hand, which of the cells are its own.
+        self._own = {hand: self._span(hand) for hand in robot.load_cells}
         self._flexions = {hand: self._flexion(hand) for hand in robot.load_cells}
         #: By link, the normal of its load cell in its own frame, of unit length.
         self._normals = {
@@ -47,31 +51,33 @@ class Touch:
 
     def reset(self) -> None:
         """Forget the episode before."""
-        self._tare: dict[tuple[str, str], Floats] = {}
-        self._loads: Mapping[tuple[str, str], Floats] = {}
-        self._felt: Set[tuple[str, str]] = frozenset()
+        self._tare: Floats | None = None
+        self._loads: Floats = np.zeros((len(self._cells), 6))
+        self._felt = [False for _ in self._cells]
 
-    def update(self, loads: Mapping[tuple[str, str], Floats]) -> None:
-        """Take in one tick's wrenches, N and N m in the world frame, by hand and finger."""
-        if not self._tare:
-            self._tare = dict(loads)
-        self._loads = {key: load - self._tare[key] for key, load in loads.items()}
+    def gathered(self, loads: Mapping[Cell, Floats]) -> Floats:
+        """Wrenches in the order of the robot's document, shape (cells, 6)."""
+        return np.array([loads[cell] for cell in self._cells])
+
+    def update(self, wrenches: Floats) -> None:
+        """Take in one tick's wrenches, as ``gathered`` has them, N and N m in the world frame."""
+        if self._tare is None:
+            self._tare = wrenches
+        self._loads = wrenches - self._tare
         threshold = self._robot.contact.threshold
-        self._felt = {
-            key for key, load in self._loads.items() if math.hypot(*load.tolist()[:3]) > threshold
-        }
+        self._felt = [math.hypot(x, y, z) > threshold for x, y, z, *_ in self._loads.tolist()]
 
     def touching_anything(self) -> bool:
         """Whether any fingertip of any hand feels more than the contact threshold."""
-        return bool(self._felt)
+        return True in self._felt
 
     def touching(self, hand: str) -> bool:
         """Whether any fingertip of a hand feels more than the contact threshold."""
-        return any(self._feels(hand, finger) for finger in self._fingers(hand))
+        return True in self._felt[self._own[hand]]
 
     def all_touching(self, hand: str) -> bool:
         """Whether every fingertip of a hand feels more than the contact threshold."""
-        return all(self._feels(hand, finger) for finger in self._fingers(hand))
+        return False not in self._felt[self._own[hand]]
 
     def hands(self, name: str) -> tuple[str, ...]:
         """The hands of a group, or the one that is named itself."""
@@ -87,7 +93,7 @@ class Touch:
 
     def finger_load(self, source: FingerLoad) -> Reading | None:
         """The load of one finger, or ``None`` without contact."""
-        if not self._feels(source.hand, source.finger):
+        if not self._felt[self._cells.index((source.hand, source.finger))]:
             return None
         return self._load(source.hand, source.finger, source.part)
 
@@ -107,13 +113,12 @@ class Touch:
         """The force of every finger, or ``None`` unless all of them touch something."""
         if not self.all_touching(source.hand):
             return None
-        cells = self._fingers(source.hand)
-        forces = [self._loads[source.hand, finger][:3] for finger in cells]
-        normals = [self._normal(cell) for cell in cells.values()]
+        forces = self._loads[self._own[source.hand], :3]
+        normals = [self._normal(cell) for cell in self._fingers(source.hand).values()]
         jacobian = np.vstack(
             [np.outer(n, row) for n, row in zip(normals, self._flexions[source.hand], strict=True)]
         )
-        return Reading(np.concatenate(forces), jacobian, self._tips.stamp)
+        return Reading(forces.ravel(), jacobian, self._tips.stamp)
 
     def normal_forces(self, source: FingerForces | NetForces) -> Reading:
         """Forces along normals, N: of each finger along its own, of each hand along its palm's.
@@ -126,10 +131,8 @@ class Touch:
         return stacked([self._palm_force(hand) for hand in self.hands(source.group)])
 
     def _finger_normal_forces(self, hand: str) -> Reading:
-        value = [
-            float(self._normal(cell).dot(self._loads[hand, finger][:3]))
-            for finger, cell in self._fingers(hand).items()
-        ]
+        cells, forces = self._fingers(hand).values(), self._loads[self._own[hand], :3]
+        value = [self._normal(cell).dot(force) for cell, force in zip(cells, forces, strict=True)]
         return Reading(np.array(value), self._flexions[hand], self._tips.stamp)
 
     def _palm_force(self, hand: str) -> Reading:
@@ -152,7 +155,7 @@ class Touch:
         control = self._robot.control
         yielding = np.repeat((control.contact_stiffness, control.contact_torsion), 3)[:, None]
         where = _PARTS[part]
-        value = self._loads[hand, finger][where]
+        value = self._loads[self._cells.index((hand, finger)), where]
         return Reading(value, (yielding * jacobian)[where], self._tips.stamp)
 
     def _flexion(self, hand: str) -> Floats:
@@ -165,8 +168,9 @@ class Touch:
     def _fingers(self, hand: str) -> Mapping[str, LoadCell]:
         return self._robot.load_cells[hand]
 
-    def _feels(self, hand: str, finger: str) -> bool:
-        return (hand, finger) in self._felt
+    def _span(self, hand: str) -> slice:
+        first = next(row for row, (owner, _) in enumerate(self._cells) if owner == hand)
+        return slice(first, first + len(self._fingers(hand)))
 
     def _normal(self, cell: LoadCell) -> Floats:
         return self._kinematics.direction(cell.link, self._normals[cell.link])

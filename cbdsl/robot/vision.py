@@ -88,12 +88,11 @@ class Vision:
         for memory in self.memories.values():
             memory.predict(time - self._time, time)
         self._time = time
-        seen = self._seen(observation)
-        if not seen:
+        if not (observation.images or observation.regions):
             return
         self.images += 1
         self._hands = None
-        self._look(seen)
+        self._look(self._seen(observation))
         for channel, memory in self.memories.items():
             self._remember(time, channel, memory)
 

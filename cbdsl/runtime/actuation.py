@@ -101,10 +101,13 @@ class Actuation:
         if found is not last:
             stack.forget()
         stack.turn()
+        acting = False
         for place, (run, peers) in enumerate(active):
-            if not run.act(stack, place, columns, peers):
+            if run.act(stack, place, columns, peers):
+                acting = True
+            else:
                 stack.rest(place)
-        if not stack.ages.any():
+        if not acting:
             return
         here = self._signals.positions[columns]
         step = self.step = law.compose(stack, here)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
@@ -59,8 +60,7 @@ class EpisodeResult:
     ending: str
 
 
-@dataclass(frozen=True)
-class Tick:
+class Tick(NamedTuple):
     """What a recorder may look at after each control tick."""
 
     observation: Observation

@@ -42,8 +42,11 @@ class _Lead(NamedTuple):
     @property
     def predicate(self) -> str:
         """The leading controller's; at rest only when what is optimised below it is, too."""
-        moves = any(run.predicate == "0" for run in self.optimising)
-        return "0" if moves and self.run.predicate == "1" else self.run.predicate
+        found = self.run.predicate
+        for run in self.optimising:
+            if found == "1" and run.predicate == "0":
+                return "0"
+        return found
 
 
 class ProgramRun:
@@ -172,11 +175,11 @@ class ProgramRun:
         if action.program is not None:
             state[self.program.members.index(action.name)] = self.children[action.name].predicate
             return "".join(state)
-        # Nothing is at rest while another part of the composition still seeks contact.
-        seeking = any(run.seeking for run in self._stacks[action.name])
         for lead in self._leads[action.name]:
-            predicate = lead.predicate
-            state[lead.place] = "0" if seeking and predicate == "1" else predicate
+            state[lead.place] = lead.predicate
+        # Nothing is at rest while another part of the composition still seeks contact.
+        if "1" in state and any(run.seeking for run in self._stacks[action.name]):
+            return "".join(state).replace("1", "0")
         return "".join(state)
 
     def _transit(self, state: str) -> None:

@@ -14,7 +14,7 @@ from cbdsl.control.signal import Floats, Signal
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.robot.camera import heading, sighting_jacobian
 from cbdsl.robot.kinematics import Frame, Kinematics
-from cbdsl.robot.reading import Reading
+from cbdsl.robot.reading import Reading, mean
 from cbdsl.robot.tips import Tips
 from cbdsl.types.potential import POTENTIALS
 from cbdsl.types.resource import Tip
@@ -96,7 +96,7 @@ def carried(case: Case) -> Reading:
     """Where what an effector or a group holds would move with it."""
     model, robot = kinematics(case.robot), ROBOTS[case.robot]
     reader = Tips(robot, model)
-    centre = reader.mean([reader.position(arm) for arm in robot.members(case.effector)])
+    centre = mean([reader.position(arm) for arm in robot.members(case.effector)])
     share = float(case.part == "held")
     return Reading(share * centre.value, share * centre.jacobian, 0)
 

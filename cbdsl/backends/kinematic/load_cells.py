@@ -55,7 +55,7 @@ class LoadCells:
 
 @compiled_once
 def _filter(before: Floats, wrenches: Floats, noise: Floats, gain: float, after: Floats) -> None:
-    """The readings after those before, shape (cells, 6); ``after`` brings draws of a unit normal."""
+    """The readings after those before, shape (cells, 6); ``after`` brings unit noise."""
     for cell in range(len(before)):
         for part in range(6):
             sample = wrenches[cell, part] + noise[part] * after[cell, part]
