@@ -11,10 +11,10 @@ from numpy.typing import NDArray
 from cbdsl.documents.model import Gaussian, Kernel
 from cbdsl.reproduction.chart import Chart, Line
 from cbdsl.reproduction.experiment import Outcome, Settings
-from cbdsl.reproduction.interval import interquartile_interval, interquartile_mean
+from cbdsl.reproduction.interval import interquartile_mean, over_trials
 from cbdsl.reproduction.laboratory import shipped_robot
 from cbdsl.reproduction.lesson import COARTICULATED, TACTILEPROBE, Lesson
-from cbdsl.reproduction.quantity import Quantity, above, clearly_above, clearly_below
+from cbdsl.reproduction.quantity import Quantity, above, below, clearly_above, clearly_below
 from cbdsl.reproduction.school import school
 from cbdsl.robot.kinematics import Kinematics
 
@@ -76,9 +76,7 @@ def _peaks(expectations: Sequence[Expectation], seed: int) -> Iterator[Quantity]
 
 
 def _quantity(name: str, source: str, values: Floats, seed: int) -> Quantity:
-    low, high = interquartile_interval(values, seed)
-    middle = float(interquartile_mean(values))
-    interval = (float(low), float(high))
+    middle, interval = float(interquartile_mean(values)), over_trials(values, seed)
     return Quantity(name, "", source, middle, clearly_above(1), above(1), interval)
 
 
@@ -88,14 +86,14 @@ def _narrowing(expectations: Sequence[Expectation], seed: int) -> Iterator[Quant
         # That of the uniform density.
         started = (each.upper - each.lower) / np.sqrt(12)
         values = each.deviations / started
-        low, high = interquartile_interval(values, seed)
         yield Quantity(
             f"{each.joint}: deviation by that of the uniform density",
             "",
             "one Gaussian a finger",
             float(interquartile_mean(values)),
             clearly_below(1),
-            interval=(float(low), float(high)),
+            below(1),
+            over_trials(values, seed),
             note=f"{interquartile_mean(each.deviations):.2f} rad",
         )
 

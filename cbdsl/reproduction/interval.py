@@ -113,6 +113,19 @@ def interquartile_interval(
     return low, high
 
 
+def over_trials(values: Floats, seed: int = 0) -> tuple[float, float] | None:
+    """``interquartile_interval`` of one number a trial; ``None`` where there is but one trial.
+
+    Args:
+        values: shape (n,).
+        seed: of the resampling.
+    """
+    if len(values) == 1:
+        return None
+    low, high = interquartile_interval(values, seed)
+    return float(low), float(high)
+
+
 def median_interval(
     values: Floats, seed: int = 0, level: float = 0.95, draws: int = 2000
 ) -> tuple[float, float]:

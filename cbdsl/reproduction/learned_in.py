@@ -43,13 +43,14 @@ def learned_in_quantities(
     found = np.array([learned_in(lesson, checks) for checks in trials])
     finite = found[np.isfinite(found)]
     middle = float(np.median(found))
+    has_spread = math.isfinite(middle) and len(found) > 1
     yield Quantity(
         f"{lesson.label}: learned in, median",
         "episodes",
         source,
         middle if math.isfinite(middle) else math.nan,
         expected,
-        interval=median_interval(found, seed) if math.isfinite(middle) else None,
+        interval=median_interval(found, seed) if has_spread else None,
         note=f"{finite.min():g} to {finite.max():g}" if len(finite) else "",
     )
     never = len(found) - len(finite)

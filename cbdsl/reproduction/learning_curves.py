@@ -12,7 +12,7 @@ from cbdsl.learning.experience import Experience
 from cbdsl.reproduction.chart import Chart, Line
 from cbdsl.reproduction.checks import Check, checks, schedule
 from cbdsl.reproduction.experiment import Outcome, Settings
-from cbdsl.reproduction.interval import interquartile_interval, interquartile_mean
+from cbdsl.reproduction.interval import interquartile_interval, interquartile_mean, over_trials
 from cbdsl.reproduction.learned_in import learned_in_quantities
 from cbdsl.reproduction.lesson import COARTICULATED, SEQUENTIAL, Lesson
 from cbdsl.reproduction.quantity import Quantity, above, near
@@ -109,7 +109,7 @@ def _times(sequential: Curves, both: Curves, seed: int) -> Quantity:
         twice / once,
         near(2, 0.5),
         ordering=above(1),
-        interval=(float(low), float(high)),
+        interval=(float(low), float(high)) if len(both.trials) > 1 else None,
         note=f"{twice} by {once} episodes",
     )
 
@@ -137,14 +137,13 @@ def _resampled(rewards: Floats, rng: np.random.Generator) -> Floats:
 def _advantage(sequential: Curves, both: Curves, seed: int) -> Quantity:
     """How much more the co-articulated trials earn in the end, while both explore."""
     difference = both.level - sequential.level
-    low, high = interquartile_interval(difference, seed)
     return Quantity(
         f"reward per transition in the last {_LAST} episodes, co-articulated minus sequential",
         "",
         "slightly above 0, not significantly",
         float(interquartile_mean(difference)),
         above(0),
-        interval=(float(low), float(high)),
+        interval=over_trials(difference, seed),
         note=f"{interquartile_mean(both.level):.3f} and {interquartile_mean(sequential.level):.3f}",
     )
 

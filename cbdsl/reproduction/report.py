@@ -134,4 +134,4 @@ def _measured(quantity: Quantity) -> str:
 
 
 def _escaped(cell: str) -> str:
-    return cell.replace("|", "\\|")
+    return cell.replace("|", "\\|").replace("*", "\\*")

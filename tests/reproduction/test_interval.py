@@ -15,6 +15,7 @@ from cbdsl.reproduction.interval import (
     interquartile_interval,
     interquartile_mean,
     median_interval,
+    over_trials,
 )
 
 
@@ -80,6 +81,11 @@ def test_interquartile_means_go_along_the_first_axis() -> None:
     assert (low < middle).all() and (middle < high).all()
     one_low, one_high = interquartile_interval(values[:, 0], seed=1)
     assert (one_low, one_high) == pytest.approx((low[0], high[0]))
+
+
+def test_a_single_trial_says_nothing_of_others() -> None:
+    assert over_trials(np.array([3.0])) is None
+    assert over_trials(np.array([3.0, 3.0])) == (3.0, 3.0)
 
 
 def test_nothing_has_no_interquartile_interval() -> None:
