@@ -11,11 +11,11 @@ import numpy as np
 
 from cbdsl.control.composition import Integers
 from cbdsl.control.manipulability import volume
-from cbdsl.control.potential import RANGE, SPRING
+from cbdsl.control.potential import ALIGNMENT, RANGE, SPRING
 from cbdsl.control.range import turn
 from cbdsl.control.rate import displace, norm
 from cbdsl.control.signal import Floats
-from cbdsl.control.spring import subtract
+from cbdsl.control.spring import aim, subtract
 from cbdsl.control.stack import TICKS
 from cbdsl.robot.compiled import compiled, compiled_once
 
@@ -42,12 +42,12 @@ def act(
     """Evaluate a potential and let its controller act.
 
     Args:
-        kind: of the potential, ``SPRING``, ``RANGE`` or ``MANIPULABILITY``.
+        kind: of the potential, as ``Compiled`` has it.
         constants: of the potential.
-        value: of the feedback, shape (m,).
+        value: of the feedback, shape (m,); a rotation row by row, shape (9,).
         jacobian: of the feedback by all joints, shape (m, all).
         curvature: derivative of the Jacobian, shape (m, all, all), or empty.
-        reference: what the feedback shall become, shape (m,).
+        reference: what the feedback shall become, shaped like its value.
         raised: how far above its reference a position is sent to, m.
         newest: of the stack.
         bounds: see ``bounds_of``.
@@ -75,6 +75,18 @@ def act(
         if raised > 0.0:
             residual[2] += raised
         step = 0.5 * residual
+    elif kind == ALIGNMENT:
+        if not (len(value) == len(reference) == 9 and len(jacobian) == 3):
+            return math.nan, math.nan
+        others, turning = np.empty((2, 3)), np.empty((3, len(columns)))
+        phi = aim(value, reference, int(constants[0, 0]), residual, others)
+        error = norm(residual)
+        step = 0.5 * residual
+        _select(jacobian, columns, turning)
+        level[:] = 0.0
+        for row in range(2):
+            for part in range(3):
+                level[row] += others[row, part] * turning[part]
     else:
         phi = -volume(jacobian, curvature, columns, level[0])
         length = norm(level[0])

@@ -34,14 +34,15 @@ class Evaluation(NamedTuple):
 
 
 #: The potentials that are compiled.
-SPRING, RANGE, MANIPULABILITY = 0, 1, 2
+SPRING, RANGE, MANIPULABILITY, ALIGNMENT = 0, 1, 2, 3
 
 
 class Compiled(NamedTuple):
     """How a potential is computed in one compiled call with all else that a controller does.
 
     Attributes:
-        kind: ``SPRING``, ``RANGE`` or ``MANIPULABILITY``.
+        kind: ``SPRING``, ``RANGE``, ``MANIPULABILITY``, or ``ALIGNMENT`` for the spring of an
+            orientation that may turn about an axis.
         constants: what it needs beside the signal, shape (r, m).
     """
 

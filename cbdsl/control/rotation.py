@@ -7,6 +7,7 @@ import math
 import numpy as np
 
 from cbdsl.control.signal import Floats
+from cbdsl.robot.compiled import compiled_once
 
 
 def exp(vector: Floats) -> Floats:
@@ -58,6 +59,7 @@ def log(rotation: Floats) -> Floats:
     return vector * (2.0 * half_angle_per_sine)
 
 
+@compiled_once
 def align(axis: Floats, wanted: Floats, fallback: Floats) -> Floats:
     """The shortest rotation that turns one unit vector onto another.
 
@@ -70,15 +72,14 @@ def align(axis: Floats, wanted: Floats, fallback: Floats) -> Floats:
     Returns:
         A rotation vector at right angles to ``axis``, rad, shape (3,).
     """
-    cosine = float(axis @ wanted)
+    cosine = axis[0] * wanted[0] + axis[1] * wanted[1] + axis[2] * wanted[2]
     # The nearer of the two sums is exact, so the product keeps its digits near 0 and pi.
-    cross = _cross(axis, wanted + axis if cosine < 0 else wanted - axis)
-    sine = math.hypot(*cross)
+    near = wanted + axis if cosine < 0 else wanted - axis
+    turn = np.empty(3)
+    for i in range(3):
+        j, k = (i + 1) % 3, (i + 2) % 3
+        turn[i] = axis[j] * near[k] - axis[k] * near[j]
+    sine = math.hypot(math.hypot(turn[0], turn[1]), turn[2])
     if sine == 0.0:
         return fallback * (math.pi if cosine < 0 else 0.0)
-    return np.array(cross) * (math.atan2(sine, cosine) / sine)
-
-
-def _cross(left: Floats, right: Floats) -> tuple[float, float, float]:
-    (ax, ay, az), (bx, by, bz) = left.tolist(), right.tolist()
-    return ay * bz - az * by, az * bx - ax * bz, ax * by - ay * bx
+    return turn * (math.atan2(sine, cosine) / sine)

@@ -8,11 +8,11 @@ from collections.abc import Callable
 import numpy as np
 
 from cbdsl.control.body import Body
-from cbdsl.control.potential import SPRING, Compiled, Evaluation, half_square
+from cbdsl.control.potential import ALIGNMENT, SPRING, Compiled, Evaluation, half_square
 from cbdsl.control.rotation import align, log
 from cbdsl.control.signal import Floats, Signal, SignalError, require_finite
 from cbdsl.program.controller import AlongNormals, Controller
-from cbdsl.robot.compiled import compiled
+from cbdsl.robot.compiled import compiled, compiled_once
 from cbdsl.types.resource_type import ORIENTATION, POSE, ResourceType
 
 Coordinates = tuple[Floats, Floats]
@@ -45,8 +45,11 @@ class Spring:
             ORIENTATION.name: ((3, 3), self._turned),
             POSE.name: ((4, 4), self._moved),
         }.get(kind.name, (None, None))
-        plain = self._difference is None
-        self.compiled = Compiled(SPRING, np.zeros((0, 0))) if plain else None
+        self.compiled: Compiled | None = None
+        if self._difference is None:
+            self.compiled = Compiled(SPRING, np.zeros((0, 0)))
+        elif kind == ORIENTATION and self._free_axis is not None:
+            self.compiled = Compiled(ALIGNMENT, np.array([[float(self._free_axis)]]))
 
     @classmethod
     def build(cls, controller: Controller, body: Body) -> Spring:
@@ -91,10 +94,9 @@ class Spring:
         """Residual and Jacobian of an orientation; ``jacobian`` is angular, (3, n)."""
         if self._free_axis is None:
             return log(wanted @ rotation.T), jacobian
-        axis = self._free_axis
-        others = rotation.T[[(axis + 1) % 3, (axis + 2) % 3]]  # (2, 3), world to tip
-        turn = align(rotation[:, axis], wanted[:, axis], fallback=others[0])
-        return others @ turn, others @ jacobian
+        residual, others = np.empty(2), np.empty((2, 3))
+        aim(rotation.ravel(), wanted.ravel(), self._free_axis, residual, others)
+        return residual, others @ jacobian
 
 
 @compiled
@@ -106,4 +108,24 @@ def subtract(value: Floats, reference: Floats, residual: Floats) -> float:
     for i in range(len(value)):
         residual[i] = reference[i] - value[i]
         phi += 0.5 * residual[i] * residual[i]
+    return phi
+
+
+@compiled_once
+def aim(rotation: Floats, wanted: Floats, axis: int, residual: Floats, others: Floats) -> float:
+    """phi of a tip that may turn about one of its axes.
+
+    Args:
+        rotation: of the tip, row by row, shape (9,).
+        wanted: the reference, row by row, shape (9,).
+        axis: index of the axis.
+        residual: takes the residual, in the tip's two other axes, rad, shape (2,).
+        others: takes these axes in the world frame, shape (2, 3).
+    """
+    for i in range(2):
+        others[i] = rotation[(axis + 1 + i) % 3 :: 3]
+    turn = align(rotation[axis::3], wanted[axis::3], others[0])
+    for i in range(2):
+        residual[i] = others[i, 0] * turn[0] + others[i, 1] * turn[1] + others[i, 2] * turn[2]
+    phi: float = 0.5 * (residual[0] * residual[0] + residual[1] * residual[1])
     return phi

@@ -74,7 +74,15 @@ class Task:
             curvature = _NOTHING
         newest = self._stack.newest
         found: tuple[float, float] = act(
-            kind, constants, value, jacobian, curvature, reference, raised, newest, *self._own
+            kind,
+            constants,
+            value.ravel(),
+            jacobian,
+            curvature,
+            reference.ravel(),
+            raised,
+            newest,
+            *self._own,
         )
         return found
 

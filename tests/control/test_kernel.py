@@ -12,6 +12,7 @@ import pytest
 from cbdsl.control.manipulability import Manipulability
 from cbdsl.control.potential import Potential
 from cbdsl.control.range import Range
+from cbdsl.control.rotation import exp
 from cbdsl.control.signal import Floats, Signal
 from cbdsl.control.spring import Spring
 from cbdsl.control.stack import Stack
@@ -19,7 +20,7 @@ from cbdsl.control.task import Task
 from cbdsl.program.controller import Controller
 from cbdsl.robot.reading import Reading
 from cbdsl.robot.selection import columns_of, columns_of_both
-from cbdsl.types.resource_type import FORCE, POSITION, ResourceType, configuration
+from cbdsl.types.resource_type import FORCE, ORIENTATION, POSITION, ResourceType, configuration
 from tests.control.test_task import TICK, controller
 
 COLUMNS = np.array([5, -1, 0, 3, 7])
@@ -37,6 +38,7 @@ CASES: list[tuple[Potential, Controller]] = [
     (Spring(POSITION), made("spring", POSITION, speed=0.1, acceleration=1.5)),
     (Spring(configuration(ROWS)), made("spring", configuration(ROWS), speed=0.1)),
     (Spring(FORCE.times(ROWS), along_normals=True), made("spring", FORCE.times(ROWS), speed=0.3)),
+    (Spring(ORIENTATION, "z"), made("spring", ORIENTATION, speed=0.4)),
     (Range(np.full(ROWS, -3.0), np.full(ROWS, 4.0)), made("range", configuration(ROWS))),
     (Manipulability(), made("manipulability", configuration(ROWS), speed=0.2)),
 ]
@@ -47,10 +49,16 @@ def joined(task: Task, stack: Stack) -> Task:
     return task
 
 
-def readings(rng: np.random.Generator) -> Iterator[Reading]:
+def drawn(controller: Controller, rng: np.random.Generator) -> Floats:
+    """A value of a controller's feedback."""
+    numbers = rng.normal(size=ROWS)
+    return exp(numbers) if controller.feedback.type == ORIENTATION else numbers
+
+
+def readings(controller: Controller, rng: np.random.Generator) -> Iterator[Reading]:
     for _ in range(8):
         rows, bent = rng.normal(size=(ROWS, JOINTS)), rng.normal(size=(ROWS, JOINTS, JOINTS))
-        yield Reading(rng.normal(size=ROWS), rows, 0, curvature=bent)
+        yield Reading(drawn(controller, rng), rows, 0, curvature=bent)
 
 
 def evaluated(
@@ -71,8 +79,8 @@ def test_it_does_what_evaluating_and_bounding_do(
     at_once, in_turn = (Task(controller, potential, TICK) for _ in range(2))
     ours, theirs = (Stack([("one", potential.size)], len(COLUMNS)) for _ in range(2))
     # A task remembers its rate, and a stack three ticks.
-    for reading in readings(rng):
-        reference = rng.normal(size=ROWS)
+    for reading in readings(controller, rng):
+        reference = drawn(controller, rng)
         for stack in (ours, theirs):
             stack.turn()
         found = joined(at_once, ours).act(reading, reference, 0.0)
@@ -85,7 +93,7 @@ def test_it_does_what_evaluating_and_bounding_do(
 
 def test_a_position_is_sent_above_its_reference_and_judged_by_it(rng: np.random.Generator) -> None:
     potential, task_of = Spring(POSITION), controller(POSITION)
-    reading, reference = next(readings(rng)), rng.normal(size=ROWS)
+    reading, reference = next(readings(task_of, rng)), rng.normal(size=ROWS)
     wanted, found = [], []
     for raised, goal in ((0.2, reference), (0.0, reference + np.array([0.0, 0.0, 0.2]))):
         stack = Stack([("one", 3)], len(COLUMNS))
@@ -102,10 +110,10 @@ def test_a_position_is_sent_above_its_reference_and_judged_by_it(rng: np.random.
 def test_what_is_not_finite_is_left_to_be_refused(
     potential: Potential, controller: Controller, bad: float, rng: np.random.Generator
 ) -> None:
-    reading = next(readings(rng))
+    reading, reference = next(readings(controller, rng)), drawn(controller, rng)
     stack, task = Stack([("one", potential.size)], len(COLUMNS)), Task(controller, potential, TICK)
     reading.jacobian[1, COLUMNS[0]] = bad
-    assert all(np.isnan(joined(task, stack).act(reading, np.zeros(ROWS), 0.0)))
+    assert all(np.isnan(joined(task, stack).act(reading, reference, 0.0)))
     assert stack.ages[0] == 0
     assert not stack.wanted.any()
 
@@ -115,7 +123,7 @@ def test_what_is_misshapen_is_left_to_be_refused(
     potential: Potential, controller: Controller, rng: np.random.Generator
 ) -> None:
     stack, task = Stack([("one", potential.size)], len(COLUMNS)), Task(controller, potential, TICK)
-    for reading in readings(rng):
+    for reading in readings(controller, rng):
         longer = reading._replace(value=np.zeros(ROWS + 1))
         assert np.isnan(joined(task, stack).act(longer, np.zeros(ROWS), 0.0)[0])
     if isinstance(potential, Spring):
@@ -126,7 +134,8 @@ def test_what_is_misshapen_is_left_to_be_refused(
 def test_near_a_singularity_manipulability_is_left_to_be_evaluated(
     rng: np.random.Generator,
 ) -> None:
-    reading, (potential, controller) = next(readings(rng)), CASES[-1]
+    potential, controller = CASES[-1]
+    reading = next(readings(controller, rng))
     reading.jacobian[2] = reading.jacobian[0] + reading.jacobian[1]
     stack = Stack([("one", 1)], len(COLUMNS))
     found = joined(Task(controller, potential, TICK), stack).act(reading, np.zeros(0), 0.0)
