@@ -52,10 +52,10 @@ class PositionMemory:
         """
         if self._largest is None:
             self._largest = sizes
-        if np.any(sizes < self._settings.least_visible * self._largest):
+        if (sizes < self._settings.least_visible * self._largest).any():
             return False
         self._largest = np.maximum(self._largest, sizes)
-        self.radius = float(np.sqrt(np.mean(self._largest) / np.pi))
+        self.radius = math.sqrt(sum(self._largest.tolist()) / len(sizes) / math.pi)
         if self.position is None:
             self.position, self._velocity, self._sightings = position, np.zeros(3), 1
         else:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import NamedTuple
 
 import numpy as np
@@ -37,15 +38,15 @@ class Crossing(NamedTuple):
 def triangulate(left: Ray, right: Ray) -> Crossing | None:
     """Cross two lines of sight; ``None`` where they are parallel or cross behind a camera."""
     between = right.origin - left.origin
-    cosine = float(left.direction @ right.direction)
+    cosine = float(left.direction.dot(right.direction))
     determinant = 1.0 - cosine * cosine
     if determinant < 1e-9:
         return None
-    along_left, along_right = float(between @ left.direction), float(between @ right.direction)
+    along_left, along_right = (float(between.dot(ray.direction)) for ray in (left, right))
     left_range = (along_left - cosine * along_right) / determinant
     right_range = (cosine * along_left - along_right) / determinant
     if left_range <= 0 or right_range <= 0:
         return None
     left_point = left.origin + left_range * left.direction
     right_point = right.origin + right_range * right.direction
-    return Crossing((left_point + right_point) / 2, float(np.linalg.norm(right_point - left_point)))
+    return Crossing((left_point + right_point) / 2, math.dist(left_point, right_point))

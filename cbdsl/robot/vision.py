@@ -59,10 +59,9 @@ class Vision:
         self._wrists = tuple(
             effector.joints[-1] for effector in robot.effectors.values() if effector.tip is not None
         )
-        self._tips = tuple(e.tip.link for e in robot.effectors.values() if e.tip is not None)
-        self._fingertips = tuple(
-            cell.link for fingers in robot.load_cells.values() for cell in fingers.values()
-        )
+        tips = [each.tip.link for each in robot.effectors.values() if each.tip is not None]
+        fingers = [cell for hand in robot.load_cells.values() for cell in hand.values()]
+        self._hand_links = (*tips, *(cell.link for cell in fingers))
         stereo = len(robot.cameras) == 2
         self.memories = {name: PositionMemory(self._settings) for name in self._channels if stereo}
         self.reset()
@@ -161,23 +160,25 @@ class Vision:
 
     def _sighting(self, channel: str) -> tuple[Floats, Floats] | None:
         """A believable position and the apparent sizes, m^2, or ``None``."""
-        seen = [self.regions.get((name, channel)) for name in self._cameras]
-        if any(region is None or region.clipped for region in seen):
-            return None
-        regions = [region for region in seen if region is not None]
+        regions = []
+        for name in self._cameras:
+            region = self.regions.get((name, channel))
+            if region is None or region.clipped:
+                return None
+            regions.append(region)
         lines = [
             sight(camera, region.column, region.row)
             for camera, region in zip(self._cameras.values(), regions, strict=True)
         ]
         frames = [self._frames[name] for name in self._cameras]
         rays = [
-            Ray(frame.position, frame.rotation @ line / np.linalg.norm(line))
+            Ray(frame.position, frame.rotation.dot(line) / math.sqrt(line.dot(line)))
             for frame, line in zip(frames, lines, strict=True)
         ]
         crossing = triangulate(rays[0], rays[1])
         if crossing is None or crossing.gap > self._settings.ray_gap:
             return None
-        distances = [float(np.linalg.norm(crossing.position - ray.origin)) for ray in rays]
+        distances = [math.dist(crossing.position, ray.origin) for ray in rays]
         if max(distances) > self._settings.farthest:
             return None
         sizes = [
@@ -191,13 +192,9 @@ class Vision:
     def _hidden_by_hand(self, position: Floats) -> bool:
         """Whether a wrist, palm or fingertip is near some camera's line of sight to a position."""
         if self._hands is None:
-            links = self._tips + self._fingertips
-            self._hands = np.vstack(
-                [
-                    self._kinematics.joint_positions(self._wrists).reshape(-1, 3),
-                    *(self._kinematics.frame(link).position for link in links),
-                ]
-            )
+            wrists = self._kinematics.joint_positions(self._wrists)
+            hands = [self._kinematics.frame(link).position for link in self._hand_links]
+            self._hands = np.array([*wrists, *hands]).reshape(-1, 3)
         radius = self._settings.hand_radius
         return any(
             _is_beside(self._hands, frame.position, position, radius)

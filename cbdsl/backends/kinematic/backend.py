@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from cbdsl.backends.backend import BackendError
 from cbdsl.backends.context import choose_context, starting_posture
-from cbdsl.backends.kinematic.cameras import Cameras, limbs
+from cbdsl.backends.kinematic.cameras import Cameras, Limbs
 from cbdsl.backends.kinematic.experimenter import Experimenter
 from cbdsl.backends.kinematic.handling import Handling
 from cbdsl.backends.kinematic.hands import Hands
@@ -67,7 +67,7 @@ class KinematicBackend:
         self._shutter = Shutter(robot.vision.rate, self.control_period)
         self._servos = Servos(kinematics, links, self.control_period)
         self._hands = Hands(robot, kinematics, self._tree, links)
-        self._limbs = limbs(robot, kinematics, self._tree, links)
+        self._limbs = Limbs(robot, kinematics, self._tree, links)
         self._palette = Palette(robot.vision.channels)
         self._nearest_to_zero = np.clip(0.0, kinematics.lower, kinematics.upper)
 

@@ -60,25 +60,27 @@ class _Sight(NamedTuple):
         return _SAMPLES if self.thing.mass else _COARSE
 
 
-class Limb:
-    """The part of an arm that gets in the way of the cameras: its wrist and what it carries."""
+class Limbs:
+    """The parts of arms that get in the way of the cameras: wrists and what they carry."""
 
     def __init__(
-        self, kinematics: Kinematics, tree: Tree, links: Links, beyond: Sequence[str]
+        self, robot: RobotDocument, kinematics: Kinematics, tree: Tree, links: Links
     ) -> None:
         self._tree = tree
+        arms = [effector for effector in robot.effectors.values() if effector.tip is not None]
         parts = [
             (tree.rows[link], solid)
+            for arm in arms
             for link, solids in links.solids.items()
             for solid in solids
-            if kinematics.moving(link).issuperset(beyond)
+            if kinematics.moving(link).issuperset(arm.joints[: 1 - _WRIST])
         ]
         self._rows = np.array([row for row, _ in parts], dtype=np.intp)
         self._parts = np.array([placed(solid.shape, solid.pose) for _, solid in parts])
         self._parts = self._parts.reshape(len(parts), WIDTH)
 
     def solids(self) -> Floats:
-        """Its links where they are now, shape (links, 16)."""
+        """Their links where they are now, shape (links, 16)."""
         return attached(self._parts, self._tree.placements, self._rows)
 
 
@@ -102,7 +104,7 @@ class Cameras:
         self,
         robot: RobotDocument,
         tree: Tree,
-        limbs: Sequence[Limb],
+        limbs: Limbs,
         palette: Palette,
         disturbance: Disturbance,
         rng: np.random.Generator,
@@ -119,7 +121,7 @@ class Cameras:
     def look(self, world: World) -> Mapping[str, Mapping[str, Region]]:
         """The largest region of each channel, by camera and channel."""
         # Things first, then the parts of the robot that may be before them.
-        solids = np.concatenate([world.solids, *(limb.solids() for limb in self._limbs)])
+        solids = np.concatenate((world.solids, self._limbs.solids()))
         sights = _sights(world)
         targets = np.array([sight.target for sight in sights], np.intp)
         patches = np.array([sight.patch for sight in sights]).reshape(len(sights), 4)
@@ -187,15 +189,6 @@ def _patch(shape: Shape, spot: Spot) -> tuple[float, float, float, float]:
     # A ray meets a plane but for rounding.
     height = shape.spot_height() - _ROUNDING
     return float("xy".index(spot.face[1])), side, height, spot.radius
-
-
-def limbs(robot: RobotDocument, kinematics: Kinematics, tree: Tree, links: Links) -> list[Limb]:
-    """What of each arm may hide things."""
-    return [
-        Limb(kinematics, tree, links, effector.joints[: 1 - _WRIST])
-        for effector in robot.effectors.values()
-        if effector.tip is not None
-    ]
 
 
 def _error(disturbance: Disturbance, rng: np.random.Generator) -> Pose:
