@@ -37,7 +37,7 @@ class Session:
         Returns:
             ``None`` where parts of it had to be left out, so that nobody knows what it has.
         """
-        key = path.resolve()
+        key = self.library.real(path)
         if key not in self._bodies:
             own = Findings()
             self._bodies[key] = self._examine_robot(path, own), own
@@ -59,7 +59,7 @@ class Session:
         self, path: Path, values: Mapping[str, str]
     ) -> tuple[CheckedProgram | None, Findings] | None:
         """What was remembered of a program with these values of its parameters."""
-        return self._programs.get((path.resolve(), frozenset(values.items())))
+        return self._programs.get((self.library.real(path), frozenset(values.items())))
 
     def remember(
         self,
@@ -69,4 +69,5 @@ class Session:
         findings: Findings,
     ) -> None:
         """Keep what became of a program, so that it is checked once however often it is used."""
-        self._programs[path.resolve(), frozenset(values.items())] = checked, findings
+        key = (self.library.real(path), frozenset(values.items()))
+        self._programs[key] = checked, findings

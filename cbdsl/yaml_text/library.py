@@ -55,6 +55,13 @@ class Library:
         self._given = {path.resolve(): data for path, data in (given or {}).items()}
         self._read: dict[Path, Loaded[Any]] = {}
         self._found: dict[tuple[type[Document], str, Path | None], Path] = {}
+        self._real: dict[Path, Path] = {}
+
+    def real(self, path: Path) -> Path:
+        """The file itself, whichever links lead to it; the disk is asked once."""
+        if path not in self._real:
+            self._real[path] = path.resolve()
+        return self._real[path]
 
     def find(self, kind: type[Document], name: str, beside: Path | None = None) -> Path | None:
         """The file ``<name>.yaml``: beside another, else in a folder of its kind, else ``None``.
@@ -98,7 +105,7 @@ class Library:
         Raises:
             DiagnosticsError: it cannot be read, or is not UTF-8.
         """
-        given = self._given.get(path.resolve())
+        given = self._given.get(self.real(path))
         return read_text(path) if given is None else decode(given, str(path))
 
     def read(self, path: Path, kind: type[D]) -> Loaded[D]:
@@ -115,7 +122,7 @@ class Library:
         Raises:
             DiagnosticsError: there is nothing that could be checked.
         """
-        key = path.resolve()
+        key = self.real(path)
         if key not in self._read or not isinstance(self._read[key].document, kind):
             self._read[key] = read_sound_parts(path, kind, self.text(path))
         loaded: Loaded[D] = self._read[key]

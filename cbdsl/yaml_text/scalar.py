@@ -31,6 +31,8 @@ REFUSED = {
     SEXAGESIMAL: "CB115",
     FOREIGN: "CB116",
 }
+# What most numbers look like, and nothing that is refused.
+_SIMPLE = re.compile(r"-?(?:0|[1-9][0-9]{0,8})(?:\.[0-9]{1,9})?\Z")
 # The largest integer up to which a 64-bit float holds every one.
 _LARGEST = 2**53
 
@@ -56,6 +58,8 @@ def resolve(text: str) -> Scalar:
     """
     if text and text[0] not in _FIRST:
         return text
+    if _SIMPLE.match(text):
+        return float(text) if "." in text else int(text)
     if NULL.match(text):
         return None
     if BOOLEAN.match(text):

@@ -1,0 +1,33 @@
+"""What unquoted scalars mean: numbers that are read quickly mean what the patterns say."""
+
+from __future__ import annotations
+
+import re
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from cbdsl.yaml_text import scalar
+from cbdsl.yaml_text.scalar import ScalarError, resolve
+
+TEXTS = st.text("+-.0123456789eE_:x", max_size=12) | st.decimals(
+    allow_nan=False, allow_infinity=False
+).map(str)
+
+
+def meaning(text: str) -> object:
+    """The value and its type, or the code of what is refused."""
+    try:
+        value = resolve(text)
+    except ScalarError as error:
+        return error.code
+    return type(value), value
+
+
+@given(TEXTS)
+def test_simple_numbers_are_no_exception(text: str) -> None:
+    quick = meaning(text)
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(scalar, "_SIMPLE", re.compile("(?!)"))  # matches nothing
+        assert meaning(text) == quick
