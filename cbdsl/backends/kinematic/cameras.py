@@ -60,6 +60,25 @@ class _Sight(NamedTuple):
         return _SAMPLES if self.thing.mass else _COARSE
 
 
+class _Scene:
+    """What there is to see until something comes or goes.
+
+    Attributes:
+        solids: the world's, which has new ones when something comes or goes.
+        sights: of all things and spots.
+        wanted: targets, patches and samples, as ``silhouettes`` has them.
+    """
+
+    def __init__(self, world: World) -> None:
+        self.solids = world.solids
+        self.sights = _sights(world)
+        self.wanted = (
+            np.array([sight.target for sight in self.sights], np.intp),
+            np.array([sight.patch for sight in self.sights]).reshape(len(self.sights), 4),
+            np.array([sight.samples for sight in self.sights], np.intp),
+        )
+
+
 class Limbs:
     """The parts of arms that get in the way of the cameras: wrists and what they carry."""
 
@@ -117,22 +136,21 @@ class Cameras:
         self._errors = {name: _error(disturbance, rng) for name in robot.cameras}
         self._disturbed = bool(disturbance.camera_position or disturbance.camera_rotation)
         self._before: dict[str, tuple[float, ...]] = {}
+        self._scene = _Scene(World())
 
     def look(self, world: World) -> Mapping[str, Mapping[str, Region]]:
         """The largest region of each channel, by camera and channel."""
         # Things first, then the parts of the robot that may be before them.
         solids = np.concatenate((world.solids, self._limbs.solids()))
-        sights = _sights(world)
-        targets = np.array([sight.target for sight in sights], np.intp)
-        patches = np.array([sight.patch for sight in sights]).reshape(len(sights), 4)
-        samples = np.array([sight.samples for sight in sights], np.intp)
+        if self._scene.solids is not world.solids:
+            self._scene = _Scene(world)
+        sights, wanted = self._scene.sights, self._scene.wanted
         moved = self._motion(world)
         seen = {}
         for name, camera in self._cameras.items():
             pose = self._pose(name)
             lens = camera.focal_length, float(camera.width), float(camera.height)
-            place = pose.position, pose.rotation
-            found = silhouettes(solids, targets, patches, samples, *place, lens)
+            found = silhouettes(solids, *wanted, pose.position, pose.rotation, lens)
             seen[name] = self._regions(sights, found, moved)
         return seen
 

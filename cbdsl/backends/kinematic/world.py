@@ -26,7 +26,8 @@ class World:
 
     Attributes:
         things: fixtures and things by name.
-        solids: all of them in that order, as ``solids`` has them, shape (k, 16).
+        solids: all of them in that order, as ``solids`` has them, shape (k, 16); another array
+            when something comes or goes.
     """
 
     def __init__(self) -> None:
