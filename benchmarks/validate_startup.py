@@ -55,19 +55,25 @@ def _processor() -> float:
     return usage.ru_utime + usage.ru_stime
 
 
-def measure(rounds: int) -> dict[str, tuple[float, float]]:
-    """Medians of wall-clock and processor time by process, s; the first round is not counted."""
+def measure(rounds: int) -> dict[str, list[tuple[float, float]]]:
+    """Wall-clock and processor time by process and round, s; the first round is not counted."""
     times: dict[str, list[tuple[float, float]]] = {name: [] for name in COMMANDS}
     with tempfile.TemporaryDirectory() as bytecode:
         for _ in range(rounds + 1):
             for name, command in COMMANDS.items():
                 times[name].append(seconds(command, bytecode))
+    return {name: pairs[1:] for name, pairs in times.items()}
+
+
+def row(own: list[tuple[float, float]], validate: list[tuple[float, float]]) -> dict[str, float]:
+    """Medians of a process, and of how many times as long validating took in the same round."""
+    wall, processor = (statistics.median(column) for column in zip(*own, strict=True))
+    pairs = list(zip(validate, own, strict=True))
     return {
-        name: (
-            statistics.median(w for w, _ in pairs[1:]),
-            statistics.median(c for _, c in pairs[1:]),
-        )
-        for name, pairs in times.items()
+        "seconds": round(wall, 3),
+        "processor_seconds": round(processor, 3),
+        "ratio": round(statistics.median(a[0] / b[0] for a, b in pairs), 2),
+        "processor_ratio": round(statistics.median(a[1] / b[1] for a, b in pairs), 2),
     }
 
 
@@ -77,24 +83,17 @@ def main() -> None:
     parser.add_argument("--rounds", type=int, default=10)
     parser.add_argument("--json", action="store_true", help="print one JSON object")
     options = parser.parse_args()
-    medians = measure(options.rounds)
-    wall, processor = medians["validate"]
-    result = {
-        name: {
-            "seconds": round(own_wall, 3),
-            "processor_seconds": round(own, 3),
-            "ratio": round(wall / own_wall, 2),
-            "processor_ratio": round(processor / own, 2),
-        }
-        for name, (own_wall, own) in medians.items()
-    }
+    rounds = measure(options.rounds)
+    result = {name: row(own, rounds["validate"]) for name, own in rounds.items()}
     if options.json:
         sys.stdout.write(json.dumps(result) + "\n")
         return
-    for name, row in result.items():
+    for name, found in result.items():
+        wall, processor = 1e3 * found["seconds"], 1e3 * found["processor_seconds"]
+        times_as_long = f"{found['ratio']:.2f} x and {found['processor_ratio']:.2f} x"
         sys.stdout.write(
-            f"{name:10}{row['seconds'] * 1e3:6.0f} ms, {row['processor_seconds'] * 1e3:4.0f} ms of "
-            f"processor; validate takes {row['ratio']:.2f} x and {row['processor_ratio']:.2f} x\n"
+            f"{name:10}{wall:6.0f} ms, {processor:4.0f} ms of processor; "
+            f"validate takes {times_as_long}\n"
         )
 
 
