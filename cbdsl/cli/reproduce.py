@@ -121,11 +121,13 @@ def _kept(folder: Path | None) -> Iterator[Path]:
     """Where trials are kept, which without a folder is until the end of the command.
 
     Raises:
-        UsageError: there can be no such folder.
+        UsageError: there can be no such folder, or it holds other trials.
     """
     from tempfile import TemporaryDirectory
 
+    from cbdsl.cli.terminal import print_problem
     from cbdsl.errors.errors import UsageError
+    from cbdsl.training.journal import JournalError
 
     if folder is None:
         with TemporaryDirectory() as passing:
@@ -135,7 +137,14 @@ def _kept(folder: Path | None) -> Iterator[Path]:
         folder.mkdir(parents=True, exist_ok=True)
     except OSError as error:
         raise UsageError(f"--keep {folder}: {error.strerror or error}") from error
-    yield folder
+    try:
+        yield folder
+    except JournalError as error:
+        raise UsageError(f"--keep {folder} holds other trials: {error}") from error
+    except KeyboardInterrupt:
+        kept = f"{folder} holds the episodes that are over; the same command goes on with them"
+        print_problem(f"interrupted; {kept}")
+        raise
 
 
 def _list(as_json: bool) -> None:

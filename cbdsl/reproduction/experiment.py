@@ -88,7 +88,7 @@ class Experiment:
         title: what it shows.
         section: where the source has it.
         module: in this package, whose function ``run(settings: Settings) -> Outcome`` measures,
-            or raises BackendError or SensorError where the simulator cannot run it.
+            or raises BackendError or EpisodeError where the simulator cannot run it.
         learns: whether the robot learns in it. Then the module measures all experiments of its
             kind: ``run(settings: Settings, name: str) -> Outcome``, and raises JournalError where
             the folder of the settings holds other trials.

@@ -16,6 +16,7 @@ from cbdsl.reproduction import registry
 from cbdsl.reproduction.chart import Chart, Line
 from cbdsl.reproduction.experiment import Experiment, Outcome, Settings
 from cbdsl.reproduction.quantity import Quantity, above
+from cbdsl.training.journal import JournalError
 
 TOY = Experiment("toy-1", "A toy", "Section 0", "toy")
 OTHER = Experiment("toy-2", "Another toy", "Section 0.1", "toy")
@@ -190,6 +191,31 @@ def test_a_folder_that_cannot_be_is_told(
     assert cb(monkeypatch, "toy-3", "--keep", str(tmp_path / "file")) == 2
     assert "--keep" in capsys.readouterr().err
     assert not learning
+
+
+@pytest.mark.parametrize(
+    ("error", "code", "told"),
+    [
+        (JournalError("x belongs to another trial"), 2, "holds other trials: x belongs to another"),
+        (KeyboardInterrupt(), 130, "the same command goes on"),
+    ],
+)
+def test_what_keeps_a_trial_from_its_end_is_told_with_the_folder(
+    error: BaseException,
+    code: int,
+    told: str,
+    learning: list[Settings],
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    def run(settings: Settings, name: str) -> Outcome:
+        raise error
+
+    monkeypatch.setattr(sys.modules["cbdsl.reproduction.learned_toy"], "run", run)
+    assert cb(monkeypatch, "toy-3", "--keep", str(tmp_path)) == code
+    printed = capsys.readouterr().err
+    assert str(tmp_path) in printed and told in printed
 
 
 def test_a_json_file(toys: list[Settings], tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
