@@ -105,15 +105,16 @@ class Accommodate:
         return Explorer(self.values, self._constants.epsilon, rng, self._running)
 
     def greedy(self) -> dict[str, str]:
-        """The best action of every state in which one was tried.
+        """The best action of every state in which one was tried, and of all others in one line.
 
-        Of equally good ones it is the first in the order of the program's actions. Where a
-        program runs, it is that program.
+        Of equally good ones it is the first in the order of the program's actions, as all of them
+        are in a state that was never met. Where a program runs, it is that program.
         """
-        return {
+        known = {
             state: self._running(state) or self.values.best(state)[0]
             for state, _ in self.counts.items()
         }
+        return known | {"*" * len(state): self.values.actions[0] for state in known}
 
     def _running(self, state: str) -> str | None:
         """The program that runs in a state, ``None`` where an action can be chosen."""

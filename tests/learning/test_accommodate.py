@@ -59,7 +59,13 @@ def test_it_learns_to_search_where_nothing_is_seen_and_to_track_where_something_
             learner.see(made(state, action, after))
             state = after
     greedy = learner.greedy()
-    assert greedy == {"XX": "track", "X-": "search", "1X": "track", "X0": "track"}
+    assert greedy == {
+        "XX": "track",
+        "X-": "search",
+        "1X": "track",
+        "X0": "track",
+        "**": "search",
+    }
 
 
 def test_a_program_among_the_actions_is_one_action_until_it_ends(made: Made) -> None:
@@ -71,7 +77,7 @@ def test_a_program_among_the_actions_is_one_action_until_it_ends(made: Made) -> 
     # Nothing is discounted for the time that it runs, nor is anything else chosen then.
     assert learner.values.value("XX", "find") == pytest.approx(0.8)
     assert {explorer.choose("0X", changed=True) for _ in range(50)} == {"find"}
-    assert learner.greedy() == {"XX": "find", "0X": "find", "1X": "track"}
+    assert learner.greedy() == {"XX": "find", "0X": "find", "1X": "track", "**": "find"}
     assert dict(learner.counts.items())["0X"] == {"find": {"1X": 2}}
 
 
@@ -89,8 +95,11 @@ def test_what_was_never_rewarded_has_no_density(made: Made) -> None:
     assert learner.densities() == {}
 
 
-def test_a_policy_covers_the_states_in_which_something_was_tried(made: Made) -> None:
+def test_a_policy_covers_the_states_in_which_something_was_tried_and_then_all_others(
+    made: Made,
+) -> None:
     learner = Accommodate(ACTIONS, Constants())
     learner.replay(experience((made("XX", "track", "X0"), made("X0", "track", "X1")), (0, 0)))
-    assert set(learner.greedy()) == {"XX", "X0"}
+    assert learner.greedy() == {"XX": "search", "X0": "track", "**": "search"}
+    assert Accommodate(ACTIONS, Constants()).greedy() == {}
     assert learner.explorer(np.random.default_rng(0)).choose("--", changed=False) in ACTIONS
