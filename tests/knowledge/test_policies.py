@@ -92,7 +92,6 @@ def test_a_policy_names_the_command_that_learns_it_again(
     assert words[:3] == ["cb", "learn", document.program]
     assert words[words.index("--out") + 1] == f"{name}.yaml"
     assert words[words.index("--seed") + 1] == str(provenance.seed)
-    assert provenance.backend == "bullet"
     assert len(document.curve.reward) == provenance.episodes
 
 
