@@ -138,17 +138,17 @@ class School:
             JournalError, BackendError, EpisodeError, OSError: as ``learn``.
         """
         trial = learned.trial
-        policy = WrittenPolicy(trial.learner.greedy())
+        actions = trial.learner.greedy()
         program = trial.informed_program() if program is None else program
         classroom = self._classroom(learned.stage)
         path = learned.path.with_suffix(f".{name}.jsonl")
-        identity = identity_of(learned.provenance) | {"learned_from": len(trial.experiences)}
+        identity = identity_of(learned.provenance) | {"policy": actions}
         with Journal(path, identity) as journal:
             found = list(journal.finished[: len(seeds)])
             self._advance(len(found))
             for seed in seeds[len(found) :]:
                 began = time.perf_counter()
-                found.append(classroom.hold(program, policy, seed, _ignore))
+                found.append(classroom.hold(program, WrittenPolicy(actions), seed, _ignore))
                 journal.append(found[-1], time.perf_counter() - began)
                 self._advance(1)
         return tuple(found)
