@@ -135,7 +135,8 @@ class Library:
             UsageError: no document has this name.
         """
         path = Path(name)
-        if path.suffix or len(path.parts) > 1 or path.exists():
+        # A folder may well have the name of a document, such as that of a robot's model.
+        if path.suffix or len(path.parts) > 1 or path.is_file():
             return path
         found = self.find(kind, str(name), self.here / path)
         if found is None:
@@ -149,10 +150,12 @@ class Library:
             UsageError: no document has this name.
         """
         path = Path(word)
-        if path.suffix or len(path.parts) > 1 or path.exists():
+        if path.suffix or len(path.parts) > 1 or path.is_file():
             return [path]
         found = [self.find(kind, word, self.here / path) for kind in FOLDERS]
         files = [file for file in found if file is not None]
+        if path.is_dir() and (not files or any(path.rglob("*.y*ml"))):
+            return [path]
         if not files:
             raise UsageError(self._nothing_found(word))
         return list(dict.fromkeys(files))

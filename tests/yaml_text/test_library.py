@@ -65,3 +65,20 @@ def test_a_name_means_what_it_would_mean_in_a_document_here(tmp_path: Path) -> N
         library.locate(StageDocument, "own")
     with pytest.raises(UsageError, match="did you mean 'own'"):
         library.locate(ProgramDocument, "ownn")
+
+
+def test_a_folder_does_not_hide_the_document_of_its_name(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A robot's model, or a run's recording, is in a folder that likely has its name."""
+    monkeypatch.chdir(tmp_path)
+    own, folder = tmp_path / "own.yaml", Path("own")
+    own.write_text("cbdsl: 1\nkind: program\nname: own\n", encoding="utf-8")
+    folder.mkdir()
+    library = Library(tmp_path)
+    assert library.locate(ProgramDocument, "own") == own
+    assert library.locate_any("own") == [own]
+    (folder / "other.yaml").write_text("", encoding="utf-8")
+    assert library.locate_any("own") == [folder]
+    Path("empty").mkdir()
+    assert library.locate_any("empty") == [Path("empty")]
