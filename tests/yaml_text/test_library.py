@@ -72,7 +72,7 @@ def test_a_folder_does_not_hide_the_document_of_its_name(
 ) -> None:
     """A robot's model, or a run's recording, is in a folder that likely has its name."""
     monkeypatch.chdir(tmp_path)
-    own, folder = tmp_path / "own.yaml", Path("own")
+    own, folder = Path("own.yaml"), Path("own")
     own.write_text("cbdsl: 1\nkind: program\nname: own\n", encoding="utf-8")
     folder.mkdir()
     library = Library(tmp_path)
