@@ -25,19 +25,17 @@ class Active(NamedTuple):
 
 
 class _Lead(NamedTuple):
-    """The controller that leads a member, and what the member consists of below it.
+    """The controller that leads a member, and what the member optimises below it.
 
     Attributes:
         place: the member's place in the state.
         run: the controller with the highest priority.
-        others: its other controllers.
-        optimising: those of them that have no reference, and no goal but their rest.
+        optimising: its other controllers that have no reference, and no goal but their rest.
         rewarded: whether its quiescence counts.
     """
 
     place: int
     run: ControllerRun
-    others: tuple[ControllerRun, ...]
     optimising: tuple[ControllerRun, ...]
     rewarded: bool
 
@@ -49,14 +47,6 @@ class _Lead(NamedTuple):
             if found == "1" and run.predicate == "0":
                 return "0"
         return found
-
-    def follow(self) -> None:
-        """Let the other controllers act only where the leading one is defined."""
-        for run in self.others:
-            if self.run.predicate == "-":
-                run.deactivate()
-            elif run.predicate == "X":
-                run.activate()
 
 
 class ProgramRun:
@@ -147,12 +137,9 @@ class ProgramRun:
         if self._action is None:
             return []
         name = self._action.name
-        if name not in self._acting:
-            return self._above_background(self.children[name].active())
-        if all(run.predicate != "X" for run in self._stacks[name]):
+        if name in self._acting:
             return self._acting[name]
-        acting = [item for item in self._acting[name] if item.run.predicate != "X"]
-        return self._above_background(acting)
+        return self._above_background(self.children[name].active())
 
     def _above_background(self, acting: Sequence[Active]) -> list[Active]:
         running = [item.run for item in acting]
@@ -170,8 +157,6 @@ class ProgramRun:
         child = self.children.get(self._action.name)
         if child is not None:
             child.advance()
-        for lead in self._leads.get(self._action.name, ()):
-            lead.follow()
         self._ticks += 1
         state = self._read_state(self._action)
         # A program has transitions of its own to run out of. It may also end the way it ended
@@ -306,10 +291,9 @@ class _ControllerRuns:
 
     def lead(self, primitive: Primitive, place: int) -> _Lead:
         """What gives the predicate of a primitive at this place of the state."""
-        others = tuple(self.run(controller) for controller in primitive.controllers[:-1])
-        optimising = tuple(run for run in others if run.controller.reference is None)
-        lead = self.run(primitive.lead)
-        return _Lead(place, lead, others, optimising, primitive.rewarded)
+        optimising = [each for each in primitive.controllers[:-1] if each.reference is None]
+        others = tuple(self.run(controller) for controller in optimising)
+        return _Lead(place, self.run(primitive.lead), others, primitive.rewarded)
 
     @property
     def all(self) -> tuple[ControllerRun, ...]:

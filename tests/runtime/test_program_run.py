@@ -298,24 +298,6 @@ def test_a_composite_is_at_rest_when_what_it_optimises_is_too(written: Written, 
     assert waited > 10
 
 
-def test_a_composite_does_not_act_while_its_lead_is_undefined(written: Written, play: Play) -> None:
-    """As LOCALIZABILITY does not while nothing is held (Section 4.3.2)."""
-    program = written(
-        f"controllers:\n  track: {LOOK}\n"
-        "  raise: {potential: spring, reference: right_arm.ready, feedback: right_arm, "
-        "effector: right_arm}\n"
-        "  look: raise ◁ track\n"
-        "actions: [look]\npolicy: {'*': look}\nlimits: {transition_time: 2 s}\n"
-    )
-
-    def moved(world: Callable[[np.random.Generator], World]) -> float:
-        episode = play(program, world)
-        return float(np.ptp(episode.backend.applied, axis=0).max())
-
-    assert moved(nothing) < 0.01
-    assert moved(lambda rng: on_table()) > 0.1
-
-
 @pytest.mark.parametrize(
     ("actions", "state", "reward"), [("search, track, search ◁ track", "**", 1), ("look", "*", 0)]
 )
