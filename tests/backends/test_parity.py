@@ -199,6 +199,17 @@ def test_probing_fingers_are_rewarded_on_both(play: Play, seed: int) -> None:
 
 @pytest.mark.slow
 @pytest.mark.parametrize("seed", (70001, 70002, 70003))
+def test_spots_are_found_on_both(play: Play, seed: int) -> None:
+    """In other states now and then: fingers hide part of what they lift from the table, and more
+    of it in images than by ideal silhouettes.
+    """
+    both = play("visualinspect", "spotted_right", seed)
+    for result in (both.bullet, both.kinematic):
+        assert result.rewarded, result.ending
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", (70001, 70002, 70003))
 def test_both_hands_are_rewarded_on_both(play: Play, seed: int) -> None:
     """In other states now and then: without physics nobody pushes what the other hand holds, so
     that the hold comes to rest earlier.
