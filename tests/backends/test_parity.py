@@ -222,20 +222,6 @@ def test_both_hands_are_rewarded_on_both(play: Play, seed: int) -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("seed", (70001, 70002, 70003))
-def test_inspecting_is_rewarded_on_both(play: Play, seed: int) -> None:
-    """In other states now and then: at the moment of grasping, and when the spot turns into view,
-    what is defined may change a tick earlier or later than what else changes then.
-    """
-    both = play("visualinspect", "spotted_right", seed)
-    assert both.kinematic.context == both.bullet.context
-    for result in (both.bullet, both.kinematic):
-        assert result.rewarded, result.ending
-        assert result.predicates[:3] == both.bullet.predicates[:3]
-        assert result.predicates[-1][2] == "1"
-
-
-@pytest.mark.slow
 @pytest.mark.parametrize("seed", range(70001, 70005))
 def test_what_is_thrown_away_earns_nothing_on_either(play: Play, seed: int) -> None:
     """In other states now and then: a ball that leaves the table flies by centimetres otherwise
