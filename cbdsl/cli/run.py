@@ -106,7 +106,7 @@ def run(
             _require_folder(record)
         telling = Telling(record, explain, as_json)
         if not as_json:
-            print(f"{order.program.name} on {order.stage.name}; images by {body.renderer}")
+            print(_introduction(order, body))
         results: list[EpisodeResult] = []
         for index in range(episodes):
             if not as_json:
@@ -114,6 +114,12 @@ def run(
             results.append(_episode(body, runner, order, seed + index, context, telling))
     if episodes > 1 and not as_json:
         _summarise(results)
+
+
+def _introduction(order: Order, body: Backend) -> str:
+    """What runs where, and what makes the images if anything does."""
+    images = f"; images by {body.renderer}" if order.robot.cameras else ""
+    return f"{order.program.name} on {order.stage.name}{images}"
 
 
 def _require_context(stage: StageDocument, context: str | None) -> None:

@@ -206,3 +206,12 @@ def test_what_stops_an_episode_is_one_clear_message(
     assert cb(monkeypatch, "stuck.yaml", "--backend", "kinematic", "--seed", "3") == 2
     _, err = capfd.readouterr()
     assert err.splitlines() == ["cb: seed 3, 0.00 s: no convergence in 0 cycles"]
+
+
+def test_images_are_spoken_of_only_where_there_are_cameras(
+    here: Path, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
+) -> None:
+    assert cb(monkeypatch, "sixaxis_reach", "--backend", "kinematic") == 0
+    assert "image" not in capfd.readouterr().out
+    cb(monkeypatch, "posture", "--backend", "kinematic")
+    assert "images by ideal cameras" in capfd.readouterr().out

@@ -53,14 +53,13 @@ class KinematicBackend:
         BackendError: robot file and model do not fit together, or a window is asked for.
     """
 
-    renderer = "ideal cameras"
-
     def __init__(self, robot: RobotDocument, urdf: Path, gui: bool = False) -> None:
         if gui:
             raise BackendError("the kinematic backend has no window")
         _require_fit(robot, urdf)
         links, kinematics = Links(urdf), Kinematics(robot, urdf)
         self._robot = robot
+        self.renderer = "ideal cameras" if robot.cameras else "nothing"
         self._joints = kinematics.joints
         self._tree = Tree(urdf, self._joints, robot.base)
         self.control_period = 1 / robot.control.rate
