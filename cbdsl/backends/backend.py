@@ -92,8 +92,7 @@ def find_backend(name: str) -> BackendFactory:
     """
     installed = {point.name: point for point in entry_points(group=GROUP)}
     if name not in installed:
-        known = ", ".join(sorted(installed)) or "none"
-        raise BackendError(f"no backend is called '{name}'; installed: {known}")
+        raise BackendError.unknown("backend", name, sorted(installed))
     try:
         factory: Any = installed[name].load()
     except ImportError as error:

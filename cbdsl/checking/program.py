@@ -23,7 +23,7 @@ from cbdsl.documents.program import ProgramDocument, Use
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.documents.stage import StageDocument
 from cbdsl.errors.errors import DiagnosticsError, UsageError
-from cbdsl.errors.nearest import nearest_name
+from cbdsl.errors.nearest import meant
 from cbdsl.language.expression import Expression, Term
 from cbdsl.program.checked import Action, CheckedProgram
 from cbdsl.program.controller import Composition, Primitive
@@ -67,9 +67,8 @@ def check_program(
 
 
 def _no_parameter(name: str, known: list[str]) -> str:
-    nearest = nearest_name(name, known)
-    hint = f"; did you mean '{nearest}'?" if nearest else ""
-    return f"there is no parameter '{name}'{hint} (known: {', '.join(known) or 'none'})"
+    listed = ", ".join(known) or "none"
+    return f"there is no parameter '{name}'{meant(name, known)} (known: {listed})"
 
 
 class Budget:

@@ -25,7 +25,6 @@ def explain(code: Code = None, every: All = False, markdown: Markdown = False) -
 def _entries(code: str | None, every: bool) -> list[Entry]:
     from cbdsl.errors.catalogue import CATALOGUE
     from cbdsl.errors.errors import UsageError
-    from cbdsl.errors.nearest import nearest_name
 
     if every != (code is None):
         raise UsageError("explain wants a code such as CB504, or --all")
@@ -33,7 +32,15 @@ def _entries(code: str | None, every: bool) -> list[Entry]:
         return sorted(CATALOGUE.values(), key=lambda entry: entry.code)
     entry = CATALOGUE.get(code.upper())
     if entry is None:
-        nearest = nearest_name(code.upper(), CATALOGUE)
-        hint = f"; did you mean {nearest}?" if nearest else ""
-        raise UsageError(f"there is no finding {code}{hint}")
+        raise UsageError(f"there is no finding '{code}'{_meant(code)} (cb explain --all has all)")
     return [entry]
+
+
+def _meant(code: str) -> str:
+    """The question for the nearest code; all begin alike, which says nothing."""
+    from cbdsl.errors.catalogue import CATALOGUE
+    from cbdsl.errors.nearest import nearest_name
+
+    numbers = {known.removeprefix("CB"): known for known in CATALOGUE}
+    nearest = nearest_name(code.upper().removeprefix("CB"), numbers)
+    return f"; did you mean '{numbers[nearest]}'?" if nearest else ""

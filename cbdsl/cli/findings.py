@@ -63,7 +63,7 @@ def _writer(form: str) -> Callable[[Report], str]:
     from cbdsl.errors.errors import UsageError
 
     if form not in FORMATS:
-        raise UsageError(f"there is no format '{form}' (known: {', '.join(FORMATS)})")
+        raise UsageError.unknown("format", form, FORMATS)
     module, function = FORMATS[form]
     writer: Callable[[Report], str] = getattr(import_module(f"cbdsl.cli.{module}"), function)
     return writer

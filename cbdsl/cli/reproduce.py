@@ -163,16 +163,12 @@ def _list(as_json: bool) -> None:
 
 def _chosen(name: str) -> list[Experiment]:
     from cbdsl.errors.errors import UsageError
-    from cbdsl.errors.nearest import nearest_name
     from cbdsl.reproduction.registry import EXPERIMENTS
 
     if name == _ALL:
         return list(EXPERIMENTS.values())
     if name not in EXPERIMENTS:
-        nearest = nearest_name(name, [*EXPERIMENTS, _ALL])
-        hint = f"; did you mean '{nearest}'?" if nearest else ""
-        known = ", ".join([*EXPERIMENTS, _ALL])
-        raise UsageError(f"there is no experiment '{name}'{hint} (known: {known})")
+        raise UsageError.unknown("experiment", name, [*EXPERIMENTS, _ALL])
     return [EXPERIMENTS[name]]
 
 

@@ -124,14 +124,12 @@ def _introduction(order: Order, body: Backend) -> str:
 
 def _require_context(stage: StageDocument, context: str | None) -> None:
     from cbdsl.errors.errors import UsageError
-    from cbdsl.errors.nearest import nearest_name
+    from cbdsl.errors.nearest import meant
 
     if context is None or context in stage.contexts:
         return
-    nearest = nearest_name(context, list(stage.contexts))
-    hint = f"; did you mean '{nearest}'?" if nearest else ""
-    known = ", ".join(stage.contexts)
-    raise UsageError(f"stage '{stage.name}' has no context '{context}'{hint} (known: {known})")
+    near, known = meant(context, stage.contexts), ", ".join(stage.contexts)
+    raise UsageError(f"stage '{stage.name}' has no context '{context}'{near} (known: {known})")
 
 
 def _require_folder(folder: Path) -> None:

@@ -42,16 +42,13 @@ def schema(kind: Kind = None, write: Write = None) -> None:
 def _kinds(kind: str | None) -> dict[str, type[Document]]:
     """The models of the kinds that are meant, by name."""
     from cbdsl.errors.errors import UsageError
-    from cbdsl.errors.nearest import nearest_name
     from cbdsl.yaml_text.reader import KINDS
 
     if kind is None:
         return KINDS
     if kind in KINDS:
         return {kind: KINDS[kind]}
-    nearest = nearest_name(kind, KINDS)
-    hint = f"; did you mean '{nearest}'?" if nearest else ""
-    raise UsageError(f"there is no kind of document '{kind}'{hint} (known: {', '.join(KINDS)})")
+    raise UsageError.unknown("kind of document", kind, KINDS)
 
 
 def _write(kinds: dict[str, type[Document]], folder: Path) -> None:

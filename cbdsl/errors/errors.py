@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
+from typing import Self
 
 from cbdsl.errors.diagnostic import Diagnostic
+from cbdsl.errors.nearest import meant
 
 
 class DiagnosticsError(Exception):
@@ -17,3 +19,16 @@ class DiagnosticsError(Exception):
 
 class UsageError(Exception):
     """A mistake of the user's that has no place in a file."""
+
+    @classmethod
+    def unknown(cls, what: str, name: str, known: Iterable[str]) -> Self:
+        """Nothing has this name: the nearest is proposed, and all are listed.
+
+        Args:
+            what: what has names of this sort.
+            name: the one that was given.
+            known: those that there are.
+        """
+        names = list(known)
+        listed = ", ".join(names) or "none"
+        return cls(f"there is no {what} '{name}'{meant(name, names)} (known: {listed})")

@@ -18,3 +18,9 @@ def nearest_name(name: str, names: Iterable[str]) -> str | None:
     known = [known for known in islice(names, _MOST) if len(known) <= _LONGEST]
     matches = get_close_matches(name, known, n=1) if len(name) <= _LONGEST else []
     return matches[0] if matches else None
+
+
+def meant(name: str, names: Iterable[str]) -> str:
+    """The question with which a message goes on, if one of ``names`` is similar."""
+    nearest = nearest_name(name, names)
+    return f"; did you mean '{nearest}'?" if nearest else ""

@@ -14,7 +14,7 @@ from cbdsl.documents.program import ProgramDocument
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.documents.stage import StageDocument
 from cbdsl.errors.errors import UsageError
-from cbdsl.errors.nearest import nearest_name
+from cbdsl.errors.nearest import meant
 from cbdsl.yaml_text.reader import Loaded, decode, flawless, read_sound_parts, read_text
 
 FOLDERS: dict[type[Document], str] = {
@@ -140,7 +140,7 @@ class Library:
             return path
         found = self.find(kind, str(name), self.here / path)
         if found is None:
-            raise UsageError(self._not_found(kind, str(name)))
+            raise UsageError.unknown(_word(kind), str(name), self.names(kind, self.here / path))
         return found
 
     def locate_any(self, word: str) -> list[Path]:
@@ -162,19 +162,11 @@ class Library:
 
     def _nothing_found(self, name: str) -> str:
         names = {n: kind for kind in FOLDERS for n in self.names(kind, self.here / name)}
-        nearest = nearest_name(name, names)
-        hint = f"; did you mean '{nearest}'?" if nearest else ""
         return (
             f"there is no file '{name}', and no robot, program, stage, policy or model of this "
-            f"name{hint} (a file is written with its folder and ending, as programs/{name}.yaml)"
+            f"name{meant(name, names)} (a file is written with its folder and ending, as "
+            f"programs/{name}.yaml)"
         )
-
-    def _not_found(self, kind: type[Document], name: str) -> str:
-        names = self.names(kind, self.here / name)
-        nearest = nearest_name(name, names)
-        hint = f"; did you mean '{nearest}'?" if nearest else ""
-        known = ", ".join(names) or "none"
-        return f"there is no {_word(kind)} '{name}'{hint} (known: {known})"
 
     def _roots(self, beside: Path | None) -> Iterator[Path]:
         if beside is not None:

@@ -14,6 +14,7 @@ from cbdsl.documents.stage import StageDocument
 from cbdsl.errors.diagnostic import Diagnostic, Place
 from cbdsl.errors.errors import DiagnosticsError
 from cbdsl.errors.lines import lines_of
+from cbdsl.errors.nearest import nearest_name
 from cbdsl.errors.wording import diagnostic
 from cbdsl.yaml_text.composer import compose
 from cbdsl.yaml_text.faults import describe
@@ -103,6 +104,16 @@ def read_sound_parts(path: Path, kind: type[D], text: str | None = None) -> Load
     return Loaded(document, source._replace(broken=broken), faults)
 
 
+def _named_alike(path: Path) -> list[str]:
+    """The document beside a missing one that was probably meant.
+
+    Endings do not count: all have the same, which would make any two short names alike.
+    """
+    beside = {file.stem: file.name for file in path.parent.glob("*.y*ml")}
+    nearest = nearest_name(path.stem, beside)
+    return [str(path.with_name(beside[nearest]))] if nearest else []
+
+
 def read_text(path: Path) -> str:
     """The text of a file.
 
@@ -113,8 +124,7 @@ def read_text(path: Path) -> str:
         data = path.read_bytes()
     except OSError as error:
         reason = error.strerror or str(error)
-        beside = [str(path.with_name(file.name)) for file in path.parent.glob("*.y*ml")]
-        where = Place(str(path))
+        where, beside = Place(str(path)), _named_alike(path)
         raise _error("CB101", where, candidates=beside, reason=reason, name=str(path)) from None
     return decode(data, str(path))
 

@@ -39,6 +39,18 @@ def test_it_wants_a_code_or_all(words: list[str], monkeypatch: pytest.MonkeyPatc
     assert cb(monkeypatch, "explain", *words) == 2
 
 
+@pytest.mark.parametrize(("code", "near"), [("CB999", None), ("504", "CB504"), ("cb5044", "CB504")])
+def test_only_the_number_makes_a_code_near(
+    code: str,
+    near: str | None,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    assert cb(monkeypatch, "explain", code) == 2
+    told = capsys.readouterr().err
+    assert f"did you mean '{near}'?" in told if near else "did you mean" not in told
+
+
 def test_the_version_is_told(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -51,6 +51,17 @@ def test_any_edit_of_a_program_is_a_document_or_findings(
     codes(path)
 
 
+@pytest.mark.parametrize(("missing", "near"), [("bow", None), ("po", "pol"), ("posture", None)])
+def test_what_all_files_end_in_makes_no_name_near(
+    missing: str, near: str | None, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    Path("pol.yaml").touch()
+    with pytest.raises(DiagnosticsError) as told:
+        read_document(Path(f"{missing}.yaml"))
+    assert told.value.diagnostics[0].nearest == (near and f"{near}.yaml")
+
+
 @pytest.mark.parametrize("opening", ["[", "{a: ", "- ", "? "])
 @pytest.mark.parametrize("depth", [100, 100_000])
 def test_depth_is_bounded(tmp_path: Path, opening: str, depth: int) -> None:

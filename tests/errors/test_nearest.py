@@ -1,0 +1,21 @@
+"""The name that was probably meant."""
+
+from __future__ import annotations
+
+import pytest
+
+from cbdsl.errors.errors import UsageError
+from cbdsl.errors.nearest import meant
+
+
+@pytest.mark.parametrize(
+    ("name", "told"), [("serch", "; did you mean 'search'?"), ("grasp", ""), ("", "")]
+)
+def test_only_what_is_near_is_proposed(name: str, told: str) -> None:
+    assert meant(name, ["track", "search"]) == told
+
+
+def test_an_unknown_name_is_told_with_all_known_ones() -> None:
+    error = UsageError.unknown("stage", "tabel", ["table", "wall"])
+    assert str(error) == "there is no stage 'tabel'; did you mean 'table'? (known: table, wall)"
+    assert str(UsageError.unknown("stage", "x", ())) == "there is no stage 'x' (known: none)"
