@@ -1,0 +1,127 @@
+"""The actions of a program, and the policy that chooses from them."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from cbdsl.checking.compositions import Compositions
+from cbdsl.checking.context import Context, Steps
+from cbdsl.checking.parsing import ends_within_a_call
+from cbdsl.language.expression import Expression, Term
+from cbdsl.program.checked import Action, CheckedProgram
+
+
+class Actions:
+    """What the policy of one program can choose from.
+
+    Args:
+        context: the program.
+        compositions: make primitives of its controllers.
+        programs: those that it uses, by name.
+
+    Attributes:
+        members: what a state has a predicate for: the actions of a single term.
+        are_read: whether every action could be read, and is there once.
+        are_complete: whether these are all, so that what is not among them is missing.
+    """
+
+    def __init__(
+        self,
+        context: Context,
+        compositions: Compositions,
+        programs: Mapping[str, CheckedProgram | None],
+    ) -> None:
+        self._context, self._compositions, self._programs = context, compositions, programs
+        self._written = self._read()
+        expressions = [expression for expression, _ in self._written]
+        self.members = tuple(str(e.terms[0]) for e in expressions if len(e.terms) == 1)
+        written = context.document.actions
+        self.are_read = context.source.is_whole("actions") and len(expressions) == len(written)
+        # An action that cannot be read, or names nothing, may be the one that is missed.
+        self.are_complete = self.are_read and all(map(self.is_declared, expressions))
+
+    @property
+    def places(self) -> dict[str, Steps]:
+        """The paths of the actions in the document, by name."""
+        return {str(expression): steps for expression, steps in self._written}
+
+    def _read(self) -> list[tuple[Expression, Steps]]:
+        """The actions that can be parsed, with their paths."""
+        found: dict[str, tuple[Expression, Steps]] = {}
+        if self._context.source.broken.holds("actions"):
+            return []
+        is_cut = False
+        for i, text in enumerate(self._context.document.actions):
+            steps: Steps = ("actions", i)
+            if is_cut:  # a part of the call before, which has been reported
+                is_cut = ")" not in text
+                continue
+            is_cut = ends_within_a_call(text)
+            expression = self._context.parse(text, steps)
+            if expression is None:
+                continue
+            if str(expression) in found:
+                place = self._context.source.place(*steps)
+                self._context.add("CB607", place, name=str(expression))
+            found.setdefault(str(expression), (expression, steps))
+        return list(found.values())
+
+    def check(self) -> list[Action | None]:
+        """The actions in their order, ``None`` for those with faults."""
+        return [self._action(expression, steps) for expression, steps in self._written]
+
+    def _action(self, expression: Expression, steps: Steps) -> Action | None:
+        term = expression.terms[0]
+        if len(expression.terms) == 1 and self._is_program(term):
+            return self._program_action(term, steps)
+        composition = self._compositions.composition(expression, steps)
+        return None if composition is None else Action(str(expression), composition)
+
+    def _is_program(self, term: Term) -> bool:
+        document = self._context.document
+        return term.name in document.use and term.name not in document.controllers
+
+    def _program_action(self, term: Term, steps: Steps) -> Action | None:
+        self._context.used.add(term.name)
+        if term.arguments:
+            self._compositions.wrong_arity(term, steps, ())
+        program = self._programs[term.name]
+        return None if program is None else Action(term.name, program=program)
+
+    def only_composed(self) -> list[str]:
+        """Report controllers that no state shows, and that are part of actions."""
+        known, names = self._context.document.controllers, []
+        for expression, steps in self._written:
+            if expression in self._compositions.repetitive:
+                continue  # without the repetition it may be an action of a single term
+            for term in expression.terms:
+                if str(term) not in self.members and term.name in known:
+                    place = self._context.at(steps, term.span)
+                    self._context.add("CB608", place, name=str(term))
+                    names.append(str(term))
+        return names
+
+    def policy(self) -> dict[str, str]:
+        """The document's policy: canonical action by state pattern."""
+        policy, names = {}, list(self.places)
+        for pattern, text in self._context.document.policy.items():
+            steps: Steps = ("policy", pattern)
+            expression = self._context.parse(text, steps)
+            if expression is None:
+                continue
+            action = str(expression)
+            if action not in names and (self.are_complete or not self.is_declared(expression)):
+                place = self._context.source.place(*steps)
+                self._context.add("CB613", place, names=names, name=action)
+            policy[pattern] = action
+        return policy
+
+    def is_declared(self, expression: Expression) -> bool:
+        """Whether there are controllers or programs of all names, if only faulty ones."""
+        known, is_whole = self._context.document, self._context.source.is_whole
+        return all(
+            term.name in known.controllers
+            or term.name in known.use
+            or not (is_whole("controllers", term.name) and is_whole("use", term.name))
+            for term in expression.terms
+        )

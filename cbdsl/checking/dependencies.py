@@ -1,0 +1,108 @@
+"""The documents that a program names: its robot, its stage, and internal models."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from cbdsl.checking.body import Body
+from cbdsl.checking.context import Steps
+from cbdsl.checking.findings import Findings
+from cbdsl.checking.model import model_resource
+from cbdsl.checking.session import Session
+from cbdsl.documents.model import ModelDocument
+from cbdsl.documents.program import ProgramDocument
+from cbdsl.documents.robot import RobotDocument
+from cbdsl.documents.stage import StageDocument
+from cbdsl.errors.errors import DiagnosticsError
+from cbdsl.types.resource import Resource
+from cbdsl.yaml_text.reader import Loaded
+
+
+class Dependencies:
+    """Finds what one program names.
+
+    Args:
+        loaded: the program.
+        session: documents that were read before.
+        findings: where findings go.
+
+    Attributes:
+        robot: the robot's file, or ``None`` where there is none.
+    """
+
+    def __init__(
+        self, loaded: Loaded[ProgramDocument], session: Session, findings: Findings
+    ) -> None:
+        self._loaded, self._document, self._source = loaded, loaded.document, loaded.source
+        self._session, self._findings = session, findings
+        self.robot = self._find_robot()
+
+    def _find_robot(self) -> Path | None:
+        name, library = self._document.robot, self._session.library
+        path = library.find(RobotDocument, name, self._loaded.path)
+        if path is None and self._source.is_whole("robot"):
+            names = library.names(RobotDocument, self._loaded.path)
+            self._findings.add("CB601", self._source.place("robot"), names=names, name=name)
+        return path
+
+    def check_stage(self) -> None:
+        """Check that the stage is there, and for the same robot."""
+        name, library = self._document.stage, self._session.library
+        if name is None:
+            return
+        path = library.find(StageDocument, name, self._loaded.path)
+        if path is None:
+            names = library.names(StageDocument, self._loaded.path)
+            self._findings.add("CB602", self._source.place("stage"), names=names, name=name)
+            return
+        try:
+            stage = library.read(path, StageDocument)
+        except DiagnosticsError as error:
+            self._findings.extend(error.diagnostics)
+            return
+        self.is_for_the_robot(stage.document.robot, name, ("stage",))
+
+    def is_for_the_robot(self, other: str, name: str, steps: Steps) -> bool:
+        """Whether a document is for the program's robot, as far as anybody knows.
+
+        Args:
+            other: the robot that the document is for.
+            name: the document's name.
+            steps: path of what names it.
+        """
+        robot, source = self._document.robot, self._source
+        if other == robot or self.robot is None or not source.is_whole("robot"):
+            return True
+        related = [(source.place("robot"), f"this program is for '{robot}'")]
+        details = {"name": name, "other": other, "robot": robot}
+        self._findings.add("CB603", source.place(*steps), related=related, **details)
+        return False
+
+    def body(self) -> Body | None:
+        """The robot with the internal models that the program draws from."""
+        body = None if self.robot is None else self._session.body(self.robot, self._findings)
+        if body is None:
+            return None
+        found = [self._model(alias, name, body) for alias, name in self._document.models.items()]
+        named = {resource.name: resource for resource in found if resource is not None}
+        return body._replace(resources={**body.resources, **named}) if named else body
+
+    def _model(self, alias: str, name: str, body: Body) -> Resource | None:
+        steps: Steps = ("models", alias)
+        library = self._session.library
+        path = library.find(ModelDocument, name, self._loaded.path)
+        if path is None:
+            names = library.names(ModelDocument, self._loaded.path)
+            self._findings.add("CB632", self._source.place(*steps), names=names, name=name)
+            return None
+        try:
+            model = library.read(path, ModelDocument)
+        except DiagnosticsError as error:
+            self._findings.extend(error.diagnostics)
+            return None
+        self.is_for_the_robot(model.document.robot, name, steps)
+        resource = model_resource(alias, model, body, self._findings)
+        if resource is not None and resource.name in body.resources:
+            place = self._source.key(*steps)
+            self._findings.add("CB633", place, name=resource.name, robot=self._document.robot)
+        return resource

@@ -1,0 +1,151 @@
+"""The programs that a program uses as actions, each with values and perhaps a policy of its own."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from pathlib import Path
+
+from cbdsl.checking.context import Steps
+from cbdsl.checking.dependencies import Dependencies
+from cbdsl.checking.findings import Findings
+from cbdsl.checking.learned import check_policy, with_policy
+from cbdsl.checking.scope import Scope
+from cbdsl.checking.session import Session
+from cbdsl.documents.policy import PolicyDocument
+from cbdsl.documents.program import ProgramDocument, Use
+from cbdsl.errors.errors import DiagnosticsError
+from cbdsl.program.checked import CheckedProgram
+from cbdsl.yaml_text.reader import Loaded
+
+# Programs within one another, and programs that one uses in all, each with other values.
+_DEEPEST = 64
+_MOST = 256
+
+Examine = Callable[[Path, Mapping[str, str], Findings], CheckedProgram | None]
+
+
+class Budget:
+    """How far the uses below one program have gone; without bounds they could multiply for ever.
+
+    Attributes:
+        depth: how many programs are within one another.
+        count: how many were checked so far.
+    """
+
+    def __init__(self) -> None:
+        self.depth = 0
+        self.count = 0
+
+    @property
+    def ended(self) -> bool:
+        """Whether there are more than anybody writes."""
+        return self.depth > _DEEPEST or self.count > _MOST
+
+
+class UsedPrograms:
+    """Checks the programs that one program uses.
+
+    Args:
+        loaded: the program that uses them.
+        session: documents that were read before.
+        findings: where findings go.
+        dependencies: know the robot that all of them have to be for.
+        scope: values of the program's parameters.
+        budget: what has been used on the way to the program.
+        examine: checks a program with some values of its parameters.
+    """
+
+    def __init__(
+        self,
+        loaded: Loaded[ProgramDocument],
+        session: Session,
+        findings: Findings,
+        dependencies: Dependencies,
+        scope: Scope,
+        budget: Budget,
+        examine: Examine,
+    ) -> None:
+        self._loaded, self._source = loaded, loaded.source
+        self._session, self._findings = session, findings
+        self._dependencies, self._scope = dependencies, scope
+        self._budget, self._examine = budget, examine
+
+    def check(self) -> dict[str, CheckedProgram | None]:
+        """The programs by the names that they are used by; ``None`` where one cannot run."""
+        return {name: self._use(name, use) for name, use in self._loaded.document.use.items()}
+
+    def _use(self, name: str, use: Use) -> CheckedProgram | None:
+        steps: Steps = ("use", name, "program")
+        path = self._find(use, steps)
+        if path is None:
+            return None
+        try:
+            used = self._session.library.read_sound_parts(path, ProgramDocument)
+        except DiagnosticsError as error:
+            self._findings.extend(error.diagnostics)
+            return None
+        if used.source.is_whole("robot"):
+            self._dependencies.is_for_the_robot(used.document.robot, use.program, steps)
+        values = self._values(name, use, used)
+        program = self._examine(path, values, self._findings)
+        if program is None or use.policy is None:
+            return program
+        return self._learned(use.policy, program, path, ("use", name, "policy"))
+
+    def _find(self, use: Use, steps: Steps) -> Path | None:
+        """The file of a program that can be used here."""
+        source, library = self._source, self._session.library
+        path = library.find(ProgramDocument, use.program, self._loaded.path)
+        if path is None:
+            names = library.names(ProgramDocument, self._loaded.path)
+            self._findings.add("CB604", source.place(*steps), names=names, name=use.program)
+            return None
+        way = self._session.uses.way(path, self._loaded.path)
+        if way:
+            cycle = " → ".join(file.stem for file in (way[-1], *way))
+            self._findings.add("CB605", source.place(*steps), name=way[-1].stem, cycle=cycle)
+            return None
+        if self._budget.ended:
+            self._findings.add("CB610", source.place(*steps), depth=_DEEPEST, bound=_MOST)
+            return None
+        return path
+
+    def _values(self, name: str, use: Use, used: Loaded[ProgramDocument]) -> dict[str, str]:
+        """The parameters of a used program, with this program's own replaced."""
+        source, values = self._source, {}
+        for key, text in use.with_.items():
+            steps = ("use", name, "with", key)
+            if key not in used.document.parameters:
+                names = list(used.document.parameters)
+                details = {"name": key, "program": use.program}
+                if used.source.is_whole("parameters", key):
+                    self._findings.add("CB606", source.key(*steps), names=names, **details)
+                continue
+            value = self._scope.substitute(text, source, steps, self._findings)
+            if value is not None:
+                values[key] = value
+        return values
+
+    def _learned(
+        self, name: str, program: CheckedProgram, path: Path, steps: Steps
+    ) -> CheckedProgram | None:
+        """A used program under a policy of its own, or ``None`` where that does not fit."""
+        source, library = self._source, self._session.library
+        file = library.find(PolicyDocument, name, self._loaded.path)
+        if file is None:
+            names = library.names(PolicyDocument, self._loaded.path)
+            self._findings.add("CB625", source.place(*steps), names=names, name=name)
+            return None
+        try:
+            loaded = library.read(file, PolicyDocument)
+        except DiagnosticsError as error:
+            self._findings.extend(error.diagnostics)
+            return None
+        if loaded.document.program != program.name:
+            details = {"name": name, "other": loaded.document.program, "program": program.name}
+            self._findings.add("CB626", source.place(*steps), **details)
+            return None
+        found = Findings()
+        check_policy(loaded, program, path, self._session, found)
+        self._findings.extend(found.sorted())
+        return None if found.failed else with_policy(program, loaded, library)
