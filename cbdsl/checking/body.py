@@ -94,6 +94,18 @@ class Body(NamedTuple):
             return self.document.joints(source.group)
         return ()
 
+    def moves(self, effector: str, link: str) -> bool:
+        """Whether one of an effector's joints moves a link of the model."""
+        return not set(self.document.joints(effector)).isdisjoint(self._above(link))
+
+    def has_idle_tip(self, effector: str) -> bool:
+        """Whether an effector has a tip that its joints, which are sound, do not move."""
+        of, model = self.document.effectors[effector], self.model
+        if of.tip is None or model is None or of.tip.link not in model.links:
+            return False
+        are_sound = set(model.revolute).issuperset(of.joints)
+        return are_sound and not self.moves(effector, of.tip.link)
+
     def influence(self, resource: Resource) -> frozenset[str] | None:
         """The actuated joints that a resource depends on, or ``None`` where nobody can tell."""
         source = resource.source
@@ -102,7 +114,13 @@ class Body(NamedTuple):
         links = self._links(source)
         if self.model is None or not self.model.links.issuperset(links):
             return None
+        if isinstance(source, (Tip, Centroid, Separation)) and self._is_idle(source):
+            return None  # which has been reported
         return frozenset(joint for link in links for joint in self._above(link))
+
+    def _is_idle(self, source: Tip | Centroid | Separation) -> bool:
+        name = source.effector if isinstance(source, Tip) else source.group
+        return any(self.has_idle_tip(member) for member in self.document.members(name))
 
     def sensing(self, resource: Resource) -> frozenset[str] | None:
         """The joints that move the cameras which see a resource; ``None`` if nothing sees it."""

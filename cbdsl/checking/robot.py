@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 
 from cbdsl.checking.body import Body
 from cbdsl.checking.constants import check_constants, check_margins
@@ -13,8 +13,9 @@ from cbdsl.documents.robot import Effector, RobotDocument
 from cbdsl.errors.counting import count
 from cbdsl.errors.diagnostic import Place
 from cbdsl.robot.channel_names import channel_names
+from cbdsl.robot.hindrance import Hindrance, hindrance
 from cbdsl.robot.resources import resources
-from cbdsl.robot.urdf import UrdfError, UrdfModel, read_urdf
+from cbdsl.robot.urdf import UrdfError, UrdfJoint, UrdfModel, read_urdf
 from cbdsl.types.resource_type import TYPES
 from cbdsl.yaml_text.reader import Loaded
 from cbdsl.yaml_text.source_map import Step
@@ -31,13 +32,14 @@ def examine_robot(loaded: Loaded[RobotDocument], findings: Findings) -> Body:
         model = None
         if loaded.source.is_whole("model"):
             findings.add("CB301", loaded.source.place("model"), problem=str(error))
+    body = Body(loaded, resources(robot), model)
     _RobotCheck(loaded, findings, _unclaimed(robot, model)).all()
     check_names(loaded, findings)
     check_constants(loaded, findings)
     if model is not None:
-        _ModelCheck(loaded, findings, model).all()
+        _ModelCheck(body, findings, model).all()
         check_margins(loaded, model, findings)
-    return Body(loaded, resources(robot), model)
+    return body
 
 
 def _unclaimed(robot: RobotDocument, model: UrdfModel | None) -> frozenset[str]:
@@ -162,33 +164,73 @@ class _RobotCheck:
 class _ModelCheck:
     """What the model says."""
 
-    def __init__(self, loaded: Loaded[RobotDocument], findings: Findings, model: UrdfModel) -> None:
-        self._robot = loaded.document
-        self._source = loaded.source
+    def __init__(self, body: Body, findings: Findings, model: UrdfModel) -> None:
+        self._body = body
+        self._robot = body.document
+        self._source = body.loaded.source
         self._findings = findings
         self._model = model
+        named = {joint for effector in self._robot.effectors.values() for joint in effector.joints}
+        self._free = [joint for joint in model.revolute if joint not in named]
 
     def all(self) -> None:
-        for steps, joint in self._joints():
-            self._joint(joint, steps)
-        for joint in self._robot.couplings:
-            if joint not in self._model.revolute:
-                self._missing("CB302", joint, self._source.key("couplings", joint))
-        self._named_links()
-        for joint in self._robot.simulation.efforts:
-            if joint not in self._model.revolute:
-                self._missing("CB302", joint, self._source.key("simulation", "efforts", joint))
-        self._base()
         for name, effector in self._robot.effectors.items():
-            self._postures(name, effector)
+            self._effector(name, effector)
+        self._turning(("couplings",), self._robot.couplings, self._free)
+        self._named_links()
+        efforts: Steps = ("simulation", "efforts")
+        self._turning(efforts, self._robot.simulation.efforts, self._model.revolute)
+        self._base()
+
+    def _effector(self, name: str, effector: Effector) -> None:
+        steps: Steps = ("effectors", name, "joints")
+        places = {joint: self._source.place(*steps, i) for i, joint in enumerate(effector.joints)}
+        movable = [name for name in self._free if hindrance(self._model.joints[name]) is None]
+        self._joints(places, hindrance, movable)
+        self._postures(name, effector)
+        if effector.tip is not None and self._body.has_idle_tip(name):
+            self._idle_tip(name, effector.tip.link)
+
+    def _turning(self, steps: Steps, joints: Iterable[str], names: Sequence[str]) -> None:
+        """Joints that are passive, or have a torque, turn."""
+        places = {joint: self._source.key(*steps, joint) for joint in joints}
+        self._joints(places, lambda joint: None if joint.revolute else hindrance(joint), names)
+
+    def _joints(
+        self,
+        places: Mapping[str, Place],
+        obstacle: Callable[[UrdfJoint], Hindrance | None],
+        names: Sequence[str],
+    ) -> None:
+        """Joints of a list are there and can be moved; what several of them share is told once."""
+        hindered: dict[Hindrance, list[str]] = {}
+        for name, place in places.items():
+            joint = self._model.joints.get(name)
+            why = None if joint is None else obstacle(joint)
+            if joint is None:
+                self._missing("CB302", name, place, names)
+            elif why is not None:
+                hindered.setdefault(why, []).append(name)
+        for why, same in hindered.items():
+            first, *others = [places[name] for name in same]
+            related = [(place, "and here") for place in others]
+            problem = why.told(same, self._model.path.name)
+            self._findings.add("CB317", first, names=names, related=related, problem=problem)
+
+    def _idle_tip(self, effector: str, link: str) -> None:
+        """A tip that stays where it is whatever its effector does."""
+        place = self._source.place("effectors", effector, "tip", "link")
+        links = [other for other in sorted(self._model.links) if self._body.moves(effector, other)]
+        self._findings.add("CB318", place, names=links, name=link, effector=effector)
 
     def _named_links(self) -> None:
+        links = sorted(self._model.links)
         for steps, link in self._links():
             if link not in self._model.links:
-                self._missing("CB303", link, self._source.place(*steps))
+                self._missing("CB303", link, self._source.place(*steps), links)
         for steps, pattern in self._patterns():
             if not self._matches(pattern):
-                self._missing("CB303", pattern, self._source.place(*steps))
+                self._missing("CB303", pattern, self._source.place(*steps), links)
 
     def _base(self) -> None:
         """The simulator puts the root of the model at the world's origin."""
@@ -197,11 +239,6 @@ class _ModelCheck:
             if joint.child == base:
                 place = self._source.place("base")
                 self._findings.add("CB310", place, name=base, joint=joint.name)
-
-    def _joints(self) -> Iterator[tuple[Steps, str]]:
-        for name, effector in self._robot.effectors.items():
-            for i, joint in enumerate(effector.joints):
-                yield ("effectors", name, "joints", i), joint
 
     def _links(self) -> Iterator[tuple[Steps, str]]:
         if self._source.is_whole("base"):
@@ -230,13 +267,10 @@ class _ModelCheck:
             return pattern in self._model.links
         return any(link.startswith(pattern[:-1]) for link in self._model.links)
 
-    def _joint(self, joint: str, steps: Steps) -> None:
-        if joint not in self._model.revolute:
-            self._missing("CB302", joint, self._source.place(*steps))
-
-    def _missing(self, code: str, name: str, place: Place) -> None:
-        names = sorted(self._model.links) if code == "CB303" else list(self._model.revolute)
-        self._findings.add(code, place, names=names, name=name, model=self._model.path.name)
+    def _missing(self, code: str, name: str, place: Place, names: Sequence[str]) -> None:
+        everything = [*self._model.joints] if code == "CB302" else names
+        hints = {"names": names, "candidates": names or everything}
+        self._findings.add(code, place, **hints, name=name, model=self._model.path.name)
 
     def _postures(self, name: str, effector: Effector) -> None:
         for posture, angles in effector.postures.items():

@@ -1,7 +1,7 @@
 """What the checker needs of a URDF model: its links, its joints and their limits."""
 
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from pathlib import Path
 from typing import NamedTuple
 from xml.etree import ElementTree
@@ -28,11 +28,21 @@ class UrdfJoint(NamedTuple):
     name: str
     parent: str
     child: str
-    revolute: bool
+    kind: str
     lower: float
     upper: float
-    fixed: bool = False
+    limited: bool
     mimic: Mimic | None = None
+
+    @property
+    def revolute(self) -> bool:
+        """Whether it turns between limits."""
+        return self.kind == "revolute"
+
+    @property
+    def fixed(self) -> bool:
+        """Whether it only holds two links together."""
+        return self.kind == "fixed"
 
 
 class UrdfModel(NamedTuple):
@@ -50,7 +60,7 @@ class UrdfModel(NamedTuple):
 
     @property
     def revolute(self) -> tuple[str, ...]:
-        """Names of the joints that can be moved, in the file's order."""
+        """Names of the joints that turn between limits, in the file's order."""
         return tuple(joint.name for joint in self.joints.values() if joint.revolute)
 
     def above(self, link: str) -> Iterator[str]:
@@ -81,10 +91,45 @@ def read_urdf(path: Path) -> UrdfModel:
         raise UrdfError(f"{path}: its root is <{root.tag}>, not <robot>")
     links = frozenset(link.get("name", "") for link in root.findall("link"))
     try:
+        _require_distinct(root)
         joints = [_joint(element, links) for element in root.findall("joint")]
+        _require_tree(links, joints)
     except ValueError as error:
         raise UrdfError(f"{path}: {error}") from None
     return UrdfModel(path, links, {joint.name: joint for joint in joints})
+
+
+def _require_distinct(root: ElementTree.Element) -> None:
+    """Whatever reads models insists on names, and on different ones.
+
+    Raises:
+        ValueError: something has no name, or that of another.
+    """
+    if not root.get("name"):
+        raise ValueError('its <robot> has no name; write <robot name="...">')
+    for kind in ("link", "joint"):
+        names = [element.get("name", "") for element in root.findall(kind)]
+        if "" in names:
+            raise ValueError(f"one of its {kind}s has no name")
+        twice = next((name for name in names if names.count(name) > 1), None)
+        if twice is not None:
+            raise ValueError(f"it has two {kind}s of the name '{twice}'")
+
+
+def _require_tree(links: frozenset[str], joints: Iterable[UrdfJoint]) -> None:
+    """A model has one root.
+
+    Raises:
+        ValueError: it has none, or several.
+    """
+    roots = sorted(links - {joint.child for joint in joints})
+    if not links:
+        raise ValueError("it has no <link>")
+    if not roots:
+        raise ValueError("its joints go in a circle: every link is moved by another")
+    if len(roots) > 1:
+        names = " and ".join(f"'{name}'" for name in roots[:3])
+        raise ValueError(f"its links {names} are not joined; a model is one tree with one root")
 
 
 def _joint(element: ElementTree.Element, links: frozenset[str]) -> UrdfJoint:
@@ -96,20 +141,59 @@ def _joint(element: ElementTree.Element, links: frozenset[str]) -> UrdfJoint:
         if end.get("link") not in links:
             raise ValueError(f"joint '{name}' joins link '{end.get('link')}', which is not there")
     limit = element.find("limit")
-    if kind == "revolute" and limit is None:
-        raise ValueError(f"joint '{name}' is revolute and has no <limit>")
+    problem = _problem(kind, limit) or next(_not_numbers(element), None)
+    if problem is not None:
+        raise ValueError(f"joint '{name}' {problem}")
     bounded = limit is not None and kind != "continuous"
     lower, upper = (_limit(limit, "lower"), _limit(limit, "upper")) if bounded else (None, None)
     return UrdfJoint(
         name=name,
         parent=parent.get("link", ""),
         child=child.get("link", ""),
-        revolute=kind == "revolute",
+        kind=kind,
         lower=-math.inf if lower is None else lower,
         upper=math.inf if upper is None else upper,
-        fixed=kind == "fixed",
+        limited=limit is not None and not {"lower", "upper"}.isdisjoint(limit.keys()),
         mimic=_mimic(element.find("mimic")),
     )
+
+
+_KINDS = ("revolute", "continuous", "prismatic", "fixed", "floating", "planar")
+_EXAMPLE = '<limit lower="-1.57" upper="1.57" effort="10" velocity="2"/>'
+
+
+def _problem(kind: str, limit: ElementTree.Element | None) -> str | None:
+    """Why kinematics and simulators would refuse a joint, and with it the model."""
+    if kind not in _KINDS:
+        return f"has the type '{kind}', which is none of {', '.join(_KINDS)}"
+    if limit is None:
+        needs_one = kind in ("revolute", "prismatic")
+        return f"is {kind} and has no <limit>, such as {_EXAMPLE}" if needs_one else None
+    for key in ("effort", "velocity"):
+        if limit.get(key) is None:
+            return f"has a <limit> without {key}; write it as in {_EXAMPLE}"
+    return None
+
+
+_COUNTS = {"xyz": 3, "rpy": 3, "lower": 1, "upper": 1, "effort": 1, "velocity": 1}
+_COUNTS |= {"multiplier": 1, "offset": 1, "damping": 1, "friction": 1}
+
+
+def _not_numbers(element: ElementTree.Element) -> Iterator[str]:
+    """What a joint has where one or three numbers should be."""
+    for inner in element:
+        for key, text in inner.items():
+            count = _COUNTS.get(key)
+            if count is not None and not _are_numbers(text, count):
+                wanted = "a number" if count == 1 else "three numbers with spaces between them"
+                yield f'has {key}="{text}", which should be {wanted}'
+
+
+def _are_numbers(text: str, count: int) -> bool:
+    try:
+        return len([x for x in map(float, text.split()) if math.isfinite(x)]) == count
+    except ValueError:
+        return False
 
 
 def _mimic(element: ElementTree.Element | None) -> Mimic | None:

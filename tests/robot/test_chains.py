@@ -79,10 +79,12 @@ def test_joints_that_follow_others_are_not_actuated() -> None:
 def test_a_loop_of_joints_is_no_endless_walk(tmp_path: Path) -> None:
     joint = (
         '<joint name="{}" type="revolute"><parent link="{}"/><child link="{}"/>'
-        '<limit lower="-1" upper="1"/></joint>'
+        '<limit lower="-1" upper="1" effort="1" velocity="1"/></joint>'
     )
     joints = [joint.format("in", "a", "b"), joint.format("to", "b", "c")]
     path = tmp_path / "loop.urdf"
     links = "".join(f'<link name="{name}"/>' for name in "abc")
-    path.write_text(f"<robot>{links}{''.join(joints)}{joint.format('back', 'c', 'b')}</robot>")
+    path.write_text(
+        f"<robot name='loop'>{links}{''.join(joints)}{joint.format('back', 'c', 'b')}</robot>"
+    )
     assert all(chain.joints for chain in chains(read_urdf(path)))

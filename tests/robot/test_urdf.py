@@ -3,14 +3,18 @@
 from __future__ import annotations
 
 import math
+import re
 from pathlib import Path
 
+import pybullet_data
 import pytest
 
 from cbdsl.robot.urdf import UrdfError, read_urdf
 from cbdsl.yaml_text.library import shipped
 
-LINKS = '<robot><link name="b"/><link name="c"/>'
+LINKS = '<robot name="m"><link name="b"/><link name="c"/>'
+LIMIT = '<limit {} effort="1" velocity="1"/>'
+MODELS = sorted(Path(pybullet_data.getDataPath()).rglob("*.urdf"))
 JOINT = '<joint name="{}" type="{}"><parent link="{}"/><child link="{}"/>{}</joint>'
 
 
@@ -25,9 +29,9 @@ def test_joints_and_limits(tmp_path: Path) -> None:
         write(
             tmp_path,
             '<link name="a"/><link name="b"/><link name="c"/><link name="d"/>',
-            JOINT.format("one", "revolute", "a", "b", '<limit lower="-1" upper="2"/>'),
+            JOINT.format("one", "revolute", "a", "b", LIMIT.format('lower="-1" upper="2"')),
             JOINT.format("two", "fixed", "b", "c", ""),
-            JOINT.format("three", "continuous", "c", "d", '<limit effort="1"/>'),
+            JOINT.format("three", "continuous", "c", "d", LIMIT.format("")),
         )
     )
     assert model.links == {"a", "b", "c", "d"}
@@ -42,12 +46,12 @@ def test_a_loop_of_links_ends(tmp_path: Path) -> None:
     model = read_urdf(
         write(
             tmp_path,
-            '<link name="a"/><link name="b"/>',
-            JOINT.format("one", "revolute", "a", "b", "<limit/>"),
-            JOINT.format("two", "revolute", "b", "a", "<limit/>"),
+            '<link name="a"/><link name="b"/><link name="c"/>',
+            JOINT.format("one", "revolute", "b", "c", LIMIT.format("")),
+            JOINT.format("two", "revolute", "c", "b", LIMIT.format("")),
         )
     )
-    assert set(model.above("a")) == {"one", "two"}
+    assert set(model.above("b")) == {"one", "two"}
 
 
 def test_the_shipped_model() -> None:
@@ -57,24 +61,62 @@ def test_the_shipped_model() -> None:
 
 
 @pytest.mark.parametrize(
-    "text",
+    ("text", "problem"),
     [
-        "",
-        "no xml",
-        "<model/>",
-        "<robot><joint name='a' type='fixed'/></robot>",
-        LINKS + JOINT.format("a", "revolute", "b", "c", "<limit lower='x'/>") + "</robot>",
-        LINKS + JOINT.format("a", "revolute", "b", "c", "") + "</robot>",
-        LINKS + JOINT.format("a", "fixed", "b", "d", "") + "</robot>",
+        ("", "no element found"),
+        ("no xml", "syntax error"),
+        ("<model/>", "its root is <model>"),
+        ("<robot><link name='b'/></robot>", "<robot> has no name"),
+        ("<robot name='m'/>", "no <link>"),
+        ("<robot name='m'><link name='b'/><link name='b'/></robot>", "two links of the name 'b'"),
+        (LINKS + "</robot>", "'b' and 'c' are not joined"),
+        (LINKS + "<joint name='a' type='fixed'/></robot>", "'a' has no parent"),
+        (LINKS + "<joint type='fixed'/></robot>", "joints has no name"),
+        (LINKS + JOINT.format("a", "fixed", "b", "d", "") + "</robot>", "link 'd'"),
+        (
+            LINKS + JOINT.format("a", "ball", "b", "c", "") + "</robot>",
+            "type 'ball', which is none",
+        ),
+        *(
+            (LINKS + JOINT.format("a", "revolute", "b", "c", inside) + "</robot>", problem)
+            for inside, problem in {
+                "": "has no <limit>, such as",
+                "<limit lower='-1' upper='1'/>": "without effort",
+                "<limit effort='1'/>": "without velocity",
+                LIMIT.format("lower='x'"): 'lower="x", which should be a number',
+                LIMIT.format("lower='inf'"): 'lower="inf", which should be a number',
+                LIMIT.format("")
+                + "<origin xyz='0, 0, 1'/>": 'xyz="0, 0, 1", which should be three',
+                LIMIT.format("") + "<axis xyz='0 1'/>": 'xyz="0 1", which should be three',
+            }.items()
+        ),
+        (
+            LINKS
+            + JOINT.format("a", "fixed", "b", "c", "")
+            + JOINT.format("d", "fixed", "c", "b", "")
+            + "</robot>",
+            "go in a circle",
+        ),
     ],
 )
-def test_what_is_no_model_says_so(text: str, tmp_path: Path) -> None:
+def test_what_is_no_model_says_why(text: str, problem: str, tmp_path: Path) -> None:
     path = tmp_path / "model.urdf"
     path.write_text(text, encoding="utf-8")
-    with pytest.raises(UrdfError, match=r"model\.urdf"):
+    with pytest.raises(UrdfError, match=rf"model\.urdf: .*{re.escape(problem)}"):
         read_urdf(path)
 
 
 def test_a_missing_model_says_so(tmp_path: Path) -> None:
     with pytest.raises(UrdfError, match="No such file"):
         read_urdf(tmp_path / "none.urdf")
+
+
+@pytest.mark.parametrize("path", MODELS, ids=lambda path: path.stem)
+def test_what_is_read_is_what_kinematics_can_be_made_of(path: Path) -> None:
+    """A model that the checker takes must not be refused when it is to run."""
+    pinocchio = pytest.importorskip("pinocchio")
+    try:
+        read_urdf(path)
+    except UrdfError:
+        return
+    assert pinocchio.buildModelFromUrdf(str(path)).nq >= 0

@@ -11,11 +11,11 @@ URDF = """<robot name="example">
   <link name="eye"/>
   <joint name="pan" type="revolute">
     <parent link="base"/><child link="neck"/>
-    <limit lower="-1" upper="1"/>
+    <limit lower="-1" upper="1" effort="10" velocity="2"/>
   </joint>
   <joint name="tilt" type="revolute">
     <parent link="neck"/><child link="eye"/>
-    <limit lower="-1" upper="1"/>
+    <limit lower="-1" upper="1" effort="10" velocity="2"/>
   </joint>
 </robot>
 """

@@ -7,6 +7,12 @@ from cbdsl.errors.entry import Entry
 
 _PATH = "robots/example.yaml"
 _MODEL = {"robots/example.urdf": URDF}
+_WHEEL = """  <link name="rim"/>
+  <joint name="wheel" type="continuous">
+    <parent link="base"/><child link="rim"/>
+  </joint>
+</robot>"""
+_ROLLING = {"robots/example.urdf": URDF.replace("</robot>", _WHEEL)}
 _TWO = "  neck: {joints: [pan]}\n  eye: {joints: [tilt]}\n"
 
 ROBOTS = (
@@ -23,9 +29,9 @@ ROBOTS = (
     Entry(
         "CB302",
         "joint that the model lacks",
-        "the model {model} has no revolute joint '{name}'",
-        "Effectors, couplings and load cells name revolute joints of the URDF model. A continuous "
-        "joint becomes one when it is given limits; sliding joints cannot be controlled.",
+        "the model {model} has no joint '{name}'",
+        "Effectors, couplings and load cells name joints of the URDF model, as its <joint> "
+        "elements are named.",
         robot("  head: {joints: [pam]}\n"),
         _PATH,
         _MODEL,
@@ -182,5 +188,30 @@ ROBOTS = (
         _PATH,
         _MODEL,
         good=robot(),
+    ),
+    Entry(
+        "CB317",
+        "joint that cannot be moved",
+        "{problem}",
+        "Programs move joints that are revolute and have limits. Joints that are fixed, slide "
+        "(prismatic) or move in several ways (floating, planar) are none. A continuous joint "
+        "becomes one when the URDF model has `revolute` for it and a <limit> with `lower` and "
+        "`upper`, in rad. A joint that mimics another is passive: it belongs to `couplings`, and "
+        "to no effector.",
+        robot("  head: {joints: [pan, wheel]}\n"),
+        _PATH,
+        _ROLLING,
+        good=robot(),
+    ),
+    Entry(
+        "CB318",
+        "tip that its joints do not move",
+        "link '{name}' is moved by none of the joints of '{effector}', so it cannot be its tip",
+        "A tip is what an effector moves: its link comes after one of the effector's joints in "
+        "the URDF model. Those that do are listed.",
+        robot("  eyes: {joints: [tilt], tip: {link: neck}}\n"),
+        _PATH,
+        _MODEL,
+        good=robot("  eyes: {joints: [tilt], tip: {link: eye}}\n"),
     ),
 )
