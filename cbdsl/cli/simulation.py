@@ -39,9 +39,12 @@ def simulation(
     """The robot of an order on a backend, and its kinematics.
 
     Raises:
-        UsageError: there is no such backend, or what it needs is not installed.
+        UsageError: there is no such backend, what it needs is not installed, or the robot's model
+            cannot be read by it.
     """
     from cbdsl.cli.quiet import quiet_stderr
+    from cbdsl.errors.errors import UsageError
+    from cbdsl.robot.urdf import UrdfError
 
     with needing_simulation():
         from cbdsl.backends.backend import find_backend
@@ -51,9 +54,12 @@ def simulation(
         with quiet_stderr():
             factory = find_backend(backend)
     with told_of_compilation():
-        with needing_simulation():
-            body = factory(order.robot, order.urdf, gui=gui)
         try:
-            yield body, Kinematics(order.robot, order.urdf)
-        finally:
-            body.close()
+            with needing_simulation():
+                body = factory(order.robot, order.urdf, gui=gui)
+            try:
+                yield body, Kinematics(order.robot, order.urdf)
+            finally:
+                body.close()
+        except UrdfError as error:
+            raise UsageError(str(error)) from error

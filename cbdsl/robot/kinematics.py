@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.robot.joints import Joints
 from cbdsl.robot.motion import Integers, Vector, curvature_at, point_at
+from cbdsl.robot.urdf import UrdfError
 
 Floats = NDArray[np.float64]
 
@@ -66,11 +67,17 @@ class Kinematics:
         joints: the order of the actuated joints.
         lower: lower joint limits, rad, shape (n,).
         upper: upper joint limits, rad, shape (n,).
+
+    Raises:
+        UrdfError: the model is none that Pinocchio reads.
     """
 
     def __init__(self, robot: RobotDocument, urdf: Path) -> None:
         # Pinocchio's own mimic joints break its dynamics algorithms, so couplings are applied here.
-        self._model = pinocchio.buildModelFromUrdf(str(urdf))
+        try:
+            self._model = pinocchio.buildModelFromUrdf(str(urdf))
+        except ValueError as error:
+            raise UrdfError(f"Pinocchio cannot read the model: {error}") from None
         self._data = self._model.createData()
         self.joints = Joints(robot)
         moved = [self._model.joints[self._model.getJointId(name)] for name in self.joints.all]

@@ -5,6 +5,7 @@ import pytest
 
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.robot.kinematics import Kinematics
+from cbdsl.robot.urdf import UrdfError
 
 LINKS = ["right_palm", "left_palm", "left_camera", "right_finger_1_tip", "left_finger_2_tip"]
 STEP = 1e-6
@@ -72,3 +73,9 @@ def test_the_arms_mirror_each_other(dexter: RobotDocument, kinematics: Kinematic
 def test_an_unknown_link_is_named(kinematics: Kinematics) -> None:
     with pytest.raises(KeyError, match="no_such_link"):
         kinematics.frame("no_such_link")
+
+
+def test_a_model_that_cannot_be_read_says_so(dexter: RobotDocument, tmp_path: Path) -> None:
+    (tmp_path / "no.urdf").write_text("<robot name='no'><joint/></robot>", encoding="utf-8")
+    with pytest.raises(UrdfError, match=r"no\.urdf"):
+        Kinematics(dexter, tmp_path / "no.urdf")
