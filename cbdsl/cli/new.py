@@ -54,7 +54,8 @@ def new_robot(name: Name, urdf: Urdf, to: To = None, force: Force = False) -> No
         model = read_urdf(urdf)
     except UrdfError as error:
         raise UsageError(f"--urdf {error}") from None
-    _write(RobotDocument, "robot", name, propose(model, _folder(RobotDocument, to)), to, force)
+    proposal = propose(model, _folder(RobotDocument, to))
+    _write(RobotDocument, "robot", name, proposal.values, to, force, proposal.left_out)
 
 
 @new.command("stage")
@@ -118,11 +119,16 @@ def _write(
     values: dict[str, str],
     to: Path | None,
     force: bool,
+    left_out: str = "",
 ) -> None:
-    """Fill a template in, write it where it belongs, and check what was written."""
+    """Fill a template in, write it where it belongs, and check what was written.
+
+    What was ``left_out`` of it, if anything, is told.
+    """
     from string import Template
 
     from cbdsl.cli.findings import check_paths
+    from cbdsl.cli.terminal import print_problem
     from cbdsl.errors.errors import UsageError
     from cbdsl.yaml_text.writer import write_text
 
@@ -139,7 +145,9 @@ def _write(
         write_text(filled, file)
     except OSError as error:
         raise UsageError(f"{file}: {error.strerror or error}") from error
-    print(f"wrote {file}")
+    print(f"wrote {file}", flush=True)
+    if left_out:
+        print_problem(f"left out what programs cannot move: {left_out}; its comments say more")
     raise typer.Exit(check_paths([str(file)], {}))
 
 

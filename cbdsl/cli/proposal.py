@@ -6,22 +6,39 @@ import json
 import math
 import os
 import re
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
+from textwrap import wrap
+from typing import NamedTuple
 
 from cbdsl.errors.counting import count
 from cbdsl.errors.errors import UsageError
 from cbdsl.robot.chains import Chain, chains, root
-from cbdsl.robot.urdf import UrdfJoint, UrdfModel
+from cbdsl.robot.hindrance import Hindrance, hindered
+from cbdsl.robot.urdf import Mimic, UrdfJoint, UrdfModel
 
+# Names of joints stay in one piece.
+_UNBROKEN = {"break_long_words": False, "break_on_hyphens": False}
 # What every YAML takes for a text without quotes, and not for a number, truth or nothing.
 _PLAIN = re.compile(
     r"(?!(?:true|false|null|yes|no|on|off|y|n)\Z)[A-Za-z_][\w./-]*\Z", re.ASCII | re.IGNORECASE
 )
 
 
-def propose(model: UrdfModel, folder: Path) -> dict[str, str]:
-    """The parts of a robot document, as text for its template.
+class Proposal(NamedTuple):
+    """A robot document to start from.
+
+    Attributes:
+        values: the parts of the document, as text for its template.
+        left_out: how many joints of the model it leaves out, by what they are; or nothing.
+    """
+
+    values: dict[str, str]
+    left_out: str
+
+
+def propose(model: UrdfModel, folder: Path) -> Proposal:
+    """What a model suggests for the document of its robot.
 
     Args:
         model: the robot's model.
@@ -32,16 +49,20 @@ def propose(model: UrdfModel, folder: Path) -> dict[str, str]:
     """
     found = chains(model)
     if not found:
-        raise UsageError(f"{model.path} has no revolute joint that turns between limits")
+        raise UsageError(_nothing_to_move(model))
     joints = sum(len(chain.joints) for chain in found)
     description = f"A robot with {count(joints, 'joint')} that programs can move."
-    return {
+    idle = _left_out(model, found)
+    values = {
         "description": _scalar(description),
         "model": _scalar(Path(os.path.relpath(model.path, folder)).as_posix()),
         "base": _scalar(root(model)),
         "effectors": "\n".join(_effector(chain) for chain in found),
         "couplings": _couplings(model, found),
+        "left_out": _comment(idle),
     }
+    counts = [f"{len(joints)} {_word(why)}" for why, joints in idle.items()]
+    return Proposal(values, ", ".join(counts))
 
 
 def _effector(chain: Chain) -> str:
@@ -69,16 +90,57 @@ def _ready(joint: UrdfJoint) -> float:
     return round((joint.lower + joint.upper) / 2, 4)
 
 
-def _couplings(model: UrdfModel, found: Sequence[Chain]) -> str:
-    """The passive joints that follow one that an effector moves."""
+def _passive(model: UrdfModel, found: Sequence[Chain]) -> dict[str, Mimic]:
+    """The passive joints that follow one that an effector moves, and how."""
     actuated = {joint.name for chain in found for joint in chain.joints}
-    lines = [
-        f"  {_scalar(joint.name)}: "
-        f"{{follows: {_scalar(joint.mimic.joint)}, ratio: {joint.mimic.ratio:g}}}\n"
+    return {
+        joint.name: joint.mimic
         for joint in model.joints.values()
         if joint.revolute and joint.mimic is not None and joint.mimic.joint in actuated
+    }
+
+
+def _couplings(model: UrdfModel, found: Sequence[Chain]) -> str:
+    lines = [
+        f"  {_scalar(name)}: {{follows: {_scalar(mimic.joint)}, ratio: {mimic.ratio:g}}}\n"
+        for name, mimic in _passive(model, found).items()
     ]
     return "".join(("\n# Passive joints.\ncouplings:\n", *lines)) if lines else ""
+
+
+def _left_out(model: UrdfModel, found: Sequence[Chain]) -> dict[Hindrance, list[UrdfJoint]]:
+    """The joints that are in no effector and in no coupling, by the reason."""
+    named = {joint.name for chain in found for joint in chain.joints}
+    named.update(_passive(model, found))
+    return hindered(joint for name, joint in model.joints.items() if name not in named)
+
+
+def _comment(idle: Mapping[Hindrance, Sequence[UrdfJoint]]) -> str:
+    """Lines that say which joints were left out, and why."""
+    if not idle:
+        return ""
+    lines = ["", "# Joints of the model that programs cannot move:"]
+    for why, joints in idle.items():
+        cure = f" (to move them, {why.cure})" if why.cure else ""
+        text = f"{', '.join(joint.name for joint in joints)}: {why.trait}{cure}"
+        lines += wrap(text, 98, initial_indent="# - ", subsequent_indent="#   ", **_UNBROKEN)
+    return "\n".join(lines) + "\n"
+
+
+def _nothing_to_move(model: UrdfModel) -> str:
+    """What all joints of a model are, where none is of use."""
+    reasons = []
+    for why, joints in hindered(model.joints.values()).items():
+        verb = "is" if len(joints) == 1 else "are"
+        cure = f" (to move them, {why.cure})" if why.cure else ""
+        reasons.append(f"{len(joints)} {verb} {why.trait}{cure}")
+    told = f": {'; '.join(reasons)}" if reasons else ""
+    return f"{model.path} has no joint that programs could move{told}"
+
+
+def _word(why: Hindrance) -> str:
+    """A hindrance in a word or two."""
+    return why.trait.partition(",")[0]
 
 
 def _scalar(text: str) -> str:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from typing import NamedTuple
 
-from cbdsl.robot.urdf import UrdfJoint, UrdfModel
+from cbdsl.robot.urdf import UrdfJoint
 
 _LIMIT = '<limit lower="-3.14" upper="3.14" effort="10" velocity="2"/>'
 _MOST_NAMES = 4
@@ -16,11 +16,11 @@ class Hindrance(NamedTuple):
 
     Attributes:
         trait: what the joint is, after "is" or "are".
-        remedy: what to do; ``{them}`` stands for the joints.
+        cure: what to write so that it can be moved, if anything helps.
     """
 
     trait: str
-    remedy: str
+    cure: str = ""
 
     def told(self, names: Sequence[str], model: str) -> str:
         """The sentence that says so of some joints of a model."""
@@ -29,18 +29,23 @@ class Hindrance(NamedTuple):
         last = f"{more} more" if more else shown.pop()
         listed = f"{', '.join(shown)} and {last}" if shown else last
         they_are, them = ("it is", "it") if len(names) == 1 else ("they are", "them")
-        advice = self.remedy.format(them=them)
-        return f"{listed} cannot be moved: in {model} {they_are} {self.trait}; {advice}"
+        cure = f", or {self.cure}" if self.cure else ""
+        return (
+            f"{listed} cannot be moved: in {model} {they_are} {self.trait}; leave {them} out{cure}"
+        )
 
 
-_FIXED = Hindrance("fixed", "leave {them} out")
+_FIXED = Hindrance("fixed")
 _CONTINUOUS = Hindrance(
     "continuous, and programs move only between limits",
-    f'leave {{them}} out, or write type="revolute" and {_LIMIT} there, with limits in rad',
+    f'write type="revolute" and {_LIMIT} in the model, with limits in rad',
 )
 _LIMITLESS = Hindrance(
     "revolute without lower and upper limits",
-    f"leave {{them}} out, or write limits there, in rad, such as {_LIMIT}",
+    f"write limits in the model, in rad, such as {_LIMIT}",
+)
+_NO_ROOM = Hindrance(
+    "revolute, with a lower limit that is not below the upper", "mend the limits in the model"
 )
 
 
@@ -52,17 +57,14 @@ def hindrance(joint: UrdfJoint) -> Hindrance | None:
         return _CONTINUOUS
     if not joint.revolute:
         trait = f"{joint.kind}, and programs move only joints that turn about one axis"
-        return Hindrance(trait, "leave {them} out")
+        return Hindrance(trait)
     if joint.mimic is not None:
         master, ratio = joint.mimic.joint, joint.mimic.ratio
         trait = f"made to mimic '{master}'"
-        return Hindrance(trait, f"write {{them}} in couplings: follows {master}, ratio {ratio:g}")
-    return None if joint.limited else _LIMITLESS
-
-
-def movable(model: UrdfModel) -> list[str]:
-    """The names of the joints that effectors can have, in the file's order."""
-    return [joint.name for joint in model.joints.values() if hindrance(joint) is None]
+        return Hindrance(trait, f"write in couplings that it follows {master}, at ratio {ratio:g}")
+    if not joint.limited:
+        return _LIMITLESS
+    return None if joint.lower < joint.upper else _NO_ROOM
 
 
 def hindered(joints: Iterable[UrdfJoint]) -> dict[Hindrance, list[UrdfJoint]]:

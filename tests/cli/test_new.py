@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 
 import pytest
@@ -10,6 +11,7 @@ from cbdsl.checking.document import check_document
 from cbdsl.checking.program import check_program
 from cbdsl.checking.session import Session
 from cbdsl.documents.robot import RobotDocument
+from cbdsl.robot.urdf import read_urdf
 from cbdsl.yaml_text.library import Library
 from tests.cli.test_main import cb
 from tests.robot.test_chains import MODELS
@@ -36,14 +38,41 @@ def test_robots_of_any_model_and_their_programs_and_stages_are_clean(
     assert (program.robot, program.stage) == ("fresh", "desk")
 
 
+@pytest.mark.parametrize("model", MODELS, ids=lambda path: path.stem)
+def test_no_joint_of_a_model_is_passed_over(
+    model: Path, folder: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert cb(monkeypatch, "new", "robot", "fresh", "--urdf", str(model)) == 0
+    robot = Library(folder).read(folder / "robots" / "fresh.yaml", RobotDocument).document
+    named = {joint for effector in robot.effectors.values() for joint in effector.joints}
+    others = set(read_urdf(model).joints) - named - set(robot.couplings)
+    text = (folder / "robots" / "fresh.yaml").read_text("utf-8")
+    comments = " ".join(re.findall(r"^# [- ](.*)$", text, re.MULTILINE))
+    assert all(re.search(rf" {re.escape(joint)}[,:]", f" {comments}") for joint in others)
+    counts = re.findall(r"(\d+) (?:fixed|continuous|prismatic)", capsys.readouterr().err)
+    assert sum(map(int, counts)) == len(others)
+
+
+def test_a_model_without_joints_to_move_says_what_its_joints_are(
+    folder: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    model = folder / "cart.urdf"
+    wheel = '<joint name="wheel" type="continuous"><parent link="a"/><child link="b"/></joint>'
+    model.write_text(f'<robot name="cart"><link name="a"/><link name="b"/>{wheel}</robot>')
+    assert cb(monkeypatch, "new", "robot", "cart", "--urdf", str(model)) == 2
+    said = capsys.readouterr().err
+    assert "1 is continuous" in said and 'type="revolute"' in said
+
+
 def test_the_model_is_found_and_postures_are_within_its_limits(
     folder: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     joint = '<joint name="{}" type="revolute"><parent link="{}"/><child link="{}"/>{}</joint>'
-    limits = '<limit lower="1" upper="3"/>', '<limit lower="-1" upper="3"/>'
+    limit = '<limit lower="{}" upper="3" effort="1" velocity="1"/>'
+    limits = limit.format(1), limit.format(-1)
     model = folder / "two words.urdf"
     model.write_text(
-        f'<robot><link name="a"/><link name="b"/><link name="c"/>'
+        f'<robot name="m"><link name="a"/><link name="b"/><link name="c"/>'
         f"{joint.format('0', 'a', 'b', limits[0])}{joint.format('no', 'b', 'c', limits[1])}</robot>"
     )
     there = folder / "deep" / "down"
