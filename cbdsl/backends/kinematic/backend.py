@@ -121,17 +121,24 @@ class KinematicBackend:
         self._tree.update(self._positions)
         self._experimenter.act(self._tick * self.control_period, touched=self._handling.touched)
         self._handling.move(self.control_period)
-        blocked = self._handling.touch()
-        if blocked:
-            # What a fingertip cannot push away holds back the joints that push.
-            self._positions[blocked] = before[blocked]
-            self._tree.update(self._positions)
-            self._handling.touch()
+        self._hold_back(before)
         self._cells.sample(self._handling.press())
         self.truth.contacts = self._handling.contacts
         self._velocities = (self._positions - before) / self.control_period
         self._tick += 1
         self._observation = self._sense()
+
+    def _hold_back(self, before: Floats) -> None:
+        """Find the contacts; what a fingertip cannot push away holds back the joints that push.
+
+        Without a joint that is held back, and that fingers share, another one may go deeper: all
+        are asked again until nobody does.
+        """
+        held: set[int] = set()
+        while not held.issuperset(blocked := self._handling.touch()):
+            held.update(blocked)
+            self._positions[blocked] = before[blocked]
+            self._tree.update(self._positions)
 
     def close(self) -> None:
         """Nothing is held."""

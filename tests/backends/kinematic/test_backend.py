@@ -157,6 +157,23 @@ def test_fingers_are_held_back_by_what_they_cannot_push_away(quiet: KinematicBac
     assert _forces(quiet) == pytest.approx(0.0, abs=1e-3)
 
 
+@pytest.mark.parametrize("seed", range(4))
+def test_no_finger_goes_through_what_is_held(backend: KinematicBackend, seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    context = {"things": ["ball"], "place": {"hand": "right_arm", "gap": 0.02, "held": True}}
+    ball = {**BALL, "form": {"shape": "ball", "radius": float(rng.uniform(0.07, 0.12))}}
+    begin(backend, made_stage(context, things={"ball": ball}), seed)
+    hand = backend._joints.pick(["right_spread", *(f"right_{finger}" for finger in FINGERS)])
+    reference = backend.observe().positions.copy()
+    for posture in rng.uniform(0.2, 2.4, (20, 4)):
+        for _ in range(60):
+            step = np.clip(posture - backend.observe().positions[hand], -0.01, 0.01)
+            reference[hand] = backend.observe().positions[hand] + step
+            backend.apply(reference)
+            backend.step()
+            assert all(contact.depth < 0.0201 for contact in backend.truth.contacts)
+
+
 def test_a_finger_pushes_a_thing_away_until_friction_holds_it(quiet: KinematicBackend) -> None:
     begin(quiet, made_stage({}))
     tip = quiet.truth.link_pose("right_finger_3_tip").position
