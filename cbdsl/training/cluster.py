@@ -11,6 +11,7 @@ from pathlib import Path
 from tempfile import NamedTemporaryFile
 from typing import Protocol
 
+import dask.config
 from distributed import Client, Future, KilledWorker, LocalCluster, wait
 
 from cbdsl.errors.errors import UsageError
@@ -24,6 +25,18 @@ _PERIOD = 0.5
 _PATIENCE = 900.0
 # Libraries with threads of their own: there are as many workers as there is to be work at once.
 _ONE_THREAD = dict.fromkeys(("OPENCV_FOR_THREADS_NUM", "NUMBA_NUM_THREADS"), "1")
+# Dask watches its processes closely, up to a hundred times a second in each, which took a tenth of
+# a worker's processor and more. Nobody looks at what it sees, nor at its pages.
+_UNWATCHED = {
+    "distributed.worker.profile.enabled": False,
+    "distributed.worker.memory.monitor-interval": "5s",
+    "distributed.worker.http.routes": [],
+    "distributed.scheduler.http.routes": [],
+    "distributed.scheduler.active-memory-manager.start": False,
+    "distributed.admin.tick.interval": "1s",
+    "distributed.admin.system-monitor.interval": "5s",
+    "distributed.admin.system-monitor.gil.enabled": False,
+}
 # No lines about workers that come and go: the supervisor hears of them.
 _LOGGERS = ("distributed", "distributed.client", "distributed.core", "tornado.application")
 _GONE = "the cluster's scheduler is gone, or gave the trials up"
@@ -104,11 +117,14 @@ def _connected(workers: int, scheduler: str | None) -> Iterator[Client]:
             yield client
         return
     with (
+        dask.config.set(_UNWATCHED),
         LocalCluster(
             n_workers=workers,
             threads_per_worker=1,
             processes=True,
             dashboard_address=None,
+            # Any free port: the usual one may be another cluster's, which Dask would warn of.
+            scheduler_kwargs={"dashboard_address": "127.0.0.1:0"},
             silence_logs=logging.CRITICAL,
             env=_ONE_THREAD,
             preload="cbdsl.training.worker",

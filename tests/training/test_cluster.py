@@ -49,6 +49,24 @@ class Notes:
         self.workers.append(workers)
 
 
+class Inspection(Notes):
+    """Asks the workers what they do by the clock, how often, by name: ms."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.periods: dict[str, float] = {}
+
+    def look(self, workers: int) -> None:
+        super().look(workers)
+        for found in distributed.get_client().run(periods).values():
+            self.periods |= found
+
+
+def periods(dask_worker: Any) -> dict[str, float]:
+    """What a worker does by the clock; called there."""
+    return {name: each.callback_time for name, each in dask_worker.periodic_callbacks.items()}
+
+
 @pytest.fixture(scope="module")
 def expected(tmp_path_factory: pytest.TempPathFactory) -> dict[str, bytes]:
     """What the trials of this file learn in one process."""
@@ -81,11 +99,16 @@ def at_work() -> list[psutil.Process]:
 
 
 @pytest.mark.slow
-def test_one_worker_learns_what_one_process_learns(
-    tmp_path: Path, expected: dict[str, bytes]
+@pytest.mark.parametrize("threads", [0])
+@pytest.mark.filterwarnings("error:Port")
+def test_one_worker_learns_what_one_process_learns_and_little_else(
+    tmp_path: Path, expected: dict[str, bytes], cluster: Any
 ) -> None:
-    notes = Notes()
+    assert cluster.scheduler.http_server.port, "another cluster has the usual port for pages"
+    notes = Inspection()
     carry_out_all(assigned(tmp_path, TRIALS, EPISODES), 1, None, notes)
+    assert "heartbeat" in notes.periods and "profile" not in notes.periods
+    assert sum(1000 / each for each in notes.periods.values()) < 10, "times a second"
     assert outcome(tmp_path) == expected
     assert sorted(file.name for file in notes.files) == sorted(expected)
     assert notes.failures == []
