@@ -28,6 +28,21 @@ def sight(camera: Camera, column: float, row: float) -> Floats:
     )
 
 
+def within_view(camera: Camera, centre: Floats, radius: float) -> bool:
+    """Whether the whole image of a ball is in the camera's.
+
+    Args:
+        centre: in the camera frame, m, shape (3,).
+        radius: m.
+    """
+    x, y, z = centre.tolist()
+    largest = x / (2 * camera.focal_length)
+    return x > 0.0 and all(
+        abs(across) + radius <= largest * pixels
+        for across, pixels in ((y, camera.width), (z, camera.height))
+    )
+
+
 def heading(direction: Floats) -> Floats:
     """Azimuth (left positive) and elevation (up positive) of a direction, rad, shape (2,)."""
     x, y, z = direction

@@ -9,7 +9,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cbdsl.documents.robot import RobotDocument
-from cbdsl.robot.camera import direction, heading_jacobian, sighting_jacobian
+from cbdsl.robot.camera import (
+    direction,
+    heading,
+    heading_jacobian,
+    sighting_jacobian,
+    within_view,
+)
 from cbdsl.robot.hold import Hold
 from cbdsl.robot.kinematics import Frame, Kinematics
 from cbdsl.robot.memory import PositionMemory
@@ -84,11 +90,16 @@ class Sight:
         return mean(seen)
 
     def headings(self, source: Headings) -> Reading | None:
-        """The headings in both cameras, or ``None`` unless both see the same whole region."""
+        """The headings in both cameras, or ``None`` unless both see the same whole region.
+
+        Where the arm that holds a thing hides it from a camera, the heading to where it is held.
+        """
         found = []
         for camera in self._robot.cameras:
             region = self._vision.regions.get((camera, source.channel))
             reading = self._camera_heading(camera, source.channel)
+            if reading is None:
+                reading = self._hidden_heading(camera, source.channel)
             if reading is None or (region is not None and region.clipped):
                 return None
             found.append(reading)
@@ -127,6 +138,22 @@ class Sight:
         angles = self._vision.headings.get((camera, channel))
         if angles is None:
             return None
+        return self._moving_heading(camera, channel, angles, self._vision.stamps[camera, channel])
+
+    def _hidden_heading(self, camera: str, channel: str) -> Reading | None:
+        """The heading to what is held, where a camera would see it if nothing were in the way."""
+        memory = self._vision.memories[channel]
+        if memory.position is None or not self._holds(memory):
+            return None
+        eye = self._robot.cameras[camera]
+        frame = self._kinematics.frame(eye.link)
+        point = frame.rotation.T.dot(memory.position - frame.position)
+        if not within_view(eye, point, memory.radius):
+            return None
+        return self._moving_heading(camera, channel, heading(point), self._vision.images)
+
+    def _moving_heading(self, camera: str, channel: str, angles: Floats, stamp: int) -> Reading:
+        """A heading as the head moves it, and the hands that hold what it leads to."""
         link = self._robot.cameras[camera].link
         frame = self._kinematics.frame(link)
         turning = frame.rotation.T.dot(self._kinematics.jacobian(link)[3:])
@@ -137,7 +164,7 @@ class Sight:
             assert position is not None
             point = frame.rotation.T.dot(position - frame.position)
             jacobian = jacobian + sighting_jacobian(point).dot(frame.rotation.T.dot(motion))
-        return Reading(angles, jacobian, self._vision.stamps[camera, channel])
+        return Reading(angles, jacobian, stamp)
 
     def _motion(self, channel: str) -> Floats | None:
         """Displacement of a held thing per joint, shape (3, n); ``None`` for what is not held."""

@@ -2,7 +2,14 @@ import numpy as np
 import pytest
 
 from cbdsl.documents.robot import Camera
-from cbdsl.robot.camera import direction, focal_scale, heading, heading_jacobian, sight
+from cbdsl.robot.camera import (
+    direction,
+    focal_scale,
+    heading,
+    heading_jacobian,
+    sight,
+    within_view,
+)
 
 CAMERA = Camera(link="eye", width=320, height=240, focal_length=400)
 
@@ -30,6 +37,17 @@ def test_heading_jacobian_by_finite_differences(seed: int) -> None:
         (heading(before - np.cross(step * axis, before)) - angles) / step for axis in np.eye(3)
     ]
     assert heading_jacobian(angles) == pytest.approx(np.array(columns).T, abs=1e-5)
+
+
+@pytest.mark.parametrize("seed", range(10))
+def test_a_ball_is_within_view_if_its_image_is(seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    column, row, distance = *rng.uniform(0, (320, 240)), rng.uniform(0.3, 2)
+    radius = distance * rng.uniform(0.01, 0.2)
+    room = min(column, row, 320 - column, 240 - row)
+    whole = 400 * radius / distance < room
+    assert within_view(CAMERA, distance * sight(CAMERA, column, row), radius) == whole
+    assert not within_view(CAMERA, -distance * sight(CAMERA, column, row), radius)
 
 
 def test_a_small_patch_off_axis_is_enlarged_by_focal_scale() -> None:

@@ -125,6 +125,35 @@ def test_what_is_far_from_the_hands_is_not_held(dexter: RobotDocument, signals: 
     assert not np.any(seen.jacobian)
 
 
+@pytest.mark.parametrize("hidden_from", [("left",), ("right",), ("left", "right")])
+def test_what_is_held_has_headings_while_an_arm_hides_it(
+    dexter: RobotDocument, signals: Signals, hidden_from: tuple[str, ...]
+) -> None:
+    """The same headings and Jacobians as where it is seen; without the hold there are none."""
+    positions, pair = facing(dexter, signals), resources(dexter)[f"cameras.{CHANNEL}"]
+    feel(dexter, signals, positions, 0.0)
+    feel(dexter, signals, positions, 5.0)
+    see(dexter, signals, between(dexter, signals))
+    seen = signals.read(pair)
+    for name in hidden_from:
+        del signals.vision.headings[name, CHANNEL]
+    hidden = signals.read(pair)
+    assert seen is not None and hidden is not None
+    assert hidden.value == pytest.approx(seen.value)
+    assert hidden.jacobian == pytest.approx(seen.jacobian)
+    feel(dexter, signals, positions, 0.0)
+    assert signals.read(pair) is None
+
+
+def test_what_is_held_out_of_view_has_no_headings(dexter: RobotDocument, signals: Signals) -> None:
+    positions = facing(dexter, signals)
+    positions[signals.joints.of("head")] += 0.8
+    feel(dexter, signals, positions, 0.0)
+    feel(dexter, signals, positions, 5.0)
+    signals.vision.memories[CHANNEL].position = between(dexter, signals)
+    assert signals.read(resources(dexter)[f"cameras.{CHANNEL}"]) is None
+
+
 def test_lines_of_sight_that_do_not_meet_are_no_pair(
     dexter: RobotDocument, signals: Signals
 ) -> None:
