@@ -38,7 +38,10 @@ BackendName = Annotated[str, typer.Option("--backend", help="What embodies the r
 Trials = Annotated[
     int,
     typer.Option(
-        "--trials", min=1, help="How many times, each from zero: NAME_0.yaml, NAME_1.yaml, and on."
+        "--trials",
+        min=1,
+        max=10_000,
+        help="How many times, each from zero: NAME_0.yaml, NAME_1.yaml, and on.",
     ),
 ]
 Workers = Annotated[
@@ -75,11 +78,13 @@ Density = Annotated[
     str, typer.Option("--density", help="Form of the internal models: kernel or gaussian.")
 ]
 Bandwidth = Annotated[
-    float, typer.Option("--bandwidth", min=1e-6, help="Width of their kernels, rad.")
+    float, typer.Option("--bandwidth", min=1e-6, max=100, help="Width of their kernels, rad.")
 ]
 Prior = Annotated[
     float,
-    typer.Option("--prior", min=0, help="As how many samples the uniform density counts in them."),
+    typer.Option(
+        "--prior", min=0, max=1e9, help="As how many samples the uniform density counts in them."
+    ),
 ]
 Transitions = Annotated[
     int | None,
@@ -87,7 +92,9 @@ Transitions = Annotated[
 ]
 TransitionTime = Annotated[
     float | None,
-    typer.Option("--transition-time", min=0.1, help="Its longest action, s [the program's]."),
+    typer.Option(
+        "--transition-time", min=0.1, max=86400, help="Its longest action, s [the program's]."
+    ),
 ]
 
 
@@ -120,13 +127,15 @@ def learn(
     holds each episode as soon as it is over, one a line: whatever interrupts a trial, it goes on
     with --resume, and ends as if it had never been interrupted.
 
-    Exit 0 when all episodes were run, 1 when a document has errors, 2 when it could not run.
+    Exit 0 when all episodes were run, 1 when a document has errors, 2 when it could not run, 130
+    when it was interrupted, by Ctrl-C or SIGTERM.
     """
     from cbdsl.cli.assignments import read_assignments
     from cbdsl.cli.lessons import one_by_one, side_by_side
     from cbdsl.cli.order import read_order
     from cbdsl.cli.quiet import shown_on_failure
     from cbdsl.cli.simulation import needing_simulation
+    from cbdsl.cli.termination import termination_interrupts
 
     _require_name(out)
     _require_one_place(workers, scheduler)
@@ -138,7 +147,7 @@ def learn(
         assignments = _numbered(first, trials)
         _require_ready(assignments, resume)
     at_once = min(workers, trials)  # an episode needs what the one before it taught
-    with shown_on_failure():
+    with shown_on_failure(), termination_interrupts():
         if at_once == 1 and scheduler is None:
             one_by_one(assignments, order)
         else:
@@ -246,13 +255,14 @@ def _numbered(first: Assignment, trials: int) -> list[Assignment]:
 def _require_ready(assignments: Sequence[Assignment], resume: bool) -> None:
     """Find out before the episodes, not after, whether everything can be kept."""
     from cbdsl.errors.errors import UsageError
+    from cbdsl.errors.reason import reason
 
     for assignment in assignments:
         try:
             assignment.require_ready(resume=resume)
         except OSError as error:
             where = f" ({error.filename})" if error.filename else ""
-            told = f"--out {assignment.path}: {error.strerror or error}{where}"
+            told = f"--out {assignment.path}: {reason(error)}{where}"
             raise UsageError(told) from error
     if resume:
         _tell_what_is_there(assignments)

@@ -57,8 +57,9 @@ def side_by_side(assignments: Sequence[Assignment], workers: int, scheduler: str
     try:
         from cbdsl.training.cluster import carry_out_all
     except ModuleNotFoundError as error:
+        option = "--scheduler" if scheduler else "--workers"
         raise UsageError(
-            f"--workers needs {error.name}, which is not installed: pip install 'cbdsl[learn]'"
+            f"{option} needs {error.name}, which is not installed: pip install 'cbdsl[learn]'"
         ) from error
     with _progress(assignments, at_once=workers) as progress, _explained(*assignments):
         supervision = Supervision(assignments, progress)
@@ -167,8 +168,10 @@ def _explained(*assignments: Assignment) -> Iterator[None]:
 
 
 def _reason(assignment: Assignment, error: Exception) -> str:
+    from cbdsl.errors.reason import reason
+
     if isinstance(error, OSError):
-        return f"{error.filename or assignment.path}: {error.strerror or error}"
+        return f"{error.filename or assignment.path}: {reason(error)}"
     return str(error)
 
 

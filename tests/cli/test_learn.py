@@ -41,6 +41,9 @@ def cb(monkeypatch: pytest.MonkeyPatch, *words: str) -> int:
     return 0
 
 
+# Options with numbers that are not whole.
+MEASURED = ("--gamma", "--alpha", "--epsilon", "--bandwidth", "--prior", "--transition-time")
+
 # What is asked for, the exit code, and what the message has to name.
 MISTAKES = [
     (["searchtrack"], 2, ["--out"]),
@@ -48,6 +51,9 @@ MISTAKES = [
     (["searchtrack", "--out", "a.yaml", "--stage", "elsewhere.yaml"], 1, ["other"]),
     (["searchtrack", "--out", "a.yaml", "--backend", "gazebo"], 2, ["gazebo", "bullet"]),
     (["searchtrack", "--out", "a.yaml", "--gamma", "1.5"], 2, ["--gamma"]),
+    *((["searchtrack", "--out", "a.yaml", option, "inf"], 2, [option]) for option in MEASURED),
+    *((["searchtrack", "--out", "a.yaml", option, "nan"], 2, [option]) for option in MEASURED),
+    (["searchtrack", "--out", "a.yaml", "--trials", "1" + "0" * 30], 2, ["--trials"]),
     (["searchtrack", "--out", "a.yaml", "--density", "round"], 2, ["kernel or gaussian"]),
     (
         ["searchtrack", "--out", "a.yaml", "--workers", "2", "--scheduler", "tcp://here:1"],
@@ -158,7 +164,7 @@ def test_where_models_cannot_go_is_found_before_the_episodes(
 ) -> None:
     (here / "models").write_text("no folder", encoding="utf-8")
     assert cb(monkeypatch, *BEGUN, "--out", "policies/new.yaml") == 2
-    assert f"File exists ({here / 'models'})" in capsys.readouterr().err
+    assert f"a file exists where a folder is needed ({here / 'models'})" in capsys.readouterr().err
     assert list((here / "policies").iterdir()) == []
 
 

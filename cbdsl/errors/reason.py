@@ -1,0 +1,15 @@
+"""Why a file or a folder cannot be used, in words."""
+
+from __future__ import annotations
+
+# Of these the system's own words are about what was tried, not about what is in the way.
+_WORDS: dict[type[OSError], str] = {
+    FileExistsError: "a file exists where a folder is needed",
+    NotADirectoryError: "a file exists on the way, where folders are needed",
+    IsADirectoryError: "this is a folder",
+}
+
+
+def reason(error: OSError) -> str:
+    """What keeps a file or a folder from being used, without its name."""
+    return _WORDS.get(type(error)) or error.strerror or str(error)

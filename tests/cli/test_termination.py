@@ -1,0 +1,50 @@
+"""A command that is ended by SIGTERM ends as one that is interrupted at the keyboard."""
+
+from __future__ import annotations
+
+import os
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pytest
+
+from cbdsl.cli.termination import termination_interrupts
+from tests.conftest import ROOT
+
+LEARN = (
+    *("learn", "searchtrack", "--stage", "searchtrack_training", "--backend", "kinematic"),
+    *("--episodes", "1000000", "--out", "policy.yaml"),
+)
+
+
+def test_the_signal_interrupts_and_what_was_done_about_it_before_is_done_again() -> None:
+    before = signal.getsignal(signal.SIGTERM)
+    with pytest.raises(KeyboardInterrupt), termination_interrupts():
+        os.kill(os.getpid(), signal.SIGTERM)
+        time.sleep(5)
+    assert signal.getsignal(signal.SIGTERM) is before
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("sent", [signal.SIGTERM, signal.SIGINT])
+def test_whoever_ends_a_lesson_is_told_how_it_goes_on(sent: signal.Signals, tmp_path: Path) -> None:
+    lesson = subprocess.Popen(
+        [sys.executable, "-c", "from cbdsl.cli.main import main; main()", *LEARN],
+        cwd=tmp_path,
+        env={**os.environ, "PYTHONPATH": str(ROOT)},
+        stdout=subprocess.DEVNULL,
+        stderr=subprocess.PIPE,
+        text=True,
+    )
+    journal = tmp_path / "policy.episodes.jsonl"
+    while lesson.poll() is None and not (
+        journal.exists() and journal.read_bytes().count(b"\n") > 2
+    ):
+        time.sleep(0.05)
+    lesson.send_signal(sent)
+    told = lesson.communicate()[1]
+    assert (lesson.returncode, told.count("\n")) == (130, 1)
+    assert told.startswith("cb: interrupted") and str(journal) in told and "--resume" in told
