@@ -11,6 +11,8 @@ from importlib import import_module
 from types import ModuleType
 from typing import TYPE_CHECKING, Any
 
+from cbdsl.cli.words import require_words
+
 if TYPE_CHECKING:
     import typer
 
@@ -48,15 +50,16 @@ def main() -> None:
     """Run ``cb``: exit 0 when all is well, 1 with findings, 2 for a wrong call or a fault of cb."""
     _start_quickly()
     _print_anything()
-    asked = sys.argv[1:2]
+    words = sys.argv[1:]
     try:
-        if _plain_validation(sys.argv[1:]):
+        require_words(words)
+        if _plain_validation(words):
             _stand_in_for_metadata()
             from cbdsl.cli.findings import check_paths
 
-            sys.exit(check_paths(sys.argv[2:], {}))
+            sys.exit(check_paths(words[1:], {}))
         # To put only the command together that is asked for saves a twentieth of its time, too.
-        build_app(asked if asked and asked[0] in COMMANDS else COMMANDS)()
+        build_app(words[:1] if words[:1] and words[0] in COMMANDS else COMMANDS)()
     except KeyboardInterrupt:
         sys.exit(130)
     except BrokenPipeError:
@@ -115,6 +118,7 @@ def _report(error: Exception) -> int:
     """Tell what went wrong, without a traceback; the exit code."""
     from cbdsl.cli.terminal import print_diagnostics, print_problem
     from cbdsl.errors.errors import DiagnosticsError, UsageError
+    from cbdsl.errors.reason import reason
 
     if isinstance(error, DiagnosticsError):
         print_diagnostics(error.diagnostics)
@@ -125,7 +129,7 @@ def _report(error: Exception) -> int:
     if os.environ.get("CB_TRACEBACK"):
         raise error
     if isinstance(error, OSError):
-        print_problem(str(error))
+        print_problem(f"{error.filename}: {reason(error)}" if error.filename else reason(error))
         return 2
     print_problem(f"internal error: {type(error).__name__}: {error}")
     print_problem("CB_TRACEBACK=1 shows where; please report it")

@@ -130,6 +130,7 @@ def _write(
     from cbdsl.cli.findings import check_paths
     from cbdsl.cli.terminal import print_problem
     from cbdsl.errors.errors import UsageError
+    from cbdsl.errors.reason import reason
     from cbdsl.yaml_text.writer import write_text
 
     _require_name(name)
@@ -144,7 +145,7 @@ def _write(
         filled = text.substitute(values, name=name, schema=_schema(word, folder))
         write_text(filled, file)
     except OSError as error:
-        raise UsageError(f"{file}: {error.strerror or error}") from error
+        raise UsageError(f"{file}: {reason(error)}") from error
     print(f"wrote {file}", flush=True)
     if left_out:
         print_problem(f"left out what programs cannot move: {left_out}; its comments say more")

@@ -3,9 +3,23 @@
 from __future__ import annotations
 
 import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
 import typer
+
+
+def require_room(target: Path) -> None:
+    """Find out before a page is made, not after, whether it can be kept; its folder is made.
+
+    Raises:
+        UsageError: it cannot.
+    """
+    from cbdsl.yaml_text.writer import make_room
+
+    with _writing(target):
+        make_room(target)
 
 
 def write_page(text: str, target: Path) -> None:
@@ -14,14 +28,22 @@ def write_page(text: str, target: Path) -> None:
     Raises:
         UsageError: it cannot be written; what was there is still there.
     """
-    from cbdsl.errors.errors import UsageError
     from cbdsl.yaml_text.writer import write_text
 
-    try:
+    with _writing(target):
         write_text(text, target)
-    except OSError as error:
-        raise UsageError(f"{target}: cannot be written ({error.strerror or error})") from error
     print(f"{target}: {len(text.encode()) / 1e6:.1f} MB")
+
+
+@contextmanager
+def _writing(target: Path) -> Iterator[None]:
+    from cbdsl.errors.errors import UsageError
+    from cbdsl.errors.reason import reason
+
+    try:
+        yield
+    except OSError as error:
+        raise UsageError(f"{target}: cannot be written ({reason(error)})") from error
 
 
 def open_page(target: Path) -> None:

@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
 from pathlib import Path
 from typing import Annotated
 
 import typer
 
-from cbdsl.cli.pages import open_page, write_page
+from cbdsl.cli.pages import open_page, require_room, write_page
 
 What = Annotated[
     Path,
@@ -41,22 +40,11 @@ def replay(what: What, out: Out = None, open_: Open = True) -> None:
             f"--out {out}: {what} holds {len(recordings)} recordings; name one of them"
         )
     targets = {file: out or file.with_suffix(".html") for file in recordings}
-    _require_room(targets.values())
+    for target in targets.values():
+        require_room(target)
     pages = [_write(file, target) for file, target in targets.items()]
     if open_ and len(pages) == 1:
         open_page(pages[0])
-
-
-def _require_room(targets: Iterable[Path]) -> None:
-    """Find out before the pages are made, not after, whether they can be kept."""
-    from cbdsl.errors.errors import UsageError
-    from cbdsl.yaml_text.writer import make_room
-
-    for target in targets:
-        try:
-            make_room(target)
-        except OSError as error:
-            raise UsageError(f"{target}: cannot be written ({error.strerror or error})") from error
 
 
 def _write(recording: Path, target: Path) -> Path:

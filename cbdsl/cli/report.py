@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from cbdsl.cli.pages import open_page, write_page
+from cbdsl.cli.pages import open_page, require_room, write_page
 
 What = Annotated[
     Path,
@@ -42,10 +42,12 @@ def report(what: What, out: Out = None, above: Above = 0.2, open_: Open = True) 
         raise UsageError(
             f"a report needs {error.name}, which is not installed: pip install 'cbdsl[sim]'"
         ) from error
-    learned = [read_learned(file) for file in find_learned(what)]
+    files = find_learned(what)
     target = out or (what / "report.html" if what.is_dir() else what.with_suffix(".html"))
-    if any(target.resolve() == each.file.resolve() for each in learned):
+    if any(target.resolve() == file.resolve() for file in files):
         raise UsageError(f"--out {target}: this is a policy, which a page would overwrite")
+    require_room(target)
+    learned = [read_learned(file) for file in files]
     write_page(learned_page(learned, above), target)
     if open_:
         open_page(target)

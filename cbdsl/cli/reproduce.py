@@ -127,6 +127,7 @@ def _kept(folder: Path | None) -> Iterator[Path]:
 
     from cbdsl.cli.terminal import print_problem
     from cbdsl.errors.errors import UsageError
+    from cbdsl.errors.reason import reason
     from cbdsl.training.journal import JournalError
 
     if folder is None:
@@ -136,7 +137,7 @@ def _kept(folder: Path | None) -> Iterator[Path]:
     try:
         folder.mkdir(parents=True, exist_ok=True)
     except OSError as error:
-        raise UsageError(f"--keep {folder}: {error.strerror or error}") from error
+        raise UsageError(f"--keep {folder}: {reason(error)}") from error
     try:
         yield folder
     except JournalError as error:
@@ -221,6 +222,7 @@ def _print_rows(title: str, rows: list[dict[str, str]]) -> None:
 def _require_writable(out: Path) -> None:
     """Find out before the experiments, not after, whether their outcomes can be kept."""
     from cbdsl.errors.errors import UsageError
+    from cbdsl.errors.reason import reason
     from cbdsl.yaml_text.writer import make_room
 
     if out.suffix not in (".md", ".json"):
@@ -228,7 +230,7 @@ def _require_writable(out: Path) -> None:
     try:
         make_room(out)
     except OSError as error:
-        raise UsageError(f"--out {out}: cannot be written ({error.strerror or error})") from error
+        raise UsageError(f"--out {out}: cannot be written ({reason(error)})") from error
 
 
 def _write(

@@ -97,7 +97,10 @@ def run(
     from cbdsl.cli.order import read_order
     from cbdsl.cli.quiet import shown_on_failure
     from cbdsl.cli.simulation import simulation
+    from cbdsl.errors.errors import UsageError
 
+    if explain and as_json:
+        raise UsageError("--explain tells people and --json tells scripts: choose one")
     order = read_order(program, stage, policy, read_assignments(with_))
     _require_context(order.stage, context)
     with shown_on_failure(), simulation(order, backend, gui=gui) as (body, kinematics):
@@ -135,12 +138,13 @@ def _require_context(stage: StageDocument, context: str | None) -> None:
 def _require_folder(folder: Path) -> None:
     """Find out before the episodes, not after, whether recordings can be kept."""
     from cbdsl.errors.errors import UsageError
+    from cbdsl.errors.reason import reason
     from cbdsl.runtime.recording import require_writable
 
     try:
         require_writable(folder)
     except OSError as error:
-        raise UsageError(f"--record {folder}: {error.strerror or error}") from error
+        raise UsageError(f"--record {folder}: {reason(error)}") from error
 
 
 def _runner(order: Order, kinematics: Kinematics, body: Backend) -> Runner:
@@ -188,7 +192,7 @@ def _listeners(
 
     transitions: list[TransitionListener] = [] if telling.as_json else [narrate]
     ticks: list[TickListener] = []
-    if telling.explain and not telling.as_json:
+    if telling.explain:
         stack = StackNarration()
         transitions.append(stack.note_transition)
         ticks.append(stack.note_tick)

@@ -54,6 +54,7 @@ def _kinds(kind: str | None) -> dict[str, type[Document]]:
 def _write(kinds: dict[str, type[Document]], folder: Path) -> None:
     from cbdsl.documents.json_schema import json_schema, json_text, schema_file
     from cbdsl.errors.errors import UsageError
+    from cbdsl.errors.reason import reason
     from cbdsl.yaml_text.writer import write_text
 
     try:
@@ -63,4 +64,4 @@ def _write(kinds: dict[str, type[Document]], folder: Path) -> None:
             write_text(json_text(json_schema(model)), file)
             print(f"wrote {file}")
     except OSError as error:
-        raise UsageError(f"--write {folder}: {error.strerror or error}") from error
+        raise UsageError(f"--write {folder}: {reason(error)}") from error

@@ -7,7 +7,8 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from cbdsl.cli.show_program import Format, Json
+from cbdsl.cli.show_format import Format, read_format
+from cbdsl.cli.show_program import Json
 
 if TYPE_CHECKING:
     from cbdsl.documents.policy import PolicyDocument
@@ -23,7 +24,8 @@ Above = Annotated[
 ]
 All = Annotated[bool, typer.Option("--all", help="Draw states that no drawn arc leads to, too.")]
 FormatOption = Annotated[
-    Format, typer.Option("--format", help="Text or data, or a diagram of the transitions.")
+    str,
+    typer.Option("--format", help="text or json; dot, mermaid or svg for its transition diagram."),
 ]
 
 
@@ -31,7 +33,7 @@ def show_policy(
     name: Policy,
     above: Above = 0.2,
     all_: All = False,
-    format_: FormatOption = Format.TEXT,
+    format_: FormatOption = "text",
     as_json: Json = False,
 ) -> None:
     """What a policy does in every state, and what follows.
@@ -43,14 +45,15 @@ def show_policy(
     from cbdsl.cli.terminal import print_json
     from cbdsl.program.drawing.policy_graph import policy_graph
 
+    form = read_format(format_, as_json)
     policy, programs = _read(name)
     graph = policy_graph(policy, above, all_, programs)
-    if as_json or format_ is Format.JSON:
+    if form is Format.JSON:
         print_json(policy_data(policy, graph))
-    elif format_ is Format.TEXT:
+    elif form is Format.TEXT:
         print(policy_text(policy, graph), end="")
     else:
-        print(_drawing(graph, format_), end="")
+        print(_drawing(graph, form), end="")
 
 
 def _read(name: str) -> tuple[PolicyDocument, frozenset[str]]:
@@ -100,13 +103,13 @@ def _written(document: object, path: Path) -> PolicyDocument:
     )
 
 
-def _drawing(graph: PolicyGraph, format_: Format) -> str:
+def _drawing(graph: PolicyGraph, form: Format) -> str:
     from cbdsl.program.drawing.policy_dot import policy_dot
     from cbdsl.program.drawing.policy_mermaid import policy_mermaid
     from cbdsl.program.drawing.policy_svg import policy_svg
 
     draw = {Format.DOT: policy_dot, Format.MERMAID: policy_mermaid, Format.SVG: policy_svg}
-    return draw[format_](graph)
+    return draw[form](graph)
 
 
 def policy_data(policy: PolicyDocument, graph: PolicyGraph) -> dict[str, object]:

@@ -2,30 +2,22 @@
 
 from __future__ import annotations
 
-from enum import StrEnum
 from typing import TYPE_CHECKING, Annotated
 
 import typer
+
+from cbdsl.cli.show_format import Format, read_format
 
 if TYPE_CHECKING:
     from cbdsl.program.checked import Action, CheckedProgram
     from cbdsl.program.controller import Controller
 
 
-class Format(StrEnum):
-    """How a program is shown."""
-
-    TEXT = "text"
-    JSON = "json"
-    DOT = "dot"
-    MERMAID = "mermaid"
-    SVG = "svg"
-
-
 Program = Annotated[str, typer.Argument(metavar="NAME", help="Name or file of a program.")]
 With = Annotated[list[str], typer.Option("--with", help="A parameter, as name=value.")]
 FormatOption = Annotated[
-    Format, typer.Option("--format", help="Text or data, or a graph of states and actions.")
+    str,
+    typer.Option("--format", help="text or json; dot, mermaid or svg for a graph of its states."),
 ]
 Json = Annotated[bool, typer.Option("--json", help="Short for --format json.")]
 
@@ -33,7 +25,7 @@ Json = Annotated[bool, typer.Option("--json", help="Short for --format json.")]
 def show_program(
     name: Program,
     with_: With = [],  # noqa: B006 (typer)
-    format_: FormatOption = Format.TEXT,
+    format_: FormatOption = "text",
     as_json: Json = False,
 ) -> None:
     """A program before it runs: everything resolved.
@@ -46,22 +38,23 @@ def show_program(
     from cbdsl.cli.program_text import program_text
     from cbdsl.cli.terminal import print_json
 
+    form = read_format(format_, as_json)
     program = check_program(name, read_assignments(with_))
-    if as_json or format_ is Format.JSON:
+    if form is Format.JSON:
         print_json(program_data(program))
-    elif format_ is Format.TEXT:
+    elif form is Format.TEXT:
         print(program_text(program), end="")
     else:
-        print(_drawing(program, format_), end="")
+        print(_drawing(program, form), end="")
 
 
-def _drawing(program: CheckedProgram, format_: Format) -> str:
+def _drawing(program: CheckedProgram, form: Format) -> str:
     from cbdsl.program.drawing.dot import dot
     from cbdsl.program.drawing.graph import graph
     from cbdsl.program.drawing.mermaid import mermaid
     from cbdsl.program.drawing.svg import svg
 
-    draw = {Format.DOT: dot, Format.MERMAID: mermaid, Format.SVG: svg}[format_]
+    draw = {Format.DOT: dot, Format.MERMAID: mermaid, Format.SVG: svg}[form]
     return draw(graph(program))
 
 

@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cbdsl.errors.errors import UsageError
+from cbdsl.errors.reason import reason
 from cbdsl.runtime.recording import VERSION
 
 _NEEDED = (
@@ -20,11 +21,12 @@ _NEEDED = (
     "level_singular_value", "level_predicted", "level_held_by", "at_limits", "scene", "image_time",
 )  # fmt: skip
 
-
 _TOLD = (
     "result", "joints", "controllers", "load_cells", "predicates", "transitions", "members",
     "triples", "signals", "scene", "robot",
 )  # fmt: skip
+
+_MAKING = "cb run PROGRAM --record FOLDER writes one when an episode ends"
 
 
 @dataclass(frozen=True)
@@ -69,8 +71,8 @@ def find_recordings(path: Path) -> list[Path]:
     found |= {each.with_suffix(".json") for each in path.glob("episode_*.npz")}
     if not found:
         raise UsageError(
-            f"{path}: no recording is in this folder; cb run --record writes one when an episode "
-            "ends, and none for a run that was ended before"
+            f"{path}: no recording is in this folder; {_MAKING}, and none for a run that was "
+            "ended before"
         )
     return sorted(found, key=lambda each: (len(each.name), each.name))
 
@@ -103,10 +105,14 @@ def _summary(file: Path) -> Mapping[str, Any]:
         raise UsageError(
             f"{file}: missing; this recording was cut short, or only its .npz file was copied"
         )
+    if file.suffix != ".json":
+        raise UsageError(f"{file}: no recording, which is a .json and a .npz file; {_MAKING}")
     try:
         summary = json.loads(file.read_text("utf-8"))
-    except (OSError, ValueError) as error:
-        raise UsageError(f"{file}: no recording, or one cut short ({error})") from error
+    except OSError as error:
+        raise UsageError(f"{file}: {reason(error)}") from error
+    except ValueError as error:
+        raise UsageError(f"{file}: no recording, or one cut short; {_MAKING}") from error
     if isinstance(summary, dict) and summary.get("kind") == "recording":
         if summary.get("version") == VERSION:
             return summary
@@ -118,7 +124,7 @@ def _summary(file: Path) -> Mapping[str, Any]:
         raise UsageError(
             f"{file}: recorded by an older cb, without what a replay needs; record it again"
         )
-    raise UsageError(f"{file}: no recording of cb run --record")
+    raise UsageError(f"{file}: no recording; {_MAKING}")
 
 
 def _arrays(file: Path) -> Mapping[str, NDArray[Any]]:
@@ -128,4 +134,4 @@ def _arrays(file: Path) -> Mapping[str, NDArray[Any]]:
         with np.load(file, allow_pickle=False) as loaded:
             return {key: loaded[key] for key in loaded}
     except (OSError, ValueError, EOFError, zipfile.BadZipFile) as error:
-        raise UsageError(f"{file}: damaged, or cut short ({error})") from error
+        raise UsageError(f"{file}: damaged, or cut short; record the episode again") from error

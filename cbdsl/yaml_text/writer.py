@@ -69,8 +69,7 @@ def make_room(path: Path) -> None:
         OSError: the folder cannot be made, or nothing can be written there.
     """
     path.parent.mkdir(parents=True, exist_ok=True)
-    if path.is_dir():
-        raise IsADirectoryError(errno.EISDIR, os.strerror(errno.EISDIR), str(path))
+    _require_replaceable(path)
     with tempfile.TemporaryFile(dir=path.parent):
         pass
 
@@ -81,6 +80,7 @@ def write_text(text: str, path: Path) -> None:
     Raises:
         OSError: the file cannot be written.
     """
+    _require_replaceable(path)
     handle, temporary = tempfile.mkstemp(dir=path.parent, prefix=_prefix(path))
     try:
         with os.fdopen(handle, "w", encoding="utf-8") as file:
@@ -90,6 +90,18 @@ def write_text(text: str, path: Path) -> None:
     except BaseException:
         os.unlink(temporary)
         raise
+
+
+def _require_replaceable(path: Path) -> None:
+    """A new file would take the place even of a device such as /dev/null, for the whole machine.
+
+    Raises:
+        OSError: what is there is no file.
+    """
+    if path.is_dir():
+        raise IsADirectoryError(errno.EISDIR, os.strerror(errno.EISDIR), str(path))
+    if path.exists() and not path.is_file():
+        raise OSError(errno.EINVAL, "this is a device, not a file", str(path))
 
 
 def remove_leftovers(path: Path) -> None:

@@ -93,7 +93,7 @@ MISTAKES: list[tuple[list[str], list[str]]] = [
         ["program.yaml/page.html", "exists"],
     ),
     (["kept/episode_0.json", "--out", "empty"], ["empty: cannot be written"]),
-    (["program.yaml"], ["program.yaml: no recording"]),
+    (["program.yaml"], ["program.yaml: no recording", "cb run PROGRAM --record FOLDER"]),
     ([], ["FILE|FOLDER"]),
 ]
 

@@ -63,7 +63,7 @@ MISTAKES = [
     (["empty"], 2, "empty: no policy is in this folder"),
     (["knowledge/walked_0_head.yaml"], 1, "CB201"),
     (["knowledge/walked_0.episodes.jsonl"], 2, "name the policy"),
-    (["knowledge/walked_0.yaml", "--out", "missing/page.html"], 2, "cannot be written"),
+    (["knowledge/walked_0.yaml", "--out", "knowledge/walked_0.yaml/a.html"], 2, "be written"),
     (["knowledge/walked_0.yaml", "--out", "knowledge/walked_0.yaml"], 2, "would overwrite"),
     (["knowledge/walked_0.yaml", "--above", "-1"], 2, "--above"),
     ([], 2, "FILE|FOLDER"),

@@ -102,6 +102,8 @@ MISTAKES = [
     (["searchtrack", "--seed", "-1"], 2, ["--seed"]),
     (["searchtrack", "--episodes", "0"], 2, ["--episodes"]),
     (["searchtrack", "--seed", "one"], 2, ["--seed"]),
+    (["searchtrack", "--explain", "--json"], 2, ["--explain", "--json", "choose"]),
+    (["searchtrack", "--record", "elsewhere.yaml"], 2, ["a file exists where a folder is needed"]),
     ([], 2, ["program"]),
 ]
 

@@ -113,6 +113,8 @@ def _program(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
         (["robots/dexter.yaml"], 1, "CB201"),
         (["nonesuch.yaml"], 1, "CB101"),
         (["programs/reach.yaml", "--above", "2"], 2, "--above"),
+        (["programs/reach.yaml", "--above", "nan"], 2, "--above"),
+        (["programs/reach.yaml", "--format", "svgg"], 2, "did you mean 'svg'? (known: text, json"),
     ],
 )
 def test_a_mistake_is_one_clear_message(

@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 
 from cbdsl.yaml_text.library import shipped
 from cbdsl.yaml_text.reader import KINDS, read_document
-from cbdsl.yaml_text.writer import dump, remove_leftovers, write, write_text
+from cbdsl.yaml_text.writer import dump, make_room, remove_leftovers, write, write_text
 from tests.yaml_text.documents import DOCUMENTS
 
 SHIPPED = sorted(
@@ -69,6 +69,16 @@ def test_failing_to_write_leaves_the_old_file(
     with pytest.raises(OSError, match="disk full"):
         write(document, path)
     assert [p.name for p in tmp_path.iterdir()] == ["a.yaml"] and path.read_text() == "old"
+
+
+def test_nothing_takes_the_place_of_a_device(tmp_path: Path) -> None:
+    pipe = tmp_path / "pipe"
+    os.mkfifo(pipe)
+    with pytest.raises(OSError, match="a device, not a file"):
+        make_room(pipe)
+    with pytest.raises(OSError, match="a device, not a file"):
+        write_text("new", pipe)
+    assert pipe.is_fifo() and list(tmp_path.iterdir()) == [pipe]
 
 
 def test_what_killed_writers_left_can_be_removed(

@@ -1,0 +1,33 @@
+"""How ``cb show`` shows a program or a policy."""
+
+from __future__ import annotations
+
+from enum import StrEnum
+
+from cbdsl.errors.errors import UsageError
+
+
+class Format(StrEnum):
+    """How a program or a policy is shown."""
+
+    TEXT = "text"
+    JSON = "json"
+    DOT = "dot"
+    MERMAID = "mermaid"
+    SVG = "svg"
+
+
+def read_format(word: str, as_json: bool) -> Format:
+    """The format that is meant.
+
+    Args:
+        word: its name.
+        as_json: whether it is JSON, whatever the word.
+
+    Raises:
+        UsageError: there is none of this name.
+    """
+    known = {form.value: form for form in Format}
+    if word not in known:
+        raise UsageError.unknown("format", word, known)
+    return Format.JSON if as_json else known[word]
