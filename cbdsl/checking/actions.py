@@ -22,7 +22,7 @@ class Actions:
     Attributes:
         members: what a state has a predicate for: the actions of a single term.
         are_read: whether every action could be read, and is there once.
-        are_complete: whether these are all, so that what is not among them is missing.
+        lack_a_member: whether the policy chooses something that a state would have a letter for.
     """
 
     def __init__(
@@ -32,13 +32,20 @@ class Actions:
         programs: Mapping[str, CheckedProgram | None],
     ) -> None:
         self._context, self._compositions, self._programs = context, compositions, programs
+        self.lack_a_member = False
         self._written = self._read()
         expressions = [expression for expression, _ in self._written]
         self.members = tuple(str(e.terms[0]) for e in expressions if len(e.terms) == 1)
         written = context.document.actions
         self.are_read = context.source.is_whole("actions") and len(expressions) == len(written)
-        # An action that cannot be read, or names nothing, may be the one that is missed.
-        self.are_complete = self.are_read and all(map(self.is_declared, expressions))
+
+    @property
+    def are_complete(self) -> bool:
+        """Whether these are all, so that what is not among them is missing.
+
+        An action that cannot be read, or cannot be meant as it is, may be the one that is missed.
+        """
+        return self.are_read and all(self._is_possible(action) for action, _ in self._written)
 
     @property
     def places(self) -> dict[str, Steps]:
@@ -88,33 +95,58 @@ class Actions:
         program = self._programs[term.name]
         return None if program is None else Action(term.name, program=program)
 
-    def only_composed(self) -> list[str]:
+    def only_composed(self) -> bool:
         """Report controllers that no state shows, and that are part of actions."""
-        known, names = self._context.document.controllers, []
-        for expression, steps in self._written:
-            if expression in self._compositions.repetitive:
-                continue  # without the repetition it may be an action of a single term
-            for term in expression.terms:
-                if str(term) not in self.members and term.name in known:
-                    place = self._context.at(steps, term.span)
-                    self._context.add("CB608", place, name=str(term))
-                    names.append(str(term))
-        return names
+        lacking = [
+            (term, steps)
+            for expression, steps in self._written
+            for term in expression.terms
+            if str(term) not in self.members and term.name in self._context.document.controllers
+        ]
+        for term, steps in lacking:
+            self._context.add("CB608", self._context.at(steps, term.span), name=str(term))
+        return bool(lacking)
 
     def policy(self) -> dict[str, str]:
         """The document's policy: canonical action by state pattern."""
-        policy, names = {}, list(self.places)
+        policy, known, are_complete = {}, self.places, self.are_complete
         for pattern, text in self._context.document.policy.items():
             steps: Steps = ("policy", pattern)
             expression = self._context.parse(text, steps)
             if expression is None:
                 continue
-            action = str(expression)
-            if action not in names and (self.are_complete or not self.is_declared(expression)):
-                place = self._context.source.place(*steps)
-                self._context.add("CB613", place, names=names, name=action)
-            policy[pattern] = action
+            is_known = str(expression) in known
+            if not is_known and (are_complete or not self.is_declared(expression)):
+                self._lacks(expression, steps)
+            policy[pattern] = str(expression)
         return policy
+
+    def _lacks(self, expression: Expression, steps: Steps) -> None:
+        """Report an action of the policy that is none of the actions."""
+        source, name = self._context.source, str(expression)
+        names = [str(action) for action, _ in self._written if self._is_possible(action)]
+        if not self._is_possible(expression):
+            self._context.add("CB613", source.place(*steps), names=names, name=name)
+            return
+        # It is there, and needs no other name.
+        related = [(source.key("actions"), "the actions: add it if it is meant")]
+        details = {"given": "", "name": name, "names": names, "related": related}
+        self._context.add("CB613", source.place(*steps), **details)
+        self.lack_a_member |= len(expression.terms) == 1
+
+    def _is_possible(self, expression: Expression) -> bool:
+        """Whether an action can be meant as it is written, if only of faulty controllers."""
+        document, terms = self._context.document, expression.terms
+        if not self.is_declared(expression) or expression in self._compositions.repetitive:
+            return False
+        if any(self._is_program(term) for term in terms):
+            return len(terms) == 1 and not terms[0].arguments
+        are_called = all(
+            len(term.arguments)
+            == len(getattr(document.controllers.get(term.name), "parameters", ()))
+            for term in terms
+        )
+        return are_called and len(set(map(str, terms))) == len(terms)
 
     def is_declared(self, expression: Expression) -> bool:
         """Whether there are controllers or programs of all names, if only faulty ones."""

@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator, Mapping
+
 from cbdsl.checking.context import Context, Steps
 from cbdsl.checking.triple import check_triple
 from cbdsl.documents import program as written
 from cbdsl.errors.counting import count
+from cbdsl.errors.diagnostic import Place
 from cbdsl.language.expression import Expression, Term
 from cbdsl.program.controller import Composition, Controller, Primitive
 
@@ -33,7 +36,7 @@ class Compositions:
             if isinstance(document, str):
                 self._composite(key, document, ())
             elif not document.parameters:
-                self._triple(key, key, document, ())
+                self._triple(key, key, document, {}, {})
 
     def checked(self) -> list[tuple[str, Controller]]:
         """The controllers without faults, each with its key in the document."""
@@ -73,17 +76,30 @@ class Compositions:
             self._context.substitute(a.text, steps, self._context.scope, a.span.start - 1)
             for a in term.arguments
         ]
-        known = tuple(argument for argument in arguments if argument is not None)
+        pairs = zip(parameters, arguments, strict=True)
+        known = {name: argument for name, argument in pairs if argument is not None}
         if len(known) < len(arguments):
             return None
-        return self._triple(term.name, str(term), document, known)
+        places = dict(zip(parameters, self._places(term, steps), strict=True))
+        return self._triple(term.name, str(term), document, known, places)
+
+    def _places(self, term: Term, steps: Steps) -> Iterator[Place]:
+        """Where the values of a call's arguments stand."""
+        for argument in term.arguments:
+            name = argument.text.removeprefix("$")
+            passed_on = self._context.scope.place(name) if name != argument.text else None
+            yield passed_on or self._context.at(steps, argument.span)
 
     def _triple(
-        self, key: str, name: str, document: written.Controller, arguments: tuple[str, ...]
+        self,
+        key: str,
+        name: str,
+        document: written.Controller,
+        arguments: Mapping[str, str],
+        places: Mapping[str, Place],
     ) -> tuple[Controller, ...] | None:
         if name not in self._built:
-            bound = dict(zip(document.parameters, arguments, strict=True))
-            scope = self._context.scope.inside(bound)
+            scope = self._context.scope.inside(arguments, places)
             controller = check_triple(self._context, key, name, document, scope)
             self._built[name] = None if controller is None else (controller,)
         return self._built[name]
@@ -123,17 +139,24 @@ class Compositions:
         self, expression: Expression, primitives: list[Primitive | None], steps: Steps
     ) -> bool:
         """Report controllers that occur twice; whether there are any."""
-        seen: set[str] = set()
+        seen: dict[str, Term] = {}
         repeats = False
         for term, primitive in zip(expression.terms, primitives, strict=True):
             for controller in primitive.controllers if primitive is not None else ():
                 if controller.name in seen:
-                    place = self._context.at(steps, term.span)
-                    self._context.add("CB407", place, name=controller.name)
+                    self._repeat(controller.name, (seen[controller.name], term), steps)
                     self.repetitive.add(expression)
                     repeats = True
-                seen.add(controller.name)
+                seen[controller.name] = term
         return repeats
+
+    def _repeat(self, name: str, terms: tuple[Term, Term], steps: Steps) -> None:
+        """Report a controller that two terms hold."""
+        source = self._context.source
+        held = {term.name: source.place("controllers", term.name) for term in terms}
+        related = [(at, f"'{key}' holds it") for key, at in held.items() if key not in name]
+        place = self._context.at(steps, terms[1].span)
+        self._context.add("CB407", place, related=related, name=name)
 
     def _unknown(self, term: Term, steps: Steps) -> None:
         document, place = self._context.document, self._context.at(steps, term.span)

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Collection
 from typing import Any
 
 from cbdsl.checking.body import Body
 from cbdsl.checking.findings import Findings
+from cbdsl.checking.missing import MissingResources
 from cbdsl.checking.parsing import parse_at
-from cbdsl.checking.scope import Scope, parameters_in
+from cbdsl.checking.scope import Scope
 from cbdsl.documents.program import ProgramDocument
 from cbdsl.errors.diagnostic import Place
 from cbdsl.language.expression import Expression, Span
@@ -21,6 +23,13 @@ Steps = tuple[Step, ...]
 class Context:
     """What every check of one program needs.
 
+    Args:
+        loaded: the program's document.
+        body: its robot.
+        scope: values of its parameters.
+        findings: where findings go.
+        is_elsewhere: whether a robot has a resource which another document of the program is for.
+
     Attributes:
         loaded: the program's document.
         body: its robot.
@@ -32,7 +41,12 @@ class Context:
     """
 
     def __init__(
-        self, loaded: Loaded[ProgramDocument], body: Body | None, scope: Scope, findings: Findings
+        self,
+        loaded: Loaded[ProgramDocument],
+        body: Body | None,
+        scope: Scope,
+        findings: Findings,
+        is_elsewhere: Callable[[str], bool],
     ) -> None:
         self.loaded = loaded
         self.has_body = body is not None
@@ -41,13 +55,19 @@ class Context:
         self.findings = findings
         self.used: set[str] = set()
         self.lost_models: set[str] = set()
-        self._wrong_values: set[str] = set()
+        robot, known = loaded.document.robot, {} if body is None else body.resources
+        self._missing = MissingResources(robot, known, loaded.source, findings, is_elsewhere)
 
     @property
     def body(self) -> Body:
         """The program's robot, which has to be there."""
         assert self._body is not None, "without a robot nothing asks for its resources"
         return self._body
+
+    @property
+    def wrong_parameters(self) -> Collection[str]:
+        """The parameters whose values have been reported."""
+        return self._missing.parameters
 
     @property
     def document(self) -> ProgramDocument:
@@ -81,29 +101,11 @@ class Context:
         if name is None:
             return None
         resource = self.body.resources.get(name)
-        if resource is None and not self._is_reported(text, name, scope):
-            known = list(self.body.resources)
-            hints = {"names": _similar(name, known), "candidates": known}
-            robot = self.body.document.name
-            self.add("CB501", self.source.place(*steps), **hints, name=name, robot=robot)
+        if resource is None and not self._is_of_a_lost_model(name):
+            self._missing.report(text, name, steps, scope)
         return resource
 
-    def _is_reported(self, text: str, name: str, scope: Scope) -> bool:
-        """Whether what makes a name unknown has been reported before."""
+    def _is_of_a_lost_model(self, name: str) -> bool:
+        """Whether a name is that of an internal model with faults, which have been reported."""
         part = name.rpartition(".")[2]
-        if part in self.lost_models or not self.source.is_whole("models", part):
-            return True
-        # A wrong value of a parameter is wrong wherever the parameter occurs.
-        parts = {part for known in self.body.resources for part in known.split(".")}
-        values = {scope.values[parameter] for parameter in parameters_in(text)}
-        wrong = {value for value in values if not parts.issuperset(value.split("."))}
-        is_known = bool(wrong) and wrong <= self._wrong_values
-        self._wrong_values |= wrong
-        return is_known
-
-
-def _similar(name: str, names: list[str]) -> list[str]:
-    """Names that begin like a wrong one, or the first parts of all."""
-    first = name.split(".")[0]
-    siblings = [known for known in names if known.split(".")[0] == first]
-    return siblings or list(dict.fromkeys(known.split(".")[0] for known in names))
+        return part in self.lost_models or not self.source.is_whole("models", part)

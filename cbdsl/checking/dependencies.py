@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Collection
 from pathlib import Path
 
 from cbdsl.checking.body import Body
@@ -35,6 +36,7 @@ class Dependencies:
     ) -> None:
         self._loaded, self._document, self._source = loaded, loaded.document, loaded.source
         self._session, self._findings = session, findings
+        self._others: set[str] = set()
         self.robot = self._find_robot()
 
     def _find_robot(self) -> Path | None:
@@ -76,7 +78,20 @@ class Dependencies:
         related = [(source.place("robot"), f"this program is for '{robot}'")]
         details = {"name": name, "other": other, "robot": robot}
         self._findings.add("CB603", source.place(*steps), related=related, **details)
+        self._others.add(other)
         return False
+
+    def is_elsewhere(self, name: str) -> bool:
+        """Whether a resource is one of another robot, for which a document is that is named here.
+
+        Then it is the robot that is wrong, or the document, which has been reported.
+        """
+        return any(name in self._resources(other) for other in self._others)
+
+    def _resources(self, robot: str) -> Collection[str]:
+        path = self._session.library.find(RobotDocument, robot, self._loaded.path)
+        body = None if path is None else self._session.body(path, Findings())
+        return () if body is None else body.resources
 
     def body(self) -> Body | None:
         """The robot with the internal models that the program draws from."""

@@ -9,8 +9,12 @@ from cbdsl.errors.counting import count
 from cbdsl.errors.diagnostic import Diagnostic, Place, Related
 from cbdsl.errors.wording import diagnostic
 
-# What these miss is declared in one place, and may be missed in many.
-_MISSED = frozenset({"CB308", "CB351", "CB402", "CB404", "CB501", "CB613"})
+# These have their cause in one place, and may show in many: a name that is missed, for example,
+# or an action that is lacking.
+_REPEATED = frozenset(
+    {"CB308", "CB351", "CB402", "CB404", "CB407", "CB501", "CB607", "CB608", "CB611", "CB612"}
+    | {"CB613"}
+)
 # More places show nothing that these do not.
 _MOST_PLACES = 6
 
@@ -35,12 +39,14 @@ class Findings:
         return any(found.is_error for found in self._found)
 
     def sorted(self) -> tuple[Diagnostic, ...]:
-        """All of them by place, and each name that is missed once."""
-        missed: dict[tuple[str, str, str], Diagnostic] = {}
+        """All of them by place, and what shows in several places once."""
+        firsts: dict[tuple[str, str, str], Diagnostic] = {}
         places: dict[Diagnostic, list[Place]] = {}
         for found in sorted(self._found, key=lambda found: (found.place, found.code)):
-            key = (found.place.file, found.code, found.message)
-            first = missed.setdefault(key, found) if found.code in _MISSED else found
+            # Of resources, all that begin with the same unknown name are missed for one cause.
+            what = found.given if found.code == "CB501" else found.message
+            key = (found.place.file, found.code, what)
+            first = firsts.setdefault(key, found) if found.code in _REPEATED else found
             others = places.setdefault(first, [])
             if first is not found:
                 others.append(found.place)
@@ -48,7 +54,7 @@ class Findings:
 
 
 def _with(found: Diagnostic, others: list[Place]) -> Diagnostic:
-    """A finding that speaks of the other places where the same is missed."""
+    """A finding that speaks of the other places where it shows."""
     if not others:
         return found
     told = [Related(place, "and here") for place in others[:_MOST_PLACES]]

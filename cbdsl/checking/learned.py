@@ -129,9 +129,8 @@ class _PolicyCheck:
         members = self._document.predicates
         if len(state) != len(members) and self._source.is_whole("predicates"):
             found, wanted = count(len(state), "letter"), count(len(members), "predicate")
-            details = {"state": state, "members": ", ".join(members)}
-            place = self._source.key(*steps)
-            self._findings.add("CB611", place, found=found, wanted=wanted, **details)
+            place, names = self._source.key(*steps), ", ".join(members)
+            self._findings.add("CB611", place, found=found, wanted=wanted, members=names)
 
     def _model(self, name: str, model: str, known: dict[str, Resource]) -> None:
         source, library = self._source, self._session.library

@@ -115,7 +115,10 @@ class _ProgramCheck:
         budget: Budget,
     ) -> None:
         self._document = loaded.document
-        self._scope = Scope({**loaded.document.parameters, **values})
+        source = loaded.source
+        own = [name for name in loaded.document.parameters if name not in values]
+        places = {name: source.place("parameters", name) for name in own}
+        self._scope = Scope({**loaded.document.parameters, **values}, places)
         dependencies = Dependencies(loaded, session, findings)
         dependencies.check_stage()
 
@@ -123,9 +126,11 @@ class _ProgramCheck:
             return examine_program(path, with_, session, found, budget)
 
         used = UsedPrograms(loaded, session, findings, dependencies, self._scope, budget, examine)
-        programs = used.check()
+        self._used, programs = used, used.check()
         body = dependencies.body()
-        context = self._context = Context(loaded, body, self._scope, findings)
+        context = self._context = Context(
+            loaded, body, self._scope, findings, dependencies.is_elsewhere
+        )
         if body is not None:
             drawn = {name.rpartition(".")[2] for name in body.resources}
             context.lost_models.update(set(loaded.document.models) - drawn)
@@ -136,13 +141,16 @@ class _ProgramCheck:
         context, actions = self._context, self._actions
         background = self._background()
         checked = actions.check()
-        composed = actions.only_composed() if actions.are_complete else []
+        are_complete = actions.are_complete
+        are_shown = not (are_complete and actions.only_composed())
         policy = actions.policy()
-        known = actions.members if actions.are_read and not composed else None
-        check_states(policy, known, context.source, context.findings)
+        is_known = actions.are_read and are_shown and not actions.lack_a_member
+        members = actions.members if is_known else None
+        check_states(policy, members, context.source, context.findings)
         used = frozenset(context.used)
         self._compositions.check_all()
-        self._seek(_primitives(checked), actions.are_complete and None not in checked)
+        self._seek(_primitives(checked), are_complete and are_shown and None not in checked)
+        self._used.report_values(context.wrong_parameters)
         if context.findings.failed:
             return None
         check_unused(context, used)

@@ -6,6 +6,7 @@ import re
 from collections.abc import Mapping
 
 from cbdsl.checking.findings import Findings
+from cbdsl.errors.diagnostic import Place
 from cbdsl.yaml_text.source_map import SourceMap, Step
 
 # Values made of values would double in length from program to program.
@@ -16,19 +17,35 @@ _PARAMETER = re.compile(r"\$([A-Za-z][A-Za-z0-9_]*)")
 class Scope:
     """Values of parameters, and which of them were asked for.
 
+    Args:
+        values: value by name.
+        places: where values stand in the document, by name; others come from outside.
+        used: what ``used`` begins with.
+
     Attributes:
         values: value by name.
         used: names that some text referred to; shared with the scopes inside.
     """
 
-    def __init__(self, values: Mapping[str, str], used: set[str] | None = None) -> None:
+    def __init__(
+        self,
+        values: Mapping[str, str],
+        places: Mapping[str, Place],
+        used: set[str] | None = None,
+    ) -> None:
         self.values = values
+        self._places = places
         self.used: set[str] = set() if used is None else used
 
-    def inside(self, values: Mapping[str, str]) -> Scope:
+    def place(self, name: str) -> Place | None:
+        """Where a parameter's value stands, or ``None`` where it came from outside."""
+        return self._places.get(name)
+
+    def inside(self, values: Mapping[str, str], places: Mapping[str, Place]) -> Scope:
         """This scope with further parameters, which hide those of the same name."""
         visible = self.used if not values else _Hiding(self.used, frozenset(values))
-        return Scope({**self.values, **values}, visible)
+        outer = {name: place for name, place in self._places.items() if name not in values}
+        return Scope({**self.values, **values}, {**outer, **places}, visible)
 
     def substitute(
         self,

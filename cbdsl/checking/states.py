@@ -10,6 +10,8 @@ from cbdsl.yaml_text.source_map import SourceMap
 
 PREDICATES = "X-01"
 ANY = "*"
+# What is written for a predicate, and looks or sounds like it.
+_MEANT = {"x": "X", "o": "0", "O": "0", "l": "1", "I": "1", "_": "-", "?": ANY}
 # Enough for every policy that a person wrote; a document made on purpose needs any number.
 _MOST_SPLITS = 1_000
 _MOST_LETTERS = 1_000_000
@@ -86,14 +88,16 @@ def _is_sound(
     place = source.key("policy", pattern)
     wrong = [letter for letter in pattern if letter not in PREDICATES + ANY]
     if wrong:
-        findings.add("CB612", place, letter=wrong[0], state=pattern)
+        meant = _MEANT.get(wrong[0])
+        hint = f"; did you mean '{meant}'?" if meant else ""
+        findings.add("CB612", place, letter=wrong[0], meant=hint)
         return False
     if members is not None and len(pattern) != len(members):
         counts = {
             "found": count(len(pattern), "letter"),
             "wanted": count(len(members), "predicate"),
         }
-        findings.add("CB611", place, state=pattern, members=", ".join(members), **counts)
+        findings.add("CB611", place, members=", ".join(members), **counts)
         return False
     return True
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Collection, Mapping
 from pathlib import Path
 
 from cbdsl.checking.context import Steps
@@ -69,6 +69,7 @@ class UsedPrograms:
         self._session, self._findings = session, findings
         self._dependencies, self._scope = dependencies, scope
         self._budget, self._examine = budget, examine
+        self._unsuitable: list[tuple[str, Path, str, Findings]] = []
 
     def check(self) -> dict[str, CheckedProgram | None]:
         """The programs by the names that they are used by; ``None`` where one cannot run."""
@@ -84,13 +85,52 @@ class UsedPrograms:
         except DiagnosticsError as error:
             self._findings.extend(error.diagnostics)
             return None
-        if used.source.is_whole("robot"):
-            self._dependencies.is_for_the_robot(used.document.robot, use.program, steps)
+        robot, is_whole = used.document.robot, used.source.is_whole("robot")
+        if is_whole and not self._dependencies.is_for_the_robot(robot, use.program, steps):
+            return None
         values = self._values(name, use, used)
-        program = self._examine(path, values, self._findings)
+        found = Findings()
+        program = self._examine(path, values, found)
+        if found.failed and self._runs(path, {}):
+            wrong = [key for key in values if not self._runs(path, {key: values[key]})]
+            self._unsuitable.append((name, path, (*wrong, *values)[0], found))
+            return None
+        self._findings.extend(found.sorted())
         if program is None or use.policy is None:
             return program
         return self._learned(use.policy, program, path, ("use", name, "policy"))
+
+    def _runs(self, path: Path, values: Mapping[str, str]) -> bool:
+        """Whether a program has no faults with some values of its parameters."""
+        found = Findings()
+        self._examine(path, values, found)
+        return not found.failed
+
+    def report_values(self, reported: Collection[str]) -> None:
+        """Report values with which used programs cannot run.
+
+        Args:
+            reported: parameters of this program whose values have been reported.
+        """
+        source = self._source
+        for name, path, key, found in self._unsuitable:
+            text = self._loaded.document.use[name].with_[key]
+            if text.startswith("$") and text[1:] in reported:
+                continue
+            fault = next(fault for fault in found.sorted() if fault.is_error)
+            passed_on = self._scope.place(text[1:]) if text.startswith("$") else None
+            here = source.place("use", name, "with", key)
+            self._findings.add(
+                "CB609",
+                passed_on or here,
+                names=fault.allowed,
+                candidates=fault.candidates,
+                given=fault.given,
+                related=[(here, "it is passed on here"), (fault.place, "it is used here")],
+                program=path.stem,
+                name=key,
+                problem=fault.message,
+            )
 
     def _find(self, use: Use, steps: Steps) -> Path | None:
         """The file of a program that can be used here."""

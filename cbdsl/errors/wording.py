@@ -14,6 +14,7 @@ def diagnostic(
     *,
     names: Sequence[str] = (),
     candidates: Sequence[str] = (),
+    given: str | None = None,
     related: Iterable[tuple[Place, str]] = (),
     **details: object,
 ) -> Diagnostic:
@@ -22,8 +23,9 @@ def diagnostic(
     Args:
         code: its entry.
         place: where it is.
-        names: names that would have been right; the nearest to ``name`` or ``key`` is proposed.
+        names: names that would have been right; the nearest to ``given`` is proposed.
         candidates: what the nearest is chosen from, where that is not ``names``.
+        given: the name that was written instead; ``name`` or ``key`` of the details without it.
         related: other places, and what is there.
         details: what the entry's message is filled with.
     """
@@ -36,7 +38,7 @@ def diagnostic(
         place=place,
         severity=entry.severity,
         allowed=tuple(names),
-        given=str(details.get("name", details.get("key", ""))),
+        given=str(details.get("name", details.get("key", ""))) if given is None else given,
         candidates=tuple(candidates),
         related=tuple(Related(where, legible(message)) for where, message in related),
     )

@@ -37,7 +37,7 @@ CONTROLLERS = (
     Entry(
         "CB503",
         "potential that is not defined on this type",
-        "the potential '{potential}' is not defined on {feedback}, the type of '{name}'",
+        "the potential '{potential}' is defined on {wanted}, and '{name}' is {feedback}",
         "Each potential is a function of certain types only; joint limits, for example, mean "
         "nothing to a force.",
         controller("potential: range, feedback: cyclopean.motion, effector: head"),
@@ -46,7 +46,7 @@ CONTROLLERS = (
     Entry(
         "CB504",
         "reference and feedback of different types",
-        "types differ: the reference '{reference}' is of type {reference_type}, the feedback "
+        "types differ: the reference '{name}' is of type {reference_type}, the feedback "
         "'{feedback}' of type {feedback_type}",
         "Types are nominal: a force is not a position, although both have three components, "
         "and the configurations of two effectors with different joints cannot be compared.",
@@ -92,7 +92,7 @@ CONTROLLERS = (
     Entry(
         "CB508",
         "effector without influence",
-        "moving '{effector}' does not change '{feedback}'",
+        "moving '{name}' does not change '{feedback}'{why}",
         "A controller descends its potential by moving the effector, so the feedback has to "
         "depend on the effector's joints: a heading on those that carry the camera, a force on "
         "those of the hand and its arm. What is seen of the world moves only with an arm whose "
@@ -239,5 +239,14 @@ CONTROLLERS = (
         },
         good=f"{HEAD.replace('dexter', 'example')}controllers:\n  free: {{potential: range, "
         f"feedback: head, effector: head, {_OWN}}}\nactions: [free]\n",
+    ),
+    Entry(
+        "CB530",
+        "feedback that the rest of the controller does not suit",
+        "'{name}' is {feedback}, and {number} of this controller suit another feedback",
+        "Potential, reference, effector and options are held against the feedback. Where several "
+        "of them do not suit it, it is the feedback that was not meant.",
+        controller("potential: spring, reference: head.ahead, feedback: right_arm, effector: head"),
+        good=controller("potential: spring, reference: head.ahead, feedback: head, effector: head"),
     ),
 )

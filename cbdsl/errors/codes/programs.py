@@ -102,6 +102,25 @@ PROGRAMS = (
         good=_TWO + "actions: [search, track, search ◁ track]\n",
     ),
     Entry(
+        "CB609",
+        "value that a used program cannot run with",
+        "program '{program}' cannot run with this value of '{name}': {problem}",
+        "With its own values of its parameters the used program has no faults; it has one with the "
+        "values that `with` gives it.",
+        program(
+            "use: {looking: {program: looking, with: {feature: hue_44}}}\n"
+            "actions: [track, looking]\n"
+        ),
+        beside={
+            "programs/looking.yaml": _LOOKING.replace("motion", "$feature")
+            + "parameters: {feature: motion}\n"
+        },
+        good=program(
+            "use: {looking: {program: looking, with: {feature: hue_4}}}\n"
+            "actions: [track, looking]\n"
+        ),
+    ),
+    Entry(
         "CB610",
         "too many programs",
         "there are more than {depth} programs one within the other, or more than {bound} in all",
@@ -114,7 +133,7 @@ PROGRAMS = (
     Entry(
         "CB611",
         "state of the wrong length",
-        "state '{state}' has {found} for {wanted} ({members})",
+        "a state has {found} here, for {wanted} ({members})",
         "A state has one letter for each action that is not a composition, in their order.",
         program('actions: [track]\npolicy: {"X-": track}\n'),
         good=program("actions: [track]\npolicy: {X: track}\n"),
@@ -122,7 +141,7 @@ PROGRAMS = (
     Entry(
         "CB612",
         "letter that is no predicate",
-        "'{letter}' in state '{state}' is none of X, -, 0, 1 and *",
+        "'{letter}' is none of X, -, 0, 1 and *{meant}",
         "X: not activated; -: reference undefined; 0: transient; 1: quiescent (Eq 4.1); "
         "*: any of them.",
         program('actions: [track]\npolicy: {"2": track, X: track}\n'),

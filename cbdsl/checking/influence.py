@@ -1,0 +1,30 @@
+"""Which effectors move which signals."""
+
+from __future__ import annotations
+
+from cbdsl.checking.body import Body
+from cbdsl.types.casts import chains
+from cbdsl.types.resource import Origin, Resource
+
+# What is drawn or written down is no measurement, and stays as it is.
+_STILL = (Origin.MODEL, Origin.CONSTANT)
+
+
+def is_measured(resource: Resource) -> bool:
+    """Whether a resource is a signal, and no draw and no constant."""
+    return resource.origin not in _STILL
+
+
+def moves(body: Body, effector: Resource, feedback: Resource) -> bool:
+    """Whether an effector can be moved, and moves a feedback, as far as anybody can tell."""
+    if not effector.movable or not chains(feedback.type, effector.type):
+        return False
+    influence = body.influence(feedback)
+    return influence is None or not influence.isdisjoint(body.effector_joints(effector))
+
+
+def movers(body: Body, feedback: Resource) -> list[str]:
+    """The names of all effectors that move a feedback."""
+    return [
+        resource.name for resource in body.resources.values() if moves(body, resource, feedback)
+    ]
