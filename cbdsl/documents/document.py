@@ -4,7 +4,7 @@ from functools import partial
 from typing import Annotated, Any, Literal
 
 from pydantic import BaseModel, ConfigDict, GetCoreSchemaHandler
-from pydantic_core import CoreSchema
+from pydantic_core import CoreSchema, PydanticCustomError
 from pydantic_core.core_schema import (
     float_schema,
     int_schema,
@@ -47,12 +47,26 @@ def _span(part: _Read) -> _Read:
     return _Read(no_info_before_validator_function(pair, _several(part, 2).schema))
 
 
+def _named(what: str) -> _Read:
+    """A name of the URDF's; ``what`` is the element that has it."""
+    wanted = f'the name of a {what}, as in <{what} name="..."> of the URDF, in quotes if a number'
+
+    def require_text(value: Any) -> Any:
+        if isinstance(value, str):
+            return value
+        raise PydanticCustomError("not_named", "{expected}", {"expected": wanted})
+
+    return _Read(no_info_before_validator_function(require_text, str_schema()))
+
+
 _NUMBER, _SHARE = _quantity(), _quantity(ge=0, le=1)
 _LENGTH, _ANGLE, _SPEED = _quantity("length"), _quantity("angle"), _quantity("speed")
 _TIME, _MASS = _quantity("time", ge=0), _quantity("mass", gt=0)
 _SIZE = _quantity("length", gt=0)
 
 Name = Annotated[str, _Read(str_schema(pattern=NAME_PATTERN))]
+JointName = Annotated[str, _named("joint")]
+LinkName = Annotated[str, _named("link")]
 Count = Annotated[int, _Read(int_schema(ge=0))]
 PositiveCount = Annotated[int, _Read(int_schema(gt=0))]
 Number = Annotated[float, _NUMBER]

@@ -13,7 +13,9 @@ from cbdsl.documents.document import (
     Document,
     Duration,
     Force,
+    JointName,
     Length,
+    LinkName,
     Name,
     Number,
     Pixels,
@@ -33,7 +35,7 @@ from cbdsl.documents.document import (
 class Tip(Section):
     """The frame of an effector that is moved in Cartesian space."""
 
-    link: str
+    link: LinkName
     """Link of the URDF that carries the frame."""
     offset: Point = (0.0, 0.0, 0.0)
     """Control point in the link's frame."""
@@ -42,7 +44,7 @@ class Tip(Section):
 class Effector(Section):
     """A synergy: joints that are controlled together (Eq 3.8)."""
 
-    joints: Annotated[tuple[str, ...], Field(min_length=1)]
+    joints: Annotated[tuple[JointName, ...], Field(min_length=1)]
     """Actuated joints of the URDF, in order."""
     tip: Tip | None = None
     """The frame that gives this effector a position and an orientation."""
@@ -62,7 +64,7 @@ class Group(Section):
 class Coupling(Section):
     """A passive joint that follows an actuated one."""
 
-    follows: str
+    follows: JointName
     """The actuated joint."""
     ratio: Number
     """Angle of the passive joint per angle of the actuated one."""
@@ -77,9 +79,9 @@ def _require_direction(vector: Vector) -> Vector:
 class LoadCell(Section):
     """A six-axis load cell on a fingertip."""
 
-    link: str
+    link: LinkName
     """Link of the URDF that carries the cell."""
-    joint: str
+    joint: JointName
     """Actuated joint that flexes this finger."""
     normal: Annotated[Vector, AfterValidator(_require_direction)]
     """Direction in the link's frame in which the finger presses."""
@@ -90,7 +92,7 @@ class LoadCell(Section):
 class Camera(Section):
     """A pinhole camera; its frame looks along +x, with +y to its left and +z up."""
 
-    link: str
+    link: LinkName
     """Link of the URDF at the optical centre."""
     width: PositiveCount
     """Image width, px."""
@@ -219,7 +221,7 @@ class Contact(Section):
 class TipSurface(Section):
     """The material of the links that touch things."""
 
-    links: tuple[str, ...] = ()
+    links: tuple[LinkName, ...] = ()
     """Links of the URDF; a trailing * matches any ending."""
     friction: Share = 1.0
     """Coefficient of lateral friction."""
@@ -244,7 +246,7 @@ class Simulation(Section):
     """Joint torques that replace the URDF's."""
     surfaces: tuple[TipSurface, ...] = ()
     """Materials of links; the others have those of the URDF."""
-    no_contact: tuple[tuple[str, ...], ...] = ()
+    no_contact: tuple[tuple[LinkName, ...], ...] = ()
     """Groups of links whose mutual contacts are ignored; a trailing * matches any ending."""
 
 
@@ -255,7 +257,7 @@ class RobotDocument(Document):
     """Says that this document is a robot."""
     model: str
     """URDF file, relative to this document."""
-    base: str
+    base: LinkName
     """Link whose frame is the world frame."""
     effectors: dict[Name, Effector]
     """What can be moved, by name."""

@@ -14,6 +14,7 @@ from pydantic_core import ErrorDetails
 from cbdsl.errors.diagnostic import Diagnostic
 from cbdsl.errors.nearest import nearest_name
 from cbdsl.errors.wording import diagnostic
+from cbdsl.yaml_text.form import annotations_at, form, section_of
 from cbdsl.yaml_text.node import Node
 from cbdsl.yaml_text.source_map import SourceMap, Step, child_of
 
@@ -53,7 +54,13 @@ class _Fault(NamedTuple):
 
     @property
     def is_wrong_kind(self) -> bool:
-        return self.error["type"] in _EXPECTED
+        return self.error["type"] in (*_EXPECTED, "not_named")
+
+    @property
+    def expected(self) -> str:
+        """What a value of the right kind is."""
+        kind, context = self.error["type"], self.error.get("ctx", {})
+        return str(context["expected"]) if kind == "not_named" else _EXPECTED[kind]
 
     @property
     def is_of_parts(self) -> bool:
@@ -83,8 +90,49 @@ def faults(
         is_known = follows(fault.path, fault.error["type"])
         if not (is_known or (fault.is_of_parts and fault.path in enclosing)):
             by_path.setdefault(fault.path, []).append(fault)
-    misspelt = _misspelt(by_path)
-    return [_diagnose(p, same, source, model) for p, same in by_path.items() if p not in misspelt]
+    nameless = {path[:-1] for path in by_path if _is_nameless(path[:-1], source, model)}
+    explained = _misspelt(by_path) | {p for p in by_path if _is_below(p, nameless)}
+    explained |= _numbered_again(by_path)
+    return [
+        *(_without_a_name(path, source, model) for path in sorted(nameless)),
+        *(_diagnose(p, same, source, model) for p, same in by_path.items() if p not in explained),
+    ]
+
+
+def _numbered_again(by_path: Mapping[tuple[Step, ...], list[_Fault]]) -> set[tuple[Step, ...]]:
+    """Further items of lists in which something else than a name was reported already."""
+    seen: set[tuple[Step, ...]] = set()
+    again: set[tuple[Step, ...]] = set()
+    for path, same in by_path.items():
+        if path and isinstance(path[-1], int) and same[0].error["type"] == "not_named":
+            if path[:-1] in seen:
+                again.add(path)
+            seen.add(path[:-1])
+    return again
+
+
+def _is_nameless(path: tuple[Step, ...], source: SourceMap, model: type[BaseModel]) -> bool:
+    """Whether where names are wanted there is what should be below one of them."""
+    found = source.node(path).value
+    section = next((s for known in annotations_at(model, path) if (s := section_of(known))), None)
+    if section is None or not isinstance(found, dict):
+        return False
+    keys = {field.alias or name for name, field in section.model_fields.items()}
+    return keys.issuperset(found)
+
+
+def _is_below(path: tuple[Step, ...], above: set[tuple[Step, ...]]) -> bool:
+    return any(path[:depth] in above for depth in range(len(path)))
+
+
+def _without_a_name(
+    path: tuple[Step, ...], source: SourceMap, model: type[BaseModel]
+) -> Diagnostic:
+    """What is to be said of a section that stands where it should have a name."""
+    found = source.node(path).value
+    keys = ", ".join(f"'{key}'" for key in found) if isinstance(found, dict) else ""
+    expected = f"names, as in {form(model, path)}"
+    return diagnostic("CB204", source.key(*path), expected=expected, found=f"{keys} without a name")
 
 
 def _misspelt(by_path: Mapping[tuple[Step, ...], list[_Fault]]) -> set[tuple[Step, ...]]:
@@ -118,10 +166,12 @@ def _diagnose(
     path: tuple[Step, ...], same: list[_Fault], source: SourceMap, model: type[BaseModel]
 ) -> Diagnostic:
     if all(fault.is_wrong_kind for fault in same):
-        expected = " or ".join(dict.fromkeys(_EXPECTED[fault.error["type"]] for fault in same))
+        expected = " or ".join(dict.fromkeys(fault.expected for fault in same))
         value = source.node(path).value
         if "a mapping" in expected and (slip := _slip_in_text(value)):
             return diagnostic("CB205", source.place(*path), problem=slip)
+        if example := form(model, path, source.node(path)):
+            expected += f", as in {example}"
         found = describe(value)
         return diagnostic("CB204", source.place(*path), expected=expected, found=found)
     fault = next(fault for fault in same if not fault.is_wrong_kind)
