@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 from cbdsl.learning.experience import Experience
@@ -52,16 +53,28 @@ class Check:
         return sum(rewarded) / len(rewarded) if rewarded else 0.0
 
 
-def checks(school: School, learned: Learned, schedule: Schedule) -> tuple[Check, ...]:
-    """All checks of a trial, in their order; see ``School.greedy`` for what is raised."""
-    return tuple(
-        check(school, learned.after(episodes), schedule)
-        for episodes in schedule.after(len(learned.trial.experiences))
-    )
+def checks(
+    school: School, learned: Learned, plan: Schedule, when: Sequence[int] | None = None
+) -> tuple[Check, ...]:
+    """All checks of a trial, in their order; see ``School.greedy`` for what is raised.
+
+    Args:
+        school: runs them.
+        learned: the trial at its end.
+        plan: how many episodes each has.
+        when: after which of the trial's own episodes; ``None`` for the plan's.
+    """
+    found: list[Check] = []
+    for episodes in plan.after(len(learned.trial.experiences)) if when is None else when:
+        known = [experience for each in found for experience in each.experiences]
+        found.append(_check(school, learned.after(episodes), plan, known))
+    return tuple(found)
 
 
-def check(school: School, learned: Learned, schedule: Schedule) -> Check:
-    """Check what is known now."""
+def _check(school: School, learned: Learned, plan: Schedule, before: Sequence[Experience]) -> Check:
+    """Check what is known now, after checks of what was known before."""
     episodes = len(learned.trial.experiences)
-    seeds = learned.held_out(schedule.held_out)
-    return Check(episodes, school.greedy(learned, f"greedy_{episodes}", seeds))
+    # Where it draws from what it learned, no two checks have the same program.
+    known = () if learned.trial.learned_models() else before
+    seeds = learned.held_out(plan.held_out)
+    return Check(episodes, school.greedy(learned, f"greedy_{episodes}", seeds, known=known))

@@ -25,7 +25,7 @@ from cbdsl.reproduction.experiment import Settings
 from cbdsl.reproduction.laboratory import shipped_file, shipped_robot
 from cbdsl.reproduction.lesson import Lesson
 from cbdsl.robot.kinematics import Kinematics
-from cbdsl.runtime.policy import WrittenPolicy
+from cbdsl.runtime.policy import Policy, WrittenPolicy
 from cbdsl.training.classroom import BackendClassroom
 from cbdsl.training.course import follow, identity_of, open_journal
 from cbdsl.training.journal import Journal
@@ -125,6 +125,7 @@ class School:
         name: str,
         seeds: Sequence[int],
         program: CheckedProgram | None = None,
+        known: Sequence[Experience] = (),
     ) -> tuple[Experience, ...]:
         """Run episodes under what was learned, without exploring or learning.
 
@@ -133,12 +134,16 @@ class School:
             name: of these episodes, for their file beside the policy.
             seeds: one for each episode.
             program: the program with internal models other than those that were learned.
+            known: episodes of the same program under other policies; what this one would have
+                chosen as well is not run again.
 
         Raises:
             JournalError, BackendError, EpisodeError, OSError: as ``learn``.
         """
         trial = learned.trial
         actions = trial.learner.greedy()
+        policy = WrittenPolicy(actions)
+        same = {each.seed: each for each in known if _chooses(policy, each)}
         program = trial.informed_program() if program is None else program
         classroom = self._classroom(learned.stage)
         path = learned.path.with_suffix(f".{name}.jsonl")
@@ -148,7 +153,7 @@ class School:
             self._advance(len(found))
             for seed in seeds[len(found) :]:
                 began = time.perf_counter()
-                found.append(classroom.hold(program, WrittenPolicy(actions), seed, _ignore))
+                found.append(same.get(seed) or classroom.hold(program, policy, seed, _ignore))
                 journal.append(found[-1], time.perf_counter() - began)
                 self._advance(1)
         return tuple(found)
@@ -212,6 +217,13 @@ def school(settings: Settings) -> Iterator[School]:
         yield School(settings, body, robot, urdf)
     finally:
         body.close()
+
+
+def _chooses(policy: Policy, experience: Experience) -> bool:
+    """Whether an episode of the same seed is the same under a policy, to the last bit."""
+    return all(
+        policy.choose(each.state, changed=True) == each.action for each in experience.transitions
+    )
 
 
 def _ignore(transition: Transition) -> None:

@@ -7,7 +7,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 from cbdsl.reproduction.arcs import LEAST, Arc, DrawnArc, diagram_of
-from cbdsl.reproduction.checks import Check, Schedule, check, schedule
+from cbdsl.reproduction.checks import Check, Schedule, checks, schedule
 from cbdsl.reproduction.diagram import Diagram
 from cbdsl.reproduction.experiment import Outcome, Settings
 from cbdsl.reproduction.interval import exact_interval
@@ -132,7 +132,7 @@ def run(settings: Settings, name: str) -> Outcome:
             dexter.expect(dexter.trials(drawn.lesson) * each)
         for drawn in DRAWN[name]:
             trials = _checks(dexter, drawn, plan)
-            last = [checks[-1] for checks in trials]
+            last = [each[-1] for each in trials]
             quantities += _quantities(drawn, last)
             quantities.append(_rewarded(drawn.lesson, last))
             if drawn.learned_in is not None:
@@ -149,13 +149,10 @@ def _when(drawn: DrawnPolicy, episodes: int, plan: Schedule) -> Sequence[int]:
     return [episodes] if drawn.learned_in is None else plan.after(episodes)
 
 
-def _checks(dexter: School, drawn: DrawnPolicy, plan: Schedule) -> list[list[Check]]:
+def _checks(dexter: School, drawn: DrawnPolicy, plan: Schedule) -> list[tuple[Check, ...]]:
     """The checks of each trial."""
     when = _when(drawn, dexter.episodes(drawn.lesson), plan)
-    return [
-        [check(dexter, learned.after(episodes), plan) for episodes in when]
-        for learned in dexter.learn(drawn.lesson)
-    ]
+    return [checks(dexter, learned, plan, when) for learned in dexter.learn(drawn.lesson)]
 
 
 def _quantities(drawn: DrawnPolicy, found: Sequence[Check]) -> Iterator[Quantity]:

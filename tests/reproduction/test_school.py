@@ -5,12 +5,16 @@ from __future__ import annotations
 import math
 import xml.etree.ElementTree as ET
 from pathlib import Path
+from typing import Any
 
 import pytest
 
+from cbdsl.learning.experience import Experience
 from cbdsl.reproduction.experiment import Experiment, Settings
+from cbdsl.reproduction.lesson import SEQUENTIAL
 from cbdsl.reproduction.registry import EXPERIMENTS
 from cbdsl.reproduction.report import data
+from cbdsl.reproduction.school import school
 from cbdsl.training.classroom import BackendClassroom
 
 LEARNING = [
@@ -51,3 +55,28 @@ def test_an_experiment_measures_and_goes_on_from_what_is_kept(
     monkeypatch.setattr(BackendClassroom, "hold", none)
     again = experiment.load()(settings)
     assert data(experiment, settings, again) == data(experiment, settings, outcome)
+
+
+def test_an_episode_that_another_policy_would_have_run_the_same_is_not_run_again(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    runs: list[int] = []
+    hold = BackendClassroom.hold
+
+    def counted(classroom: BackendClassroom, *arguments: Any) -> Experience:
+        runs.append(arguments[2])
+        return hold(classroom, *arguments)
+
+    with school(Settings(seed=3, quick=True, trials=1, folder=tmp_path)) as dexter:
+        (learned,) = dexter.learn(SEQUENTIAL)
+        seeds, program = learned.held_out(4), learned.trial.informed_program()
+        monkeypatch.setattr(BackendClassroom, "hold", counted)
+        before = dexter.greedy(learned.after(2), "before", seeds, program)
+        alone = dexter.greedy(learned, "alone", seeds, program)
+        runs.clear()
+        known = (*before, *alone[:2])
+        assert dexter.greedy(learned, "beside", seeds, program, known=known) == alone
+        assert runs == [each.seed for each in alone if each not in known]
+        runs.clear()
+        assert dexter.greedy(learned, "again", seeds, program, known=(*before, *alone)) == alone
+        assert runs == []
