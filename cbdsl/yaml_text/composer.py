@@ -7,7 +7,7 @@ depth, while libyaml's composer recurses, and crashes the process on deep input.
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from typing import Any, NamedTuple
 
 import yaml
@@ -16,9 +16,18 @@ from cbdsl.errors.diagnostic import Diagnostic, Place
 from cbdsl.errors.errors import DiagnosticsError
 from cbdsl.errors.lines import lines_of
 from cbdsl.errors.wording import diagnostic
+from cbdsl.yaml_text.characters import (
+    CONTROL,
+    INVISIBLE,
+    meant_key,
+    meant_value,
+    said_of,
+    spelled,
+)
+from cbdsl.yaml_text.conflict import conflicts, first_sides
 from cbdsl.yaml_text.node import Node
 from cbdsl.yaml_text.scalar import ScalarError, resolve
-from cbdsl.yaml_text.syntax import find_slip
+from cbdsl.yaml_text.syntax import Slip, find_slip
 
 DEEPEST = 64
 # Far more than any person writes; without bounds a few lines can keep the checker busy for ever.
@@ -27,19 +36,10 @@ MOST_ENTRIES = 2_000
 MOST_CHARACTERS = 256_000
 LONGEST_TEXT = 10_000
 
-# What libyaml says where it noticed too late.
-_OPEN = "found unexpected end of stream"
-_OPENED = {
-    "did not find expected ',' or ']'": ("[", "]"),
-    "did not find expected ',' or '}'": ("{", "}"),
-}
-_LATE = ("could not find expected ':'", _OPEN)
+# More slips in one text are found once these are mended.
+_MOST_SLIPS = 10
 
 LOADER: Any = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
-# What YAML 1.2 excludes (5.1); C1 controls but NEL, and what is no character at all.
-_CONTROL = re.compile(r"[\x00-\x08\x0b\x0c\x0e-\x1f\x7f-\x84\x86-\x9f\ud800-\udfff\ufffe\uffff]")
-# Characters of no width, byte order marks, and those that turn the direction of writing.
-_INVISIBLE = re.compile(r"[\u200b\u200e\u200f\u202a-\u202e\u2060\u2066-\u2069\ufeff]")
 
 
 class Composed(NamedTuple):
@@ -48,14 +48,26 @@ class Composed(NamedTuple):
     Attributes:
         root: all of its values; those with a finding are marked as faulty.
         findings: what is wrong with single values.
+        lines: the text that the values are in, with slips mended; lines keep their numbers.
     """
 
     root: Node
     findings: tuple[Diagnostic, ...]
+    lines: Sequence[str]
+
+
+class _SlipError(Exception):
+    """The text is no YAML because of a slip."""
+
+    def __init__(self, slip: Slip) -> None:
+        super().__init__(slip.problem)
+        self.slip = slip
 
 
 def compose(text: str, file: str) -> Composed:
     """The one document of a YAML text.
+
+    What is wrong beyond doubt is mended, so that it hides nothing behind it.
 
     Raises:
         DiagnosticsError: with every finding up to the first one that hides the rest.
@@ -63,28 +75,48 @@ def compose(text: str, file: str) -> Composed:
     if len(text) > MOST_CHARACTERS:
         bound = f"{MOST_CHARACTERS} characters"
         raise DiagnosticsError([diagnostic("CB108", Place(file), bound=bound)])
-    control = _CONTROL.search(text)
-    if control:
+    if control := CONTROL.search(text):
         raise DiagnosticsError([_unseen("CB103", control, file)])
-    # One stands for all: they tend to come in swarms.
-    invisible = [_unseen("CB118", m, file) for m in [_INVISIBLE.search(text)] if m]
-    composer = _Composer(text, file)
-    try:
-        root = composer.document()
-    except DiagnosticsError as error:
-        # What is no YAML is so because of them.
-        rest = [d for d in error.diagnostics if not (invisible and d.code == "CB104")]
-        raise DiagnosticsError([*invisible, *rest]) from None
-    if invisible:
-        raise DiagnosticsError([*invisible, *composer.findings])
-    return Composed(root, tuple(composer.findings))
+    text, found = _legible(text, file)
+    while True:
+        composer = _Composer(text, file)
+        try:
+            root = composer.document()
+        except _SlipError as error:
+            found.append(_diagnostic(error.slip, file))
+            if not error.slip.lines or len(found) >= _MOST_SLIPS:
+                raise DiagnosticsError([*found, *composer.findings]) from None
+            text = "\n".join(error.slip.mended(lines_of(text)))
+        except DiagnosticsError as error:
+            raise DiagnosticsError([*found, *error.diagnostics]) from None
+        else:
+            return Composed(root, (*found, *composer.findings), lines_of(text))
+
+
+def _legible(text: str, file: str) -> tuple[str, list[Diagnostic]]:
+    """A text without invisible characters and conflicts, and the findings about these."""
+    found = []
+    if invisible := INVISIBLE.search(text):
+        # One stands for all: they tend to come in swarms.
+        found.append(_unseen("CB118", invisible, file))
+        text = INVISIBLE.sub("", text)
+    lines = lines_of(text)
+    if conflicting := list(conflicts(lines, file)):
+        found += conflicting
+        text = "\n".join(first_sides(lines))
+    return text, found
 
 
 def _unseen(code: str, match: re.Match[str], file: str) -> Diagnostic:
     """A finding about a character that no editor shows."""
     before = lines_of(match.string[: match.start()])
     place = Place(file, len(before), len(before[-1]) + 1, len(before[-1]) + 2)
-    return diagnostic(code, place, character=f"U+{ord(match[0]):04X}")
+    return diagnostic(code, place, character=spelled(match[0]))
+
+
+def _diagnostic(slip: Slip, file: str) -> Diagnostic:
+    place = Place(file, slip.line, slip.column, slip.column + 1)
+    return diagnostic(slip.code, place, problem=slip.problem)
 
 
 class _Composer:
@@ -113,7 +145,7 @@ class _Composer:
         try:
             return self._loader.get_event()
         except yaml.MarkedYAMLError as error:
-            raise self._syntax_error(error) from None
+            raise _SlipError(find_slip(error, lines_of(self._text))) from None
 
     def _node(self, event: Any, depth: int) -> Node:
         place = self._place(event)
@@ -128,9 +160,11 @@ class _Composer:
         return node
 
     def _alias(self, event: Any, place: Place) -> Node:
-        if event.anchor not in self._anchors:
-            raise self._fatal("CB111", place, name=event.anchor)
-        node = self._anchors[event.anchor]
+        node = self._anchors.get(event.anchor)
+        if node is None:
+            self._find("CB111", place, names=list(self._anchors), name=event.anchor)
+            node = Node(place, None)
+            node.faulty = True
         self._count(node.weight, place)
         return node
 
@@ -157,12 +191,20 @@ class _Composer:
 
     def _scalar(self, node: Node, event: Any) -> None:
         text: str = event.value
-        node.value = text
         if len(text) > LONGEST_TEXT:
             bound = f"{LONGEST_TEXT} characters in one text"
             raise self._fatal("CB108", node.place, bound=bound)
-        if not event.implicit[0]:
+        is_plain: bool = event.implicit[0]
+        if is_plain and not text.isascii() and (meant := meant_value(text)):
+            self._find("CB123", node.place, problem=said_of(text, meant))
+            text = meant
+        node.value = text
+        if not is_plain:
             return
+        if event.anchor and not text:
+            problem = f"text that begins with '&' has to be quoted; write '&{event.anchor}'"
+            self._find("CB124", node.place, problem=problem)
+            node.faulty = True
         try:
             node.value = resolve(text)
         except ScalarError as error:
@@ -181,8 +223,7 @@ class _Composer:
         while not isinstance(event := self._next(), yaml.MappingEndEvent):
             place = self._place(event)
             entries = self._one_more(entries, event)
-            # A key is its text as written: 10 and X- are both patterns of a state.
-            key = event.value if isinstance(event, yaml.ScalarEvent) else None
+            key = self._key(event, place)
             if key is None:
                 self._find("CB113", place)
                 node.faulty = True
@@ -195,6 +236,21 @@ class _Composer:
             elif key is not None:
                 values[key], node.keys[key] = value, place
         node.value = values
+
+    def _key(self, event: Any, place: Place) -> str | None:
+        """A key's text as written: 10 and X- are both patterns of a state."""
+        if isinstance(event, yaml.AliasEvent):
+            key = f"*{event.anchor}"
+            problem = f"a key that begins with '*' has to be quoted; write '{key}'"
+            self._find("CB124", place, problem=problem)
+            return key
+        if not isinstance(event, yaml.ScalarEvent):
+            return None
+        text: str = event.value
+        if event.implicit[0] and not text.isascii() and (meant := meant_key(text)):
+            self._find("CB123", place, problem=said_of(text, meant))
+            return meant
+        return text
 
     def _one_more(self, entries: int, event: Any) -> int:
         """The entries of a list or mapping with the one that begins here."""
@@ -220,33 +276,3 @@ class _Composer:
 
     def _fatal(self, code: str, place: Place, **details: Any) -> DiagnosticsError:
         return DiagnosticsError([*self.findings, diagnostic(code, place, **details)])
-
-    def _syntax_error(self, error: yaml.MarkedYAMLError) -> DiagnosticsError:
-        problem = error.problem or error.context or "no YAML"
-        # A key that lacks its colon is noticed only on the next line, an open quote at the end.
-        lost = error.context_mark if problem.endswith(_LATE) else None
-        if problem == _OPEN:
-            problem = "this quote is never closed"
-        mark = lost or error.problem_mark or error.context_mark
-        line, column = (mark.line + 1, mark.column + 1) if mark else (1, 1)
-        if self._is_tab(line, column):
-            return self._fatal("CB117", Place(self._file, line, column, column + 1))
-        if "scanning an alias" in (error.context or ""):
-            problem = "'*' is followed by no name; text that begins with it is quoted, as in \"**\""
-        related = []
-        if error.problem and error.context and error.context_mark and not lost:
-            start = error.context_mark
-            place = Place(self._file, start.line + 1, start.column + 1, start.column + 2)
-            related.append((place, error.context))
-        if slip := find_slip(problem, lines_of(self._text), line, column):
-            problem, line, column = slip
-        elif problem in _OPENED and error.context_mark:
-            opening, closing = _OPENED[problem]
-            where = f"the '{opening}' in line {error.context_mark.line + 1}"
-            problem = f"a ',' is missing before this, or the '{closing}' of {where}"
-        place = Place(self._file, line, column, column + 1)
-        return self._fatal("CB104", place, related=related, problem=problem)
-
-    def _is_tab(self, line: int, column: int) -> bool:
-        rows = lines_of(self._text)
-        return line <= len(rows) and rows[line - 1][column - 1 : column] == "\t"

@@ -94,7 +94,7 @@ def read_sound_parts(path: Path, kind: type[D], text: str | None = None) -> Load
     """
     text = read_text(path) if text is None else text
     composed = compose(text, str(path))
-    source = SourceMap(path, lines_of(text), composed.root)
+    source = SourceMap(path, composed.lines, composed.root)
     model = _model(source, composed.findings)
     if not issubclass(model, kind):
         wanted = next(name for name, known in KINDS.items() if known is kind)
@@ -152,6 +152,8 @@ def _model(source: SourceMap, found: tuple[Diagnostic, ...]) -> type[Document]:
     kind: Node | None = root.value.get("kind")
     if kind is None:
         raise _error("CB203", root.place, found, key="kind")
+    if kind.faulty or any(part.faulty for part in kind.children()):
+        raise DiagnosticsError(found)
     if str(kind.value) not in KINDS:
         raise _error("CB206", kind.place, found, names=list(KINDS), name=str(kind.value))
     return KINDS[str(kind.value)]

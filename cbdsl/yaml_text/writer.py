@@ -14,6 +14,7 @@ import yaml
 
 from cbdsl.documents.document import Document
 from cbdsl.yaml_text import scalar
+from cbdsl.yaml_text.characters import meant_key, meant_value
 
 
 class _Dumper(yaml.SafeDumper):
@@ -42,8 +43,10 @@ class _Dumper(yaml.SafeDumper):
         return super().represent_sequence(tag, items, flow_style or plain)
 
     def text(self, data: str) -> yaml.ScalarNode:
-        # YAML folds these line breaks into spaces unless they are escaped.
-        style = '"' if _BREAKS.intersection(data) else None
+        # YAML folds these line breaks into spaces unless they are escaped; what only looks like a
+        # number or a name is taken for one.
+        is_strange = not data.isascii() and (meant_value(data) or meant_key(data))
+        style = '"' if is_strange or _BREAKS.intersection(data) else None
         return self.represent_scalar("tag:yaml.org,2002:str", data, style)
 
 

@@ -96,7 +96,8 @@ READING = (
     Entry(
         "CB111",
         "unknown alias",
-        "no complete value is anchored as '&{name}' before this",
+        "no complete value is anchored as '&{name}' before this; a text that begins with '*' has "
+        "to be quoted",
         "`*name` repeats the value that was marked `&name` earlier. Text that begins with `*`, "
         "such as a state of any predicates, has to be quoted. A value cannot contain itself.",
         program("actions: [track]\ndescription: *missing\n"),
@@ -113,7 +114,8 @@ READING = (
     Entry(
         "CB113",
         "key that is no text",
-        "this key is a list or a mapping; keys are text",
+        "this key is a list or a mapping; a key is text, such as the state 'X10*', and a parameter "
+        "is written $name",
         "Quote a key that begins with a bracket or a brace.",
         program("actions: [track]\npolicy: {[X]: track}\n"),
         good=program('actions: [track]\npolicy: {"X": track}\n'),
@@ -155,7 +157,7 @@ READING = (
     Entry(
         "CB118",
         "invisible character",
-        "{character} is invisible; this and others like it have to go",
+        "{character} is invisible; delete it, and others like it",
         "Characters without width, byte order marks within a text, and those that turn the "
         "direction of writing make names differ that look the same. They come from web pages and "
         "from files that were joined.",
@@ -179,5 +181,42 @@ READING = (
         "1e308. Write fewer digits, or quotes where text is meant.",
         program("actions: [track]\nlimits: {transitions: 100000000000000000000}\n"),
         good=program("actions: [track]\nlimits: {transitions: 100}\n"),
+    ),
+    Entry(
+        "CB121",
+        "line that is out of line",
+        "this line is not where it belongs: {problem}",
+        "The keys of one mapping, and the items of one list, have the same number of spaces in "
+        "front. What belongs to a key that has nothing behind its `:` stands below it with more.",
+        program("actions: [track]\nlimits:\n  transitions: 100\n   transition_time: 20 s\n"),
+        good=program("actions: [track]\nlimits:\n  transitions: 100\n  transition_time: 20 s\n"),
+    ),
+    Entry(
+        "CB122",
+        "merge conflict",
+        "'{marker}' is of a merge conflict; keep one of the two sides, and delete the lines that "
+        "begin with '<<<<<<<', '=======' and '>>>>>>>'",
+        "Git writes both versions into the file where it cannot tell which is wanted. The rest of "
+        "the document is checked with the first of them.",
+        program("<<<<<<< HEAD\nactions: [track]\n=======\nactions: []\n>>>>>>> other\n"),
+        good=_TRACKING,
+    ),
+    Entry(
+        "CB123",
+        "character that looks like another",
+        "{problem}",
+        "Word processors, web pages and PDF files put minus signs, dashes, typographic quotes and "
+        "spaces of their own where documents need the ones of the keyboard.",
+        program("actions: [track]\nlimits: {transition_time: 20\u00a0s}\n"),
+        good=program("actions: [track]\nlimits: {transition_time: 20 s}\n"),
+    ),
+    Entry(
+        "CB124",
+        "text that has to be quoted",
+        "{problem}",
+        "A text that begins with `*`, `&`, `!`, `@`, `%`, a backquote or a bracket means something "
+        "else to YAML. A state such as `'*10'` is a key, and quoted as one.",
+        program("actions: [track]\npolicy:\n  X: track\n  *: track\n"),
+        good=program("actions: [track]\npolicy:\n  X: track\n  '*': track\n"),
     ),
 )

@@ -1,0 +1,101 @@
+"""Characters that no editor shows, and characters that only look like the ones that are meant."""
+
+from __future__ import annotations
+
+import re
+
+from cbdsl.types.unit import QuantityError, parse_quantity
+
+# What YAML 1.2 excludes (5.1); C1 controls but NEL, and what is no character at all.
+CONTROL = re.compile(r"[\x00-\x08\x0b\x0c\x0e-\x1f\x7f-\x84\x86-\x9f\ud800-\udfff\ufffe\uffff]")
+# Characters of no width, byte order marks, and those that turn the direction of writing.
+INVISIBLE = re.compile(r"[\u200b\u200e\u200f\u202a-\u202e\u2060\u2066-\u2069\ufeff]")
+
+_SPACES = "\xa0\u2000\u2001\u2002\u2003\u2004\u2005\u2006\u2007\u2008\u2009\u200a\u202f\u205f\u3000"
+_DASHES = "\u2010\u2011\u2012\u2013\u2014\u2015\u2212\ufe58\ufe63"
+_BULLETS = "\u2022\u2023\u25aa\xb7"
+_QUOTES = "\u201c\u201d\u201e\u201f\u2018\u2019\u201a\u201b\xab\xbb\xb4"
+_CYRILLIC = "\u0430\u0435\u043e\u0440\u0441\u0443\u0445\u0456\u0458\u0455"
+_CYRILLIC_CAPITALS = "\u0410\u0412\u0415\u041a\u041c\u041d\u041e\u0420\u0421\u0422\u0425\u0406"
+_GREEK = "\u03bf\u0391\u0392\u0395\u0396\u0397\u0399\u039a\u039c\u039d\u039f\u03a1\u03a4\u03a7"
+_MEANT: dict[str, str] = {
+    **dict.fromkeys(_SPACES, " "),
+    **dict.fromkeys(_DASHES + _BULLETS, "-"),
+    **dict.fromkeys(_QUOTES, '"'),
+    **dict(zip(_CYRILLIC, "aeopcyxijs", strict=True)),
+    **dict(zip(_CYRILLIC_CAPITALS, "ABEKMHOPCTXI", strict=True)),
+    **dict(zip(_GREEK, "oABEZHIKMNOPTX", strict=True)),
+    **{chr(full): chr(full - 0xFEE0) for full in range(0xFF01, 0xFF5F)},
+    "\u2217": "*",
+    "\u2236": ":",
+    "\u3001": ",",
+    "\xb0": " deg",
+    "\xb2": "^2",
+    "\xad": "",
+    "\u200c": "",
+    "\u200d": "",
+}
+_TABLE = str.maketrans(_MEANT)
+_WORD = re.compile(r"[\w$.]+", re.ASCII)
+_INDENTATION = re.compile(rf"^ *[{_SPACES}]\s*")
+_BULLET = re.compile(rf"^(\s*)[{_BULLETS}{_DASHES}]\s+(?=\S)")
+_COLON = re.compile(rf"^(\s*(?:- +)*[\w.$*-]+)(?:[\uff1a\u2236]\s*|:[{_SPACES}]\s*)", re.ASCII)
+
+
+def plain(text: str) -> str:
+    """A text with ASCII in place of whatever looks like it."""
+    if text.isascii():
+        return text
+    known = text.translate(_TABLE)
+    return "".join(str(int(c)) if c > "\x7f" and c.isdecimal() else c for c in known)
+
+
+def meant_value(text: str) -> str | None:
+    """The quantity or the name that a text only looks like; ``None`` where it is a text."""
+    meant = plain(text)
+    if meant == text:
+        return None
+    is_word = _WORD.fullmatch(meant) and re.search(r"[A-Za-z]", text)
+    return meant if is_word or _is_quantity(meant) else None
+
+
+def meant_key(key: str) -> str | None:
+    """The key that a text only looks like, or ``None``; a typographic quote is left out."""
+    meant = plain(key).strip(' "')
+    return meant if meant.isascii() and not key.isascii() else None
+
+
+def meant_line(line: str) -> str | None:
+    """A line whose indentation, bullet or colon only looks like one, as it should be."""
+    mended = _INDENTATION.sub(lambda match: " " * len(match[0]), line, count=1)
+    mended = _COLON.sub(r"\1: ", _BULLET.sub(r"\1- ", mended, count=1), count=1)
+    return mended if mended != line else None
+
+
+def _is_quantity(text: str) -> bool:
+    try:
+        parse_quantity(text)
+    except QuantityError:
+        return False
+    return True
+
+
+def first_look_alike(text: str) -> int:
+    """Where the first character of a text stands that only looks like another, from 0."""
+    return next(index for index, character in enumerate(text) if plain(character) != character)
+
+
+def said_of(text: str, meant: str) -> str:
+    """What is to be said of a text with such a character."""
+    character = spelled(text[first_look_alike(text)])
+    return f"{character} is not the character that is meant; write '{' '.join(meant.split())}'"
+
+
+def spelled(character: str) -> str:
+    """A character, its number and its name, such as ``'-' (U+002D, hyphen-minus)``."""
+    import unicodedata  # only a fault needs it
+
+    number, name = f"U+{ord(character):04X}", unicodedata.name(character, "").lower()
+    if character.isprintable():
+        return f"'{character}' ({number}, {name})"
+    return f"{number} ({name})" if name else number
