@@ -10,6 +10,8 @@ from cbdsl.checking.context import Steps
 from cbdsl.checking.findings import Findings
 from cbdsl.checking.model import model_resource
 from cbdsl.checking.session import Session
+from cbdsl.checking.unknown import first_stage, for_robot, report_unknown
+from cbdsl.documents.document import Document
 from cbdsl.documents.model import ModelDocument
 from cbdsl.documents.program import ProgramDocument
 from cbdsl.documents.robot import RobotDocument
@@ -17,6 +19,12 @@ from cbdsl.documents.stage import StageDocument
 from cbdsl.errors.errors import DiagnosticsError
 from cbdsl.types.resource import Resource
 from cbdsl.yaml_text.reader import Loaded
+
+_KINDS: dict[str, type[Document]] = {
+    "stage": StageDocument,
+    "use": ProgramDocument,
+    "models": ModelDocument,
+}
 
 
 class Dependencies:
@@ -43,8 +51,8 @@ class Dependencies:
         name, library = self._document.robot, self._session.library
         path = library.find(RobotDocument, name, self._loaded.path)
         if path is None and self._source.is_whole("robot"):
-            names = library.names(RobotDocument, self._loaded.path)
-            self._findings.add("CB601", self._source.place("robot"), names=names, name=name)
+            place = self._source.place("robot")
+            report_unknown(RobotDocument, name, place, library, self._findings)
         return path
 
     def check_stage(self) -> None:
@@ -54,8 +62,7 @@ class Dependencies:
             return
         path = library.find(StageDocument, name, self._loaded.path)
         if path is None:
-            names = library.names(StageDocument, self._loaded.path)
-            self._findings.add("CB602", self._source.place("stage"), names=names, name=name)
+            self.report_unknown(StageDocument, name, ("stage",))
             return
         try:
             stage = library.read(path, StageDocument)
@@ -63,6 +70,12 @@ class Dependencies:
             self._findings.extend(error.diagnostics)
             return
         self.is_for_the_robot(stage.document.robot, name, ("stage",))
+
+    def report_unknown(self, kind: type[Document], name: str, steps: Steps) -> None:
+        """Report that a document is not there; those for the program's robot are proposed."""
+        place, library = self._source.place(*steps), self._session.library
+        robot = None if self.robot is None else self._document.robot
+        report_unknown(kind, name, place, library, self._findings, robot)
 
     def is_for_the_robot(self, other: str, name: str, steps: Steps) -> bool:
         """Whether a document is for the program's robot, as far as anybody knows.
@@ -75,9 +88,13 @@ class Dependencies:
         robot, source = self._document.robot, self._source
         if other == robot or self.robot is None or not source.is_whole("robot"):
             return True
+        kind, library = _KINDS[str(steps[0])], self._session.library
+        names = for_robot(kind, robot, self._loaded.path, library)
         related = [(source.place("robot"), f"this program is for '{robot}'")]
-        details = {"name": name, "other": other, "robot": robot}
-        self._findings.add("CB603", source.place(*steps), related=related, **details)
+        details = {"name": name, "other": other, "robot": robot, "given": ""}
+        hint = "" if names else first_stage(kind, robot)
+        place = source.place(*steps)
+        self._findings.add("CB603", place, names=names, related=related, hint=hint, **details)
         self._others.add(other)
         return False
 
@@ -107,8 +124,7 @@ class Dependencies:
         library = self._session.library
         path = library.find(ModelDocument, name, self._loaded.path)
         if path is None:
-            names = library.names(ModelDocument, self._loaded.path)
-            self._findings.add("CB632", self._source.place(*steps), names=names, name=name)
+            self.report_unknown(ModelDocument, name, steps)
             return None
         try:
             model = library.read(path, ModelDocument)

@@ -8,6 +8,7 @@ from cbdsl.checking.findings import Findings
 from cbdsl.checking.model import examine_model
 from cbdsl.checking.session import Session
 from cbdsl.checking.states import check_states
+from cbdsl.checking.unknown import report_unknown
 from cbdsl.documents.model import ModelDocument
 from cbdsl.documents.policy import PolicyDocument
 from cbdsl.errors.counting import count
@@ -141,8 +142,9 @@ class _PolicyCheck:
         place = source.place("models", name)
         path = library.find(ModelDocument, model, self._loaded.path)
         if path is None:
-            names = library.names(ModelDocument, self._loaded.path)
-            self._findings.add("CB632", place, names=names, name=model)
+            report_unknown(
+                ModelDocument, model, place, library, self._findings, self._program.robot
+            )
             return
         try:
             loaded = library.read(path, ModelDocument)

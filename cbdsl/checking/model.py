@@ -5,6 +5,7 @@ from __future__ import annotations
 from cbdsl.checking.body import Body
 from cbdsl.checking.findings import Findings
 from cbdsl.checking.session import Session
+from cbdsl.checking.unknown import report_unknown
 from cbdsl.documents.model import Gaussian, ModelDocument
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.errors.counting import count
@@ -22,8 +23,8 @@ def examine_model(loaded: Loaded[ModelDocument], session: Session, findings: Fin
     name, library = loaded.document.robot, session.library
     path = library.find(RobotDocument, name, loaded.path)
     if path is None:
-        names = library.names(RobotDocument, loaded.path)
-        findings.add("CB601", loaded.source.place("robot"), names=names, name=name)
+        place = loaded.source.place("robot")
+        report_unknown(RobotDocument, name, place, library, findings)
         return
     body = session.body(path, findings)
     if body is not None:

@@ -6,6 +6,7 @@ from cbdsl.checking.findings import Findings
 from cbdsl.checking.learned import check_policy
 from cbdsl.checking.program import examine_program
 from cbdsl.checking.session import Session
+from cbdsl.checking.unknown import report_unknown
 from cbdsl.documents.policy import PolicyDocument
 from cbdsl.documents.program import ProgramDocument
 from cbdsl.yaml_text.reader import Loaded
@@ -18,8 +19,8 @@ def examine_policy(loaded: Loaded[PolicyDocument], session: Session, findings: F
     if path is None and not source.is_whole("program"):
         return
     if path is None:
-        names = session.library.names(ProgramDocument, loaded.path)
-        findings.add("CB604", source.place("program"), names=names, name=name)
+        place = source.place("program")
+        report_unknown(ProgramDocument, name, place, session.library, findings)
         return
     program = examine_program(path, {}, session, findings)
     if program is not None:

@@ -7,6 +7,7 @@ from collections.abc import Collection, Iterator
 from cbdsl.checking.body import Body
 from cbdsl.checking.findings import Findings
 from cbdsl.checking.session import Session
+from cbdsl.checking.unknown import report_unknown
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.documents.stage import Box, Context, Fixture, Place, StageDocument
 from cbdsl.yaml_text.node import Node
@@ -24,8 +25,8 @@ def examine_stage(loaded: Loaded[StageDocument], session: Session, findings: Fin
     if path is not None:
         body = session.body(path, findings)
     elif source.is_whole("robot"):
-        names = session.library.names(RobotDocument, loaded.path)
-        findings.add("CB601", source.place("robot"), names=names, name=name)
+        place = source.place("robot")
+        report_unknown(RobotDocument, name, place, session.library, findings)
     for node, (first, last) in _reversed_spans(loaded.document, source.root):
         findings.add("CB352", node.place, first=f"{first:g}", last=f"{last:g}")
     for key, context in loaded.document.contexts.items():

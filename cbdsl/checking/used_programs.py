@@ -11,6 +11,7 @@ from cbdsl.checking.findings import Findings
 from cbdsl.checking.learned import check_policy, with_policy
 from cbdsl.checking.scope import Scope
 from cbdsl.checking.session import Session
+from cbdsl.checking.unknown import report_unknown
 from cbdsl.documents.policy import PolicyDocument
 from cbdsl.documents.program import ProgramDocument, Use
 from cbdsl.errors.errors import DiagnosticsError
@@ -137,8 +138,7 @@ class UsedPrograms:
         source, library = self._source, self._session.library
         path = library.find(ProgramDocument, use.program, self._loaded.path)
         if path is None:
-            names = library.names(ProgramDocument, self._loaded.path)
-            self._findings.add("CB604", source.place(*steps), names=names, name=use.program)
+            self._dependencies.report_unknown(ProgramDocument, use.program, steps)
             return None
         way = self._session.uses.way(path, self._loaded.path)
         if way:
@@ -173,8 +173,7 @@ class UsedPrograms:
         source, library = self._source, self._session.library
         file = library.find(PolicyDocument, name, self._loaded.path)
         if file is None:
-            names = library.names(PolicyDocument, self._loaded.path)
-            self._findings.add("CB625", source.place(*steps), names=names, name=name)
+            report_unknown(PolicyDocument, name, source.place(*steps), library, self._findings)
             return None
         try:
             loaded = library.read(file, PolicyDocument)

@@ -91,18 +91,13 @@ def _posture(robot: RobotDocument) -> tuple[str, str]:
 
 def _stage(robot: RobotDocument) -> str:
     """The line of a program that names a stage of its robot, if there is one."""
+    from cbdsl.checking.unknown import for_robot
     from cbdsl.documents.stage import StageDocument
-    from cbdsl.errors.errors import DiagnosticsError
     from cbdsl.yaml_text.library import Library
 
-    library = Library()
-    for name in library.names(StageDocument):
-        try:
-            stage = library.read(library.locate(StageDocument, name), StageDocument).document
-        except DiagnosticsError:
-            continue
-        if stage.robot == robot.name:
-            return f"stage: {name}"
+    names = for_robot(StageDocument, robot.name, None, Library())
+    if names:
+        return f"stage: {names[0]}"
     return f"# stage: one of {robot.name}'s, such as cb new stage NAME --robot {robot.name} writes"
 
 

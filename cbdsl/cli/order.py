@@ -95,19 +95,10 @@ def _read_stage(
 
 def _stages_for(robot: str, program_file: Path, library: Library) -> str:
     """The names of the stages on which a robot is shown something."""
+    from cbdsl.checking.unknown import for_robot
     from cbdsl.documents.stage import StageDocument
-    from cbdsl.errors.errors import DiagnosticsError
 
-    names = []
-    for name in library.names(StageDocument, program_file):
-        file = library.find(StageDocument, name, program_file)
-        assert file is not None, "what is listed is found"
-        try:
-            stage = library.read(file, StageDocument).document
-        except DiagnosticsError:
-            continue
-        if stage.robot == robot:
-            names.append(name)
+    names = for_robot(StageDocument, robot, program_file, library)
     return ", ".join(names) or f"none; cb new stage NAME --robot {robot} writes one"
 
 

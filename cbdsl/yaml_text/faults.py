@@ -6,6 +6,7 @@ import re
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from functools import cache
 from itertools import pairwise
+from pathlib import PurePath
 from typing import Any, NamedTuple, get_args
 
 from pydantic import BaseModel
@@ -204,13 +205,20 @@ def _special(
             return diagnostic("CB206", source.place(*steps), names=names, name=value)
         case "string_pattern_mismatch":
             at = source.key(*path) if "[key]" in error["loc"] else source.place(*path)
-            return diagnostic("CB207", at, name=error["input"])
+            return diagnostic("CB207", at, name=error["input"], hint=_hint_of_path(error["input"]))
         case "value_error":
             return diagnostic("CB205", source.place(*path), problem=str(context["error"]))
     if error["type"] == "too_long" and (comma := decimal_comma(source.node(path))):
         return diagnostic("CB205", source.place(*path), problem=comma)
     problem = _PROBLEMS.get(error["type"], error["msg"]).format(**context)
     return diagnostic("CB208", source.place(*path), problem=problem)
+
+
+def _hint_of_path(text: str) -> str:
+    """What is to be said to those who write a document's file where its name is wanted."""
+    file = PurePath(text.strip())
+    is_file = len(file.parts) > 1 or file.suffix in (".yaml", ".yml")
+    return f"; documents are named without folder and ending: write {file.stem}" if is_file else ""
 
 
 def _slip_in_key(path: tuple[Step, ...], source: SourceMap) -> str | None:
@@ -294,3 +302,12 @@ def describe(value: object) -> str:
     if isinstance(value, bool):
         return f"'{value}'".lower()
     return "nothing" if value is None else f"'{value}'"
+
+
+def flow(value: object) -> str:
+    """A value in brackets, as a person would write it."""
+    if isinstance(value, dict):
+        return f"{{{', '.join(f'{key}: {flow(inner)}' for key, inner in value.items())}}}"
+    if isinstance(value, list):
+        return f"[{', '.join(map(flow, value))}]"
+    return str(value).lower() if isinstance(value, bool) or value is None else str(value)

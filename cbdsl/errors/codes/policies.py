@@ -83,7 +83,7 @@ POLICIES = (
     Entry(
         "CB625",
         "unknown policy",
-        "there is no policy '{name}'",
+        "there is no policy '{name}'{hint}",
         "A policy is `knowledge/policies/<name>.yaml`, next to this document, here, or shipped.",
         _USER % "lokking_learned",
         beside=_PROGRAMS | _POLICIES,

@@ -28,7 +28,7 @@ PROGRAMS = (
     Entry(
         "CB601",
         "unknown robot",
-        "there is no robot '{name}'",
+        "there is no robot '{name}'{hint}",
         "A robot is `robots/<name>.yaml`, next to this document, here, or shipped.",
         program("actions: [track]\n", head=HEAD.replace("dexter", "dextre")),
         good=program("actions: [track]\n"),
@@ -36,7 +36,7 @@ PROGRAMS = (
     Entry(
         "CB602",
         "unknown stage",
-        "there is no stage '{name}'",
+        "there is no stage '{name}'{hint}",
         "A stage is `programs/stages/<name>.yaml`, next to this document, here, or shipped.",
         program("stage: tabel\nactions: [track]\n"),
         good=program("stage: table_right\nactions: [track]\n"),
@@ -44,7 +44,7 @@ PROGRAMS = (
     Entry(
         "CB603",
         "document for another robot",
-        "'{name}' is for robot '{other}', and this is for '{robot}'",
+        "'{name}' is for robot '{other}', and this is for '{robot}'{hint}",
         "Resources, joints and places differ from robot to robot.",
         program("stage: other\nactions: [track]\n"),
         beside={"programs/stages/other.yaml": _OTHER_STAGE, "robots/other.yaml": _SMALL_ROBOT},
@@ -53,7 +53,7 @@ PROGRAMS = (
     Entry(
         "CB604",
         "unknown program",
-        "there is no program '{name}'",
+        "there is no program '{name}'{hint}",
         "A program is `programs/<name>.yaml`, next to this document, here, or shipped.",
         program("use: {looking: {program: loking}}\nactions: [track, looking]\n"),
         beside={"programs/looking.yaml": _LOOKING},
@@ -190,7 +190,7 @@ PROGRAMS = (
     Entry(
         "CB632",
         "unknown model",
-        "there is no model '{name}'",
+        "there is no model '{name}'{hint}",
         "A model is `knowledge/models/<name>.yaml`, next to this document, here, or shipped.",
         program("models: {window: windw}\nactions: [track]\n"),
         beside=_MODELS,

@@ -60,7 +60,7 @@ SHAPE = (
     Entry(
         "CB207",
         "not a name",
-        "'{name}' is not a name: a letter, then letters, digits and '_'",
+        "'{name}' is not a name: a letter, then letters, digits and '_'{hint}",
         "Names appear in compositions and in resources, where other characters have a meaning.",
         HEAD + f"controllers:\n  track-it: {TRACK}\nactions: [track-it]\n",
         good=HEAD + f"controllers:\n  track_it: {TRACK}\nactions: [track_it]\n",
@@ -76,5 +76,24 @@ SHAPE = (
         good=controller(
             "potential: spring, reference: 0, feedback: cyclopean.motion, effector: head, gain: 1"
         ),
+    ),
+    Entry(
+        "CB209",
+        "key on the wrong level",
+        "{problem}",
+        "A key belongs to the nearest line above that is indented less. One that is a level too "
+        "high or too low says something of another part of the document, or of none.",
+        program("actions: [track]\nlimits:\ntransitions: 100\n"),
+        good=program("actions: [track]\nlimits:\n  transitions: 100\n"),
+    ),
+    Entry(
+        "CB210",
+        "kind that the rest contradicts",
+        "'kind' says '{said}', and the keys are those of a {found} ({keys}); write "
+        "'kind: {found}'",
+        "Each kind of document has keys of its own. This one is checked as what its keys say.",
+        "cbdsl: 1\nkind: stage\nname: example\nrobot: dexter\n"
+        f"controllers:\n  track: {TRACK}\nactions: [track]\n",
+        good=program("actions: [track]\n"),
     ),
 )

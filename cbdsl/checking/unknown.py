@@ -1,0 +1,79 @@
+"""Names of documents that are not there, and those that would do."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from cbdsl.checking.findings import Findings
+from cbdsl.documents.document import Document
+from cbdsl.documents.model import ModelDocument
+from cbdsl.documents.policy import PolicyDocument
+from cbdsl.documents.program import ProgramDocument
+from cbdsl.documents.robot import RobotDocument
+from cbdsl.documents.stage import StageDocument
+from cbdsl.errors.diagnostic import Place
+from cbdsl.errors.errors import DiagnosticsError
+from cbdsl.yaml_text.library import Library
+
+_CODES: dict[type[Document], str] = {
+    RobotDocument: "CB601",
+    StageDocument: "CB602",
+    ProgramDocument: "CB604",
+    PolicyDocument: "CB625",
+    ModelDocument: "CB632",
+}
+_OF_A_ROBOT = (StageDocument, ProgramDocument, ModelDocument)
+
+
+def report_unknown(
+    kind: type[Document],
+    name: str,
+    place: Place,
+    library: Library,
+    findings: Findings,
+    robot: str | None = None,
+) -> None:
+    """Report that there is no document of this name.
+
+    Args:
+        kind: the kind of document that is wanted.
+        name: what is written instead.
+        place: where.
+        library: where documents are found by name.
+        findings: where the finding goes.
+        robot: the robot that the document has to be for, if that is known.
+    """
+    beside = Path(place.file)
+    names = (
+        library.names(kind, beside) if robot is None else for_robot(kind, robot, beside, library)
+    )
+    hint = "" if robot is None or names else first_stage(kind, robot)
+    findings.add(_CODES[kind], place, names=names, name=name, hint=hint)
+
+
+def first_stage(kind: type[Document], robot: str) -> str:
+    """How to come by a stage of a robot that has none; nothing for other kinds of documents."""
+    if kind is not StageDocument:
+        return ""
+    return f"; robot '{robot}' has none yet, and cb new stage NAME --robot {robot} writes one"
+
+
+def for_robot(kind: type[Document], robot: str, beside: Path | None, library: Library) -> list[str]:
+    """The names of the documents of a kind that are for a robot.
+
+    Args:
+        kind: stages, programs or models.
+        robot: the robot's name.
+        beside: the file that would name them, if there is one.
+        library: where documents are found by name.
+    """
+    found = []
+    for name in library.names(kind, beside):
+        file = library.find(kind, name, beside)
+        try:
+            document = None if file is None else library.read_sound_parts(file, kind).document
+        except DiagnosticsError:
+            continue
+        if isinstance(document, _OF_A_ROBOT) and document.robot == robot:
+            found.append(name)
+    return found
