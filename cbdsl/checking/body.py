@@ -111,8 +111,10 @@ class Body(NamedTuple):
         source = resource.source
         if isinstance(source, EffectorConfiguration):
             return frozenset(self.document.joints(source.effector))
+        if self.model is None:
+            return None
         links = self._links(source)
-        if self.model is None or not self.model.links.issuperset(links):
+        if not self.model.links.issuperset(links):
             return None
         if isinstance(source, (Tip, Centroid, Separation)) and self._is_idle(source):
             return None  # which has been reported

@@ -28,7 +28,7 @@ class Context:
         body: its robot.
         scope: values of its parameters.
         findings: where findings go.
-        is_elsewhere: whether a robot has a resource which another document of the program is for.
+        is_explained: whether what makes a resource unknown has been reported.
 
     Attributes:
         loaded: the program's document.
@@ -46,7 +46,7 @@ class Context:
         body: Body | None,
         scope: Scope,
         findings: Findings,
-        is_elsewhere: Callable[[str], bool],
+        is_explained: Callable[[str], bool],
     ) -> None:
         self.loaded = loaded
         self.has_body = body is not None
@@ -56,7 +56,7 @@ class Context:
         self.used: set[str] = set()
         self.lost_models: set[str] = set()
         robot, known = loaded.document.robot, {} if body is None else body.resources
-        self._missing = MissingResources(robot, known, loaded.source, findings, is_elsewhere)
+        self._missing = MissingResources(robot, known, loaded.source, findings, is_explained)
 
     @property
     def body(self) -> Body:

@@ -98,11 +98,14 @@ class Dependencies:
         self._others.add(other)
         return False
 
-    def is_elsewhere(self, name: str) -> bool:
-        """Whether a resource is one of another robot, for which a document is that is named here.
+    def explain(self, name: str) -> bool:
+        """Whether something that was reported is why the robot does not have a resource.
 
-        Then it is the robot that is wrong, or the document, which has been reported.
+        Either the robot's own document misses what the resource begins with, or the resource is one
+        of another robot, for which a document is that is named here.
         """
+        if self.robot is not None and name.split(".")[0] in self._session.missed_by(self.robot):
+            return True
         return any(name in self._resources(other) for other in self._others)
 
     def _resources(self, robot: str) -> Collection[str]:
@@ -112,7 +115,9 @@ class Dependencies:
 
     def body(self) -> Body | None:
         """The robot with the internal models that the program draws from."""
-        body = None if self.robot is None else self._session.body(self.robot, self._findings)
+        if self.robot is None:
+            return None
+        body = self._session.body(self.robot, self._findings)
         if body is None:
             return None
         found = [self._model(alias, name, body) for alias, name in self._document.models.items()]

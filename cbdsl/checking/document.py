@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from pathlib import Path
 
+from cbdsl.checking.causes import causes_first
 from cbdsl.checking.findings import Findings
 from cbdsl.checking.model import examine_model
 from cbdsl.checking.policy import examine_policy
@@ -25,7 +26,7 @@ from cbdsl.yaml_text.reader import Loaded
 def check_document(
     path: Path, with_: Mapping[str, str] | None = None, session: Session | None = None
 ) -> list[Diagnostic]:
-    """All findings in a document and in what it refers to, by place.
+    """All findings in a document and in what it refers to; causes come first.
 
     Args:
         path: its file.
@@ -40,7 +41,7 @@ def check_document(
         _examine(path, loaded, with_ or {}, session, findings)
     except DiagnosticsError as error:
         findings.extend(error.diagnostics)
-    return list(findings.sorted())
+    return causes_first(findings.sorted(), session.library)
 
 
 def _named_like_its_file(loaded: Loaded[Document], findings: Findings) -> None:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Collection, Iterable
 from typing import Any
 
 from cbdsl.errors.counting import count
@@ -13,7 +13,7 @@ from cbdsl.errors.wording import diagnostic
 # or an action that is lacking.
 _REPEATED = frozenset(
     {"CB308", "CB351", "CB402", "CB404", "CB407", "CB501", "CB607", "CB608", "CB611", "CB612"}
-    | {"CB613"}
+    | {"CB613", "CB631"}
 )
 # More places show nothing that these do not.
 _MOST_PLACES = 6
@@ -37,6 +37,10 @@ class Findings:
     def failed(self) -> bool:
         """Whether there is an error among them."""
         return any(found.is_error for found in self._found)
+
+    def holds(self, codes: Collection[str]) -> bool:
+        """Whether there is one of some codes among them."""
+        return any(found.code in codes for found in self._found)
 
     def sorted(self) -> tuple[Diagnostic, ...]:
         """All of them by place, and what shows in several places once."""

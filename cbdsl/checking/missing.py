@@ -20,7 +20,7 @@ class MissingResources:
         known: the names of its resources, and of the program's internal models.
         source: the program's text.
         findings: where findings go.
-        is_elsewhere: whether a robot has a resource which another document of the program is for.
+        is_explained: whether what makes a resource unknown has been reported.
 
     Attributes:
         parameters: those parameters of the program whose values name nothing.
@@ -32,10 +32,10 @@ class MissingResources:
         known: Collection[str],
         source: SourceMap,
         findings: Findings,
-        is_elsewhere: Callable[[str], bool],
+        is_explained: Callable[[str], bool],
     ) -> None:
         self._robot, self._known = robot, known
-        self._source, self._findings, self._is_elsewhere = source, findings, is_elsewhere
+        self._source, self._findings, self._is_explained = source, findings, is_explained
         self._wrong_values: set[str] = set()
         self.parameters: set[str] = set()
 
@@ -48,7 +48,7 @@ class MissingResources:
             steps: path of the text.
             scope: values of the parameters.
         """
-        if self._is_elsewhere(name):
+        if self._is_explained(name):
             return
         values = {parameter: scope.values[parameter] for parameter in parameters_in(text)}
         parts = {part for known in self._known for part in known.split(".")}

@@ -27,7 +27,8 @@ def examine_model(loaded: Loaded[ModelDocument], session: Session, findings: Fin
         report_unknown(RobotDocument, name, place, library, findings)
         return
     body = session.body(path, findings)
-    if body is not None:
+    # What the robot's own document misses, too, has been reported there.
+    if body is not None and loaded.document.effector not in session.missed_by(path):
         _fits(loaded, body, findings)
 
 

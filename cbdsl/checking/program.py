@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from pathlib import Path
 
 from cbdsl.checking.actions import Actions
+from cbdsl.checking.causes import causes_first
 from cbdsl.checking.compositions import Compositions
 from cbdsl.checking.context import Context, Steps
 from cbdsl.checking.dependencies import Dependencies
@@ -51,7 +52,7 @@ def check_program(
             raise UsageError(f"{path}: {_no_parameter(name, list(known))}")
     checked = examine_program(path, values, session, findings)
     if checked is None or findings.failed:
-        raise DiagnosticsError(findings.sorted())
+        raise DiagnosticsError(causes_first(findings.sorted(), session.library))
     return checked
 
 
@@ -128,9 +129,7 @@ class _ProgramCheck:
         used = UsedPrograms(loaded, session, findings, dependencies, self._scope, budget, examine)
         self._used, programs = used, used.check()
         body = dependencies.body()
-        context = self._context = Context(
-            loaded, body, self._scope, findings, dependencies.is_elsewhere
-        )
+        context = self._context = Context(loaded, body, self._scope, findings, dependencies.explain)
         if body is not None:
             drawn = {name.rpartition(".")[2] for name in body.resources}
             context.lost_models.update(set(loaded.document.models) - drawn)

@@ -45,6 +45,17 @@ class Session:
         findings.extend(own.sorted())
         return body
 
+    def missed_by(self, path: Path) -> frozenset[str]:
+        """Names of effectors that a robot's own document misses, and of groups that lack them.
+
+        Whoever misses them in another document does so for the same cause.
+        """
+        body, own = self._bodies.get(self.library.real(path), (None, Findings()))
+        missed = frozenset(found.given for found in own.sorted() if found.code == "CB308")
+        groups = {} if body is None or not missed else body.document.groups
+        lacking = (name for name, group in groups.items() if not missed.isdisjoint(group.members))
+        return missed.union(lacking)
+
     def _examine_robot(self, path: Path, findings: Findings) -> Body | None:
         try:
             loaded = self.library.read_sound_parts(path, RobotDocument)

@@ -21,6 +21,8 @@ from cbdsl.yaml_text.reader import Loaded
 # Programs within one another, and programs that one uses in all, each with other values.
 _DEEPEST = 64
 _MOST = 256
+# Where these are found, to check anything again with other values would go on and on.
+_ENDLESS = frozenset({"CB409", "CB605", "CB610"})
 
 Examine = Callable[[Path, Mapping[str, str], Findings], CheckedProgram | None]
 
@@ -92,10 +94,14 @@ class UsedPrograms:
         values = self._values(name, use, used)
         found = Findings()
         program = self._examine(path, values, found)
-        if found.failed and self._runs(path, {}):
-            wrong = [key for key in values if not self._runs(path, {key: values[key]})]
-            self._unsuitable.append((name, path, (*wrong, *values)[0], found))
-            return None
+        if found.failed and not found.holds(_ENDLESS):
+            own = Findings()
+            self._examine(path, {}, own)
+            if not own.failed:
+                wrong = [key for key in values if not self._runs(path, {key: values[key]})]
+                self._unsuitable.append((name, path, (*wrong, *values)[0], found))
+                return None
+            found = own  # with its own values it has faults already
         self._findings.extend(found.sorted())
         if program is None or use.policy is None:
             return program

@@ -15,6 +15,7 @@ class Uses:
     def __init__(self, library: Library) -> None:
         self._library = library
         self._used: dict[Path, tuple[Path, ...]] = {}
+        self._as_found: dict[Path, Path] = {}
 
     def way(self, start: Path, goal: Path) -> tuple[Path, ...]:
         """The fewest uses that lead from one program to another, with both; empty for none.
@@ -23,7 +24,8 @@ class Uses:
             start: a program's file.
             goal: another's; the same one is reached in no use at all.
         """
-        wanted, before = goal.resolve(), {start.resolve(): start.resolve()}
+        first, wanted = self._real(start), self._real(goal)
+        before = {first: first}
         waiting = list(before)
         for path in waiting:  # which grows
             if path == wanted:
@@ -41,13 +43,20 @@ class Uses:
         return self._used[path]
 
     def _read(self, path: Path) -> list[Path]:
+        as_found = self._as_found[path]
         try:
-            document = self._library.read_sound_parts(path, ProgramDocument).document
+            document = self._library.read_sound_parts(as_found, ProgramDocument).document
         except DiagnosticsError:
             return []
         uses = document.use.values()
-        found = [self._library.find(ProgramDocument, use.program, path) for use in uses]
-        return [file.resolve() for file in found if file is not None]
+        found = [self._library.find(ProgramDocument, use.program, as_found) for use in uses]
+        return [self._real(file) for file in found if file is not None]
+
+    def _real(self, path: Path) -> Path:
+        """The file itself; findings in it name it as it was found."""
+        real = self._library.real(path)
+        self._as_found.setdefault(real, path)
+        return real
 
 
 def _traced(path: Path, before: dict[Path, Path]) -> tuple[Path, ...]:

@@ -15,13 +15,15 @@ if TYPE_CHECKING:
 def heed_ignores(
     found: Iterable[Diagnostic], files: Iterable[Path], library: Library
 ) -> list[Diagnostic]:
-    """Take away what is ignored, and add findings about ignores, by place.
+    """Take away what is ignored, and add findings about ignores; causes come first.
 
     Args:
         found: findings in some files and in what they refer to.
         files: the files that were checked for themselves; only there an ignore can be idle.
         library: where their texts are.
     """
+    from cbdsl.checking.causes import causes_first
+
     findings = list(found)
     own = {str(file): file for file in files}
     texts = {**{d.place.file: Path(d.place.file) for d in findings}, **own}
@@ -39,7 +41,7 @@ def heed_ignores(
         else:
             hits.add(ignore)
     faults = [fault for file in own for ignore in ignores[file] for fault in _faults(ignore, hits)]
-    return sorted([*kept, *faults], key=lambda diagnostic: (diagnostic.place, diagnostic.code))
+    return causes_first([*kept, *faults], library)
 
 
 def _ignores(path: Path, library: Library) -> list[Ignore]:

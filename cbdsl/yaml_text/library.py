@@ -55,6 +55,7 @@ class Library:
         self._given = {path.resolve(): data for path, data in (given or {}).items()}
         self._read: dict[Path, Loaded[Any]] = {}
         self._found: dict[tuple[type[Document], str, Path | None], Path] = {}
+        self._named: dict[Path, set[Path]] = {}
         self._real: dict[Path, Path] = {}
 
     def real(self, path: Path) -> Path:
@@ -77,7 +78,13 @@ class Library:
             if found is None:
                 return None
             self._found[key] = found
+        if beside is not None:
+            self._named.setdefault(self.real(beside), set()).add(self._found[key])
         return self._found[key]
+
+    def named_in(self, path: Path) -> set[Path]:
+        """The files that a document names, as far as they were looked for and found."""
+        return {self.real(file) for file in self._named.get(self.real(path), ())}
 
     def _search(self, kind: type[Document], name: str, beside: Path | None) -> Path | None:
         if beside is not None:

@@ -1,0 +1,42 @@
+"""The order of findings: what may be their cause comes first."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from pathlib import Path
+
+from cbdsl.errors.diagnostic import Diagnostic
+from cbdsl.yaml_text.library import Library
+
+
+def causes_first(findings: Iterable[Diagnostic], library: Library) -> list[Diagnostic]:
+    """Findings of the documents that others depend on before those of the others.
+
+    Documents of which neither depends on the other keep the order of their paths, and the findings
+    of a document that of its lines.
+
+    Args:
+        findings: of any documents.
+        library: where these found each other.
+    """
+    by_file: dict[Path, list[Diagnostic]] = {}
+    for found in sorted(findings, key=lambda found: (found.place, found.code)):
+        by_file.setdefault(library.real(Path(found.place.file)), []).append(found)
+    if len(by_file) < 2:
+        return [found for some in by_file.values() for found in some]
+    return [found for file in _named_first(by_file, library) for found in by_file.get(file, ())]
+
+
+def _named_first(files: Iterable[Path], library: Library) -> Iterable[Path]:
+    """Files and all that they name, directly or not, each behind what it names."""
+    done: dict[Path, None] = {}
+    entered: set[Path] = set()
+    waiting = list(files)[::-1]
+    while waiting:
+        file = waiting[-1]
+        if file in entered:
+            done.setdefault(waiting.pop())
+            continue
+        entered.add(file)
+        waiting.extend(sorted(library.named_in(file) - entered, reverse=True))
+    return done
