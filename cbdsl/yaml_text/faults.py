@@ -302,12 +302,3 @@ def describe(value: object) -> str:
     if isinstance(value, bool):
         return f"'{value}'".lower()
     return "nothing" if value is None else f"'{value}'"
-
-
-def flow(value: object) -> str:
-    """A value in brackets, as a person would write it."""
-    if isinstance(value, dict):
-        return f"{{{', '.join(f'{key}: {flow(inner)}' for key, inner in value.items())}}}"
-    if isinstance(value, list):
-        return f"[{', '.join(map(flow, value))}]"
-    return str(value).lower() if isinstance(value, bool) or value is None else str(value)

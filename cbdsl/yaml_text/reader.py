@@ -18,6 +18,7 @@ from cbdsl.errors.nearest import nearest_name
 from cbdsl.errors.wording import diagnostic
 from cbdsl.yaml_text.composer import compose
 from cbdsl.yaml_text.faults import describe
+from cbdsl.yaml_text.kind import kind_by_keys, telling_keys
 from cbdsl.yaml_text.node import Node
 from cbdsl.yaml_text.salvage import salvage
 from cbdsl.yaml_text.source_map import SourceMap
@@ -95,12 +96,12 @@ def read_sound_parts(path: Path, kind: type[D], text: str | None = None) -> Load
     text = read_text(path) if text is None else text
     composed = compose(text, str(path))
     source = SourceMap(path, composed.lines, composed.root)
-    model = _model(source, composed.findings)
+    model, found = _model(source, composed.findings)
     if not issubclass(model, kind):
         wanted = next(name for name, known in KINDS.items() if known is kind)
-        found = str(source.node(("kind",)).value)
-        raise _error("CB201", source.place("kind"), wanted=wanted, found=found)
-    document, faults, broken = salvage(source, model, composed.findings)
+        given = str(source.node(("kind",)).value)
+        raise _error("CB201", source.place("kind"), wanted=wanted, found=given)
+    document, faults, broken = salvage(source, model, found)
     return Loaded(document, source._replace(broken=broken), faults)
 
 
@@ -143,20 +144,39 @@ def decode(data: bytes, file: str) -> str:
         raise _error("CB102", place, byte=f"0x{data[error.start]:02X}") from None
 
 
-def _model(source: SourceMap, found: tuple[Diagnostic, ...]) -> type[Document]:
-    """The kind of document that a text says it is."""
+def _model(
+    source: SourceMap, found: tuple[Diagnostic, ...]
+) -> tuple[type[Document], tuple[Diagnostic, ...]]:
+    """The kind of document that a text is, and what was found with what it says of that."""
     root = source.root
     if not isinstance(root.value, dict):
         described = describe(root.value)
         raise _error("CB204", root.place, found, expected="a mapping", found=described)
     kind: Node | None = root.value.get("kind")
-    if kind is None:
-        raise _error("CB203", root.place, found, key="kind")
-    if kind.faulty or any(part.faulty for part in kind.children()):
+    if kind is not None and (kind.faulty or any(part.faulty for part in kind.children())):
         raise DiagnosticsError(found)
-    if str(kind.value) not in KINDS:
-        raise _error("CB206", kind.place, found, names=list(KINDS), name=str(kind.value))
-    return KINDS[str(kind.value)]
+    said = None if kind is None else str(kind.value)
+    meant = kind_by_keys(root.value, said, KINDS)
+    wrong = () if said in KINDS and meant is None else (_wrong_kind(source, said, meant),)
+    known = meant or said
+    if known not in KINDS:
+        raise DiagnosticsError([*found, *wrong])
+    place = root.place if kind is None else kind.place
+    root.value["kind"] = Node(place, known)
+    return KINDS[known], (*found, *wrong)
+
+
+def _wrong_kind(source: SourceMap, said: str | None, meant: str | None) -> Diagnostic:
+    """What is to be said of a kind that is missing, unknown or contradicted by the keys."""
+    if said is None:
+        names = [meant] if meant else list(KINDS)
+        return diagnostic("CB203", source.root.place, names=names, key="kind")
+    place = source.place("kind")
+    if said not in KINDS:
+        return diagnostic("CB206", place, names=list(KINDS), name=said)
+    assert meant is not None, "nothing is wrong with it otherwise"
+    keys = ", ".join(telling_keys(source.root.keys, meant, said, KINDS))
+    return diagnostic("CB210", place, said=said, found=meant, keys=keys)
 
 
 def _error(

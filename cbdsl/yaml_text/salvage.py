@@ -19,6 +19,7 @@ from cbdsl.errors.errors import DiagnosticsError
 from cbdsl.errors.nearest import nearest_name
 from cbdsl.yaml_text.broken import Broken
 from cbdsl.yaml_text.faults import allowed_keys, faults, path_of
+from cbdsl.yaml_text.misplaced import find_moves, move
 from cbdsl.yaml_text.node import Node
 from cbdsl.yaml_text.source_map import SourceMap, Step
 
@@ -96,6 +97,10 @@ class _Salvage(Generic[D]):
     def _mend(self, errors: list[ErrorDetails]) -> None:
         """Report what is wrong, and take it away."""
         located = [(path_of(error, self._source), error) for error in errors]
+        if moves := find_moves(self._source, self._model, [path for path, _ in located]):
+            # What else is wrong is found where these keys are in their places.
+            self._faults += [move(self._source, moved) for moved in moves]
+            return
         self._faults += faults(errors, self._source, self._model, self._follows)
         # Where something inside is wrong as well, the whole may be right without that.
         outer = {path[:depth] for path, _ in located for depth in range(len(path))}

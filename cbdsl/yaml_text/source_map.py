@@ -94,6 +94,15 @@ class SourceMap(NamedTuple):
             node = child_of(node, step) or node
         return node
 
+    def written(self, node: Node) -> str:
+        """A value in brackets, with its texts and numbers as they are written."""
+        if isinstance(node.value, dict):
+            return f"{{{', '.join(f'{k}: {self.written(v)}' for k, v in node.value.items())}}}"
+        if isinstance(node.value, list):
+            return f"[{', '.join(map(self.written, node.value))}]"
+        place = node.place
+        return self.lines[place.line - 1][place.column - 1 : place.end_column - 1].strip()
+
     def holds(self, *steps: Step) -> bool:
         """Whether the text itself gives a value at a path, instead of a default doing so."""
         node: Node | None = self.root

@@ -66,7 +66,8 @@ SEVERAL = {
         channel_faults coupling_faults gains_of_one load_cell_faults no_normal
         posture_faults task_faults unknown_renderer broken_and_wrong key_meant_by_another
         octal_and_unknown robot_unknown_and_more thing_is_broken broken_effector
-        rate_and_joint joints_of_all_kinds
+        rate_and_joint states_with_stars invisible_and_unknown
+        joints_of_all_kinds
     """,
     "mistakes of another document": "faulty_stage robot_is_faulty robot_is_broken",
     "one key too few, and one too many": "shape_incomplete",

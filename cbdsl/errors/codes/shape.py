@@ -89,8 +89,7 @@ SHAPE = (
     Entry(
         "CB210",
         "kind that the rest contradicts",
-        "'kind' says '{said}', and the keys are those of a {found} ({keys}); write "
-        "'kind: {found}'",
+        "'kind' says '{said}', and the keys are those of a {found} ({keys}); write 'kind: {found}'",
         "Each kind of document has keys of its own. This one is checked as what its keys say.",
         "cbdsl: 1\nkind: stage\nname: example\nrobot: dexter\n"
         f"controllers:\n  track: {TRACK}\nactions: [track]\n",
