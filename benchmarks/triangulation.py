@@ -26,7 +26,7 @@ from cbdsl.backends.bullet.backend import BulletBackend
 from cbdsl.checking.program import check_program
 from cbdsl.documents.robot import Camera, RobotDocument
 from cbdsl.documents.stage import StageDocument
-from cbdsl.reproduction.laboratory import shipped_robot
+from cbdsl.reproduction.shipped import shipped_robot
 from cbdsl.robot.kinematics import Kinematics
 from cbdsl.runtime.episode import Runner, Tick
 from cbdsl.yaml_text.library import Library, shipped

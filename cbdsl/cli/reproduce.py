@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -38,6 +38,14 @@ Trials = Annotated[
         help="How many times it learns from zero [30 on kinematic, else as often as the source].",
     ),
 ]
+Workers = Annotated[
+    int | None,
+    typer.Option(
+        "--workers",
+        min=1,
+        help="How many trials at once, in processes of one thread; the outcome stays the same [1].",
+    ),
+]
 Keep = Annotated[
     Path | None,
     typer.Option(
@@ -60,6 +68,7 @@ def reproduce(
     quick: Quick = False,
     backend: BackendName = None,
     trials: Trials = None,
+    workers: Workers = None,
     keep: Keep = None,
     out: Out = None,
     as_json: Json = False,
@@ -85,7 +94,8 @@ def reproduce(
     if out is not None:
         _require_writable(out)
     if not any(each.learns for each in chosen):
-        _require_unused({"--backend": backend, "--trials": trials, "--keep": keep}, name)
+        given = {"--backend": backend, "--trials": trials, "--workers": workers, "--keep": keep}
+        _require_unused(given, name)
     found: list[dict[str, object]] = []
     with _kept(keep) as folder:
         settings = Settings(
@@ -96,7 +106,7 @@ def reproduce(
             folder=folder,
         )
         for experiment in chosen:
-            outcome = _run(experiment, settings)
+            outcome = _run(experiment, settings, workers or 1)
             found.append(data(experiment, settings, outcome))
             if not as_json:
                 _tell(experiment, outcome)
@@ -107,7 +117,7 @@ def reproduce(
         print_json(found)
 
 
-def _require_unused(options: dict[str, object], name: str) -> None:
+def _require_unused(options: Mapping[str, object], name: str) -> None:
     """Say so rather than ignore an option that has no meaning."""
     from cbdsl.errors.errors import UsageError
 
@@ -173,11 +183,12 @@ def _chosen(name: str) -> list[Experiment]:
     return [EXPERIMENTS[name]]
 
 
-def _run(experiment: Experiment, settings: Settings) -> Outcome:
+def _run(experiment: Experiment, settings: Settings, workers: int) -> Outcome:
     from dataclasses import replace
 
     from cbdsl.cli.progress import Progress
     from cbdsl.cli.quiet import quiet_stderr, shown_on_failure
+    from cbdsl.cli.shares import carry_out_shares
     from cbdsl.errors.errors import UsageError
 
     try:
@@ -192,7 +203,10 @@ def _run(experiment: Experiment, settings: Settings) -> Outcome:
         # A package is there, but not a system library that it needs, such as libgomp.
         raise UsageError(f"{experiment.name} needs more than is installed: {error}") from error
     with shown_on_failure(), Progress(experiment.name) as progress:
-        return measure(replace(settings, progress=progress.note))
+        told = replace(settings, progress=progress.note)
+        if workers > 1 and experiment.learns:
+            carry_out_shares(experiment, told, workers)
+        return measure(told)
 
 
 def _tell(experiment: Experiment, outcome: Outcome) -> None:

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from functools import partial
 from importlib import import_module
 from pathlib import Path
+from types import ModuleType
 from typing import Protocol
 
 from cbdsl.reproduction.quantity import Quantity
@@ -31,6 +32,7 @@ class Settings:
         trials: how many times it learns from zero; ``None`` for as many as the backend is fast
             enough for, see ``school``.
         folder: where trials are kept, episode by episode, and gone on with.
+        only: the number of the only trial to run, where others run the others.
     """
 
     seed: int = 0
@@ -39,6 +41,7 @@ class Settings:
     backend: str = "kinematic"
     trials: int | None = None
     folder: Path = Path()
+    only: int | None = None
 
 
 class Picture(Protocol):
@@ -91,7 +94,9 @@ class Experiment:
             or raises BackendError or EpisodeError where the simulator cannot run it.
         learns: whether the robot learns in it. Then the module measures all experiments of its
             kind: ``run(settings: Settings, name: str) -> Outcome``, and raises JournalError where
-            the folder of the settings holds other trials.
+            the folder of the settings holds other trials. Its ``lessons(name)`` are what is
+            learned, and ``gather(dexter: School, settings: Settings, name: str)`` runs all that
+            ``run`` needs, which then finds it kept.
     """
 
     name: str
@@ -100,13 +105,17 @@ class Experiment:
     module: str
     learns: bool = False
 
+    def imported(self) -> ModuleType:
+        """Its module; see ``load`` for what that may take."""
+        return import_module(f"{__package__}.{self.module}")
+
     def load(self) -> Callable[[Settings], Outcome]:
         """What measures; importing it may take a second, and make the simulator print.
 
         Raises:
             ImportError: something is not installed that it needs.
         """
-        run = import_module(f"{__package__}.{self.module}").run
+        run = self.imported().run
         measure: Callable[[Settings], Outcome] = (
             partial(run, name=self.name) if self.learns else run
         )

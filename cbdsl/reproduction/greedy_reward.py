@@ -15,7 +15,7 @@ from cbdsl.reproduction.interval import bootstrap_interval
 from cbdsl.reproduction.learning_curves import per_transition
 from cbdsl.reproduction.lesson import COARTICULATED, SEQUENTIAL, Lesson
 from cbdsl.reproduction.quantity import Claim, Quantity, above, clearly_above
-from cbdsl.reproduction.school import Learned, School, school
+from cbdsl.reproduction.school import Learned, School, school, trials
 from cbdsl.types.resource import KernelSample
 
 Floats = NDArray[np.float64]
@@ -29,12 +29,8 @@ _SEARCHED, _EFFECTOR, _BANDWIDTH = "window", "head", 0.01
 
 def run(settings: Settings, name: str) -> Outcome:
     """Run the greedy policies where the first search finds what there is."""
-    trials, episodes = (_QUICK_TRIALS, _QUICK_EPISODES) if settings.quick else (_TRIALS, _EPISODES)
-    lessons = (SEQUENTIAL, COARTICULATED)
     with school(settings) as dexter:
-        for lesson in lessons:
-            dexter.expect(dexter.trials(lesson) * dexter.episodes(lesson) + trials * episodes)
-        sequential, both = (_rewards(dexter, lesson, trials, episodes) for lesson in lessons)
+        sequential, both = gather(dexter, settings, name)
     lower = _quantity(SEQUENTIAL, sequential, settings.seed, above(0))
     assert lower.interval is not None
     higher = _quantity(
@@ -44,12 +40,31 @@ def run(settings: Settings, name: str) -> Outcome:
     return Outcome((lower, higher), (_chart(name, found, settings.seed),), _NOTES)
 
 
-def _rewards(dexter: School, lesson: Lesson, trials: int, episodes: int) -> Floats:
+def lessons(name: str) -> tuple[Lesson, ...]:
+    """What is learned."""
+    return SEQUENTIAL, COARTICULATED
+
+
+def gather(dexter: School, settings: Settings, name: str) -> tuple[Floats, ...]:
+    """Run all episodes; what the policies of each lesson earn, see ``_rewards``."""
+    episodes = _QUICK_EPISODES if settings.quick else _EPISODES
+    for lesson in lessons(name):
+        for number in dexter.numbers(lesson):
+            turns = _turns(settings, lesson, number)
+            dexter.expect(dexter.episodes(lesson) + len(turns) * episodes)
+    return tuple(_rewards(dexter, lesson, settings, episodes) for lesson in lessons(name))
+
+
+def _turns(settings: Settings, lesson: Lesson, number: int) -> range:
+    """Which of the trials without exploration the policy of a trial has."""
+    return range(number, _QUICK_TRIALS if settings.quick else _TRIALS, trials(settings, lesson))
+
+
+def _rewards(dexter: School, lesson: Lesson, settings: Settings, episodes: int) -> Floats:
     """Reward per transition, shape (trials, episodes); the learned policies take turns."""
-    policies = dexter.learn(lesson)
     rows: dict[int, list[float]] = {}
-    for place, learned in enumerate(policies):
-        turns = range(place, trials, len(policies))
+    for learned in dexter.learn(lesson):
+        turns = _turns(settings, lesson, learned.trial.number)
         seeds = learned.held_out(len(turns) * episodes)
         passed = dexter.greedy(learned, "finding", seeds, _finding(learned))
         rewards = [per_transition(each) for each in passed]

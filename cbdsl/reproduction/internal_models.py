@@ -12,10 +12,10 @@ from cbdsl.documents.model import Gaussian, Kernel
 from cbdsl.reproduction.chart import Chart, Line
 from cbdsl.reproduction.experiment import Outcome, Settings
 from cbdsl.reproduction.interval import interquartile_mean, over_trials
-from cbdsl.reproduction.laboratory import shipped_robot
 from cbdsl.reproduction.lesson import COARTICULATED, TACTILEPROBE, Lesson
 from cbdsl.reproduction.quantity import Quantity, above, below, clearly_above, clearly_below
-from cbdsl.reproduction.school import school
+from cbdsl.reproduction.school import Learned, School, school
+from cbdsl.reproduction.shipped import shipped_robot
 from cbdsl.robot.kinematics import Kinematics
 
 Floats = NDArray[np.float64]
@@ -129,8 +129,7 @@ def run(settings: Settings, name: str) -> Outcome:
     """Learn, and look at the densities that SEARCH draws from in the end."""
     model = MODELS[name]
     with school(settings) as dexter:
-        dexter.expect(dexter.trials(model.lesson) * dexter.episodes(model.lesson))
-        learned = dexter.learn(model.lesson)
+        learned = gather(dexter, settings, name)
     known = (each.trial.learner.densities().get(model.effector) for each in learned)
     densities = [density for density in known if density is not None]
     if not densities:
@@ -143,6 +142,18 @@ def run(settings: Settings, name: str) -> Outcome:
         "means with bootstrap intervals. Each has the uniform part that it starts as."
     )
     return Outcome(quantities, (_chart(name, model, expectations),), (note,))
+
+
+def lessons(name: str) -> tuple[Lesson, ...]:
+    """What is learned."""
+    return (MODELS[name].lesson,)
+
+
+def gather(dexter: School, settings: Settings, name: str) -> list[Learned]:
+    """Run all episodes; what was learned."""
+    (lesson,) = lessons(name)
+    dexter.expect(len(dexter.numbers(lesson)) * dexter.episodes(lesson))
+    return dexter.learn(lesson)
 
 
 def _expectations(model: Model, densities: Sequence[Kernel | Gaussian]) -> list[Expectation]:

@@ -9,11 +9,11 @@ from pathlib import Path
 
 from cbdsl.backends.bullet.backend import BulletBackend
 from cbdsl.checking.program import check_program
-from cbdsl.documents.document import Document
 from cbdsl.documents.program import ProgramDocument
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.documents.stage import StageDocument
 from cbdsl.program.checked import CheckedProgram
+from cbdsl.reproduction.shipped import shipped_file, shipped_robot
 from cbdsl.robot.kinematics import Kinematics
 from cbdsl.runtime.episode import Runner
 from cbdsl.runtime.policy import Policy
@@ -77,23 +77,3 @@ def laboratory(
         )
     finally:
         backend.close()
-
-
-def shipped_robot(name: str, library: Library | None = None) -> tuple[RobotDocument, Path]:
-    """A shipped robot and its URDF."""
-    library = library or Library(shipped())
-    file = shipped_file(library, RobotDocument, name)
-    robot = library.read(file, RobotDocument).document
-    return robot, file.parent / robot.model
-
-
-def shipped_file(library: Library, kind: type[Document], name: str) -> Path:
-    """The file of a shipped document.
-
-    Raises:
-        LookupError: it is not shipped.
-    """
-    file = library.find(kind, name)
-    if file is None:
-        raise LookupError(f"'{name}' is not shipped")
-    return file

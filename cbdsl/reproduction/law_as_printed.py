@@ -21,8 +21,8 @@ from cbdsl.control.spring import Spring
 from cbdsl.reproduction.chart import Chart, Line
 from cbdsl.reproduction.experiment import Outcome, Settings
 from cbdsl.reproduction.interval import bootstrap_interval, exact_interval
-from cbdsl.reproduction.laboratory import shipped_robot
 from cbdsl.reproduction.quantity import Quantity, above, at_least, at_most
+from cbdsl.reproduction.shipped import shipped_robot
 from cbdsl.robot.kinematics import Kinematics
 from cbdsl.robot.tips import Tips
 from cbdsl.types.resource_type import POSITION

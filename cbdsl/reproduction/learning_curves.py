@@ -64,9 +64,7 @@ def per_transition(experience: Experience) -> float:
 def run(settings: Settings, name: str) -> Outcome:
     """Learn with both sets of actions, and check the greedy policies on the way."""
     with school(settings) as dexter:
-        for lesson in (SEQUENTIAL, COARTICULATED):
-            _expect(dexter, lesson, settings)
-        sequential, both = (_curves(dexter, each, settings) for each in (SEQUENTIAL, COARTICULATED))
+        sequential, both = gather(dexter, settings, name)
     quantities = (
         *learned_in_quantities(
             SEQUENTIAL, sequential.checks, "about 10 episodes", near(10, 5), settings.seed
@@ -81,10 +79,22 @@ def run(settings: Settings, name: str) -> Outcome:
     return Outcome(quantities, (_chart(name, found, settings.seed),), _notes(settings, found))
 
 
+def lessons(name: str) -> tuple[Lesson, ...]:
+    """What is learned."""
+    return SEQUENTIAL, COARTICULATED
+
+
+def gather(dexter: School, settings: Settings, name: str) -> tuple[Curves, ...]:
+    """Run all episodes; what was learned in each lesson."""
+    for lesson in lessons(name):
+        _expect(dexter, lesson, settings)
+    return tuple(_curves(dexter, lesson, settings) for lesson in lessons(name))
+
+
 def _expect(dexter: School, lesson: Lesson, settings: Settings) -> None:
     plan, episodes = schedule(settings), dexter.episodes(lesson)
     each = episodes + plan.held_out * len(plan.after(episodes))
-    dexter.expect(dexter.trials(lesson) * each)
+    dexter.expect(len(dexter.numbers(lesson)) * each)
 
 
 def _curves(dexter: School, lesson: Lesson, settings: Settings) -> Curves:

@@ -22,12 +22,12 @@ from cbdsl.learning.experience import Experience
 from cbdsl.program.checked import CheckedProgram
 from cbdsl.program.transition import Transition
 from cbdsl.reproduction.experiment import Settings
-from cbdsl.reproduction.laboratory import shipped_file, shipped_robot
 from cbdsl.reproduction.lesson import Lesson
+from cbdsl.reproduction.shipped import shipped_file, shipped_robot
 from cbdsl.robot.kinematics import Kinematics
 from cbdsl.runtime.policy import Policy, WrittenPolicy
 from cbdsl.training.classroom import BackendClassroom
-from cbdsl.training.course import follow, identity_of, open_journal
+from cbdsl.training.course import Nobody, Watcher, follow, identity_of, open_journal
 from cbdsl.training.journal import Journal
 from cbdsl.training.provenance import Setting, provenance_of
 from cbdsl.training.trial import Trial
@@ -78,16 +78,24 @@ class School:
     """Runs episodes one after another; those that are kept already are not run again.
 
     Args:
-        settings: which seed, how many trials, where they are kept, and who watches.
+        settings: which seed, how many trials, where they are kept, and who is told how far it is.
         body: runs the episodes.
         robot: that it embodies.
-        urdf: the robot's model.
+        kinematics: of the same robot.
+        watcher: is told of each episode that is run, and may end it all.
     """
 
-    def __init__(self, settings: Settings, body: Backend, robot: RobotDocument, urdf: Path) -> None:
+    def __init__(
+        self,
+        settings: Settings,
+        body: Backend,
+        robot: RobotDocument,
+        kinematics: Kinematics,
+        watcher: Watcher | None = None,
+    ) -> None:
         self._settings = settings
-        self._body, self._robot = body, robot
-        self._kinematics = Kinematics(robot, urdf)
+        self._body, self._robot, self._kinematics = body, robot, kinematics
+        self._watcher = watcher or Nobody()
         self._library = Library(shipped())
         self._done = self._expected = 0
 
@@ -95,12 +103,10 @@ class School:
         """Tell those who watch that so many more episodes are to come."""
         self._expected += episodes
 
-    def trials(self, lesson: Lesson) -> int:
-        """How many trials of a lesson there are."""
-        settings = self._settings
-        if settings.trials is not None:
-            return settings.trials
-        return _QUICK_TRIALS if settings.quick else _TRIALS.get(settings.backend, lesson.trials)
+    def numbers(self, lesson: Lesson) -> list[int]:
+        """The trials of a lesson that are to be run."""
+        numbers = range(trials(self._settings, lesson))
+        return [each for each in numbers if self._settings.only in (None, each)]
 
     def episodes(self, lesson: Lesson) -> int:
         """How many episodes each of them has."""
@@ -117,7 +123,7 @@ class School:
         file = shipped_file(self._library, ProgramDocument, lesson.program)
         program = check_program(file, {}, self._library)
         program = program._replace(actions=lesson.actions(program))
-        return [self._follow(lesson, program, file, n) for n in range(self.trials(lesson))]
+        return [self._follow(lesson, program, file, n) for n in self.numbers(lesson)]
 
     def greedy(
         self,
@@ -154,8 +160,9 @@ class School:
             for seed in seeds[len(found) :]:
                 began = time.perf_counter()
                 found.append(same.get(seed) or classroom.hold(program, policy, seed, _ignore))
-                journal.append(found[-1], time.perf_counter() - began)
-                self._advance(1)
+                seconds = time.perf_counter() - began
+                journal.append(found[-1], seconds)
+                self.note(trial.number, found[-1], seconds)
         return tuple(found)
 
     def begin(self, number: int, renderer: str, finished: Sequence[Experience]) -> None:
@@ -165,10 +172,11 @@ class School:
     def note(self, number: int, experience: Experience, seconds: float) -> None:
         """See ``Watcher.note``."""
         self._advance(1)
+        self._watcher.note(number, experience, seconds)
 
     def _follow(self, lesson: Lesson, program: CheckedProgram, file: Path, number: int) -> Learned:
         """One trial, from its beginning or from where it was interrupted."""
-        settings, trials, episodes = self._settings, self.trials(lesson), self.episodes(lesson)
+        settings, episodes = self._settings, self.episodes(lesson)
         stage = self._stage(lesson)
         setting = Setting(
             program_sha256=program_digest(file, self._library),
@@ -178,7 +186,9 @@ class School:
             renderer=self._body.renderer,
         )
         trial = Trial(program, Constants(density=lesson.density), settings.seed, number)
-        command = lesson.command(settings.seed, trials, episodes, settings.backend)
+        command = lesson.command(
+            settings.seed, trials(settings, lesson), episodes, settings.backend
+        )
         provenance = provenance_of(trial, setting, episodes, command)
         path = self._path(lesson, number)
         with open_journal(path, provenance) as journal:
@@ -204,6 +214,18 @@ class School:
         self._settings.progress(self._done, max(self._expected, self._done))
 
 
+def trials(settings: Settings, lesson: Lesson) -> int:
+    """How many trials of a lesson there are."""
+    if settings.trials is not None:
+        return settings.trials
+    return _QUICK_TRIALS if settings.quick else _TRIALS.get(settings.backend, lesson.trials)
+
+
+def shipped_dexter() -> tuple[RobotDocument, Path]:
+    """The robot that all lessons are for, and its URDF."""
+    return shipped_robot(_ROBOT)
+
+
 @contextmanager
 def school(settings: Settings) -> Iterator[School]:
     """Open the school on the backend that is asked for.
@@ -211,10 +233,10 @@ def school(settings: Settings) -> Iterator[School]:
     Raises:
         BackendError: there is no such backend, or it cannot embody the robot.
     """
-    robot, urdf = shipped_robot(_ROBOT)
+    robot, urdf = shipped_dexter()
     body = find_backend(settings.backend)(robot, urdf)
     try:
-        yield School(settings, body, robot, urdf)
+        yield School(settings, body, robot, Kinematics(robot, urdf))
     finally:
         body.close()
 

@@ -126,22 +126,33 @@ def run(settings: Settings, name: str) -> Outcome:
     quantities: list[Quantity] = []
     diagrams: list[Diagram] = []
     with school(settings) as dexter:
-        for drawn in DRAWN[name]:
-            episodes = dexter.episodes(drawn.lesson)
-            each = episodes + plan.held_out * len(_when(drawn, episodes, plan))
-            dexter.expect(dexter.trials(drawn.lesson) * each)
-        for drawn in DRAWN[name]:
-            trials = _checks(dexter, drawn, plan)
-            last = [each[-1] for each in trials]
-            quantities += _quantities(drawn, last)
-            quantities.append(_rewarded(drawn.lesson, last))
-            if drawn.learned_in is not None:
-                source, expected = f"within {drawn.learned_in}", at_most(drawn.learned_in)
-                quantities += learned_in_quantities(
-                    drawn.lesson, trials, source, expected, settings.seed
-                )
-            diagrams.append(_typical(name, drawn.lesson, last))
+        found = gather(dexter, settings, name)
+    for drawn, trials in zip(DRAWN[name], found, strict=True):
+        last = [each[-1] for each in trials]
+        quantities += _quantities(drawn, last)
+        quantities.append(_rewarded(drawn.lesson, last))
+        if drawn.learned_in is not None:
+            source, expected = f"within {drawn.learned_in}", at_most(drawn.learned_in)
+            quantities += learned_in_quantities(
+                drawn.lesson, trials, source, expected, settings.seed
+            )
+        diagrams.append(_typical(name, drawn.lesson, last))
     return Outcome(tuple(quantities), tuple(diagrams), _notes(plan))
+
+
+def lessons(name: str) -> tuple[Lesson, ...]:
+    """What is learned."""
+    return tuple(drawn.lesson for drawn in DRAWN[name])
+
+
+def gather(dexter: School, settings: Settings, name: str) -> list[list[tuple[Check, ...]]]:
+    """Run all episodes; the checks of each trial of each policy that the source draws."""
+    plan = schedule(settings)
+    for drawn in DRAWN[name]:
+        episodes = dexter.episodes(drawn.lesson)
+        each = episodes + plan.held_out * len(_when(drawn, episodes, plan))
+        dexter.expect(len(dexter.numbers(drawn.lesson)) * each)
+    return [_checks(dexter, drawn, plan) for drawn in DRAWN[name]]
 
 
 def _when(drawn: DrawnPolicy, episodes: int, plan: Schedule) -> Sequence[int]:

@@ -1,4 +1,4 @@
-"""Many trials at once, on a Dask cluster."""
+"""Many jobs at once, such as trials, on a Dask cluster."""
 
 from __future__ import annotations
 
@@ -9,15 +9,17 @@ from concurrent.futures import CancelledError
 from contextlib import contextmanager, suppress
 from pathlib import Path
 from tempfile import NamedTemporaryFile
-from typing import Protocol
+from typing import Protocol, TypeVar
 
 import dask.config
 from distributed import Client, Future, KilledWorker, LocalCluster, wait
 
 from cbdsl.errors.errors import UsageError
-from cbdsl.training.assignment import Assignment
 from cbdsl.training.provenance import versions
-from cbdsl.training.worker import work
+from cbdsl.training.worker import Job, work
+
+J = TypeVar("J", bound=Job)
+J_contra = TypeVar("J_contra", contravariant=True)
 
 # How often a supervisor hears that time passes, s.
 _PERIOD = 0.5
@@ -42,15 +44,15 @@ _LOGGERS = ("distributed", "distributed.client", "distributed.core", "tornado.ap
 _GONE = "the cluster's scheduler is gone, or gave the trials up"
 
 
-class Supervisor(Protocol):
-    """Is told how trials get on that others carry out."""
+class Supervisor(Protocol[J_contra]):
+    """Is told how jobs get on that others carry out."""
 
-    def done(self, assignment: Assignment, files: Sequence[Path]) -> None:
-        """A trial is over, and wrote these files."""
+    def done(self, job: J_contra, files: Sequence[Path], /) -> None:
+        """A job is over, and wrote these files."""
         ...
 
-    def failed(self, assignment: Assignment, error: Exception) -> None:
-        """A trial could not be carried out; the others go on."""
+    def failed(self, job: J_contra, error: Exception, /) -> None:
+        """A job could not be carried out; the others go on."""
         ...
 
     def look(self, workers: int) -> None:
@@ -59,18 +61,18 @@ class Supervisor(Protocol):
 
 
 def carry_out_all(
-    assignments: Sequence[Assignment],
+    jobs: Sequence[J],
     workers: int,
     scheduler: str | None,
-    supervisor: Supervisor,
+    supervisor: Supervisor[J],
     patience: float = _PATIENCE,
 ) -> None:
-    """Carry out trials side by side; what is learned does not depend on who learns it.
+    """Carry out jobs side by side; what is learned does not depend on who learns it.
 
     A trial whose worker is killed goes on from its journal at another.
 
     Args:
-        assignments: the trials.
+        jobs: such as trials.
         workers: processes of one thread each, here.
         scheduler: address of a cluster instead, whose workers see the same files.
         supervisor: is told how they get on.
@@ -79,7 +81,7 @@ def carry_out_all(
     Raises:
         UsageError: the cluster is not there, goes away, or has no workers for too long.
     """
-    folder = assignments[0].path.parent
+    folder = jobs[0].path.parent
     with (
         _silence(),
         _connected(workers, scheduler) as client,
@@ -87,8 +89,7 @@ def carry_out_all(
     ):
         given = versions()
         futures = {
-            client.submit(work, each, Path(there.name), given, pure=False): each
-            for each in assignments
+            client.submit(work, each, Path(there.name), given, pure=False): each for each in jobs
         }
         _supervise(futures, client, supervisor, patience)
 
@@ -135,12 +136,12 @@ def _connected(workers: int, scheduler: str | None) -> Iterator[Client]:
 
 
 def _supervise(
-    futures: dict[Future[list[Path]], Assignment],
+    futures: dict[Future[list[Path]], J],
     client: Client,
-    supervisor: Supervisor,
+    supervisor: Supervisor[J],
     patience: float,
 ) -> None:
-    """Wait for all trials, as long as there is anybody to carry them out."""
+    """Wait for all jobs, as long as there is anybody to carry them out."""
     last_seen = time.monotonic()
     while futures:
         workers = _workers(client)
@@ -169,16 +170,16 @@ def _workers(client: Client) -> int:
     raise UsageError(_GONE)
 
 
-def _hand_over(future: Future[list[Path]], assignment: Assignment, supervisor: Supervisor) -> None:
-    """Tell what became of a trial."""
+def _hand_over(future: Future[list[Path]], job: J, supervisor: Supervisor[J]) -> None:
+    """Tell what became of a job."""
     try:
         files = future.result()
     except CancelledError as error:
         raise UsageError(_GONE) from error
     except KilledWorker:
         died = UsageError("the workers that it was given to died, one after the other")
-        supervisor.failed(assignment, died)
+        supervisor.failed(job, died)
     except (UsageError, OSError, ImportError) as error:
-        supervisor.failed(assignment, error)
+        supervisor.failed(job, error)
     else:
-        supervisor.done(assignment, files)
+        supervisor.done(job, files)

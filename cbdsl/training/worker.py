@@ -6,22 +6,52 @@ import signal
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
+from typing import Protocol
 
 from distributed import Worker, get_worker
 from distributed.core import Status
 
 from cbdsl.backends.backend import Backend, find_backend
 from cbdsl.documents.digest import digest
+from cbdsl.documents.robot import RobotDocument
 from cbdsl.errors.errors import UsageError
 from cbdsl.learning.experience import Experience
 from cbdsl.robot.kinematics import Kinematics
-from cbdsl.training.assignment import Assignment
+from cbdsl.training.course import Watcher
 from cbdsl.training.provenance import versions
 
 Workplace = tuple[Backend, Kinematics]
 
 # To put a body together takes as long as some episodes. A process has one thread and one robot.
 _kept: dict[tuple[str, str, Path], Workplace] = {}
+
+
+class Job(Protocol):
+    """What a worker carries out; it can be sent to another process.
+
+    Attributes:
+        path: a file in a folder that all who work see.
+        robot: whose body it needs.
+        urdf: the robot's model, at the same place for everybody.
+        backend: name of what embodies the robot.
+    """
+
+    @property
+    def path(self) -> Path: ...
+    @property
+    def robot(self) -> RobotDocument: ...
+    @property
+    def urdf(self) -> Path: ...
+    @property
+    def backend(self) -> str: ...
+
+    def carry_out(self, body: Backend, kinematics: Kinematics, watcher: Watcher) -> list[Path]:
+        """Do it on a body, and tell of each episode that is over.
+
+        Returns:
+            The files that were written.
+        """
+        ...
 
 
 class AbandonedError(UsageError):
@@ -33,11 +63,11 @@ def dask_setup(_: Worker) -> None:
     signal.signal(signal.SIGINT, signal.SIG_IGN)
 
 
-def work(assignment: Assignment, there: Path, expected: Mapping[str, str]) -> list[Path]:
-    """Carry out a trial, here and now; see ``Assignment.carry_out``.
+def work(job: Job, there: Path, expected: Mapping[str, str]) -> list[Path]:
+    """Carry out a job, here and now.
 
     Args:
-        assignment: the trial.
+        job: such as a trial.
         there: a file that whoever asks for it sees.
         expected: versions of what the outcome depends on.
 
@@ -46,11 +76,11 @@ def work(assignment: Assignment, there: Path, expected: Mapping[str, str]) -> li
 
     Raises:
         UsageError: this worker would learn something else, or put it elsewhere.
-        JournalError, BackendError, EpisodeError, OSError: see ``Assignment.carry_out``.
+        JournalError, BackendError, EpisodeError, OSError: see ``follow``.
     """
     _require_fit(there, expected)
-    with _workplace(assignment) as (body, kinematics):
-        return assignment.carry_out(body, kinematics, _Conscience())
+    with _workplace(job) as (body, kinematics):
+        return job.carry_out(body, kinematics, _Conscience())
 
 
 class _Conscience:
@@ -90,12 +120,12 @@ def _require_fit(there: Path, expected: Mapping[str, str]) -> None:
 
 
 @contextmanager
-def _workplace(assignment: Assignment) -> Iterator[Workplace]:
-    """The body for a trial, put together for the first one of its kind."""
-    key = (assignment.backend, digest(assignment.robot), assignment.urdf)
+def _workplace(job: Job) -> Iterator[Workplace]:
+    """The body for a job, put together for the first one of its kind."""
+    key = (job.backend, digest(job.robot), job.urdf)
     if key not in _kept:
-        body = find_backend(assignment.backend)(assignment.robot, assignment.urdf)
-        _kept[key] = body, Kinematics(assignment.robot, assignment.urdf)
+        body = find_backend(job.backend)(job.robot, job.urdf)
+        _kept[key] = body, Kinematics(job.robot, job.urdf)
     try:
         yield _kept[key]
     except BaseException:

@@ -167,7 +167,11 @@ def test_what_was_learned_has_a_section_for_each_backend(
     assert not passing.folder.exists()
 
 
-@pytest.mark.parametrize("option", [("--backend", "bullet"), ("--trials", "3"), ("--keep", "x")])
+@pytest.mark.parametrize(
+    "option",
+    [("--backend", "bullet"), ("--trials", "3"), ("--workers", "2"), ("--keep", "x")],
+    ids=lambda option: option[0],
+)
 def test_options_of_learning_are_for_what_learns(
     option: tuple[str, str],
     learning: list[Settings],
@@ -236,3 +240,22 @@ def test_what_is_not_installed_is_told(
     assert (
         printed == "cb: fig-3.4 needs pybullet, which is not installed: pip install 'cbdsl[sim]'\n"
     )
+
+
+@pytest.mark.slow
+def test_two_workers_measure_what_one_process_measures_and_tell_what_stops_them(
+    monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str], tmp_path: Path
+) -> None:
+    pytest.importorskip("distributed", reason="side by side: extra 'learn'")
+    command_line = ("fig-4.4", "--quick", "--trials", "2", "--json")
+    printed = []
+    for more in ((), ("--workers", "2", "--keep", str(tmp_path))):
+        assert cb(monkeypatch, *command_line, *more) == 0
+        printed.append(json.loads(capfd.readouterr().out))
+    assert printed[0] == printed[1]
+    journal = next(tmp_path.rglob("*_1.episodes.jsonl"))
+    journal.write_text(journal.read_text().replace('"alpha": 0.1', '"alpha": 0.2'))
+    again = ("--workers", "2", "--keep", str(tmp_path))
+    assert cb(monkeypatch, *command_line, *again) == 2
+    told = capfd.readouterr().err
+    assert "holds other trials" in told and "alpha was 0.2, is 0.1" in told

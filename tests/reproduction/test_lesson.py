@@ -11,7 +11,7 @@ from cbdsl.checking.program import check_program
 from cbdsl.cli.learn import learn
 from cbdsl.documents.program import ProgramDocument
 from cbdsl.documents.stage import StageDocument
-from cbdsl.reproduction.laboratory import shipped_file
+from cbdsl.reproduction.shipped import shipped_file
 from cbdsl.reproduction.transition_diagrams import DRAWN, DrawnPolicy
 from cbdsl.yaml_text.library import Library, shipped
 

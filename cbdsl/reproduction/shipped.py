@@ -1,0 +1,29 @@
+"""What comes with the package, for experiments: not what somebody may have named the same."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from cbdsl.documents.document import Document
+from cbdsl.documents.robot import RobotDocument
+from cbdsl.yaml_text.library import Library, shipped
+
+
+def shipped_robot(name: str, library: Library | None = None) -> tuple[RobotDocument, Path]:
+    """A shipped robot and its URDF."""
+    library = library or Library(shipped())
+    file = shipped_file(library, RobotDocument, name)
+    robot = library.read(file, RobotDocument).document
+    return robot, file.parent / robot.model
+
+
+def shipped_file(library: Library, kind: type[Document], name: str) -> Path:
+    """The file of a shipped document.
+
+    Raises:
+        LookupError: it is not shipped.
+    """
+    file = library.find(kind, name)
+    if file is None:
+        raise LookupError(f"'{name}' is not shipped")
+    return file

@@ -1,0 +1,59 @@
+"""Shares of experiments: what is left to run after them, and what an outcome owes to them."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+
+from cbdsl.backends.backend import find_backend
+from cbdsl.reproduction.experiment import Experiment, Settings
+from cbdsl.reproduction.registry import EXPERIMENTS
+from cbdsl.reproduction.report import data
+from cbdsl.reproduction.school import shipped_dexter
+from cbdsl.reproduction.share import shared_out
+from cbdsl.robot.kinematics import Kinematics
+from cbdsl.training.classroom import BackendClassroom
+from cbdsl.training.course import Nobody
+
+LEARNING = [
+    pytest.param(each, id=each.name, marks=[] if each.name == "fig-4.4" else pytest.mark.slow)
+    for each in EXPERIMENTS.values()
+    if each.learns and "4.2.1" in each.section
+]
+
+
+def carry_out(experiment: Experiment, settings: Settings) -> list[tuple[int, int]]:
+    """Carry out all shares here, the last one first; how far each says that it is."""
+    robot, urdf = shipped_dexter()
+    body, kinematics = find_backend(settings.backend)(robot, urdf), Kinematics(robot, urdf)
+    with shared_out(experiment, settings) as shares:
+        assert [share.told() for share in shares] == [(0, 0)] * len(shares)
+        for share in reversed(shares):
+            share.carry_out(body, kinematics, Nobody())
+        return [share.told() for share in shares]
+
+
+@pytest.mark.parametrize("experiment", LEARNING)
+def test_after_its_shares_an_experiment_has_nothing_to_run_and_the_same_outcome(
+    experiment: Experiment, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    here, there = tmp_path / "here", tmp_path / "there"
+    here.mkdir()
+    there.mkdir()
+    settings = Settings(seed=2, quick=True, trials=2, folder=here)
+    alone = experiment.load()(settings)
+    shared = replace(settings, folder=there)
+    for done, total in carry_out(experiment, shared):
+        assert done == total > 0
+
+    def none(*_: object) -> None:
+        raise AssertionError("all episodes are kept")
+
+    monkeypatch.setattr(BackendClassroom, "hold", none)
+    outcome = experiment.load()(shared)
+    for part in ("quantities", "charts"):  # notes may tell how long it took
+        assert data(experiment, shared, outcome)[part] == data(experiment, settings, alone)[part]
+    kept = {file.relative_to(there) for file in there.rglob("*") if file.is_file()}
+    assert kept == {file.relative_to(here) for file in here.rglob("*") if file.is_file()}
