@@ -98,6 +98,14 @@ class Body(NamedTuple):
         """Whether one of an effector's joints moves a link of the model."""
         return not set(self.document.joints(effector)).isdisjoint(self._above(link))
 
+    def moved_links(self, effector: str) -> list[str]:
+        """The links that an effector moves, those first which most of its joints move."""
+        joints = set(self.document.joints(effector))
+        links = () if self.model is None else self.model.links
+        moving = {link: len(joints.intersection(self._above(link))) for link in links}
+        moved = [link for link, many in moving.items() if many]
+        return sorted(moved, key=lambda link: (-moving[link], link))
+
     def has_idle_tip(self, effector: str) -> bool:
         """Whether an effector has a tip that its joints, which are sound, do not move."""
         of, model = self.document.effectors[effector], self.model

@@ -91,7 +91,11 @@ def _rates(robot: RobotDocument, source: SourceMap, findings: Findings) -> None:
     rate: Steps = ("control", "rate")
     if round(ratio) < 1 or abs(ratio - round(ratio)) > 1e-9:
         steps: Steps = ("simulation", "physics_rate")
-        problem = f"{physics:g} physics steps per second are no multiple of {control:g} ticks"
+        would_do = max(1, round(ratio)) * control
+        problem = (
+            f"{physics:g} physics steps per second are no multiple of {control:g} ticks, as "
+            f"{would_do:g} would be"
+        )
         place = source.place(*(steps if source.holds(*steps) else rate))
         findings.add("CB313", place, problem=problem)
     if robot.cameras and robot.vision.rate > control:
@@ -121,4 +125,7 @@ def check_margins(loaded: Loaded[RobotDocument], model: UrdfModel, findings: Fin
             if not limits.lower + margin <= limits.upper - margin:
                 details = {"lower": f"{limits.lower:.4g}", "upper": f"{limits.upper:.4g}"}
                 place = source.place("effectors", name, "joints", i)
-                findings.add("CB316", place, name=joint, margin=f"{margin:g}", **details)
+                related = [(source.key("control", "limit_margin"), "the margin")]
+                related = related if source.holds("control", "limit_margin") else []
+                details |= {"name": joint, "margin": f"{margin:g}"}
+                findings.add("CB316", place, related=related, **details)

@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import math
+import os
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from pathlib import Path
 
 from cbdsl.checking.body import Body
 from cbdsl.checking.constants import check_constants, check_margins
@@ -12,6 +15,7 @@ from cbdsl.checking.settings import check_settings
 from cbdsl.documents.robot import Effector, RobotDocument
 from cbdsl.errors.counting import count
 from cbdsl.errors.diagnostic import Place
+from cbdsl.robot.chains import root
 from cbdsl.robot.channel_names import channel_names
 from cbdsl.robot.hindrance import Hindrance, hindrance
 from cbdsl.robot.resources import resources
@@ -31,15 +35,25 @@ def examine_robot(loaded: Loaded[RobotDocument], findings: Findings) -> Body:
     except UrdfError as error:
         model = None
         if loaded.source.is_whole("model"):
-            findings.add("CB301", loaded.source.place("model"), problem=str(error))
+            folder = loaded.path.parent
+            names = [] if (folder / robot.model).is_file() else _models_near(folder)
+            place = loaded.source.place("model")
+            findings.add("CB301", place, names=names, given=robot.model, problem=str(error))
     body = Body(loaded, resources(robot), model)
-    _RobotCheck(loaded, findings, _unclaimed(robot, model)).all()
+    _RobotCheck(loaded, findings, _unclaimed(robot, model), _unmovable(model)).all()
     check_names(loaded, findings)
     check_constants(loaded, findings)
     if model is not None:
         _ModelCheck(body, findings, model).all()
         check_margins(loaded, model, findings)
     return body
+
+
+def _models_near(folder: Path) -> list[str]:
+    """URDF files in a folder, beside it, and one level below, as a robot's document names them."""
+    patterns = ("*.urdf", "*/*.urdf", "../*.urdf", "../*/*.urdf")
+    found = {os.path.relpath(file, folder) for each in patterns for file in folder.glob(each)}
+    return sorted(Path(file).as_posix() for file in found)
 
 
 def _unclaimed(robot: RobotDocument, model: UrdfModel | None) -> frozenset[str]:
@@ -50,6 +64,12 @@ def _unclaimed(robot: RobotDocument, model: UrdfModel | None) -> frozenset[str]:
     return frozenset(model.revolute) - named
 
 
+def _unmovable(model: UrdfModel | None) -> frozenset[str]:
+    """Joints that are to be left out of effectors, which is reported for them."""
+    joints = {} if model is None else model.joints
+    return frozenset(name for name, joint in joints.items() if hindrance(joint) is not None)
+
+
 class _RobotCheck:
     """What can be said without the model.
 
@@ -57,12 +77,18 @@ class _RobotCheck:
         loaded: the robot.
         findings: where findings go.
         unclaimed: names of joints that are not missed.
+        unmovable: names of joints that will have to go from effectors.
     """
 
     def __init__(
-        self, loaded: Loaded[RobotDocument], findings: Findings, unclaimed: frozenset[str]
+        self,
+        loaded: Loaded[RobotDocument],
+        findings: Findings,
+        unclaimed: frozenset[str],
+        unmovable: frozenset[str],
     ) -> None:
         self._unclaimed = unclaimed
+        self._unmovable = unmovable
         self._robot = loaded.document
         self._source = loaded.source
         self._findings = findings
@@ -79,8 +105,9 @@ class _RobotCheck:
 
     def _effector(self, name: str, effector: Effector) -> None:
         steps: Steps = ("effectors", name)
+        movable = [joint for joint in effector.joints if joint not in self._unmovable]
         for posture, angles in effector.postures.items():
-            if len(angles) != len(effector.joints):
+            if len(angles) not in (len(effector.joints), len(movable)):
                 place = self._source.place(*steps, "postures", posture)
                 counts = {
                     "found": count(len(angles), "angle"),
@@ -110,7 +137,8 @@ class _RobotCheck:
                 if joint in masters:
                     place = self._source.place("effectors", name, "joints", i)
                     self._findings.add("CB307", place, name=joint, other=masters[joint])
-                masters.setdefault(joint, f"effector '{name}'")
+                if joint not in self._unmovable:
+                    masters.setdefault(joint, f"effector '{name}'")
         for joint in self._robot.couplings:
             if joint in masters:
                 place = self._source.key("couplings", joint)
@@ -172,6 +200,12 @@ class _ModelCheck:
         self._model = model
         named = {joint for effector in self._robot.effectors.values() for joint in effector.joints}
         self._free = [joint for joint in model.revolute if joint not in named]
+        #: The joint that moves a link, by the link's name, where that is no joint's name as well.
+        self._movers = {
+            joint.child: joint.name
+            for joint in model.joints.values()
+            if joint.child not in model.joints
+        }
 
     def all(self) -> None:
         for name, effector in self._robot.effectors.items():
@@ -204,10 +238,11 @@ class _ModelCheck:
     ) -> None:
         """Joints of a list are there and can be moved; what several of them share is told once."""
         hindered: dict[Hindrance, list[str]] = {}
+        self._links_for_joints({n: at for n, at in places.items() if n in self._movers})
         for name, place in places.items():
             joint = self._model.joints.get(name)
             why = None if joint is None else obstacle(joint)
-            if joint is None:
+            if joint is None and name not in self._movers:
                 self._missing("CB302", name, place, names)
             elif why is not None:
                 hindered.setdefault(why, []).append(name)
@@ -217,17 +252,27 @@ class _ModelCheck:
             problem = why.told(same, self._model.path.name)
             self._findings.add("CB317", first, names=names, related=related, problem=problem)
 
+    def _links_for_joints(self, places: Mapping[str, Place]) -> None:
+        """Where joints belong there are links: one mistake, however many there are."""
+        if not places:
+            return
+        (name, place), *others = places.items()
+        related = [(there, f"here '{self._movers[link]}'") for link, there in others]
+        details = {"joint": self._movers[name], "name": name, "given": ""}
+        self._findings.add("CB319", place, related=related, **details)
+
     def _idle_tip(self, effector: str, link: str) -> None:
         """A tip that stays where it is whatever its effector does."""
         place = self._source.place("effectors", effector, "tip", "link")
-        links = [other for other in sorted(self._model.links) if self._body.moves(effector, other)]
+        links = self._body.moved_links(effector)
         self._findings.add("CB318", place, names=links, name=link, effector=effector)
 
     def _named_links(self) -> None:
         links = sorted(self._model.links)
         for steps, link in self._links():
             if link not in self._model.links:
-                self._missing("CB303", link, self._source.place(*steps), links)
+                would_do = [root(self._model)] if steps == ("base",) else links
+                self._missing("CB303", link, self._source.place(*steps), would_do)
         for steps, pattern in self._patterns():
             if not self._matches(pattern):
                 self._missing("CB303", pattern, self._source.place(*steps), links)
@@ -238,7 +283,9 @@ class _ModelCheck:
         for joint in self._model.joints.values():
             if joint.child == base:
                 place = self._source.place("base")
-                self._findings.add("CB310", place, name=base, joint=joint.name)
+                names = [root(self._model)]
+                details = {"name": base, "joint": joint.name, "given": ""}
+                self._findings.add("CB310", place, names=names, **details)
 
     def _links(self) -> Iterator[tuple[Steps, str]]:
         if self._source.is_whole("base"):
@@ -269,7 +316,10 @@ class _ModelCheck:
 
     def _missing(self, code: str, name: str, place: Place, names: Sequence[str]) -> None:
         everything = [*self._model.joints] if code == "CB302" else names
-        hints = {"names": names, "candidates": names or everything}
+        joint = self._model.joints.get(name)
+        # Whoever names a joint where a link belongs means the link that it moves.
+        given = name if joint is None else joint.child
+        hints = {"names": names, "candidates": names or everything, "given": given}
         self._findings.add(code, place, **hints, name=name, model=self._model.path.name)
 
     def _postures(self, name: str, effector: Effector) -> None:
@@ -285,4 +335,11 @@ class _ModelCheck:
                         joint=joint,
                         lower=f"{limits.lower:.4g}",
                         upper=f"{limits.upper:.4g}",
+                        hint=_degrees_meant(angle, limits),
                     )
+
+
+def _degrees_meant(angle: float, limits: UrdfJoint) -> str:
+    """What to write where an angle fits if it is taken for degrees."""
+    fits = limits.lower <= math.radians(angle) <= limits.upper
+    return f"; write {angle:g} deg if degrees are meant" if fits and abs(angle) > 3.15 else ""

@@ -12,6 +12,7 @@ from typing import Any, NamedTuple, get_args
 from pydantic import BaseModel
 from pydantic_core import ErrorDetails
 
+from cbdsl.documents.document import NAME_PATTERN
 from cbdsl.errors.diagnostic import Diagnostic
 from cbdsl.errors.nearest import nearest_name
 from cbdsl.errors.wording import diagnostic
@@ -205,7 +206,7 @@ def _special(
             return diagnostic("CB206", source.place(*steps), names=names, name=value)
         case "string_pattern_mismatch":
             at = source.key(*path) if "[key]" in error["loc"] else source.place(*path)
-            return diagnostic("CB207", at, name=error["input"], hint=_hint_of_path(error["input"]))
+            return diagnostic("CB207", at, name=error["input"], hint=_named_instead(error["input"]))
         case "value_error":
             return diagnostic("CB205", source.place(*path), problem=str(context["error"]))
     if error["type"] == "too_long" and (comma := decimal_comma(source.node(path))):
@@ -214,11 +215,13 @@ def _special(
     return diagnostic("CB208", source.place(*path), problem=problem)
 
 
-def _hint_of_path(text: str) -> str:
-    """What is to be said to those who write a document's file where its name is wanted."""
+def _named_instead(text: str) -> str:
+    """What to write for what is no name, such as a document's file."""
     file = PurePath(text.strip())
-    is_file = len(file.parts) > 1 or file.suffix in (".yaml", ".yml")
-    return f"; documents are named without folder and ending: write {file.stem}" if is_file else ""
+    if len(file.parts) > 1 or file.suffix in (".yaml", ".yml"):
+        return f"; documents are named without folder and ending: write {file.stem}"
+    name = re.sub(r"\W+", "_", text.strip(), flags=re.ASCII).strip("_")
+    return f"; write {name}" if name != text and re.match(NAME_PATTERN, name) else ""
 
 
 def _slip_in_key(path: tuple[Step, ...], source: SourceMap) -> str | None:

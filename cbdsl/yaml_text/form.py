@@ -89,15 +89,15 @@ def _sketch(annotation: Any, depth: int, found: Node | None = None) -> str:
 
 
 def _sketch_of_list(annotation: Any, depth: int, found: Node | None) -> str:
-    if found is not None and not isinstance(found.value, (dict, list)):
-        return f"[{_written(found)}]"
-    if found is not None and isinstance(found.value, list):
-        return _written(found)
     parts = get_args(annotation)
-    if Ellipsis in parts:
-        (inner, *_) = _choices(parts[0])
-        return f"[{_sketch(inner, depth - 1)}, ...]" if _is_collection(inner) else "[...]"
-    return f"[{', '.join('...' for _ in parts)}]"
+    if Ellipsis not in parts:
+        return f"[{', '.join('...' for _ in parts)}]"
+    (inner, *_) = _choices(parts[0])
+    if _is_collection(inner):
+        return f"[{_sketch(inner, depth - 1, found)}{'' if found else ', ...'}]"
+    if found is None or isinstance(found.value, dict):
+        return "[...]"
+    return _written(found) if isinstance(found.value, list) else f"[{_written(found)}]"
 
 
 def _sketch_of_section(section: type[BaseModel], depth: int, found: Node | None) -> str:

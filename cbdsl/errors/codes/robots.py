@@ -61,7 +61,7 @@ ROBOTS = (
     Entry(
         "CB305",
         "posture outside the joint limits",
-        "{angle} rad is outside the limits of joint '{joint}', {lower} to {upper} rad",
+        "{angle} rad is outside the limits of joint '{joint}', {lower} to {upper} rad{hint}",
         "The robot can never take this posture. Limits are those of the URDF model.",
         robot("  head: {joints: [pan], postures: {aside: [100 deg]}}\n"),
         _PATH,
@@ -213,5 +213,16 @@ ROBOTS = (
         _PATH,
         _MODEL,
         good=robot("  eyes: {joints: [tilt], tip: {link: eye}}\n"),
+    ),
+    Entry(
+        "CB319",
+        "link where a joint belongs",
+        "'{name}' is a link; the joint that moves it is '{joint}'",
+        "A URDF model has links, which are bodies, and joints, which move them. Effectors and "
+        "couplings name joints, as its <joint> elements are named; tips and cameras name links.",
+        robot("  head: {joints: [neck]}\n"),
+        _PATH,
+        _MODEL,
+        good=robot("  head: {joints: [pan]}\n"),
     ),
 )
