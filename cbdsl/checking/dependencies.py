@@ -101,10 +101,11 @@ class Dependencies:
     def explain(self, name: str) -> bool:
         """Whether something that was reported is why the robot does not have a resource.
 
-        Either the robot's own document misses what the resource begins with, or the resource is one
-        of another robot, for which a document is that is named here.
+        Either the robot's own document misses what the resource begins or ends with, or the
+        resource is one of another robot, for which a document is that is named here.
         """
-        if self.robot is not None and name.split(".")[0] in self._session.missed_by(self.robot):
+        ends = {name.partition(".")[0], name.rpartition(".")[2]}
+        if self.robot is not None and not ends.isdisjoint(self._session.missed_by(self.robot)):
             return True
         return any(name in self._resources(other) for other in self._others)
 

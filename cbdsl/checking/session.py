@@ -46,15 +46,19 @@ class Session:
         return body
 
     def missed_by(self, path: Path) -> frozenset[str]:
-        """Names of effectors that a robot's own document misses, and of groups that lack them.
+        """Names of effectors and channels that a robot's own document misses, and what lacks them.
+
+        Groups lack effectors, and the aliases of channels lack channels.
 
         Whoever misses them in another document does so for the same cause.
         """
         body, own = self._bodies.get(self.library.real(path), (None, Findings()))
         missed = frozenset(found.given for found in own.sorted() if found.code == "CB308")
-        groups = {} if body is None or not missed else body.document.groups
-        lacking = (name for name, group in groups.items() if not missed.isdisjoint(group.members))
-        return missed.union(lacking)
+        if body is None or not missed:
+            return missed
+        groups, aliases = body.document.groups, body.document.vision.channels.aliases
+        lacking = {name for name, group in groups.items() if not missed.isdisjoint(group.members)}
+        return missed | lacking | {alias for alias, of in aliases.items() if of in missed}
 
     def _examine_robot(self, path: Path, findings: Findings) -> Body | None:
         try:
