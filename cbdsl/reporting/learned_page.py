@@ -49,10 +49,9 @@ def learned_page(learned: Sequence[Learned], above: float) -> str:
         "contexts": _contexts(groups),
         "choice": _choice(learned),
         "trials": "\n".join(_trial(each, place, above) for place, each in enumerate(learned)),
-        "data": _data(found, learned),
     }
-    title = f"{', '.join(programs)}, learned"
-    return filled("learned.html", title, _STYLES, _SCRIPTS, slots)
+    title, data = f"{', '.join(programs)}, learned", _data(found, learned)
+    return filled("learned.html", title, _STYLES, _SCRIPTS, data, slots)
 
 
 def _where(groups: Sequence[Lesson]) -> str:

@@ -24,7 +24,7 @@ def page(recorded: Recorded) -> str:
     """The page of a recording; the same recording gives the same text."""
     result = recorded.summary["result"]
     title = f"{result['program']}, seed {result['seed']}"
-    return filled("replay.html", title, _STYLES, _SCRIPTS, {"data": _data(recorded)})
+    return filled("replay.html", title, _STYLES, _SCRIPTS, _data(recorded), {})
 
 
 def _data(recorded: Recorded) -> str:

@@ -17,24 +17,31 @@ def filled(
     title: str,
     styles: Sequence[str],
     scripts: Sequence[str],
+    data: str,
     slots: Mapping[str, str],
 ) -> str:
-    """A page from its template; what is put in is not searched for slots.
+    """A page from its template in the frame of all pages; what is put in is not searched for slots.
 
     Args:
-        name: the template, among the assets.
+        name: the template of its body, among the assets.
         title: of the page, as text.
         styles, scripts: assets, in their order.
-        slots: what else goes in, by name, as HTML.
+        data: what the scripts show.
+        slots: what goes into the body, by name, as HTML.
     """
-    content = {
+    frame = {
         "title": escape(title),
         "licenses": _asset("vendor/LICENSES.txt"),
         "styles": "\n".join(map(_asset, styles)),
         "scripts": "\n".join(_END_OF_SCRIPT.sub(r"<\\/", _asset(each)) for each in scripts),
-        **slots,
+        "body": _fill(name, slots),
+        "data": data,
     }
-    return _SLOT.sub(lambda slot: content[slot[1]], _asset(name))
+    return _fill("page.html", frame)
+
+
+def _fill(name: str, slots: Mapping[str, str]) -> str:
+    return _SLOT.sub(lambda slot: slots[slot[1]], _asset(name))
 
 
 def _asset(name: str) -> str:

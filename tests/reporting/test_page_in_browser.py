@@ -175,6 +175,18 @@ def test_a_closer_look_is_one_for_all_and_ends(shown: Page) -> None:
         assert (pixels(shown, chart) == image).all()
 
 
+def test_a_time_at_the_right_edge_of_a_chart_has_room(shown: Page) -> None:
+    rim = shown.value(
+        "document.querySelector('.uplot').getBoundingClientRect().right"
+        " - document.querySelector('.u-over').getBoundingClientRect().right"
+    )
+    longest = shown.value(
+        "(() => { const c = document.createElement('canvas').getContext('2d');"
+        "c.font = '12px system-ui'; return c.measureText('88.88 s').width; })()"
+    )
+    assert rim >= longest / 2
+
+
 def test_rows_say_every_letter_of_the_state(shown: Page, recorded: Recorded) -> None:
     names = shown.value("[...document.querySelectorAll('.row > span')].map((e) => e.textContent)")
     members = recorded.summary["members"]

@@ -51,7 +51,7 @@ function makeChart(parent, lessons, measure, count) {
   parent.append(box);
   const shade = (index) => ({ series: [4 * index + 3, 4 * index + 2], fill: `${pen(index).stroke}30` });
   const plot = new uPlot({
-    width: box.clientWidth, height: 230, padding: [8, 14, 0, 0],
+    width: box.clientWidth, height: 230, padding: [8, 20, 0, 0],
     scales: { x: { time: false, range: [0.5, count + 0.5] }, y: { range } },
     axes: [{ ...axisLook(), size: 42, label: "episode", labelSize: 18, labelFont: "12px system-ui", incrs: [1, 2, 5, 10, 20, 50, 100, 200, 500, 1000] },
       { ...axisLook(), size: 46, incrs: INCREMENTS }],

@@ -183,7 +183,7 @@ function addChart(parent, data, times, title, names, columns, tell, zoomed, heig
   heading.append(head);
   box.append(heading);
   parent.append(box);
-  const gutter = () => parseFloat(getComputedStyle(parent).getPropertyValue("--gutter"));
+  const length = (name) => parseFloat(getComputedStyle(parent).getPropertyValue(name));
   const axis = axisLook();
   const marks = (plot) => {
     for (const each of data.transitions) {
@@ -196,10 +196,10 @@ function addChart(parent, data, times, title, names, columns, tell, zoomed, heig
     }
   };
   const plot = new uPlot({
-    width: 800, height, padding: [6, 14, 0, 0],
+    width: 800, height, padding: [6, () => length("--rim"), 0, 0],
     scales: { x: { time: false, range: (u, low, high) => [low, high] }, y: range ? { range: () => range } : { range: (u, low, high) => padded(low ?? 0, high ?? 1) } },
     axes: [{ ...axis, size: 26, values: (u, splits) => splits.map((s) => `${s} s`) },
-      { ...axis, size: gutter, incrs: INCREMENTS, values: (u, splits) => splits.map(tell) }],
+      { ...axis, size: () => length("--gutter"), incrs: INCREMENTS, values: (u, splits) => splits.map(tell) }],
     series: [{ value: (u, v) => (v == null ? "" : `${v.toFixed(2)} s`), label: "time" },
       ...names.map((label, index) => ({ label, ...pen(index), width: 1.6, points: { show: false }, spanGaps: false,
         value: (u, v, series, tick) => (v == null ? "–" : exactly ? exactly(series - 1, tick) : tell(v)) }))],
