@@ -86,7 +86,9 @@ def read_urdf(path: Path) -> UrdfModel:
     except OSError as error:
         raise UrdfError(f"{path}: {error.strerror}") from None
     except (ElementTree.ParseError, ValueError, LookupError) as error:
-        raise UrdfError(f"{path}: {error}") from None
+        raise UrdfError(f"{path}: it is no XML, of which URDF is made: {error}") from None
+    if any("xacro" in element.tag for element in root.iter()):
+        raise UrdfError(f"{path}: it is xacro; `xacro {path.name} > {path.stem}.urdf` expands it")
     if root.tag != "robot":
         raise UrdfError(f"{path}: its root is <{root.tag}>, not <robot>")
     links = frozenset(link.get("name", "") for link in root.findall("link"))

@@ -66,6 +66,7 @@ def test_the_shipped_model() -> None:
         ("", "no element found"),
         ("no xml", "syntax error"),
         ("<model/>", "its root is <model>"),
+        ("<robot name='m' xmlns:xacro='http://ros.org/wiki/xacro'><xacro:a/></robot>", "xacro"),
         ("<robot><link name='b'/></robot>", "<robot> has no name"),
         ("<robot name='m'/>", "no <link>"),
         ("<robot name='m'><link name='b'/><link name='b'/></robot>", "two links of the name 'b'"),
