@@ -2,7 +2,7 @@
 
 from typing import Annotated, Literal, Self
 
-from pydantic import Field, model_validator
+from pydantic import Field, field_validator, model_validator
 
 from cbdsl.documents.document import (
     Angle,
@@ -131,6 +131,28 @@ class Controller(Section):
     funnel: Funnel | None = None
     seek: Seek | None = None
     field: HarmonicField | None = None
+
+    @field_validator("reference")
+    @classmethod
+    def _is_no_list_in_a_text(cls, value: object) -> object:
+        for text in value if isinstance(value, tuple) else (value,):
+            if isinstance(text, str) and _may_be_several(text):
+                _refuse_several(text)
+        return value
+
+
+def _may_be_several(text: str) -> bool:
+    """Whether a text may hold more than one quantity."""
+    numbers = (word for word in text.split() if word.lstrip("+-.")[:1].isdigit())
+    return "," in text or text[:1] in ("[", "(") or len(list(numbers)) > 1
+
+
+def _refuse_several(text: str) -> None:
+    from cbdsl.types.quantity_slip import quantities_in  # only a fault needs it
+
+    if len(parts := quantities_in(text)) > 1:
+        row = ", ".join(parts)
+        raise ValueError(f"a list is written in brackets, without quotes; write [{row}]")
 
 
 class Use(Section):

@@ -79,11 +79,11 @@ def read_quantity(value: object, dimensions: tuple[str, ...]) -> float:
         QuantityError: it is neither, is not finite, or has a unit of another dimension.
     """
     if isinstance(value, bool) or not isinstance(value, (int, float, str)):
-        raise QuantityError(f"expected {_wanted(dimensions)}")
+        raise QuantityError(_told(value, "", dimensions))
     try:
         number, unit = parse_quantity(value) if isinstance(value, str) else (float(value), None)
     except QuantityError as error:
-        raise QuantityError(f"{error}; expected {_wanted(dimensions)}") from None
+        raise QuantityError(_told(value, str(error), dimensions)) from None
     except OverflowError:
         raise QuantityError("this number is too large") from None
     if unit is not None and unit.dimension not in dimensions:
@@ -91,6 +91,21 @@ def read_quantity(value: object, dimensions: tuple[str, ...]) -> float:
     if not math.isfinite(number):
         raise QuantityError(f"{value!r} is not finite")
     return number
+
+
+def _told(value: object, problem: str, dimensions: tuple[str, ...]) -> str:
+    """What is wrong with a value, and what to write or what is wanted."""
+    from cbdsl.types.quantity_slip import slip_in  # only a fault needs it
+
+    if "; write" in problem:
+        return problem
+    if slip := slip_in(value):
+        return slip
+    return (
+        f"{problem}; expected {_wanted(dimensions)}"
+        if problem
+        else (f"expected {_wanted(dimensions)}")
+    )
 
 
 def _wanted(dimensions: tuple[str, ...]) -> str:

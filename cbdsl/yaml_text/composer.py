@@ -27,6 +27,7 @@ from cbdsl.yaml_text.characters import (
 from cbdsl.yaml_text.conflict import conflicts, first_sides
 from cbdsl.yaml_text.node import Node
 from cbdsl.yaml_text.scalar import ScalarError, resolve
+from cbdsl.yaml_text.stray import Stray, explain, is_stray
 from cbdsl.yaml_text.syntax import Slip, find_slip
 
 DEEPEST = 64
@@ -124,7 +125,7 @@ class _Composer:
 
     def __init__(self, text: str, file: str) -> None:
         self.findings: list[Diagnostic] = []
-        self._text = text
+        self._lines = lines_of(text)
         self._file = file
         self._loader = LOADER(text)
         self._anchors: dict[str, Node] = {}
@@ -145,7 +146,7 @@ class _Composer:
         try:
             return self._loader.get_event()
         except yaml.MarkedYAMLError as error:
-            raise _SlipError(find_slip(error, lines_of(self._text))) from None
+            raise _SlipError(find_slip(error, self._lines)) from None
 
     def _node(self, event: Any, depth: int) -> Node:
         place = self._place(event)
@@ -219,6 +220,7 @@ class _Composer:
 
     def _fill(self, node: Node, depth: int) -> None:
         values: dict[str, Node] = {}
+        strays: dict[str, list[Stray]] = {}
         entries = 0
         while not isinstance(event := self._next(), yaml.MappingEndEvent):
             place = self._place(event)
@@ -229,13 +231,33 @@ class _Composer:
                 node.faulty = True
                 self._node(event, depth + 1)
             value = self._node(self._next(), depth + 1)
-            if key in values:
+            if key is None:
+                continue
+            if values and value.value is None and is_stray(key, self._behind(place)):
+                strays.setdefault(next(reversed(values)), []).append(Stray(key, place))
+            elif key in values:
                 first = (node.keys[key], "first written here")
                 self._find("CB107", place, related=[first], key=key)
                 values[key].faulty = True
-            elif key is not None:
+            else:
                 values[key], node.keys[key] = value, place
+        for key, found in strays.items():
+            self._join(key, values[key], found)
         node.value = values
+
+    def _behind(self, place: Place) -> str:
+        """What follows a place on its line."""
+        return self._lines[place.line - 1][place.end_column - 1 :]
+
+    def _join(self, key: str, value: Node, strays: list[Stray]) -> None:
+        """Put a value together that commas cut in pieces, where it is certain what it was."""
+        cut = explain(key, value, strays)
+        self._find("CB205", value.place, problem=cut.problem)
+        if cut.whole is None:
+            value.faulty = True
+        else:
+            value.value = resolve(cut.whole)
+            value.place = value.place._replace(end_column=strays[-1].place.end_column)
 
     def _key(self, event: Any, place: Place) -> str | None:
         """A key's text as written: 10 and X- are both patterns of a state."""

@@ -120,7 +120,9 @@ def _is_nameless(path: tuple[Step, ...], source: SourceMap, model: type[BaseMode
     if section is None or not isinstance(found, dict):
         return False
     keys = {field.alias or name for name, field in section.model_fields.items()}
-    return keys.issuperset(found)
+    # A section may well be named like one of the keys below it.
+    are_sections = all(isinstance(node.value, dict) for node in found.values())
+    return keys.issuperset(found) and not are_sections
 
 
 def _is_below(path: tuple[Step, ...], above: set[tuple[Step, ...]]) -> bool:
@@ -167,6 +169,8 @@ def path_of(error: ErrorDetails, source: SourceMap) -> tuple[Step, ...]:
 def _diagnose(
     path: tuple[Step, ...], same: list[_Fault], source: SourceMap, model: type[BaseModel]
 ) -> Diagnostic:
+    if row := _row(path, same, source, model):
+        return row
     if all(fault.is_wrong_kind for fault in same):
         expected = " or ".join(dict.fromkeys(fault.expected for fault in same))
         value = source.node(path).value
@@ -174,10 +178,29 @@ def _diagnose(
             return diagnostic("CB205", source.place(*path), problem=slip)
         if example := form(model, path, source.node(path)):
             expected += f", as in {example}"
-        found = describe(value)
+        found = describe(value) + _left_out(value, expected)
         return diagnostic("CB204", source.place(*path), expected=expected, found=found)
     fault = next(fault for fault in same if not fault.is_wrong_kind)
     return _special(fault, path, source, model)
+
+
+def _row(
+    path: tuple[Step, ...], same: list[_Fault], source: SourceMap, model: type[BaseModel]
+) -> Diagnostic | None:
+    """What is to be said of what should be a list, or a list less, where its values are there."""
+    from cbdsl.yaml_text.row import meant_row  # only a fault needs it
+
+    steps = path[:-1] if path and path[-1] == 0 else path
+    is_inner = steps != path and isinstance(source.node(path).value, list)
+    if not is_inner and all(fault.error["type"] != "tuple_type" for fault in same):
+        return None
+    node = source.node(steps if is_inner else path)
+    row = meant_row(node, source)
+    places = (form(model, path) or "").count("...")
+    if row is None or (isinstance(node.value, str) and row.count(",") + 1 < places):
+        return None
+    found = "a list within a list" if is_inner else describe(node.value)
+    return diagnostic("CB204", node.place, expected="a list", found=f"{found}; write {row}")
 
 
 def _special(
@@ -194,7 +217,8 @@ def _special(
         case "missing":
             # A missing key has no place of its own: its parent's key stands for it.
             place = source.key(*path[:-1])
-            return diagnostic("CB203", place, key=name)
+            said = [(place, text) for text in _said_of(path, model)]
+            return diagnostic("CB203", place, key=name, related=said)
         case "extra_forbidden":
             keys = allowed_keys(model, error["loc"][:-1])
             return diagnostic("CB202", source.key(*path), names=keys, key=name)
@@ -215,8 +239,25 @@ def _special(
     return diagnostic("CB208", source.place(*path), problem=problem)
 
 
+def _left_out(value: object, expected: str) -> str:
+    """The sign that made something else of what is expected, and has to be left out."""
+    if "a mapping" in expected and isinstance(value, list) and all(map(_is_entry, value)):
+        return "; leave out the '-' in front of each key" if value else ""
+    is_key = isinstance(value, dict) and [child.value for child in value.values()] == [None]
+    if isinstance(value, dict) and is_key and "text" in expected:
+        return f"; leave out the ':' after '{next(iter(value))}'"
+    return ""
+
+
+def _is_entry(node: Node) -> bool:
+    return isinstance(node.value, dict) and len(node.value) == 1
+
+
 def _named_instead(text: str) -> str:
     """What to write for what is no name, such as a document's file."""
+    core, *words = re.split(r"\s*(?:#|//)\s*", text, maxsplit=1)
+    if words and re.match(NAME_PATTERN, core):
+        return f"; a comment begins with a space and '#': write {core} # {words[0]}"
     file = PurePath(text.strip())
     if len(file.parts) > 1 or file.suffix in (".yaml", ".yml"):
         return f"; documents are named without folder and ending: write {file.stem}"
@@ -224,18 +265,30 @@ def _named_instead(text: str) -> str:
     return f"; write {name}" if name != text and re.match(NAME_PATTERN, name) else ""
 
 
+def _said_of(path: tuple[Step, ...], model: type[BaseModel]) -> set[str]:
+    """What the documentation says of a key."""
+    from cbdsl.documents.json_schema import documented  # only a fault needs it
+
+    sections = [s for s in annotations_at(model, path[:-1]) if isinstance(s, type)]
+    return {
+        f"{path[-1]}: {text}"
+        for section in sections
+        if issubclass(section, BaseModel) and (text := documented(section).get(str(path[-1])))
+    }
+
+
 def _slip_in_key(path: tuple[Step, ...], source: SourceMap) -> str | None:
     """What made a key out of what was never meant to be one."""
     mapping, key = source.node(path[:-1]).value, str(path[-1])
     if not isinstance(mapping, dict) or key not in mapping:
         return None
-    before = dict(zip(list(mapping)[1:], mapping.values(), strict=False)).get(key)
     is_alone = mapping[key].value is None
-    if is_alone and key[:1].isdigit() and before is not None and isinstance(before.value, int):
-        return _with_a_comma(before.value, key)
     tight, _, rest = key.partition(":")
-    if rest[:1] in ("{", "["):
+    if rest and (is_alone or rest[0] in "{["):
         return f"a space is missing after the ':' of '{tight}'"
+    name, sign, rest = key.partition("=")
+    if sign and is_alone:
+        return f"a ':' is missing after '{name.strip()}'; write '{name.strip()}: {rest.strip()}'"
     first, _, rest = key.partition(" ")
     if rest and (is_alone or rest[0] in "{["):
         return f"a ':' is missing after '{first}'"

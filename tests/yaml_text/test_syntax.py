@@ -96,7 +96,7 @@ OUT_OF_LINE = [
     ("a:\n  b: 1\n c: 1\n  d: 1\n", (3, 2), "by 2 spaces, like 'b' in line 2"),
     ("a:\n   b: 1\n  c: 1\n  d: 1\n", (2, 4), "by 2 spaces, like 'c' in line 3"),
     ("a:\n b: 1\n  c: 1\n  d: 1\n", (2, 2), "by 2 spaces, like 'c' in line 3"),
-    ("a:\n  b: 1\nc: 1\n  d: 1\n", (3, 1), "by 2 spaces, like 'd' in line 4"),
+    ("a:\n  b: 1\nc: 1\n  d: 1\n", (3, 1), "by 2 spaces, like 'b' in line 2"),
     ("a:\n  - b\n - c\n  - d\n", (3, 2), "by 2 spaces, like 'b' in line 2"),
     ("a:\n  - b\n  c:\n", (3, 3), "begin it with '- '"),
     ("a:\n  b: 1\n  - c: 1\n", (3, 3), "leave the '-' out"),
