@@ -45,13 +45,13 @@ def within_view(camera: Camera, centre: Floats, radius: float) -> bool:
 
 def heading(direction: Floats) -> Floats:
     """Azimuth (left positive) and elevation (up positive) of a direction, rad, shape (2,)."""
-    x, y, z = direction
+    x, y, z = direction.tolist()
     return np.array([math.atan2(y, x), math.atan2(z, math.hypot(x, y))])
 
 
 def direction(angles: Floats) -> Floats:
     """Unit vector with the given heading, shape (3,)."""
-    azimuth, elevation = angles
+    azimuth, elevation = angles.tolist()
     return np.array(
         [
             math.cos(elevation) * math.cos(azimuth),
@@ -66,7 +66,7 @@ def heading_jacobian(angles: Floats) -> Floats:
 
     The point looked at is taken to be far away compared with the camera's own displacement.
     """
-    azimuth, elevation = angles
+    azimuth, elevation = angles.tolist()
     # The point turns by -omega in the camera frame: its direction d moves by -(omega x d).
     tan = math.tan(elevation)
     return np.array(
@@ -96,5 +96,6 @@ def sighting_jacobian(point: Floats) -> Floats:
 
 def focal_scale(camera: Camera, direction_in_camera: Floats) -> float:
     """Cosine cubed of the angle off the optical axis: how much a pinhole enlarges areas there."""
-    x, y, z = direction_in_camera
-    return float((1 + (y * y + z * z) / (x * x)) ** -1.5)
+    x, y, z = direction_in_camera.tolist()
+    cosine: float = (1 + (y * y + z * z) / (x * x)) ** -1.5
+    return cosine

@@ -8,6 +8,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from cbdsl.robot.compiled import compiled_once
+
 Floats = NDArray[np.float64]
 
 
@@ -37,16 +39,32 @@ class Crossing(NamedTuple):
 
 def triangulate(left: Ray, right: Ray) -> Crossing | None:
     """Cross two lines of sight; ``None`` where they are parallel or cross behind a camera."""
-    between = right.origin - left.origin
-    cosine = float(left.direction.dot(right.direction))
+    position = np.empty(3)
+    gap = _cross(*left, *right, position)
+    return None if math.isnan(gap) else Crossing(position, gap)
+
+
+@compiled_once
+def _cross(
+    left: Floats, left_direction: Floats, right: Floats, right_direction: Floats, position: Floats
+) -> float:
+    """Fill in the position of a crossing; returns its gap, NaN where there is no crossing."""
+    cosine = along_left = along_right = 0.0
+    for i in range(3):
+        cosine += left_direction[i] * right_direction[i]
+        along_left += (right[i] - left[i]) * left_direction[i]
+        along_right += (right[i] - left[i]) * right_direction[i]
     determinant = 1.0 - cosine * cosine
     if determinant < 1e-9:
-        return None
-    along_left, along_right = (float(between.dot(ray.direction)) for ray in (left, right))
+        return math.nan
     left_range = (along_left - cosine * along_right) / determinant
     right_range = (cosine * along_left - along_right) / determinant
-    if left_range <= 0 or right_range <= 0:
-        return None
-    left_point = left.origin + left_range * left.direction
-    right_point = right.origin + right_range * right.direction
-    return Crossing((left_point + right_point) / 2, math.dist(left_point, right_point))
+    if left_range <= 0.0 or right_range <= 0.0:
+        return math.nan
+    square = 0.0
+    for i in range(3):
+        left_point = left[i] + left_range * left_direction[i]
+        right_point = right[i] + right_range * right_direction[i]
+        position[i] = (left_point + right_point) / 2.0
+        square += (left_point - right_point) ** 2
+    return math.sqrt(square)
