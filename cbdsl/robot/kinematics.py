@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.robot.joints import Joints
-from cbdsl.robot.motion import Integers, Vector, curvature_at, point_at
+from cbdsl.robot.motion import Integers, Vector, component_along, curvature_at, point_at
 from cbdsl.robot.urdf import UrdfError
 
 Floats = NDArray[np.float64]
@@ -90,20 +90,28 @@ class Kinematics:
         self.upper: Floats = self._model.upperPositionLimit[own]
         self._has_wheels = self._model.nq != self._model.nv
         self._links: dict[str, _Link] = {}
+        self._origins: dict[str, Floats] = {}
         self._frames: dict[str, Frame] = {}
         self._points: dict[tuple[str, Vector], Point] = {}
+        self._turnings: dict[str, Floats] = {}
         self.update(np.minimum(np.maximum(0.0, self.lower), self.upper))
 
     def update(self, positions: Floats) -> None:
         """Set the actuated joint positions, rad, shape (n,)."""
-        turned = self._expansion.dot(positions)
+        self._positions, self._is_new = positions.copy(), True
+        self._frames.clear()
+        self._points.clear()
+        self._turnings.clear()
+
+    def _move(self) -> None:
+        """Let Pinocchio's memory have the newest posture: in many ticks, nobody asks for it."""
+        self._is_new = False
+        turned = self._expansion.dot(self._positions)
         if self._has_wheels:
             # A joint without limits has two coordinates and one velocity.
             turned = pinocchio.integrate(self._model, pinocchio.neutral(self._model), turned)
         pinocchio.computeJointJacobians(self._model, self._data, turned)
         pinocchio.updateFramePlacements(self._model, self._data)
-        self._frames.clear()
-        self._points.clear()
 
     def frame(self, link: str) -> Frame:
         """The placement of a link, which stays as it is now."""
@@ -118,9 +126,20 @@ class Kinematics:
         found: Floats = self._link(link).rotation.dot(vector)
         return found
 
+    def component(self, link: str, axis: Floats, vector: Floats) -> float:
+        """The component of a vector (3,) along an axis (3,) of a link's own, in its unit."""
+        found: float = component_along(self._link(link).rotation, axis, vector)
+        return found
+
     def jacobian(self, link: str) -> Floats:
         """Linear and angular velocity of a link, world axes, per joint velocity, shape (6, n)."""
         return self.point(link, _ORIGIN).jacobian
+
+    def turning(self, link: str) -> Floats:
+        """Angular velocity of a link, world axes, per joint velocity, shape (3, n)."""
+        found = self._turnings.get(link)
+        # Every point of a link turns as the link does.
+        return self.jacobian(link)[3:] if found is None else found
 
     def point(self, link: str, offset: Vector) -> Point:
         """A point of a link, ``offset`` from its origin in its own axes, m."""
@@ -131,6 +150,7 @@ class Kinematics:
             x, y, z = offset
             point_at(x, y, z, here.position, here.rotation, *here.support, *found)
             self._points[link, offset] = found
+            self._turnings[link] = found.jacobian[3:]
         return found
 
     def curvature(self, link: str, point: Floats, rows: int) -> Floats:
@@ -155,12 +175,26 @@ class Kinematics:
         joint = self._model.frames[self._index(link)].parentJoint
         return frozenset(self._model.names[i] for i in list(self._model.supports[joint])[1:])
 
-    def joint_positions(self, joints: tuple[str, ...]) -> Floats:
-        """Origins of the named joints in the world frame, m, shape (len(joints), 3)."""
-        model, data = self._model, self._data
-        return np.array([data.oMi[model.getJointId(name)].translation for name in joints])
+    def origins(self, joints: tuple[str, ...], links: tuple[str, ...]) -> Floats:
+        """Origins of the named joints and links in the world frame, m, shape (k, 3)."""
+        found = [self._joint(name) for name in joints]
+        found += [self._link(name).position for name in links]
+        return np.array(found).reshape(len(found), 3)
+
+    def _joint(self, name: str) -> Floats:
+        """The origin of a joint now, shape (3,): memory that Pinocchio updates."""
+        if self._is_new:
+            self._move()
+        found = self._origins.get(name)
+        if found is None:
+            index = self._model.getJointId(name)
+            found = self._origins[name] = self._data.oMi[index].translation
+        return found
 
     def _link(self, name: str) -> _Link:
+        """A link now."""
+        if self._is_new:
+            self._move()
         found = self._links.get(name)
         if found is None:
             found = self._links[name] = self._found(name)

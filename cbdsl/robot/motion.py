@@ -51,6 +51,18 @@ def point_at(
 
 
 @compiled_once
+def component_along(rotation: Floats, axis: Floats, vector: Floats) -> float:
+    """The component of a vector (3,) along an axis (3,) that is turned by a rotation (3, 3)."""
+    along = 0.0
+    for row in range(3):
+        turned = (
+            rotation[row, 0] * axis[0] + rotation[row, 1] * axis[1] + rotation[row, 2] * axis[2]
+        )
+        along += turned * vector[row]
+    return along
+
+
+@compiled_once
 def curvature_at(
     point: Floats,
     axes: Floats,

@@ -156,7 +156,7 @@ class Sight:
         """A heading as the head moves it, and the hands that hold what it leads to."""
         link = self._robot.cameras[camera].link
         frame = self._kinematics.frame(link)
-        turning = frame.rotation.T.dot(self._kinematics.jacobian(link)[3:])
+        turning = frame.rotation.T.dot(self._kinematics.turning(link))
         jacobian = heading_jacobian(angles).dot(turning)
         motion = self._motion(channel)
         if motion is not None:

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from cbdsl.documents.robot import RobotDocument
+from cbdsl.robot.compiled import compiled, compiled_once
 from cbdsl.robot.density import DensitySampler, Sampler
 from cbdsl.robot.kinematics import Kinematics
 from cbdsl.robot.observation import Observation
@@ -142,10 +143,6 @@ class Signals:
             return UniformSampler(*limits, rng)
         return DensitySampler(source, *limits, rng)
 
-    def angles(self, joints: Sequence[str]) -> Floats:
-        """Measured angles of the named joints, rad."""
-        return self.positions[self.joints.pick(joints)]
-
     def _configuration(self, source: EffectorConfiguration) -> Reading:
         own = self.joints.of(source.effector)
         rows = self._selections.get(source.effector)
@@ -166,11 +163,7 @@ class Signals:
         return known
 
     def _require_finite(self, observation: Observation, wrenches: Floats) -> None:
-        positions, velocities = observation.positions, observation.velocities
-        # A sum of squares is NaN or infinite as soon as one of its terms is.
-        squares = positions.dot(positions) + velocities.dot(velocities)
-        squares += np.vdot(wrenches, wrenches)
-        if not math.isfinite(squares):
+        if not _have_squares(observation.positions, observation.velocities, wrenches.ravel()):
             self._refuse(observation)
 
     def _refuse(self, observation: Observation) -> None:
@@ -189,3 +182,18 @@ class Signals:
         """A joint, and the resource that it belongs to."""
         effectors = self._robot.effectors.items()
         return next(f"joint {joint} of {name}" for name, each in effectors if joint in each.joints)
+
+
+@compiled_once
+def _have_squares(positions: Floats, velocities: Floats, wrenches: Floats) -> bool:
+    """Whether all numbers are finite, and small enough to compute with."""
+    squares = _square(positions) + _square(velocities) + _square(wrenches)
+    return math.isfinite(squares)
+
+
+@compiled
+def _square(numbers: Floats) -> float:
+    total = 0.0
+    for number in numbers:
+        total += number * number
+    return total

@@ -63,7 +63,7 @@ class Tips:
         link = self._link(source.effector)
         rotation = self._kinematics.frame(link).rotation
         if source.part == "orientation":
-            return Reading(rotation, self._kinematics.jacobian(link)[3:], self.stamp)
+            return Reading(rotation, self._kinematics.turning(link), self.stamp)
         point = self._point(source.effector, standoff)
         return Reading(transform(rotation, point.position), point.jacobian, self.stamp)
 

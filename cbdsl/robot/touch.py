@@ -9,12 +9,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cbdsl.documents.robot import LoadCell, RobotDocument
+from cbdsl.robot.compiled import compiled_once
 from cbdsl.robot.kinematics import Kinematics
 from cbdsl.robot.reading import Reading, stacked
 from cbdsl.robot.tips import Tips
 from cbdsl.types.resource import FingerForces, FingerLoad, NetForces, NetLoad
 
 Floats = NDArray[np.float64]
+Booleans = NDArray[np.bool_]
 Cell = tuple[str, str]
 
 _PARTS = {"force": slice(0, 3), "torque": slice(3, 6), "wrench": slice(0, 6)}
@@ -34,6 +36,11 @@ class Touch:
         self._cells = [(hand, f) for hand, fingers in robot.load_cells.items() for f in fingers]
         #: By hand, which of the cells are its own.
         self._own = {hand: self._span(hand) for hand in robot.load_cells}
+        #: By hand, indices of the joints that flex its fingers.
+        self.flexing = {
+            hand: kinematics.joints.pick([cell.joint for cell in fingers.values()])
+            for hand, fingers in robot.load_cells.items()
+        }
         self._flexions = {hand: self._flexion(hand) for hand in robot.load_cells}
         #: By link, the normal of its load cell in its own frame, of unit length.
         self._normals = {
@@ -64,8 +71,7 @@ class Touch:
         if self._tare is None:
             self._tare = wrenches
         self._loads = wrenches - self._tare
-        threshold = self._robot.contact.threshold
-        self._felt = [math.hypot(x, y, z) > threshold for x, y, z, *_ in self._loads.tolist()]
+        self._felt = _felt(self._loads, self._robot.contact.threshold).tolist()
 
     def touching_anything(self) -> bool:
         """Whether any fingertip of any hand feels more than the contact threshold."""
@@ -82,10 +88,6 @@ class Touch:
     def hands(self, name: str) -> tuple[str, ...]:
         """The hands of a group, or the one that is named itself."""
         return self._robot.members(name)
-
-    def flexion_joints(self, hand: str) -> list[str]:
-        """The joints that flex the fingers."""
-        return [cell.joint for cell in self._fingers(hand).values()]
 
     def shares(self, hand: str) -> Floats:
         """Each finger's share of a force reference, shape (fingers,)."""
@@ -132,7 +134,10 @@ class Touch:
 
     def _finger_normal_forces(self, hand: str) -> Reading:
         cells, forces = self._fingers(hand).values(), self._loads[self._own[hand], :3]
-        value = [self._normal(cell).dot(force) for cell, force in zip(cells, forces, strict=True)]
+        value = [
+            self._kinematics.component(cell.link, self._normals[cell.link], force)
+            for cell, force in zip(cells, forces, strict=True)
+        ]
         return Reading(np.array(value), self._flexions[hand], self._tips.stamp)
 
     def _palm_force(self, hand: str) -> Reading:
@@ -160,9 +165,8 @@ class Touch:
 
     def _flexion(self, hand: str) -> Floats:
         """Forces along the fingers' normals per joint, N/rad, shape (fingers, n)."""
-        joints = self._kinematics.joints
-        rows = np.zeros((len(self._fingers(hand)), len(joints)))
-        rows[np.arange(len(rows)), joints.pick(self.flexion_joints(hand))] = 1.0
+        rows = np.zeros((len(self._fingers(hand)), len(self._kinematics.joints)))
+        rows[np.arange(len(rows)), self.flexing[hand]] = 1.0
         return rows * self._robot.control.stiffness
 
     def _fingers(self, hand: str) -> Mapping[str, LoadCell]:
@@ -174,6 +178,16 @@ class Touch:
 
     def _normal(self, cell: LoadCell) -> Floats:
         return self._kinematics.direction(cell.link, self._normals[cell.link])
+
+
+@compiled_once
+def _felt(loads: Floats, threshold: float) -> Booleans:
+    """Whether the force of each wrench (cells, 6) is more than a threshold, N."""
+    felt = np.empty(len(loads), dtype=np.bool_)
+    for cell in range(len(loads)):
+        x, y, z = loads[cell, 0], loads[cell, 1], loads[cell, 2]
+        felt[cell] = math.sqrt(x * x + y * y + z * z) > threshold
+    return felt
 
 
 def _carrier(robot: RobotDocument, kinematics: Kinematics, hand: str) -> str | None:

@@ -25,8 +25,16 @@ _BEHIND_HAND = 0.1
 
 
 class _Sight(NamedTuple):
-    """Where a region was seen: direction in the world frame, time in s, number of the image."""
+    """Where a region was seen.
 
+    Attributes:
+        line: of sight to its centroid, in the camera's frame, with x = 1, shape (3,).
+        direction: the same in the world frame, shape (3,).
+        time: when, s.
+        image: number of the image.
+    """
+
+    line: Floats
     direction: Floats
     time: float
     image: int
@@ -127,7 +135,8 @@ class Vision:
                     continue
                 self.regions[name, channel] = region
                 line = sight(camera, region.column, region.row)
-                self._sights[name, channel] = _Sight(frame.rotation @ line, self._time, self.images)
+                direction = frame.rotation.dot(line)
+                self._sights[name, channel] = _Sight(line, direction, self._time, self.images)
             self._head_for(name, frame)
 
     def _moved(self, camera: str, frame: Frame) -> bool:
@@ -144,7 +153,7 @@ class Vision:
         for channel in self._channels:
             seen = self._sights.get((camera, channel))
             if seen is not None and self._time - seen.time <= self._settings.linger:
-                self.headings[camera, channel] = heading(frame.rotation.T @ seen.direction)
+                self.headings[camera, channel] = heading(frame.rotation.T.dot(seen.direction))
                 self.stamps[camera, channel] = seen.image
 
     def _remember(self, time: float, channel: str, memory: PositionMemory) -> None:
@@ -160,41 +169,31 @@ class Vision:
 
     def _sighting(self, channel: str) -> tuple[Floats, Floats] | None:
         """A believable position and the apparent sizes, m^2, or ``None``."""
-        regions = []
+        regions, rays = [], []
         for name in self._cameras:
             region = self.regions.get((name, channel))
             if region is None or region.clipped:
                 return None
             regions.append(region)
-        lines = [
-            sight(camera, region.column, region.row)
-            for camera, region in zip(self._cameras.values(), regions, strict=True)
-        ]
-        frames = [self._frames[name] for name in self._cameras]
-        rays = [
-            Ray(frame.position, frame.rotation.dot(line) / math.sqrt(line.dot(line)))
-            for frame, line in zip(frames, lines, strict=True)
-        ]
+            seen = self._sights[name, channel]
+            length = math.sqrt(seen.line.dot(seen.line))
+            rays.append(Ray(self._frames[name].position, seen.direction / length))
         crossing = triangulate(rays[0], rays[1])
         if crossing is None or crossing.gap > self._settings.ray_gap:
             return None
-        distances = [math.dist(crossing.position, ray.origin) for ray in rays]
-        if max(distances) > self._settings.farthest:
-            return None
-        sizes = [
-            region.area * focal_scale(camera, line) * (distance / camera.focal_length) ** 2
-            for camera, region, line, distance in zip(
-                self._cameras.values(), regions, lines, distances, strict=True
-            )
-        ]
+        sizes = []
+        for (name, camera), region, ray in zip(self._cameras.items(), regions, rays, strict=True):
+            distance = math.dist(crossing.position, ray.origin)
+            if distance > self._settings.farthest:
+                return None
+            scale = focal_scale(camera, self._sights[name, channel].line)
+            sizes.append(region.area * scale * (distance / camera.focal_length) ** 2)
         return crossing.position, np.array(sizes)
 
     def _hidden_by_hand(self, position: Floats) -> bool:
         """Whether a wrist, palm or fingertip is near some camera's line of sight to a position."""
         if self._hands is None:
-            wrists = self._kinematics.joint_positions(self._wrists)
-            hands = [self._kinematics.frame(link).position for link in self._hand_links]
-            self._hands = np.array([*wrists, *hands]).reshape(-1, 3)
+            self._hands = self._kinematics.origins(self._wrists, self._hand_links)
         radius = self._settings.hand_radius
         return any(
             _is_beside(self._hands, frame.position, position, radius)

@@ -87,7 +87,7 @@ class ControllerRun:
         self._defined_by: tuple[Reading, Reading] | None = None
         self.seeking = self.exhausted = False
         self.no_path = ""
-        self._sample: Floats | None = None
+        self._sample: Reading | None = None
         self._stamp = -1
         self._task.reset()
         self._monitor.reset()
@@ -122,12 +122,11 @@ class ControllerRun:
         if reference is None:
             self._undefined()
             return False
-        feedback = self._read(reference)
-        defined = feedback is not None and (self._always_defined or self._defines(feedback))
-        if not defined:
+        feedback = self._measured(reference)
+        defined = feedback is not None
+        if feedback is None:
             self._undefined()
-            if not self._may_seek(peers):
-                return False
+            feedback = self._read(reference) if self._may_seek(peers) else None
         if feedback is None:
             return False
         if stack is not self._stack:
@@ -192,18 +191,23 @@ class ControllerRun:
                 radius = reading.radius if obstacle.radius is None else obstacle.radius
                 yield Obstacle.sphere(obstacle.resource.name, reading.value, radius)
 
-    def _defines(self, feedback: Reading) -> bool:
-        """Whether the feedback is measured, and the effector moves it.
+    def _measured(self, reference: Reading) -> Reading | None:
+        """The feedback, if it is measured and the effector moves it.
 
         What is seen moves with an arm only while the arm's hand holds it; all else always does.
         """
-        source = self.controller.feedback.source
+        if self._always_defined:
+            return self._read(reference)
+        # Of a force, this takes less time than to read it.
         if not self._signals.defined(self.controller.feedback):
-            return False
+            return None
+        feedback, source = self._read(reference), self.controller.feedback.source
+        if feedback is None:
+            return None
         moves = self._moves or bool(feedback.jacobian.take(self._own, axis=1).any())
         self._moves = moves and not isinstance(source, _SEEN)
         self._always_defined = self._moves and isinstance(source, _PROPRIOCEPTIVE)
-        return moves
+        return feedback if moves else None
 
     def _undefined(self) -> None:
         self.predicate = self._monitor.undefined()
@@ -250,8 +254,8 @@ class ControllerRun:
     def _flexed(self, until: float) -> bool:
         source = self.controller.feedback.source
         assert isinstance(source, FingerForces)
-        joints = self._signals.touch.flexion_joints(source.hand)
-        return bool(np.all(self._signals.angles(joints) > until))
+        joints = self._signals.touch.flexing[source.hand]
+        return bool((self._signals.positions[joints] > until).all())
 
     def _reference(self) -> Reading | None:
         """The reference now, where it is not constant, or ``None`` while it is undefined."""
@@ -262,8 +266,8 @@ class ControllerRun:
         if self._sample is None:
             if self._sampler is None:
                 self._sampler = self._signals.sampler(resource, self._rng)
-            self._sample = self._sampler.draw()
-        return Reading(self._sample, np.zeros((0, 0)), 0)
+            self._sample = Reading(self._sampler.draw(), np.zeros((0, 0)), 0)
+        return self._sample
 
 
 def _reader(controller: Controller, signals: Signals) -> Callable[[Reading], Reading | None]:

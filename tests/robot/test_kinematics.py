@@ -34,6 +34,51 @@ def test_jacobians_by_finite_differences(
         assert jacobian[:, column] == pytest.approx(np.r_[linear, angular], abs=1e-4)
 
 
+@pytest.mark.parametrize("link", LINKS)
+def test_every_point_of_a_link_turns_as_the_link(
+    kinematics: Kinematics, posture: np.ndarray, link: str
+) -> None:
+    kinematics.update(posture)
+    angular = kinematics.jacobian(link)[3:]
+    for offset in ((0.0, 0.0, 0.0), (0.1, -0.2, 0.3)):
+        kinematics.update(posture)
+        assert np.array_equal(kinematics.point(link, offset).jacobian[3:], angular)
+        assert np.array_equal(kinematics.turning(link), angular)
+
+
+def test_a_posture_stays_what_it_was_when_it_was_set(
+    kinematics: Kinematics, posture: np.ndarray
+) -> None:
+    kinematics.update(posture)
+    before = kinematics.frame(LINKS[0]).position
+    given = posture.copy()
+    kinematics.update(given)
+    given += 0.1
+    assert np.array_equal(kinematics.frame(LINKS[0]).position, before)
+    kinematics.update(given)
+    assert not np.allclose(kinematics.frame(LINKS[0]).position, before)
+
+
+def test_origins_are_those_of_the_links(kinematics: Kinematics, posture: np.ndarray) -> None:
+    """The link that a joint turns begins where the joint is."""
+    for change in (0.0, 0.1):
+        kinematics.update(posture + change)
+        *joints, first, second = kinematics.origins(("right_arm_3",), tuple(LINKS[:2]))
+        assert np.array_equal(joints, [kinematics.frame("right_link_3").position])
+        for link, origin in zip(LINKS[:2], (first, second), strict=True):
+            assert np.array_equal(origin, kinematics.frame(link).position)
+    assert kinematics.origins((), ()).shape == (0, 3)
+
+
+def test_a_component_is_that_along_the_axis_as_the_link_turns_it(
+    kinematics: Kinematics, posture: np.ndarray
+) -> None:
+    kinematics.update(posture)
+    axis, vector = np.array([0.6, 0.0, 0.8]), np.array([1.0, -2.0, 3.0])
+    turned = kinematics.direction("right_palm", axis)
+    assert kinematics.component("right_palm", axis, vector) == pytest.approx(turned @ vector)
+
+
 def test_a_wheel_that_the_robot_file_does_not_name_stays_where_it_is(
     dexter: RobotDocument, urdf: Path, kinematics: Kinematics, posture: np.ndarray, tmp_path: Path
 ) -> None:

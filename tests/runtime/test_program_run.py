@@ -359,7 +359,7 @@ def test_a_hand_that_closes_on_nothing_stops(checked: Checked, play: Play) -> No
     touch = next(run for run in final[0].run.runs if run.controller.name == "touch")
     assert touch.exhausted and not touch.seeking
     assert episode.result.predicates[-1] == "X1-"
-    fingers = touch._signals.angles(touch._signals.touch.flexion_joints("right_hand"))
+    fingers = touch._signals.positions[touch._signals.touch.flexing["right_hand"]]
     assert (fingers > 1.5).all() and (fingers < 1.6).all()
 
 
