@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
+from typing import NamedTuple
 
 import cv2
 import numpy as np
@@ -18,8 +18,7 @@ Image = NDArray[np.uint8]
 _MOTION_STEP = 24
 
 
-@dataclass(frozen=True)
-class Region:
+class Region(NamedTuple):
     """The largest connected region of a channel in one image.
 
     Attributes:

@@ -153,7 +153,7 @@ def test_what_ideal_cameras_see_counts_as_images_do(
         key: value.tolist() for key, value in headings.items()
     }
     tiny = {
-        camera: {name: replace(region, area=least - 1) for name, region in found.items()}
+        camera: {name: region._replace(area=least - 1) for name, region in found.items()}
         for camera, found in ideal.items()
     }
     signals.reset()

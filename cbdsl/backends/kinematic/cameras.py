@@ -44,13 +44,13 @@ class _Sight(NamedTuple):
         thing: what it belongs to.
         target: its index among the world's things.
         patch: the part of its surface, as ``silhouettes`` has it.
-        color: red, green and blue, each from 0 to 1.
+        channels: in which its colour is.
     """
 
     thing: Thing
     target: int
     patch: Sequence[float]
-    color: Sequence[float]
+    channels: tuple[str, ...]
 
     @property
     def samples(self) -> int:
@@ -69,9 +69,9 @@ class _Scene:
         wanted: targets, patches and samples, as ``silhouettes`` has them.
     """
 
-    def __init__(self, world: World) -> None:
+    def __init__(self, world: World, palette: Palette) -> None:
         self.solids = world.solids
-        self.sights = _sights(world)
+        self.sights = _sights(world, palette)
         self.wanted = (
             np.array([sight.target for sight in self.sights], np.intp),
             np.array([sight.patch for sight in self.sights]).reshape(len(self.sights), 4),
@@ -129,27 +129,30 @@ class Cameras:
         rng: np.random.Generator,
     ) -> None:
         self._cameras = robot.cameras
+        self._lenses = {
+            name: (camera.focal_length, float(camera.width), float(camera.height))
+            for name, camera in robot.cameras.items()
+        }
         self._sees_motion = robot.vision.channels.motion
         self._palette = palette
         self._tree = tree
         self._limbs = limbs
         self._errors = {name: _error(disturbance, rng) for name in robot.cameras}
         self._disturbed = bool(disturbance.camera_position or disturbance.camera_rotation)
-        self._before: dict[str, tuple[float, ...]] = {}
-        self._scene = _Scene(World())
+        self._before: dict[str, list[float]] = {}
+        self._scene = _Scene(World(), palette)
 
     def look(self, world: World) -> Mapping[str, Mapping[str, Region]]:
         """The largest region of each channel, by camera and channel."""
         # Things first, then the parts of the robot that may be before them.
         solids = np.concatenate((world.solids, self._limbs.solids()))
         if self._scene.solids is not world.solids:
-            self._scene = _Scene(world)
+            self._scene = _Scene(world, self._palette)
         sights, wanted = self._scene.sights, self._scene.wanted
         moved = self._motion(world)
         seen = {}
-        for name, camera in self._cameras.items():
+        for name, lens in self._lenses.items():
             pose = self._pose(name)
-            lens = camera.focal_length, float(camera.width), float(camera.height)
             found = silhouettes(solids, *wanted, pose.position, pose.rotation, lens)
             seen[name] = self._regions(sights, found, moved)
         return seen
@@ -161,17 +164,13 @@ class Cameras:
 
     def _motion(self, world: World) -> set[str]:
         """What has moved since the last look."""
-        if not self._sees_motion:
-            return set()
-        before, self._before = (
-            self._before,
-            {name: tuple(thing.position.tolist()) for name, thing in world.things.items()},
-        )
-        return {
-            name
-            for name, position in self._before.items()
-            if math.dist(position, before.get(name, position)) > _LEAST_MOTION
-        }
+        moved = set()
+        for name, thing in world.things.items() if self._sees_motion else ():
+            position = thing.position.tolist()
+            if math.dist(position, self._before.get(name, position)) > _LEAST_MOTION:
+                moved.add(name)
+            self._before[name] = position
+        return moved
 
     def _regions(
         self, sights: Sequence[_Sight], shapes: Floats, moved: set[str]
@@ -182,23 +181,22 @@ class Cameras:
                 continue
             region = Region(round(area), column, row, bool(clipped))
             motion = ("motion",) if sight.thing.name in moved else ()
-            for channel in self._palette.channels(sight.color) + motion:
+            for channel in sight.channels + motion:
                 if channel not in found or found[channel].area < region.area:
                     found[channel] = region
         return found
 
 
-def _sights(world: World) -> list[_Sight]:
+def _sights(world: World, palette: Palette) -> list[_Sight]:
     """All things, then the spots on them, whose area counts as their thing's, too."""
-    things = list(enumerate(world.things.values()))
-    return [
-        *(_Sight(thing, index, WHOLE, thing.surface.color) for index, thing in things),
-        *(
-            _Sight(thing, index, _patch(thing.shape, thing.shape.spot), thing.shape.spot.color)
-            for index, thing in things
-            if thing.shape.spot is not None
-        ),
-    ]
+    wholes, spots = [], []
+    for index, thing in enumerate(world.things.values()):
+        spot = thing.shape.spot
+        wholes.append(_Sight(thing, index, WHOLE, palette.channels(thing.surface.color)))
+        if spot is not None:
+            patch = _patch(thing.shape, spot)
+            spots.append(_Sight(thing, index, patch, palette.channels(spot.color)))
+    return wholes + spots
 
 
 def _patch(shape: Shape, spot: Spot) -> tuple[float, float, float, float]:

@@ -40,9 +40,11 @@ class Tree:
         self.rows: Mapping[str, int] = {base: 0} | {
             _end(joint, "child"): row for row, joint in enumerate(ordered, 1)
         }
-        self._joints = joints
         self._parents = np.array([self.rows[_end(joint, "parent")] for joint in ordered], int)
-        self._columns = np.array([joints.index.get(joint.get("name", ""), -1) for joint in ordered])
+        ratios = np.array([_ratios(joint.get("name", ""), joints) for joint in ordered])
+        # A passive joint follows one actuated joint, and an actuated one itself.
+        self._columns = np.argmax(np.abs(ratios), axis=1)
+        self._ratios = ratios[np.arange(len(ordered)), self._columns]
         poses = [origin(joint.find("origin")) for joint in ordered]
         self._origins = np.array([[*pose.rotation.ravel(), *pose.position] for pose in poses])
         self._axes = np.array([_axis(joint) for joint in ordered])
@@ -50,9 +52,9 @@ class Tree:
 
     def update(self, positions: Floats) -> None:
         """Set the actuated joints' positions, rad, shape (n,)."""
-        angles: Floats = self._joints.expansion.dot(positions)
         self.placements: Floats = np.empty((len(self.rows), 12))
-        _place(self._parents, self._columns, self._origins, self._axes, angles, self.placements)
+        follow = self._columns, self._ratios
+        _place(self._parents, *follow, self._origins, self._axes, positions, self.placements)
 
     def pose(self, link: str) -> Pose:
         """Where a link is."""
@@ -63,6 +65,12 @@ class Tree:
 def _end(joint: ElementTree.Element, which: str) -> str:
     end = joint.find(which)
     return "" if end is None else end.get("link", "")
+
+
+def _ratios(joint: str, joints: Joints) -> Floats:
+    """Turn of a joint per turn of each actuated one, shape (n,); 0 where it does not turn."""
+    row = joints.index.get(joint)
+    return np.zeros(len(joints)) if row is None else joints.expansion[row]
 
 
 def _axis(joint: ElementTree.Element) -> Floats:
@@ -83,16 +91,23 @@ def _outwards(
 
 @compiled_once
 def _place(
-    parents: Rows, columns: Rows, origins: Floats, axes: Floats, angles: Floats, placed: Floats
+    parents: Rows,
+    columns: Rows,
+    ratios: Floats,
+    origins: Floats,
+    axes: Floats,
+    positions: Floats,
+    placed: Floats,
 ) -> None:
     """Place the base and all links beyond it.
 
     Args:
         parents: row of the link that each joint leaves from, shape (joints,).
-        columns: index of its angle; negative where it does not turn, shape (joints,).
+        columns: the actuated joint that each of them follows, shape (joints,).
+        ratios: how far it follows, shape (joints,).
         origins: of each joint in that link's frame, as placements, shape (joints, 12).
         axes: unit vectors, shape (joints, 3).
-        angles: rad.
+        positions: of the actuated joints, rad, shape (n,).
         placed: takes the placements of all links, shape (1 + joints, 12).
     """
     placed[0] = 0.0
@@ -100,7 +115,7 @@ def _place(
     turn, turned = np.empty((3, 3)), np.empty((3, 3))
     for joint in range(len(parents)):
         parent, own, local = placed[parents[joint]], placed[joint + 1], origins[joint]
-        angle = angles[columns[joint]] if columns[joint] >= 0 else 0.0
+        angle = ratios[joint] * positions[columns[joint]]
         x, y, z = axes[joint]
         sine, cosine = math.sin(angle), math.cos(angle)
         rest = 1.0 - cosine
