@@ -21,12 +21,17 @@ def program_text(program: CheckedProgram) -> str:
     return "\n\n".join(parts) + "\n"
 
 
-def reference_text(reference: Reference | None) -> str:
-    """A reference as people read it, in SI."""
+def reference_text(reference: Reference | None, unit: str) -> str:
+    """A reference as people read it.
+
+    Args:
+        reference: of a controller.
+        unit: of the feedback, which a reference has in common with it.
+    """
     if reference is None:
         return "none"
     if isinstance(reference, Literal):
-        return f"[{', '.join(f'{value:g}' for value in reference.values)}]"
+        return f"[{', '.join(f'{value:g}' for value in reference.values)}] {unit}"
     if isinstance(reference, AlongNormals):
         return f"{reference.force:g} N along normals"
     return reference.name
@@ -66,24 +71,38 @@ def _program(program: CheckedProgram) -> Iterator[str]:
 
 def _controller(controller: Controller) -> Iterator[str]:
     potential = POTENTIALS[controller.potential]
-    bounds = {"speed": controller.speed, "acceleration": controller.acceleration}
-    limits = [f"{key} {value:g} at most" for key, value in bounds.items() if value is not None]
     kind = f"{potential.name} {potential.symbol} ({potential.equation})"
     yield f"  {controller.name}{', can be rewarded' if controller.rewarded else ''}"
-    yield from _item("potential", ", ".join((kind, f"gain {controller.gain:g} /s", *limits)), 4)
+    moves = (f"gain {controller.gain:g} /s", *_bounds(controller))
+    yield from _item("potential", ", ".join((kind, *moves)), 4)
     yield from _item("feedback", _resource(controller.feedback), 4)
-    yield from _item("reference", _reference(controller.reference), 4)
+    yield from _item("reference", _reference(controller), 4)
     effector, joints = controller.effector, count(len(controller.joints), "joint")
     yield from _item("effector", f"{_resource(effector)}, {joints}", 4)
     yield from _item("casts", " → ".join(controller.chain), 4)
 
 
+def _bounds(controller: Controller) -> Iterator[str]:
+    """How fast the task may move, and how quickly that may change."""
+    scalar, unit = POTENTIALS[controller.potential].scalar, controller.feedback.type.unit
+    unit = "" if scalar else f"({unit})" if "," in unit else unit
+    if controller.speed is not None:
+        # Forces and phi itself move only as fast as the joints that move them.
+        moved = "rad" if scalar or unit.startswith("N") else unit
+        yield f"speed {controller.speed:g} {moved}/s at most"
+    if controller.acceleration is not None:
+        yield f"acceleration {controller.acceleration:g} {unit}/s² at most"
+
+
 def _resource(resource: Resource) -> str:
-    return f"{resource.name}: {resource.type}, {resource.origin.value}"
+    return f"{resource.name}: {resource.type} in {resource.type.unit}, {resource.origin.value}"
 
 
-def _reference(reference: Reference | None) -> str:
-    return _resource(reference) if isinstance(reference, Resource) else reference_text(reference)
+def _reference(controller: Controller) -> str:
+    reference = controller.reference
+    if isinstance(reference, Resource):
+        return _resource(reference)
+    return reference_text(reference, controller.feedback.type.unit)
 
 
 def _action(program: CheckedProgram, action: Action) -> Iterator[str]:

@@ -74,7 +74,12 @@ def program_data(program: CheckedProgram) -> dict[str, object]:
             "transition_time": program.transition_time,
         },
         "resources": [
-            {"resource": r.name, "type": str(r.type), "origin": r.origin.value}
+            {
+                "resource": r.name,
+                "type": str(r.type),
+                "unit": r.type.unit,
+                "origin": r.origin.value,
+            }
             for r in resources(program)
         ],
         "controllers": [_controller(controller) for controller in controllers(program)],
@@ -97,7 +102,7 @@ def _controller(controller: Controller) -> dict[str, object]:
         "potential": controller.potential,
         "feedback": controller.feedback.name,
         "type": str(controller.feedback.type),
-        "reference": reference_text(controller.reference),
+        "reference": reference_text(controller.reference, controller.feedback.type.unit),
         "effector": controller.effector.name,
         "joints": list(controller.joints),
         "casts": " → ".join(controller.chain),

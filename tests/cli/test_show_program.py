@@ -76,6 +76,20 @@ def test_graphs_are_printed(
         ElementTree.fromstring(text)
 
 
+def test_every_quantity_has_its_unit(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    text = " ".join(printed(monkeypatch, capsys, "program", "reachtouch").split())
+    for told in (
+        "stereo.sat_10: position in m,",
+        "right_hand.finger_forces: force x 3 in N,",
+        "reference [3.14159, 0, 0] rad ",
+        "gain 8 /s, speed 0.35 m/s at most, acceleration 1.5 m/s² at most",
+        "gain 4 /s, speed 0.3 rad/s at most",  # of the joints that bring the forces about
+    ):
+        assert told in text
+
+
 def test_another_format_is_told_with_those_that_there_are(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:

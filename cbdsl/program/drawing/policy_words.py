@@ -16,7 +16,8 @@ def percent(share: float) -> str:
 
 def title(graph: PolicyGraph) -> str:
     """What is drawn."""
-    if graph.name == graph.program:
+    learned = any(decision.value is not None for decision in graph.decisions)
+    if graph.name == graph.program and not learned:
         return f"{graph.program}, the policy written in it"
     return f"{graph.name}, a policy of {graph.program}"
 

@@ -19,8 +19,8 @@ from cbdsl.program.drawing.policy_dot import policy_dot
 from cbdsl.program.drawing.policy_graph import PolicyGraph, policy_graph
 from cbdsl.program.drawing.policy_mermaid import policy_mermaid
 from cbdsl.program.drawing.policy_svg import policy_svg
-from cbdsl.program.drawing.policy_words import percent, sentence
-from tests.program.drawing.policies import MEMBERS, POLICIES
+from cbdsl.program.drawing.policy_words import percent, sentence, title
+from tests.program.drawing.policies import MEMBERS, POLICIES, learned
 
 SVG = "{http://www.w3.org/2000/svg}"
 GRAPHS = st.builds(
@@ -78,6 +78,13 @@ def test_svg_holds_its_states_apart_and_with_their_pictograms(graph: PolicyGraph
             if own == letter
         )
         assert papers.count(look.paper) == drawn + (letter != "*")
+
+
+def test_a_learned_policy_of_its_programs_name_is_not_said_to_be_written_in_it() -> None:
+    policy = learned([[("reach", "1X")]]).model_copy(update={"name": "walking"})
+    written = policy.model_copy(update={"values": {}, "transitions": {}, "curve": None})
+    assert title(policy_graph(policy)) == "walking, a policy of walking"
+    assert title(policy_graph(written)) == "walking, the policy written in it"
 
 
 def test_names_stay_text() -> None:
