@@ -13,7 +13,7 @@ from cbdsl.errors.wording import diagnostic
 # or an action that is lacking.
 _REPEATED = frozenset(
     {"CB308", "CB351", "CB402", "CB404", "CB407", "CB501", "CB607", "CB608", "CB611", "CB612"}
-    | {"CB613", "CB631"}
+    | {"CB613", "CB631", "CB717"}
 )
 # More places show nothing that these do not.
 _MOST_PLACES = 6

@@ -5,6 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from cbdsl.checking.findings import Findings
+from cbdsl.checking.impossible import check_possible
 from cbdsl.checking.model import examine_model
 from cbdsl.checking.session import Session
 from cbdsl.checking.states import check_states
@@ -72,6 +73,9 @@ class _PolicyCheck:
         is_known = self._source.is_whole("predicates")
         members = self._document.predicates if is_known else None
         check_states(self._document.policy, members, self._source, self._findings)
+        if members == self._program.members and not self._findings.holds(("CB611", "CB612")):
+            policy = self._document.policy
+            check_possible(policy, self._program, self._source, self._findings)
         self._observed()
         known = internal_models(self._program)
         for name, model in self._document.models.items():

@@ -7,6 +7,7 @@ from collections.abc import Iterator
 
 from cbdsl.checking.constants import check_signs
 from cbdsl.checking.context import Context, Steps
+from cbdsl.checking.reach import check_reach
 from cbdsl.documents import program as written
 from cbdsl.errors.counting import count
 from cbdsl.program.controller import AlongNormals, Literal, Reference
@@ -41,6 +42,8 @@ def check_reference(
     if isinstance(reference, AlongNormals) and reference.force < 0:
         place = context.source.place(*steps)
         context.add("CB208", place, problem="a finger can press along its normal, and cannot pull")
+    if isinstance(reference, Literal):
+        check_reach(context, steps, reference, feedback)
     if isinstance(reference, Literal) and isinstance(feedback.source, EffectorConfiguration):
         joints = context.body.document.joints(feedback.source.effector)
         limits = context.body.limits(joints)

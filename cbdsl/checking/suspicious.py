@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 
 from cbdsl.checking.context import Context, Steps
+from cbdsl.checking.impossible import check_possible, reads_what_is_known
 from cbdsl.checking.pace import check_gain, check_window
 from cbdsl.checking.states import ANY
 from cbdsl.documents import program as written
@@ -12,9 +13,7 @@ from cbdsl.program.checked import Action, CheckedProgram
 from cbdsl.program.controller import AlongNormals, Controller, Literal
 from cbdsl.program.dry_run import Level, levels
 from cbdsl.types.potential import POTENTIALS
-from cbdsl.types.resource import Heading, Headings, Origin, Resource, StereoPosition
-
-_ALWAYS_KNOWN = frozenset({Origin.PROPRIOCEPTION, Origin.KINEMATICS, Origin.CONSTANT, Origin.MODEL})
+from cbdsl.types.resource import Heading, Headings, Resource, StereoPosition
 
 
 def check_suspicious(
@@ -31,16 +30,21 @@ def check_suspicious(
         controllers: its controllers, with their keys in the document.
         actions: the paths of its actions in the document, by name.
     """
-    for key, controller in controllers:
+    checked = list(controllers)
+    for key, controller in checked:
         document = context.document.controllers[key]
         assert isinstance(document, written.Controller), "compositions are no controllers"
-        _ControllerCheck(context, key, document, controller).all(program)
+        _ControllerCheck(context, key, document, controller).all()
+    _hasty(context, checked, program)
     _start(context, program)
     _background(context, program)
     _used(context, program)
     for action in program.actions:
         if action.name in program.policy.values():
             _levels(context, program, action, actions[action.name])
+    # What has the wrong priority may lead what should not, and so seem to be always defined.
+    if not context.findings.holds(("CB709",)):
+        check_possible(program.policy, program, context.source, context.findings)
 
 
 class _ControllerCheck:
@@ -52,10 +56,10 @@ class _ControllerCheck:
         self._document = document
         self._controller = controller
 
-    def all(self, program: CheckedProgram) -> None:
+    def all(self) -> None:
         self._against_itself()
         self._zero_share()
-        self._pace(program)
+        self._pace()
 
     def _against_itself(self) -> None:
         controller, source = self._controller, self._context.source
@@ -77,7 +81,7 @@ class _ControllerCheck:
             steps = own if source.holds(*own) else (*self._steps, "reference")
             self._context.add("CB711", source.place(*steps), name=controller.name)
 
-    def _pace(self, program: CheckedProgram) -> None:
+    def _pace(self) -> None:
         context, controller = self._context, self._controller
         robot, source = context.body.document, context.source
         if self._document.gain is not None and POTENTIALS[controller.potential].residual:
@@ -87,16 +91,6 @@ class _ControllerCheck:
             seen = isinstance(controller.feedback.source, (Heading, Headings, StereoPosition))
             seen = seen and bool(robot.cameras)
             check_window(window, seen, robot, source, self._steps, context.findings)
-        if program.transition_time <= window:
-            self._too_short(program.transition_time, window)
-
-    def _too_short(self, longest: float, window: float) -> None:
-        source = self._context.source
-        own = (*self._steps, "quiescence", "window")
-        limit = ("limits", "transition_time")
-        place = source.place(*(limit if source.holds(*limit) else own))
-        details = {"longest": f"{longest:g}", "window": f"{window:g}"}
-        self._context.add("CB714", place, name=self._controller.name, **details)
 
 
 def _are_same(one: Resource, other: Resource) -> bool:
@@ -111,6 +105,21 @@ def _is_zero(controller: Controller) -> bool:
         case AlongNormals(force=force):
             return force == 0
     return False
+
+
+def _hasty(
+    context: Context, controllers: Iterable[tuple[str, Controller]], program: CheckedProgram
+) -> None:
+    """Warn of controllers that are watched for longer than an action lasts."""
+    source, longest, limit = context.source, program.transition_time, ("limits", "transition_time")
+    slow = [(c.quiescence.window, key, c.name) for key, c in controllers]
+    slow = sorted((each for each in slow if each[0] >= longest), reverse=True)
+    # Where the limit itself is written, it is that which is too short, and told once.
+    for window, key, name in slow[:1] if source.holds(*limit) else slow:
+        own = ("controllers", key, "quiescence", "window")
+        place = source.place(*(limit if source.holds(*limit) else own))
+        details = {"longest": f"{longest:g}", "window": f"{window:g}"}
+        context.add("CB714", place, name=name, **details)
 
 
 def _start(context: Context, program: CheckedProgram) -> None:
@@ -137,12 +146,15 @@ def _used(context: Context, program: CheckedProgram) -> None:
 def _levels(context: Context, program: CheckedProgram, action: Action, steps: Steps) -> None:
     """Warn of controllers to which one above leaves nothing, whatever happens."""
     own = [level for level in levels(program, action) if not level.background]
+    idle: dict[str, list[str]] = {}
     for i, level in enumerate(own):
         joints = frozenset(level.controller.joints)
         above = next((other for other in own[:i] if _takes_all(other, joints)), None)
         if above is not None:
-            names = {"name": level.controller.name, "above": above.controller.name}
-            context.add("CB709", context.source.place(*steps), **names)
+            idle.setdefault(above.controller.name, []).append(level.controller.name)
+    for name, below in idle.items():
+        names = " and ".join(f"'{each}'" for each in below)
+        context.add("CB709", context.source.place(*steps), above=name, names_below=names)
 
 
 def _takes_all(above: Level, joints: frozenset[str]) -> bool:
@@ -153,5 +165,5 @@ def _takes_all(above: Level, joints: frozenset[str]) -> bool:
         and joints.issubset(controller.joints)
         and controller.feedback.type.name == "configuration"
         and POTENTIALS[controller.potential].residual
-        and all(resource.origin in _ALWAYS_KNOWN for resource in controller.resources)
+        and reads_what_is_known(controller)
     )

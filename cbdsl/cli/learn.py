@@ -140,6 +140,7 @@ def learn(
     _require_name(out)
     _require_one_place(workers, scheduler)
     order = read_order(program, stage, None, read_assignments(with_))
+    _tell_of_no_reward(order)
     lesson = _lesson(order.program, sequential, transitions, transition_time)
     with needing_simulation():
         constants = _constants(gamma, alpha, epsilon, density, bandwidth, prior)
@@ -152,6 +153,16 @@ def learn(
             one_by_one(assignments, order)
         else:
             side_by_side(assignments, at_once, scheduler)
+
+
+def _tell_of_no_reward(order: Order) -> None:
+    """Tell before the episodes, not after, that nothing can be learned from them."""
+    from cbdsl.checking.reward import check_rewarded
+    from cbdsl.cli.terminal import print_diagnostics
+
+    found = check_rewarded(order.program, order.program_file, order.library)
+    if found:
+        print_diagnostics(found)
 
 
 def _require_name(out: Path) -> None:

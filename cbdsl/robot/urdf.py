@@ -22,6 +22,8 @@ class Mimic(NamedTuple):
 class UrdfJoint(NamedTuple):
     """A joint of the model; limits in rad, or m where it slides.
 
+    ``length`` is the distance between the frames of its two links, m, unless it slides.
+
     Only ``revolute`` joints can be moved: they turn, and between limits.
     """
 
@@ -33,6 +35,7 @@ class UrdfJoint(NamedTuple):
     upper: float
     limited: bool
     mimic: Mimic | None = None
+    length: float = 0.0
 
     @property
     def revolute(self) -> bool:
@@ -73,6 +76,25 @@ class UrdfModel(NamedTuple):
             if joint.revolute:
                 yield joint.name
             link = joint.parent
+
+    def reach(self, base: str, link: str) -> float | None:
+        """A bound on the distance of a link's frame from another's, m, wherever joints turn.
+
+        Returns:
+            ``None`` where something between them slides, so that there is no such bound.
+        """
+        between = set(self._way(base)).symmetric_difference(self._way(link))
+        turn = all(joint.kind in ("fixed", "revolute", "continuous") for joint in between)
+        return sum(joint.length for joint in between) if turn else None
+
+    def _way(self, link: str) -> list[UrdfJoint]:
+        """All joints between a link and the root."""
+        parents = {joint.child: joint for joint in self.joints.values()}
+        way: list[UrdfJoint] = []
+        while link in parents and len(way) < len(parents):
+            way.append(parents[link])
+            link = way[-1].parent
+        return way
 
 
 def read_urdf(path: Path) -> UrdfModel:
@@ -157,6 +179,7 @@ def _joint(element: ElementTree.Element, links: frozenset[str]) -> UrdfJoint:
         upper=math.inf if upper is None else upper,
         limited=limit is not None and not {"lower", "upper"}.isdisjoint(limit.keys()),
         mimic=_mimic(element.find("mimic")),
+        length=_length(element.find("origin")),
     )
 
 
@@ -196,6 +219,11 @@ def _are_numbers(text: str, count: int) -> bool:
         return len([x for x in map(float, text.split()) if math.isfinite(x)]) == count
     except ValueError:
         return False
+
+
+def _length(origin: ElementTree.Element | None) -> float:
+    """The length of a joint's offset from its parent; numbers are read before."""
+    return 0.0 if origin is None else math.hypot(*map(float, origin.get("xyz", "0 0 0").split()))
 
 
 def _mimic(element: ElementTree.Element | None) -> Mimic | None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
 from pathlib import Path
 
 from cbdsl.checking.causes import causes_first
@@ -48,7 +49,7 @@ def test_strangers_are_told_by_path_and_line() -> None:
 
 def test_a_chain_of_any_length_is_followed(tmp_path: Path) -> None:
     library, files = Library(tmp_path), [tmp_path / f"{i:05}.yaml" for i in range(3000)]
-    for user, used in zip(files, files[1:], strict=False):
+    for user, used in pairwise(files):
         library._named[library.real(user)] = {used}
     found = [Diagnostic("CB101", "a message", Place(str(file))) for file in files]
     ordered = causes_first(found, library)

@@ -9,6 +9,8 @@ from pathlib import Path
 import pytest
 
 from cbdsl.checking.document import check_document
+from cbdsl.checking.program import check_program
+from cbdsl.checking.reward import check_rewarded
 from cbdsl.checking.session import Session
 from cbdsl.cli.ignores import heed_ignores
 from cbdsl.errors.catalogue import CATALOGUE
@@ -31,6 +33,8 @@ def findings(entry: Entry, example: str | bytes | None, folder: Path) -> list[Di
         path.write_bytes(example if isinstance(example, bytes) else example.encode("utf-8"))
     library = Library(folder)
     found = check_document(path, session=Session(library))
+    if entry.code == "CB720":  # which only matters to whoever learns, and is told by cb learn
+        found = [*found, *check_rewarded(check_program(path, library=library), path, library)]
     return heed_ignores(found, [path], library)
 
 

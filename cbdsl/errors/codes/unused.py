@@ -22,6 +22,8 @@ _TOUCH = (
 _LIGHT = (
     "potential: spring, reference: 0, feedback: right_hand.finger_1.force, effector: right_hand"
 )
+_PLACE = "potential: spring, feedback: right_arm.position, effector: right_arm"
+_FACE = "potential: spring, feedback: right_arm.orientation, effector: right_arm"
 _QUIESCENCE = ", quiescence: {{rate: 1e-3, window: {}}}"
 
 UNUSED = (
@@ -114,7 +116,7 @@ UNUSED = (
     Entry(
         "CB709",
         "controller to which nothing is left",
-        "'{above}' always fixes all joints of '{name}', and has priority",
+        "'{above}' always fixes all joints of {names_below}, and has priority",
         "A controller moves what those with priority, further to the right, leave free. A posture "
         "leaves none of its joints free, at any time.",
         f"{_STAY}actions: [search, stay, search ◁ stay]\npolicy: {{'**': search ◁ stay}}\n",
@@ -189,6 +191,48 @@ UNUSED = (
         "The background uses what freedom an action leaves. Chosen as an action it changes nothing "
         "but the state.",
         program("background: track\nactions: [track]\n"),
+        severity=Severity.WARNING,
+        good=program("actions: [track]\n"),
+    ),
+    Entry(
+        "CB717",
+        "state that cannot occur",
+        "no state has '-' for '{name}': what that reads is known at any time",
+        "A predicate is '-' while the reference or the feedback is undefined. Joint angles, the "
+        "kinematics of a tip, postures and draws are always there; what is seen or felt is not.",
+        program('actions: [track]\npolicy: {X: track, "-": track, "0": track}\n', track=SEARCH),
+        severity=Severity.WARNING,
+        good=program('actions: [track]\npolicy: {X: track, "0": track}\n', track=SEARCH),
+    ),
+    Entry(
+        "CB718",
+        "reference out of reach",
+        "this is {distance} m away, and '{name}' never gets farther than {farthest} m",
+        "The links of the robot's model, stretched out, are not that long. A number without a unit "
+        "is in metres: write `50 cm` for half a metre.",
+        controller(f"{_PLACE}, reference: [50, -10, 20]"),
+        severity=Severity.WARNING,
+        good=controller(f"{_PLACE}, reference: [50 cm, -10 cm, 20 cm]"),
+    ),
+    Entry(
+        "CB719",
+        "angle of more than a turn",
+        "{angle} rad is more than a whole turn; an angle in degrees is written '{angle} deg'",
+        "A number without a unit is in radians. Orientations and headings repeat themselves after "
+        "a turn.",
+        controller(f"{_FACE}, reference: [180, 0, 0]"),
+        severity=Severity.WARNING,
+        good=controller(f"{_FACE}, reference: [180 deg, 0 deg, 0 deg]"),
+    ),
+    Entry(
+        "CB720",
+        "program that nothing rewards",
+        "program '{name}' cannot be rewarded, so that nothing can be learned of it: {why}",
+        "A reward is earned when a controller whose feedback comes from the environment, a heading "
+        "or a force, newly comes to rest (Eq 4.2 to 4.4). It has to be an action by itself: what "
+        "is composed into one controller, and what a used program does, is rewarded elsewhere. "
+        "`cb learn` tells before it begins; a program that is only run needs no reward.",
+        program("actions: [track]\n", track=SEARCH),
         severity=Severity.WARNING,
         good=program("actions: [track]\n"),
     ),

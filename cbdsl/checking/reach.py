@@ -1,0 +1,62 @@
+"""Constant references that no posture of the robot comes near."""
+
+from __future__ import annotations
+
+import math
+
+from cbdsl.checking.body import Body
+from cbdsl.checking.context import Context, Steps
+from cbdsl.program.controller import Literal
+from cbdsl.types.resource import Centroid, Resource, Separation, Tip
+
+# Angles that are no angle between joints: a whole turn more leads to the same place.
+_TURNED = ("orientation", "heading")
+
+
+def check_reach(context: Context, steps: Steps, reference: Literal, feedback: Resource) -> None:
+    """Warn of positions that are farther away than the links are long, and of degrees as radians.
+
+    Args:
+        context: the program.
+        steps: path of the reference.
+        reference: in SI units, as long as the feedback.
+        feedback: what is to get there.
+    """
+    place = context.source.place(*steps)
+    name, values = feedback.type.name, reference.values
+    if name in _TURNED:
+        angle = max(values, key=abs)
+        if abs(angle) > 2 * math.pi:
+            context.add("CB719", place, angle=f"{angle:g}")
+    if name != "position":
+        return
+    farthest = _farthest(context.body, feedback)
+    distance = max(math.hypot(*values[i : i + 3]) for i in range(0, len(values), 3))
+    if farthest is not None and distance > farthest:
+        ends = {"distance": f"{distance:.4g}", "farthest": f"{farthest:.3g}"}
+        context.add("CB718", place, name=feedback.name, **ends)
+
+
+def _farthest(body: Body, feedback: Resource) -> float | None:
+    """A bound on the norm of a position that joints determine, m, or ``None`` without one."""
+    match feedback.source:
+        case Tip(effector=name) | Centroid(group=name):
+            reaches = _reaches(body, name)
+            return max(reaches) if reaches else None
+        case Separation(group=name):
+            return sum(_reaches(body, name)) or None
+    return None
+
+
+def _reaches(body: Body, effector: str) -> list[float]:
+    """How far the tip of each member can be from the base, m; empty where one has no bound."""
+    robot, model, found = body.document, body.model, []
+    for member in robot.members(effector):
+        tip = robot.effectors[member].tip
+        if tip is None or model is None or not model.links.issuperset((robot.base, tip.link)):
+            return []
+        links = model.reach(robot.base, tip.link)
+        if links is None:
+            return []
+        found.append(links + math.hypot(*tip.offset))
+    return found

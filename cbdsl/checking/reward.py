@@ -1,0 +1,34 @@
+"""Whether there is something that a program can be rewarded for (Eq 4.2 to 4.4)."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from cbdsl.checking.findings import Findings
+from cbdsl.documents.program import ProgramDocument
+from cbdsl.errors.diagnostic import Diagnostic
+from cbdsl.program.checked import CheckedProgram
+from cbdsl.program.dry_run import controllers
+from cbdsl.yaml_text.library import Library
+
+
+def check_rewarded(program: CheckedProgram, path: Path, library: Library) -> tuple[Diagnostic, ...]:
+    """Warn of a program of which nothing can be learned, because nothing it does is rewarded.
+
+    Args:
+        program: a checked program.
+        path: its file.
+        library: where that was read.
+    """
+    if any(primitive.rewarded for primitive in program.primitives.values()):
+        return ()
+    findings, source = Findings(), library.read(path, ProgramDocument).source
+    hidden = [controller.name for controller in controllers(program) if controller.rewarded]
+    used = [action.name for action in program.actions if action.program is not None]
+    why = "none of its actions is a controller that measures a heading or a force"
+    if hidden:
+        why = f"'{hidden[0]}', which could be, is no action by itself"
+    elif used:
+        why = f"what '{used[0]}' earns is its own, and {why}"
+    findings.add("CB720", source.key("actions"), name=program.name, why=why)
+    return findings.sorted()
