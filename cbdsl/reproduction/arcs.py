@@ -7,6 +7,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import NamedTuple
 
+from cbdsl.language.expression import SUBJECT_TO
 from cbdsl.learning.experience import Experience
 from cbdsl.runtime.policy import matches
 
@@ -46,6 +47,10 @@ class DrawnArc:
         """Whether a diagram has it."""
         return any(arc.action == self.action and self._joins(arc) for arc in arcs)
 
+    def is_turned_among(self, arcs: Iterable[Arc]) -> bool:
+        """Whether a diagram has it with the parts of its action in whatever order."""
+        return any(_parts(arc.action) == _parts(self.action) and self._joins(arc) for arc in arcs)
+
     def is_joined(self, arcs: Iterable[Arc]) -> bool:
         """Whether a diagram has it with whatever action."""
         return any(self._joins(arc) for arc in arcs)
@@ -54,6 +59,11 @@ class DrawnArc:
         return matches(self.state, arc.state) and any(
             matches(pattern, arc.next_state) for pattern in self.next_states
         )
+
+
+def _parts(action: str) -> frozenset[str]:
+    """What an action is composed of."""
+    return frozenset(action.split(SUBJECT_TO))
 
 
 def diagram_of(experiences: Iterable[Experience], least: float = LEAST) -> dict[Arc, float]:

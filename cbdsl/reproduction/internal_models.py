@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -106,6 +106,7 @@ class Model:
         lesson: what it is learned with.
         effector: whose configurations it is about.
         joints: of the effector, those that are shown.
+        after: how many episodes it is learned from; where the source contradicts itself, both.
         quantities: what is said of it.
         title: of the picture.
     """
@@ -113,6 +114,7 @@ class Model:
     lesson: Lesson
     effector: str
     joints: tuple[str, ...]
+    after: tuple[int, ...]
     quantities: Callable[[Sequence[Expectation], int], Iterator[Quantity]]
     title: str
 
@@ -120,8 +122,11 @@ class Model:
 _FINGERS = ("right_finger_1", "right_finger_2", "right_finger_3")
 #: By figure.
 MODELS: Mapping[str, Model] = {
-    "fig-4.4": Model(COARTICULATED, "head", ("pan",), _peaks, "Where TRACK is expected"),
-    "fig-4.8": Model(TACTILEPROBE, "right_hand", _FINGERS, _narrowing, "Where contact is expected"),
+    # The caption says 25, and the text the end of a trial.
+    "fig-4.4": Model(COARTICULATED, "head", ("pan",), (25, 50), _peaks, "Where TRACK is expected"),
+    "fig-4.8": Model(
+        TACTILEPROBE, "right_hand", _FINGERS, (25,), _narrowing, "Where contact is expected"
+    ),
 }
 
 
@@ -130,18 +135,35 @@ def run(settings: Settings, name: str) -> Outcome:
     model = MODELS[name]
     with school(settings) as dexter:
         learned = gather(dexter, settings, name)
-    known = (each.trial.learner.densities().get(model.effector) for each in learned)
-    densities = [density for density in known if density is not None]
-    if not densities:
+    shown = {}
+    for episodes in _moments(model, learned):
+        densities = _densities(model, [each.after(episodes) for each in learned])
+        if densities:
+            shown[episodes] = _expectations(model, densities)
+    quantities = [
+        replace(quantity, name=f"after {episodes} episodes: {quantity.name}")
+        for episodes, expectations in shown.items()
+        for quantity in model.quantities(expectations, settings.seed)
+    ]
+    if not shown:
         return Outcome((), notes=(f"No trial found a reward with {model.effector}.",))
-    expectations = _expectations(model, densities)
-    quantities = tuple(model.quantities(expectations, settings.seed))
-    episodes = len(learned[0].trial.experiences)
     note = (
-        f"Densities at the end of {len(densities)} trials of {episodes} episodes; interquartile "
-        "means with bootstrap intervals. Each has the uniform part that it starts as."
+        f"Densities of {len(learned)} trials; interquartile means with bootstrap intervals, over "
+        "those that were rewarded by then. Each has the uniform part that it starts as."
     )
-    return Outcome(quantities, (_chart(name, model, expectations),), (note,))
+    return Outcome(tuple(quantities), (_chart(name, model, shown),), (note,))
+
+
+def _moments(model: Model, learned: Sequence[Learned]) -> list[int]:
+    """After how many episodes to look, as far as there are as many."""
+    episodes = len(learned[0].trial.experiences)
+    return sorted({min(after, episodes) for after in model.after})
+
+
+def _densities(model: Model, learned: Sequence[Learned]) -> list[Kernel | Gaussian]:
+    """Of the trials in which the effector was rewarded."""
+    known = (each.trial.learner.densities().get(model.effector) for each in learned)
+    return [density for density in known if density is not None]
 
 
 def lessons(name: str) -> tuple[Lesson, ...]:
@@ -192,13 +214,14 @@ def marginal(density: Kernel | Gaussian, joint: int, angles: Floats) -> Floats:
     return total
 
 
-def _chart(name: str, model: Model, expectations: Sequence[Expectation]) -> Chart:
+def _chart(name: str, model: Model, shown: Mapping[int, Sequence[Expectation]]) -> Chart:
     lines = tuple(
         Line(
-            each.joint,
+            f"{each.joint}, after {episodes} episodes",
             tuple(each.angles.tolist()),
             tuple(interquartile_mean(each.densities).tolist()),
         )
+        for episodes, expectations in shown.items()
         for each in expectations
     )
     return Chart(

@@ -6,6 +6,7 @@ import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
+from cbdsl.language.expression import SUBJECT_TO
 from cbdsl.reproduction.arcs import LEAST, Arc, DrawnArc, diagram_of
 from cbdsl.reproduction.checks import Check, Schedule, checks, schedule
 from cbdsl.reproduction.diagram import Diagram
@@ -172,6 +173,9 @@ def _quantities(drawn: DrawnPolicy, found: Sequence[Check]) -> Iterator[Quantity
     pairs = [[(arc, _diagram(arc, check)) for arc in drawn.arcs] for check in found]
     whole = [all(arc.is_among(arcs) for arc, arcs in row if arcs) for row in pairs]
     yield _share(f"{label}: policies with all arcs", whole, "")
+    if any(SUBJECT_TO in arc.action for arc in drawn.arcs):
+        turned = [all(arc.is_turned_among(arcs) for arc, arcs in row if arcs) for row in pairs]
+        yield _share(f"{label}: policies with all arcs, whichever part leads", turned, "")
     for column in zip(*pairs, strict=True):
         has = [arc.is_among(arcs) for arc, arcs in column if arcs]
         joined = sum(arc.is_joined(arcs) for arc, arcs in column if arcs)
@@ -243,6 +247,8 @@ def _notes(plan: Schedule) -> tuple[str, ...]:
         "it, and counts as reproduced if most trials have it; where a context of the stage is "
         "named, only episodes in it count. The picture shows the trial whose arcs have the most in "
         "common with those of the others.",
-        "Where the superior controller has no reference, it moves nothing: then both orders of a "
-        "composition do the same, and which of them a policy names there is chance.",
+        "Where the superior controller has no reference, it moves nothing, and an action that is "
+        "left after its first tick, as all are in the state of an episode's beginning, has hardly "
+        "moved anything: then both orders of a composition earn the same, and which of them a "
+        "policy names there is chance. So the arcs are counted whichever part leads, too.",
     )

@@ -41,3 +41,11 @@ def test_arcs_that_are_rare_are_not_drawn() -> None:
 def test_a_drawn_arc_is_found_by_patterns(arc: Arc, among: bool, joined: bool) -> None:
     drawn = DrawnArc("*-", "search", ("0X", "1*"))
     assert (drawn.is_among([arc]), drawn.is_joined([arc])) == (among, joined)
+
+
+@pytest.mark.parametrize("action", ["search ◁ track", "track ◁ search", "search", "search ◁ reach"])
+def test_the_order_of_a_composition_counts_where_it_is_asked_for(action: str) -> None:
+    drawn, arc = DrawnArc("XX", "search ◁ track", ("00",)), Arc("XX", action, "00")
+    assert drawn.is_among([arc]) == (action == drawn.action)
+    assert drawn.is_turned_among([arc]) == (sorted(action.split()) == sorted(drawn.action.split()))
+    assert not drawn.is_turned_among([arc._replace(next_state="0-")])

@@ -2,11 +2,19 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
+
 import numpy as np
 import pytest
+from numpy.typing import NDArray
 
 from cbdsl.documents.model import Gaussian, Kernel
+from cbdsl.documents.stage import Box, Place, StageDocument
+from cbdsl.reproduction.experiment import Settings
 from cbdsl.reproduction.internal_models import Expectation, marginal
+from cbdsl.reproduction.lesson import COARTICULATED
+from cbdsl.reproduction.school import Learned, school, shipped_dexter
+from cbdsl.robot.kinematics import Kinematics
 
 KERNEL = Kernel(
     form="kernel", samples=((-0.5, 0.1), (0.8, 0.2)), bandwidth=(0.1, 0.05), uniform=0.25
@@ -37,3 +45,68 @@ def test_a_gaussian_has_its_deviation_apart_from_the_uniform_part() -> None:
     rows = np.array([marginal(narrow, 0, ANGLES), np.full(len(ANGLES), 0.25)])
     found = Expectation("joint", -2.0, 2.0, rows).deviations
     assert found == pytest.approx([0.15, 4 / np.sqrt(12)], rel=0.01)
+
+
+def peaks(row: NDArray[np.float64]) -> list[float]:
+    """Where a density over ANGLES has maxima of at least twice the uniform one, rad."""
+    before, here, after = row[:-2], row[1:-1], row[2:]
+    uniform = 1 / (ANGLES[-1] - ANGLES[0])
+    stands_out = (before < here) & (here >= after) & (here > 2 * uniform)
+    return [float(angle) for angle in ANGLES[1:-1][stands_out]]
+
+
+def is_at(peak: float, places: tuple[float, float]) -> bool:
+    """Whether a peak is where something is seen between two angles, within a kernel's width."""
+    return places[0] - 0.1 < peak < places[1] + 0.1
+
+
+def directions(stage: StageDocument) -> dict[str, tuple[float, float]]:
+    """Between which angles the head has to pan to what is presented, and to the window, rad."""
+    robot, urdf = shipped_dexter()
+    kinematics = Kinematics(robot, urdf)
+    eyes = [kinematics.frame(camera.link).position for camera in robot.cameras.values()]
+    x, y, _ = np.mean(eyes, axis=0)
+    place, window = stage.contexts["presented"].place, stage.fixtures["window"]
+    assert isinstance(place, Place) and isinstance(window.form, Box)
+    depth = max(window.form.size[1]) / 2
+    corners = {
+        "presented": [(a, b) for a in place.x for b in place.y],
+        "window": [(window.position[0], window.position[1] + each) for each in (-depth, depth)],
+    }
+    angles = {
+        name: [float(np.arctan2(b - y, a - x)) for a, b in found] for name, found in corners.items()
+    }
+    return {name: (min(found), max(found)) for name, found in angles.items()}
+
+
+@pytest.fixture(scope="module")
+def trials(tmp_path_factory: pytest.TempPathFactory) -> list[Learned]:
+    """Three trials of SEARCHTRACK in full."""
+    settings = Settings(seed=5, trials=3, folder=tmp_path_factory.mktemp("trials"))
+    with school(settings) as dexter:
+        return dexter.learn(COARTICULATED)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("trial", range(3))
+def test_a_head_that_learned_expects_what_was_in_front_and_the_window_and_nothing_else(
+    trials: list[Learned], trial: int
+) -> None:
+    places = directions(trials[trial].stage)
+    assert places["presented"][1] < 0.3 < 1.0 < places["window"][0]
+    density = trials[trial].trial.learner.densities()["head"]
+    row = marginal(density, 0, ANGLES)
+    found = peaks(row)
+    assert all(any(is_at(peak, place) for peak in found) for place in places.values())
+    assert all(any(is_at(peak, place) for place in places.values()) for peak in found)
+    for low, high in pairwise(sorted(places.values())):
+        between = row[(low[1] < ANGLES) & (high[0] > ANGLES)]
+        assert between.min() < 0.3 * np.interp(found, ANGLES, row).min()
+    # None of this holds of what it knew before, nor of what it knows without one of the contexts.
+    assert isinstance(density, Kernel)
+    for name, (least, most) in places.items():
+        others = [each for each in density.samples if not least - 0.3 < each[0] < most + 0.3]
+        blind = density.model_copy(update={"samples": tuple(others)})
+        assert 0 < len(others) < len(density.samples)
+        assert not any(is_at(peak, places[name]) for peak in peaks(marginal(blind, 0, ANGLES)))
+    assert peaks(np.full(len(ANGLES), 0.25)) == []
