@@ -64,7 +64,7 @@ class _Generator(GenerateJsonSchema):
         model: type[BaseModel] = schema["cls"]
         result = super().model_schema(schema)
         result["title"] = _title(model)
-        documented = _documented(model)
+        documented = docstrings(model)
         for name, field in model.model_fields.items():
             key = field.alias or name
             self._describe(result["properties"][key], documented.get(name) or _said_of(field))
@@ -211,7 +211,7 @@ def _said_of(field: FieldInfo) -> str:
     return next((_one_line(section.__doc__ or "") for section in sections), "")
 
 
-def _documented(model: type[BaseModel]) -> dict[str, str]:
+def docstrings(model: type[BaseModel]) -> dict[str, str]:
     """The literals that follow the fields of a model and of what it derives from."""
     found: dict[str, str] = {}
     for section in reversed(model.__mro__):

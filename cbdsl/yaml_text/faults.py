@@ -267,13 +267,13 @@ def _named_instead(text: str) -> str:
 
 def _said_of(path: tuple[Step, ...], model: type[BaseModel]) -> set[str]:
     """What the documentation says of a key."""
-    from cbdsl.documents.json_schema import documented  # only a fault needs it
+    from cbdsl.documents.json_schema import docstrings  # only a fault needs it
 
     sections = [s for s in annotations_at(model, path[:-1]) if isinstance(s, type)]
     return {
         f"{path[-1]}: {text}"
         for section in sections
-        if issubclass(section, BaseModel) and (text := documented(section).get(str(path[-1])))
+        if issubclass(section, BaseModel) and (text := docstrings(section).get(str(path[-1])))
     }
 
 
