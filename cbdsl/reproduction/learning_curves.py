@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -15,8 +15,9 @@ from cbdsl.reproduction.experiment import Outcome, Settings
 from cbdsl.reproduction.interval import interquartile_interval, interquartile_mean, over_trials
 from cbdsl.reproduction.learned_in import learned_in_quantities
 from cbdsl.reproduction.lesson import COARTICULATED, SEQUENTIAL, Lesson
-from cbdsl.reproduction.quantity import Quantity, above, near
+from cbdsl.reproduction.quantity import Claim, Quantity, above, near
 from cbdsl.reproduction.school import Learned, School, school
+from cbdsl.reproduction.stability import stable_after, stable_quantity
 from cbdsl.training.course import journal_file
 from cbdsl.training.onlooker import Onlooker
 
@@ -66,17 +67,23 @@ def run(settings: Settings, name: str) -> Outcome:
     with school(settings) as dexter:
         sequential, both = gather(dexter, settings, name)
     quantities = (
-        *learned_in_quantities(
-            SEQUENTIAL, sequential.checks, "about 10 episodes", near(10, 5), settings.seed
-        ),
-        *learned_in_quantities(
-            COARTICULATED, both.checks, "about 20 episodes", near(20, 10), settings.seed
-        ),
+        *_learned(sequential, "about 10 episodes", near(10, 5), settings.seed),
+        *_learned(both, "about 20 episodes", near(20, 10), settings.seed),
         _times(sequential, both, settings.seed),
         _advantage(sequential, both, settings.seed),
     )
     found = (sequential, both)
     return Outcome(quantities, (_chart(name, found, settings.seed),), _notes(settings, found))
+
+
+def _learned(curves: Curves, source: str, expected: Claim, seed: int) -> Iterator[Quantity]:
+    """After how many episodes it is learned, and stays as it is."""
+    yield from learned_in_quantities(curves.lesson, curves.checks, source, expected, seed)
+    stable = [
+        stable_after(each.trial, checks[-1].experiences)
+        for each, checks in zip(curves.trials, curves.checks, strict=True)
+    ]
+    yield stable_quantity(curves.lesson, stable, source, expected, seed)
 
 
 def lessons(name: str) -> tuple[Lesson, ...]:
@@ -186,6 +193,8 @@ def _notes(settings: Settings, found: Sequence[Curves]) -> tuple[str, ...]:
         "Interquartile means over the trials, with bootstrap intervals. Learned in: the first of "
         f"three checks in a row, one every {plan.every} episodes, at which the greedy policy was "
         f"rewarded in 95 % of {plan.held_out} episodes that it did not learn from.",
+        "The greedy policy is looked at after each episode, in the states that more than 5 % of "
+        "its transitions leave at the last check.",
         f"A curve stays at its level from where its mean over {_WINDOW} episodes stays above "
         f"{100 * _SETTLED:.0f} % of its last {_LAST} episodes; the source names them by eye.",
         *(_effort(curves) for curves in found),
