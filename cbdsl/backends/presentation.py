@@ -20,6 +20,9 @@ from cbdsl.documents.stage import Context, Motion, Place, StageDocument, Surface
 Floats = NDArray[np.float64]
 _Entry = TypeVar("_Entry")
 
+#: Acceleration of falling things, m/s^2.
+GRAVITY = 9.81
+
 _UP = np.array([0.0, 0.0, 1.0])
 _ACROSS = np.array([0.0, 1.0, 0.0])
 

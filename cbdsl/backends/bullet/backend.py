@@ -16,11 +16,11 @@ from cbdsl.backends.bullet.cameras import Cameras
 from cbdsl.backends.bullet.experimenter import Experimenter
 from cbdsl.backends.bullet.load_cells import LoadCells
 from cbdsl.backends.bullet.renderer import NoRenderer, Renderer, make_renderer
-from cbdsl.backends.bullet.scene import GRAVITY, Scene
+from cbdsl.backends.bullet.scene import Scene
 from cbdsl.backends.bullet.touch import Fingertips
 from cbdsl.backends.bullet.truth import Truth
 from cbdsl.backends.context import choose_context, starting_posture
-from cbdsl.backends.presentation import Presenter
+from cbdsl.backends.presentation import GRAVITY, Presenter
 from cbdsl.backends.shutter import Shutter
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.documents.stage import StageDocument

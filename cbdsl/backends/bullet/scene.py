@@ -12,9 +12,6 @@ from cbdsl.backends.pose import Pose
 from cbdsl.backends.shape import Shape
 from cbdsl.documents.stage import Surface
 
-#: Acceleration of falling things, m/s^2.
-GRAVITY = 9.81
-
 _KINDS = {"ball": p.GEOM_SPHERE, "box": p.GEOM_BOX, "cylinder": p.GEOM_CYLINDER}
 
 

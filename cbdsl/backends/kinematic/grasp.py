@@ -10,8 +10,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cbdsl.backends.kinematic.hands import Contact, Hands
-from cbdsl.backends.kinematic.thing import GRAVITY, Thing
+from cbdsl.backends.kinematic.thing import Thing
 from cbdsl.backends.pose import Pose
+from cbdsl.backends.presentation import GRAVITY
 
 Floats = NDArray[np.float64]
 

@@ -9,8 +9,9 @@ from numpy.typing import NDArray
 
 from cbdsl.backends.kinematic.grasp import STIFFNESS, Grasp
 from cbdsl.backends.kinematic.hands import Contact, Hands
-from cbdsl.backends.kinematic.thing import GRAVITY, Thing
+from cbdsl.backends.kinematic.thing import Thing
 from cbdsl.backends.kinematic.world import World
+from cbdsl.backends.presentation import GRAVITY
 
 Floats = NDArray[np.float64]
 

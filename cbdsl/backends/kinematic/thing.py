@@ -7,13 +7,11 @@ from numpy.typing import NDArray
 
 from cbdsl.backends.kinematic.solids import POSITION, ROTATION, placed
 from cbdsl.backends.pose import Pose
+from cbdsl.backends.presentation import GRAVITY
 from cbdsl.backends.shape import Shape
 from cbdsl.documents.stage import Surface
 
 Floats = NDArray[np.float64]
-
-#: Acceleration of falling things, m/s^2.
-GRAVITY = 9.81
 
 
 class Thing:

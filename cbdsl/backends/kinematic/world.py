@@ -8,8 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cbdsl.backends.kinematic.solids import WIDTH
-from cbdsl.backends.kinematic.thing import GRAVITY, Thing
+from cbdsl.backends.kinematic.thing import Thing
 from cbdsl.backends.pose import Pose
+from cbdsl.backends.presentation import GRAVITY
 from cbdsl.backends.shape import Shape
 from cbdsl.documents.stage import Surface
 

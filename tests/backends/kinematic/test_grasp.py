@@ -11,8 +11,9 @@ import pytest
 
 from cbdsl.backends.kinematic.grasp import STIFFNESS, Grasp
 from cbdsl.backends.kinematic.hands import Contact, Fingertip
-from cbdsl.backends.kinematic.thing import GRAVITY, Thing
+from cbdsl.backends.kinematic.thing import Thing
 from cbdsl.backends.pose import Pose
+from cbdsl.backends.presentation import GRAVITY
 from cbdsl.backends.shape import Shape
 from cbdsl.documents.stage import Surface
 

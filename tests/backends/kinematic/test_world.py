@@ -5,9 +5,10 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from cbdsl.backends.kinematic.thing import GRAVITY, Thing
+from cbdsl.backends.kinematic.thing import Thing
 from cbdsl.backends.kinematic.world import World
 from cbdsl.backends.pose import Pose
+from cbdsl.backends.presentation import GRAVITY
 from cbdsl.backends.shape import Shape
 from cbdsl.documents.stage import Surface
 
