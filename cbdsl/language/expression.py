@@ -39,8 +39,3 @@ class Expression(NamedTuple):
 
     def __str__(self) -> str:
         return SUBJECT_TO.join(str(term) for term in self.terms)
-
-
-def print_expression(expression: Expression) -> str:
-    """The one spelling that is printed: ``◁`` between single spaces."""
-    return str(expression)

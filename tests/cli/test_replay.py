@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-from cbdsl.cli import main as command
+from tests.cli import test_main
 from tests.reporting.conftest import Record, kept, play, record
 
 __all__ = ["Record", "kept", "play", "record"]
@@ -17,12 +17,7 @@ __all__ = ["Record", "kept", "play", "record"]
 
 def cb(monkeypatch: pytest.MonkeyPatch, *arguments: str | Path) -> int:
     """Run ``cb replay`` in this process; its exit code."""
-    monkeypatch.setattr(sys, "argv", ["cb", "replay", *map(str, arguments)])
-    try:
-        command.main()
-    except SystemExit as end:
-        return int(end.code or 0)
-    return 0
+    return test_main.cb(monkeypatch, "replay", *map(str, arguments))
 
 
 @pytest.fixture

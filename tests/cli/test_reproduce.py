@@ -11,12 +11,12 @@ from pathlib import Path
 
 import pytest
 
-from cbdsl.cli import main as command
 from cbdsl.reproduction import registry
 from cbdsl.reproduction.chart import Chart, Line
 from cbdsl.reproduction.experiment import Experiment, Outcome, Settings
 from cbdsl.reproduction.quantity import Quantity, above
 from cbdsl.training.journal import JournalError
+from tests.cli import test_main
 
 TOY = Experiment("toy-1", "A toy", "Section 0", "toy")
 OTHER = Experiment("toy-2", "Another toy", "Section 0.1", "toy")
@@ -25,12 +25,7 @@ LEARNED = Experiment("toy-3", "A toy that learns", "Section 0.2", "learned_toy",
 
 def cb(monkeypatch: pytest.MonkeyPatch, *arguments: str) -> int:
     """Run ``cb reproduce`` in this process; its exit code."""
-    monkeypatch.setattr(sys, "argv", ["cb", "reproduce", *arguments])
-    try:
-        command.main()
-    except SystemExit as end:
-        return int(end.code or 0)
-    return 0
+    return test_main.cb(monkeypatch, "reproduce", *arguments)
 
 
 @pytest.fixture

@@ -10,8 +10,8 @@ from pathlib import Path
 
 import pytest
 
-from cbdsl.cli import main as command
 from cbdsl.control import multigrid
+from tests.cli import test_main
 from tests.conftest import ROOT
 
 OTHER_STAGE = "cbdsl: 1\nkind: stage\nname: elsewhere\nrobot: other\ncontexts: {only: {}}\n"
@@ -60,12 +60,7 @@ def here(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 
 def cb(monkeypatch: pytest.MonkeyPatch, *arguments: str) -> int:
     """Run ``cb run`` in this process; its exit code."""
-    monkeypatch.setattr(sys, "argv", ["cb", "run", *arguments])
-    try:
-        command.main()
-    except SystemExit as end:
-        return int(end.code or 0)
-    return 0
+    return test_main.cb(monkeypatch, "run", *arguments)
 
 
 def cb_process(*arguments: str, **changes: str | None) -> subprocess.CompletedProcess[str]:

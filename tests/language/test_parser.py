@@ -7,7 +7,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from cbdsl.language import parser, tables
-from cbdsl.language.expression import Argument, Expression, Span, Term, print_expression
+from cbdsl.language.expression import Argument, Expression, Span, Term
 from cbdsl.language.make_tables import grammar_digest
 from cbdsl.language.parser import CompositionError, parse, parse_by_grammar
 from cbdsl.language.regular import read_composition
@@ -45,18 +45,18 @@ def test_other_versions_of_lark_build_their_own_tables(monkeypatch: pytest.Monke
 
 @given(EXPRESSIONS)
 def test_what_is_printed_parses_to_the_same(expression: Expression) -> None:
-    assert bare(parse(print_expression(expression))) == bare(expression)
+    assert bare(parse(str(expression))) == bare(expression)
 
 
 @given(EXPRESSIONS, st.sampled_from(["<|", " <| ", "◁", "  ◁\n"]))
 def test_every_spelling_prints_alike(expression: Expression, operator: str) -> None:
     text = operator.join(str(term) for term in expression.terms)
-    assert print_expression(parse(text)) == print_expression(expression)
+    assert str(parse(text)) == str(expression)
 
 
 @given(EXPRESSIONS)
 def test_spans_are_where_the_names_stand(expression: Expression) -> None:
-    text = print_expression(expression)
+    text = str(expression)
     for term in parse(text).terms:
         assert text[term.span.start - 1 : term.span.end - 1] == term.name
         for argument in term.arguments:
@@ -72,7 +72,7 @@ PIECES = st.lists(
 ).map("".join)
 
 
-@given(EXPRESSIONS.map(print_expression) | PIECES)
+@given(EXPRESSIONS.map(str) | PIECES)
 def test_the_grammar_and_the_regular_expressions_agree(text: str) -> None:
     try:
         by_grammar = parse_by_grammar(text)

@@ -15,9 +15,8 @@ from cbdsl.checking.session import Session
 from cbdsl.training.course import journal_file
 from cbdsl.training.journal import JournalError
 from cbdsl.yaml_text.library import Library
-from tests.training.toy import ROOT, ToyClassroom, take, take_and_die
+from tests.training.toy import EPISODES, ROOT, ToyClassroom, take, take_and_die
 
-EPISODES = 12
 FILES = ("policy.yaml", "policy_head.yaml")
 
 
@@ -28,13 +27,6 @@ def texts(folder: Path) -> list[bytes]:
 def without_seconds(journal: Path) -> list[str]:
     """Its lines but for the only thing in them that depends on the machine."""
     return [line.partition(', "wall_seconds"')[0] for line in journal.read_text().splitlines()]
-
-
-@pytest.fixture(scope="module")
-def unbroken(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    folder = tmp_path_factory.mktemp("unbroken")
-    take(folder / "policy.yaml", EPISODES)
-    return folder
 
 
 def test_what_was_learned_is_without_findings(unbroken: Path) -> None:

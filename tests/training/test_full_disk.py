@@ -17,9 +17,7 @@ from cbdsl.training import course
 from cbdsl.training.course import journal_file
 from tests.conftest import ROOT
 from tests.training.lessons import outcome
-from tests.training.toy import take
-
-EPISODES = 12
+from tests.training.toy import EPISODES, take
 
 
 @contextmanager
@@ -31,13 +29,6 @@ def no_file_beyond(size: int) -> Iterator[None]:
         yield
     finally:
         resource.setrlimit(resource.RLIMIT_FSIZE, before)
-
-
-@pytest.fixture(scope="module")
-def unbroken(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    folder = tmp_path_factory.mktemp("unbroken")
-    take(folder / "policy.yaml", EPISODES)
-    return folder
 
 
 def test_a_disk_without_room_is_told_before_the_episodes(tmp_path: Path) -> None:

@@ -28,6 +28,9 @@ from cbdsl.yaml_text.library import Library
 
 ROOT = Path(__file__).parents[2]
 
+#: Of a course in tests.
+EPISODES = 12
+
 
 class ToyClassroom:
     """Something is in view in half of the episodes; else a search finds it now and then."""

@@ -2,20 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
 import pybullet as p
 import pytest
 
-from cbdsl.backends.backend import BackendError
 from cbdsl.backends.bullet.backend import BulletBackend
 from cbdsl.backends.bullet.view import View
 from cbdsl.backends.pose import Pose
-from cbdsl.documents.robot import Camera, RobotDocument
+from cbdsl.documents.robot import Camera
 from cbdsl.documents.stage import StageDocument
-from tests.backends.conftest import URDF, made_stage, with_vision
+from tests.backends.conftest import made_stage
 
 CAMERA = Camera(link="left_camera", width=400, height=300, focal_length=800)
 CENTRE, EDGE, DISTANCE = np.array([3.0, 0.0, 0.0]), 0.16, 0.5
@@ -30,16 +28,6 @@ def _stage(color: tuple[float, float, float] = (1, 1, 1), **pattern: Any) -> Sta
     x, y, z = CENTRE
     context = {"things": ["box"], "place": {"x": x, "y": y, "z": z, "held": True}}
     return made_stage(context, things={"box": thing})
-
-
-@pytest.fixture(scope="module", params=["opengl", "tiny"])
-def rendered(dexter: RobotDocument, request: pytest.FixtureRequest) -> Iterator[BulletBackend]:
-    try:
-        backend = BulletBackend(with_vision(dexter, renderer=request.param), URDF)
-    except BackendError as error:
-        pytest.skip(str(error))
-    yield backend
-    backend.close()
 
 
 def _seen(backend: BulletBackend, stage: StageDocument, face: str) -> np.ndarray:

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-
 import numpy as np
 import pytest
 
@@ -15,9 +13,9 @@ from cbdsl.backends.bullet.renderer import make_renderer
 from cbdsl.backends.bullet.tiny import TinyRenderer
 from cbdsl.backends.bullet.view import View
 from cbdsl.backends.pose import Pose
-from cbdsl.documents.robot import Camera, RobotDocument
+from cbdsl.documents.robot import Camera
 from cbdsl.documents.stage import StageDocument
-from tests.backends.conftest import URDF, made_stage, with_vision
+from tests.backends.conftest import made_stage
 
 RADIUS = 0.07
 GREENISH = (0.1, 0.8, 0.3)
@@ -27,16 +25,6 @@ def _stage(x: float, y: float, z: float) -> StageDocument:
     ball = {"form": {"shape": "ball", "radius": RADIUS}, "mass": 0.2, "color": GREENISH}
     context = {"things": ["ball"], "place": {"x": x, "y": y, "z": z}, "joints": {"tilt": 0.9}}
     return made_stage(context, things={"ball": ball})
-
-
-@pytest.fixture(scope="module", params=["opengl", "tiny"])
-def rendered(dexter: RobotDocument, request: pytest.FixtureRequest) -> Iterator[BulletBackend]:
-    try:
-        backend = BulletBackend(with_vision(dexter, renderer=request.param), URDF)
-    except BackendError as error:
-        pytest.skip(str(error))
-    yield backend
-    backend.close()
 
 
 def _saturation(image: np.ndarray) -> np.ndarray:
