@@ -6,6 +6,9 @@ import re
 
 from cbdsl.types.unit import UNITS, QuantityError, parse_quantity
 
+# Nobody writes a quantity at greater length, and looking at one takes the square of it.
+_LONGEST = 200
+
 _NUMBER = r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?"
 _UNIT = "|".join(re.escape(unit) for unit in sorted(UNITS, key=len, reverse=True))
 _ONE = rf"{_NUMBER}(?: *(?:{_UNIT})(?![\w/^]))?"
@@ -48,6 +51,8 @@ _OTHER_NAMES = {
 def slip_in(value: object) -> str | None:
     """What is wrong with what should be a quantity, and what to write, as a clause."""
     if isinstance(value, str):
+        if len(value) > _LONGEST:
+            return None
         found = (explain(value) for explain in _EXPLANATIONS)
         return next((clause for clause in found if clause is not None), None)
     parts = _parts(value)
@@ -72,6 +77,8 @@ def is_quantity(text: str) -> bool:
 
 def quantities_in(text: str) -> list[str]:
     """The quantities that a text consists of, whatever stands between and around them."""
+    if len(text) > _LONGEST:
+        return []
     inner = text.strip().strip("[](){}").strip()
     parts = [part.strip() for part in inner.split(",")]
     if len(parts) == 1:

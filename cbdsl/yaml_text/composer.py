@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator, Sequence
+from itertools import islice
 from typing import Any, NamedTuple
 
 import yaml
@@ -102,7 +103,7 @@ def _legible(text: str, file: str) -> tuple[str, list[Diagnostic]]:
         found.append(_unseen("CB118", invisible, file))
         text = INVISIBLE.sub("", text)
     lines = lines_of(text)
-    if conflicting := list(conflicts(lines, file)):
+    if conflicting := list(islice(conflicts(lines, file), _MOST_SLIPS)):
         found += conflicting
         text = "\n".join(first_sides(lines))
     return text, found
