@@ -86,7 +86,9 @@ def _quantity(value: str | float, dimensions: tuple[str, ...], item: int | None)
     try:
         return read_quantity(value, dimensions)
     except QuantityError as error:
-        raise LiteralError("CB506", {"problem": str(error)}, item) from None
+        from cbdsl.types.quantity_slip import told  # only a fault needs it
+
+        raise LiteralError("CB506", {"problem": told(value, error)}, item) from None
 
 
 def _wrong_count(found: int, kind: ResourceType) -> LiteralError:

@@ -66,6 +66,15 @@ def slip_in(value: object) -> str | None:
     return None
 
 
+def told(value: object, error: QuantityError) -> str:
+    """What is to be said of a value that is no quantity: what to write, or what is wanted.
+
+    It is no part of the error's own message, which is made for values that may be text as well.
+    """
+    said = str(error)
+    return said.partition("; expected")[0] if "; write" in said else slip_in(value) or said
+
+
 def is_quantity(text: str) -> bool:
     """Whether a text is a number, with a unit or without."""
     try:

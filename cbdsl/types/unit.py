@@ -49,23 +49,6 @@ class QuantityError(ValueError):
     """A text is no quantity, or one of another dimension; the message says which."""
 
 
-class _WantedError(QuantityError):
-    """A value that is no quantity of the dimensions that are wanted.
-
-    Its message is put together only for those who read it: a value that may be text as well is
-    tried as a quantity before.
-    """
-
-    def __init__(self, problem: str, value: object, dimensions: tuple[str, ...]) -> None:
-        super().__init__(problem)
-        self._problem = problem
-        self._value = value
-        self._dimensions = dimensions
-
-    def __str__(self) -> str:
-        return _told(self._value, self._problem, self._dimensions)
-
-
 def parse_quantity(text: str) -> tuple[float, Unit | None]:
     """Read a number and its unit.
 
@@ -96,11 +79,11 @@ def read_quantity(value: object, dimensions: tuple[str, ...]) -> float:
         QuantityError: it is neither, is not finite, or has a unit of another dimension.
     """
     if isinstance(value, bool) or not isinstance(value, (int, float, str)):
-        raise _WantedError("", value, dimensions)
+        raise QuantityError(f"expected {_wanted(dimensions)}")
     try:
         number, unit = parse_quantity(value) if isinstance(value, str) else (float(value), None)
     except QuantityError as error:
-        raise _WantedError(str(error), value, dimensions) from None
+        raise QuantityError(f"{error}; expected {_wanted(dimensions)}") from None
     except OverflowError:
         raise QuantityError("this number is too large") from None
     if unit is not None and unit.dimension not in dimensions:
@@ -108,21 +91,6 @@ def read_quantity(value: object, dimensions: tuple[str, ...]) -> float:
     if not math.isfinite(number):
         raise QuantityError(f"{value!r} is not finite")
     return number
-
-
-def _told(value: object, problem: str, dimensions: tuple[str, ...]) -> str:
-    """What is wrong with a value, and what to write or what is wanted."""
-    from cbdsl.types.quantity_slip import slip_in  # only a fault needs it
-
-    if "; write" in problem:
-        return problem
-    if slip := slip_in(value):
-        return slip
-    return (
-        f"{problem}; expected {_wanted(dimensions)}"
-        if problem
-        else (f"expected {_wanted(dimensions)}")
-    )
 
 
 def _wanted(dimensions: tuple[str, ...]) -> str:

@@ -16,6 +16,7 @@ from cbdsl.documents.document import NAME_PATTERN
 from cbdsl.errors.diagnostic import Diagnostic
 from cbdsl.errors.nearest import nearest_name
 from cbdsl.errors.wording import diagnostic
+from cbdsl.types.unit import QuantityError
 from cbdsl.yaml_text.form import annotations_at, form, section_of
 from cbdsl.yaml_text.node import Node
 from cbdsl.yaml_text.source_map import SourceMap, Step, child_of
@@ -232,11 +233,18 @@ def _special(
             at = source.key(*path) if "[key]" in error["loc"] else source.place(*path)
             return diagnostic("CB207", at, name=error["input"], hint=_named_instead(error["input"]))
         case "value_error":
-            return diagnostic("CB205", source.place(*path), problem=str(context["error"]))
+            problem = _told(context["error"], error["input"])
+            return diagnostic("CB205", source.place(*path), problem=problem)
     if error["type"] == "too_long" and (comma := decimal_comma(source.node(path))):
         return diagnostic("CB205", source.place(*path), problem=comma)
     problem = _PROBLEMS.get(error["type"], error["msg"]).format(**context)
     return diagnostic("CB208", source.place(*path), problem=problem)
+
+
+def _told(error: ValueError, value: object) -> str:
+    from cbdsl.types.quantity_slip import told  # only a fault needs it
+
+    return told(value, error) if isinstance(error, QuantityError) else str(error)
 
 
 def _left_out(value: object, expected: str) -> str:
