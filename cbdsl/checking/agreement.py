@@ -74,6 +74,8 @@ class Agreement:
     def _conclude(self, feedback: Resource, of: dict[str, Findings]) -> None:
         against = [part for part, found in of.items() if found.failed]
         self.holds = not against
+        if self.holds:  # no part warns of anything
+            return
         suitable = self._suitable() if len(against) > 1 else []
         if len(against) < 2 or feedback.name in suitable:
             for found in of.values():

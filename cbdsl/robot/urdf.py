@@ -55,27 +55,22 @@ class UrdfModel(NamedTuple):
         path: its file.
         links: names of all links.
         joints: all joints by name.
+        turning: by link, the names of the revolute joints above it, from the link upwards.
     """
 
     path: Path
     links: frozenset[str]
     joints: Mapping[str, UrdfJoint]
+    turning: Mapping[str, tuple[str, ...]]
 
     @property
     def revolute(self) -> tuple[str, ...]:
         """Names of the joints that turn between limits, in the file's order."""
         return tuple(joint.name for joint in self.joints.values() if joint.revolute)
 
-    def above(self, link: str) -> Iterator[str]:
+    def above(self, link: str) -> tuple[str, ...]:
         """Names of the revolute joints between a link and the root, from the link upwards."""
-        parents = {joint.child: joint for joint in self.joints.values()}
-        for _ in range(len(parents)):  # bounds the walk where the model has a loop
-            joint = parents.get(link)
-            if joint is None:
-                return
-            if joint.revolute:
-                yield joint.name
-            link = joint.parent
+        return self.turning.get(link, ())
 
     def reach(self, base: str, link: str) -> float | None:
         """A bound on the distance of a link's frame from another's, m, wherever joints turn.
@@ -87,14 +82,17 @@ class UrdfModel(NamedTuple):
         turn = all(joint.kind in ("fixed", "revolute", "continuous") for joint in between)
         return sum(joint.length for joint in between) if turn else None
 
-    def _way(self, link: str) -> list[UrdfJoint]:
-        """All joints between a link and the root."""
-        parents = {joint.child: joint for joint in self.joints.values()}
-        way: list[UrdfJoint] = []
-        while link in parents and len(way) < len(parents):
-            way.append(parents[link])
-            link = way[-1].parent
-        return way
+    def _way(self, link: str) -> tuple[UrdfJoint, ...]:
+        return _way(link, {joint.child: joint for joint in self.joints.values()})
+
+
+def _way(link: str, parents: Mapping[str, UrdfJoint]) -> tuple[UrdfJoint, ...]:
+    """All joints between a link and the root; each of the parents is by the link that it moves."""
+    way: list[UrdfJoint] = []
+    while link in parents and len(way) < len(parents):  # which ends where there is a loop
+        way.append(parents[link])
+        link = way[-1].parent
+    return tuple(way)
 
 
 def read_urdf(path: Path) -> UrdfModel:
@@ -120,7 +118,10 @@ def read_urdf(path: Path) -> UrdfModel:
         _require_tree(links, joints)
     except ValueError as error:
         raise UrdfError(f"{path}: {error}") from None
-    return UrdfModel(path, links, {joint.name: joint for joint in joints})
+    parents = {joint.child: joint for joint in joints}
+    ways = {link: _way(link, parents) for link in links}
+    turning = {link: tuple(j.name for j in way if j.revolute) for link, way in ways.items()}
+    return UrdfModel(path, links, {joint.name: joint for joint in joints}, turning)
 
 
 def _require_distinct(root: ElementTree.Element) -> None:
