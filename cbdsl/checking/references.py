@@ -60,12 +60,12 @@ def read_literal(
     items = value if isinstance(value, tuple) else (value,)
     kind = feedback.type
     if len(items) not in (1, kind.size):
-        raise _wrong_count(len(items), kind)
+        raise _wrong_count(len(items), feedback)
     numbers = tuple(_component(item, i, kind) for i, item in enumerate(items))
     if len(numbers) == kind.size:
         return Literal(numbers)
     if numbers[0] != 0:
-        raise _wrong_count(1, kind)
+        raise _wrong_count(1, feedback)
     return Literal((0.0,) * kind.size)
 
 
@@ -91,7 +91,11 @@ def _quantity(value: str | float, dimensions: tuple[str, ...], item: int | None)
         raise LiteralError("CB506", {"problem": told(value, error)}, item) from None
 
 
-def _wrong_count(found: int, kind: ResourceType) -> LiteralError:
+def _wrong_count(found: int, feedback: Resource) -> LiteralError:
+    kind = feedback.type
     given = f"{count(found, 'number')} {'is' if found == 1 else 'are'}"
-    details = {"found": given, "feedback": kind, "wanted": count(kind.size, "component")}
+    wanted = count(kind.size, "component")
+    if isinstance(feedback.source, (FingerForces, NetForces)):
+        wanted += "; '2 N along normals' gives each a force along its own normal"
+    details = {"found": given, "feedback": kind, "wanted": wanted}
     return LiteralError("CB505", dict(details))
