@@ -120,5 +120,6 @@ def _bar(total: int, width: int) -> tuple[Progress, TaskID]:
     from rich.progress import TimeRemainingColumn as Left
 
     told = TextColumn("{task.fields[told]}")
-    bar = Progress(MofNCompleteColumn(), BarColumn(bar_width=width), Left(), told)
+    columns = (MofNCompleteColumn(), BarColumn(bar_width=width), Left(), told)
+    bar = Progress(*columns, refresh_per_second=2)  # drawing it takes time of the episodes
     return bar, bar.add_task("", total=total, told="")
