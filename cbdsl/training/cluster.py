@@ -22,7 +22,7 @@ J = TypeVar("J", bound=Job)
 J_contra = TypeVar("J_contra", contravariant=True)
 
 # How often a supervisor hears that time passes, s.
-_PERIOD = 0.5
+_PERIOD = 1.0
 # How long a cluster may be without workers: those of a busy machine room may have to queue, s.
 _PATIENCE = 900.0
 # Libraries with threads of their own: there are as many workers as there is to be work at once.
