@@ -10,10 +10,12 @@ from html import escape
 from cbdsl.reproduction.arcs import Arc
 
 # In px.
-_COLUMN, _ROW, _RADIUS, _MARGIN, _TOP, _LINE, _GAP = 220, 130, 22, 60, 110, 14, 6
+_COLUMN, _ROW, _RADIUS, _MARGIN, _TOP, _LINE, _GAP = 300, 130, 22, 60, 110, 14, 6
 # How far an arc bends to its left, as a share of its length, so that there is room for one back;
 # one that leads further than to the next column bends around what is there.
 _BEND, _LONG_BEND = 0.12, 0.24
+# Where along an arc its label is: nearer to its beginning, away from that of an arc that crosses.
+_ALONG = 0.3
 _INK, _PEN = "#222222", "#0072b2"
 
 Point = tuple[float, float]
@@ -143,22 +145,29 @@ def _path(way: str) -> str:
 
 
 def _label(start: Point, end: Point, lines: list[str]) -> Iterator[str]:
-    """Lines beside the middle of an arc, on its outer side."""
+    """Lines beside an arc, on its outer side."""
     if start == end:
-        middle, outwards = (start[0], start[1] - 54), (0.0, -1.0)
+        place, outwards = (start[0], start[1] - 54), (0.0, -1.0)
     else:
         control, outwards = _bent(start, end)
-        middle = (
-            (start[0] + 2 * control[0] + end[0]) / 4,
-            (start[1] + 2 * control[1] + end[1]) / 4,
-        )
+        place = _along(start, control, end)
     across, down = outwards
     anchor = "middle" if abs(across) < abs(down) else "start" if across > 0 else "end"
     # The block of lines begins where the arc is, and ends away from it.
-    first = middle[1] + _LINE * ((down - 1) / 2 * (len(lines) - 1)) + (_GAP + 4) * down + 4
+    first = place[1] + _LINE * ((down - 1) / 2 * (len(lines) - 1)) + (_GAP + 4) * down + 4
     for index, line in enumerate(lines):
         style = f'text-anchor="{anchor}" stroke="#ffffff" stroke-width="4" paint-order="stroke"'
-        yield _text(middle[0] + _GAP * across, first + _LINE * index, line, style)
+        yield _text(place[0] + _GAP * across, first + _LINE * index, line, style)
+
+
+def _along(start: Point, control: Point, end: Point) -> Point:
+    """Where an arc's label is."""
+    shares = ((1 - _ALONG) ** 2, 2 * _ALONG * (1 - _ALONG), _ALONG**2)
+    points = (start, control, end)
+    return (
+        sum(share * x for share, (x, _) in zip(shares, points, strict=True)),
+        sum(share * y for share, (_, y) in zip(shares, points, strict=True)),
+    )
 
 
 def _text(x: float, y: float, text: str, style: str) -> str:
