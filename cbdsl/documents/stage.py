@@ -133,6 +133,9 @@ class Surface(Section):
 class Fixture(Surface):
     """A thing that does not move."""
 
+    # Not the red of things, which robots look for.
+    color: Color = (0.6, 0.45, 0.3)
+    """Red, green and blue, each from 0 to 1."""
     form: Annotated[Ball | Box | Cylinder, Field(discriminator="shape")]
     """Its shape and size."""
     position: Point

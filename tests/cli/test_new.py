@@ -129,3 +129,18 @@ def test_wrong_calls_write_nothing_and_exit_with_2(
     assert cb(monkeypatch, "new", *arguments) == 2
     assert "Traceback" not in capsys.readouterr().err
     assert list(folder.rglob("*.yaml")) == []
+
+
+@pytest.mark.parametrize(
+    ("context", "outcome"), [("on_table", "Rewarded"), ("empty", "Not rewarded")]
+)
+def test_on_a_made_stage_only_what_is_shown_is_seen(
+    context: str,
+    outcome: str,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    assert cb(monkeypatch, "new", "stage", "bench", "--robot", "dexter") == 0
+    where = ("--stage", "bench", "--context", context, "--backend", "kinematic")
+    assert cb(monkeypatch, "run", "searchtrack", *where) == 0
+    assert f" {outcome} after" in capsys.readouterr().out
