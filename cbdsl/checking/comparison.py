@@ -10,7 +10,7 @@ from cbdsl.checking.references import LiteralError, is_literal, read_literal
 from cbdsl.checking.scope import Scope
 from cbdsl.program.controller import AlongNormals, Literal, Reference
 from cbdsl.types.resource import Resource
-from cbdsl.yaml_text.faults import decimal_comma
+from cbdsl.yaml_text.comma import decimal_comma
 
 Written = str | float | tuple[str | float, ...]
 

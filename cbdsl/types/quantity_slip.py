@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 
-from cbdsl.types.unit import UNITS, QuantityError, parse_quantity
+from cbdsl.types.unit import UNITS, QuantityError, is_quantity
 
 # Nobody writes a quantity at greater length, and looking at one takes the square of it.
 _LONGEST = 200
@@ -73,15 +73,6 @@ def told(value: object, error: QuantityError) -> str:
     """
     said = str(error)
     return said.partition("; expected")[0] if "; write" in said else slip_in(value) or said
-
-
-def is_quantity(text: str) -> bool:
-    """Whether a text is a number, with a unit or without."""
-    try:
-        parse_quantity(text)
-    except QuantityError:
-        return False
-    return True
 
 
 def quantities_in(text: str) -> list[str]:

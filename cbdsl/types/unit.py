@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 _NUMBER = r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?"
 _QUANTITY = re.compile(rf"^\s*({_NUMBER})\s*(\S.*?)?\s*$")
-_DECIMAL_COMMA = re.compile(r"^\s*([+-]?\d+),(\d+(?:\s*[a-zA-Z/][\w/^ ]*)?)\s*$")
+_DECIMAL_COMMA = r"^\s*([+-]?\d+),(\d+(?:\s*[a-zA-Z/][\w/^ ]*)?)\s*$"
 
 
 class Unit(NamedTuple):
@@ -58,7 +58,7 @@ def parse_quantity(text: str) -> tuple[float, Unit | None]:
     Raises:
         QuantityError: the text is no number, or its unit is unknown.
     """
-    if comma := _DECIMAL_COMMA.match(text):
+    if "," in text and (comma := re.match(_DECIMAL_COMMA, text)):
         raise QuantityError(f"'{text}' has a decimal comma; write '{comma[1]}.{comma[2]}'")
     match = _QUANTITY.match(text)
     if not match:
@@ -70,6 +70,15 @@ def parse_quantity(text: str) -> tuple[float, Unit | None]:
     if unit is None:
         raise QuantityError(f"'{symbol}' is not a unit")
     return number * unit.factor, unit
+
+
+def is_quantity(text: str) -> bool:
+    """Whether a text is a number, with a unit or without."""
+    try:
+        parse_quantity(text)
+    except QuantityError:
+        return False
+    return True
 
 
 def read_quantity(value: object, dimensions: tuple[str, ...]) -> float:

@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import re
 
-from cbdsl.types.unit import QuantityError, parse_quantity
+from cbdsl.types.unit import is_quantity
+
+# Patterns are compiled where they are used: most texts have no such characters.
 
 # What YAML 1.2 excludes (5.1); C1 controls but NEL, and what is no character at all.
-CONTROL = re.compile(r"[\x00-\x08\x0b\x0c\x0e-\x1f\x7f-\x84\x86-\x9f\ud800-\udfff\ufffe\uffff]")
+_CONTROL = r"[\x00-\x08\x0b\x0c\x0e-\x1f\x7f-\x84\x86-\x9f\ud800-\udfff\ufffe\uffff]"
 # Characters of no width, byte order marks, and those that turn the direction of writing.
-INVISIBLE = re.compile(r"[\u200b\u200e\u200f\u202a-\u202e\u2060\u2066-\u2069\ufeff]")
+_INVISIBLE = r"[\u200b\u200e\u200f\u202a-\u202e\u2060\u2066-\u2069\ufeff]"
 
 _SPACES = "\xa0\u2000\u2001\u2002\u2003\u2004\u2005\u2006\u2007\u2008\u2009\u200a\u202f\u205f\u3000"
 _DASHES = "\u2010\u2011\u2012\u2013\u2014\u2015\u2212\ufe58\ufe63"
@@ -36,10 +38,30 @@ _MEANT: dict[str, str] = {
     "\u200d": "",
 }
 _TABLE = str.maketrans(_MEANT)
-_WORD = re.compile(r"[\w$.]+", re.ASCII)
-_INDENTATION = re.compile(rf"^ *[{_SPACES}]\s*")
-_BULLET = re.compile(rf"^(\s*)[{_BULLETS}{_DASHES}]\s+(?=\S)")
-_COLON = re.compile(rf"^(\s*(?:- +)*[\w.$*-]+)(?:[\uff1a\u2236]\s*|:[{_SPACES}]\s*)", re.ASCII)
+_WORD = r"(?a:[\w$.]+)"
+_INDENTATION = rf"^ *[{_SPACES}]\s*"
+_BULLET = rf"^(\s*)[{_BULLETS}{_DASHES}]\s+(?=\S)"
+_COLON = rf"(?a:^(\s*(?:- +)*[\w.$*-]+)(?:[\uff1a\u2236]\s*|:[{_SPACES}]\s*))"
+
+
+def control_in(text: str) -> re.Match[str] | None:
+    """The first character that no YAML text holds."""
+    return None if _is_visible(text) else re.search(_CONTROL, text)
+
+
+def invisible_in(text: str) -> re.Match[str] | None:
+    """The first character that takes no room, or only turns the direction of writing."""
+    return None if _is_visible(text) else re.search(_INVISIBLE, text)
+
+
+def without_invisible(text: str) -> str:
+    """A text without such characters."""
+    return re.sub(_INVISIBLE, "", text)
+
+
+def _is_visible(text: str) -> bool:
+    """Whether it surely is all letters, digits, signs, spaces and ends of lines."""
+    return text.replace("\n", "").isprintable()
 
 
 def plain(text: str) -> str:
@@ -55,8 +77,8 @@ def meant_value(text: str) -> str | None:
     meant = plain(text)
     if meant == text:
         return None
-    is_word = _WORD.fullmatch(meant) and re.search(r"[A-Za-z]", text)
-    return meant if is_word or _is_quantity(meant) else None
+    is_word = re.fullmatch(_WORD, meant) and re.search(r"[A-Za-z]", text)
+    return meant if is_word or is_quantity(meant) else None
 
 
 def meant_key(key: str) -> str | None:
@@ -67,17 +89,9 @@ def meant_key(key: str) -> str | None:
 
 def meant_line(line: str) -> str | None:
     """A line whose indentation, bullet or colon only looks like one, as it should be."""
-    mended = _INDENTATION.sub(lambda match: " " * len(match[0]), line, count=1)
-    mended = _COLON.sub(r"\1: ", _BULLET.sub(r"\1- ", mended, count=1), count=1)
+    mended = re.sub(_INDENTATION, lambda match: " " * len(match[0]), line, count=1)
+    mended = re.sub(_COLON, r"\1: ", re.sub(_BULLET, r"\1- ", mended, count=1), count=1)
     return mended if mended != line else None
-
-
-def _is_quantity(text: str) -> bool:
-    try:
-        parse_quantity(text)
-    except QuantityError:
-        return False
-    return True
 
 
 def first_look_alike(text: str) -> int:

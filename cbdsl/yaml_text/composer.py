@@ -9,7 +9,7 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator, Sequence
 from itertools import islice
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import yaml
 
@@ -18,18 +18,20 @@ from cbdsl.errors.errors import DiagnosticsError
 from cbdsl.errors.lines import lines_of
 from cbdsl.errors.wording import diagnostic
 from cbdsl.yaml_text.characters import (
-    CONTROL,
-    INVISIBLE,
+    control_in,
+    invisible_in,
     meant_key,
     meant_value,
     said_of,
     spelled,
+    without_invisible,
 )
-from cbdsl.yaml_text.conflict import conflicts, first_sides
 from cbdsl.yaml_text.node import Node
 from cbdsl.yaml_text.scalar import ScalarError, resolve
-from cbdsl.yaml_text.stray import Stray, explain, is_stray
-from cbdsl.yaml_text.syntax import Slip, find_slip
+
+if TYPE_CHECKING:
+    from cbdsl.yaml_text.comma import Stray
+    from cbdsl.yaml_text.syntax import Slip
 
 DEEPEST = 64
 # Far more than any person writes; without bounds a few lines can keep the checker busy for ever.
@@ -38,6 +40,8 @@ MOST_ENTRIES = 2_000
 MOST_CHARACTERS = 256_000
 LONGEST_TEXT = 10_000
 
+# What lines begin with that git, or a comparison of two versions, leaves behind.
+_MARKS = ("<<<<<<<", "|||||||", "=======", ">>>>>>>", "\n+")
 # More slips in one text are found once these are mended.
 _MOST_SLIPS = 10
 
@@ -77,7 +81,7 @@ def compose(text: str, file: str) -> Composed:
     if len(text) > MOST_CHARACTERS:
         bound = f"{MOST_CHARACTERS} characters"
         raise DiagnosticsError([diagnostic("CB108", Place(file), bound=bound)])
-    if control := CONTROL.search(text):
+    if control := control_in(text):
         raise DiagnosticsError([_unseen("CB103", control, file)])
     text, found = _legible(text, file)
     while True:
@@ -98,14 +102,16 @@ def compose(text: str, file: str) -> Composed:
 def _legible(text: str, file: str) -> tuple[str, list[Diagnostic]]:
     """A text without invisible characters and conflicts, and the findings about these."""
     found = []
-    if invisible := INVISIBLE.search(text):
+    if invisible := invisible_in(text):
         # One stands for all: they tend to come in swarms.
         found.append(_unseen("CB118", invisible, file))
-        text = INVISIBLE.sub("", text)
-    lines = lines_of(text)
-    if conflicting := list(islice(conflicts(lines, file), _MOST_SLIPS)):
-        found += conflicting
-        text = "\n".join(first_sides(lines))
+        text = without_invisible(text)
+    if any(mark in text for mark in _MARKS):
+        from cbdsl.yaml_text.conflict import conflicts, one_side  # only a fault needs it
+
+        lines = lines_of(text)
+        found += islice(conflicts(lines, file), _MOST_SLIPS)
+        text = "\n".join(one_side(lines))
     return text, found
 
 
@@ -147,6 +153,8 @@ class _Composer:
         try:
             return self._loader.get_event()
         except yaml.MarkedYAMLError as error:
+            from cbdsl.yaml_text.syntax import find_slip  # only a fault needs it
+
             raise _SlipError(find_slip(error, self._lines)) from None
 
     def _node(self, event: Any, depth: int) -> Node:
@@ -234,8 +242,8 @@ class _Composer:
             value = self._node(self._next(), depth + 1)
             if key is None:
                 continue
-            if values and value.value is None and is_stray(key, self._behind(place)):
-                strays.setdefault(next(reversed(values)), []).append(Stray(key, place))
+            if values and value.value is None and (stray := self._stray(key, place)):
+                strays.setdefault(next(reversed(values)), []).append(stray)
             elif key in values:
                 first = (node.keys[key], "first written here")
                 self._find("CB107", place, related=[first], key=key)
@@ -246,12 +254,17 @@ class _Composer:
             self._join(key, values[key], found)
         node.value = values
 
-    def _behind(self, place: Place) -> str:
-        """What follows a place on its line."""
-        return self._lines[place.line - 1][place.end_column - 1 :]
+    def _stray(self, key: str, place: Place) -> Stray | None:
+        """What stands where a key should be, if a comma cut it off the value in front of it."""
+        from cbdsl.yaml_text.comma import Stray, is_stray  # only a key without a value needs it
+
+        behind = self._lines[place.line - 1][place.end_column - 1 :]
+        return Stray(key, place) if is_stray(key, behind) else None
 
     def _join(self, key: str, value: Node, strays: list[Stray]) -> None:
         """Put a value together that commas cut in pieces, where it is certain what it was."""
+        from cbdsl.yaml_text.comma import explain  # only a fault needs it
+
         cut = explain(key, value, strays)
         self._find("CB205", value.place, problem=cut.problem)
         if cut.whole is None:

@@ -1,41 +1,72 @@
-"""What git leaves in a file whose two versions it could not merge."""
+"""Two versions of the same lines, as git and comparisons of files leave them behind.
+
+Git writes both versions between markers where it could not merge them; a comparison writes ``-`` in
+front of what was and ``+`` in front of what is instead.
+"""
 
 from __future__ import annotations
 
 import re
 from collections.abc import Iterator
+from itertools import groupby
 
 from cbdsl.errors.diagnostic import Diagnostic, Place
 from cbdsl.errors.wording import diagnostic
 
 _MARKER = re.compile(r"(?:<{7}|\|{7}|>{7})(?: .*)?\Z|={7}\Z")
 _FIRST, _LAST = "<<<<<<<", ">>>>>>>"
-
-
-def is_marker(line: str) -> bool:
-    """Whether git wrote a line."""
-    return line[:1] in ("<", "|", "=", ">") and _MARKER.match(line) is not None
+_MERGED = (
+    "is of a merge conflict; keep one of the two sides, and delete the lines that begin with "
+    "'<<<<<<<', '=======' and '>>>>>>>'"
+)
+_COMPARED = (
+    "is of a comparison of two versions; keep the lines that begin with '+', without it, and "
+    "delete those that begin with '-', or the other way round"
+)
+# A line of a newer version is told by its sign in front of a key or of an item.
+_NEWER = re.compile(r"\+\s*(?:- \s*\S|[\w*'\"-]+\s*:(?:\s|$))")
 
 
 def conflicts(lines: list[str], file: str) -> Iterator[Diagnostic]:
-    """One finding for each conflict, and for each line that is left of one."""
+    """One finding for each conflict or comparison, and for each line that is left of one."""
     is_inside = False
     for number, line in enumerate(lines, 1):
-        if not is_marker(line):
+        if not _is_marker(line):
             continue
         mark = line[:7]
         if mark == _FIRST or not is_inside:
-            yield diagnostic("CB122", Place(file, number, 1, 8), marker=mark)
+            yield diagnostic("CB122", Place(file, number, 1, 8), problem=f"'{mark}' {_MERGED}")
         is_inside = mark == _FIRST or (is_inside and mark != _LAST)
+    for number, *_ in _comparisons(lines):
+        mark = lines[number - 1][0]
+        yield diagnostic("CB122", Place(file, number, 1, 2), problem=f"'{mark}' {_COMPARED}")
 
 
-def first_sides(lines: list[str]) -> list[str]:
-    """The first side of each conflict; every line keeps its number."""
+def one_side(lines: list[str]) -> list[str]:
+    """The first side of each conflict, and what is newer by each comparison.
+
+    Every line keeps its number.
+    """
     kept, is_inside, is_other = [], False, False
     for line in lines:
-        is_mark = is_marker(line)
+        is_mark = _is_marker(line)
         if is_mark:
             is_inside = line[:7] == _FIRST or (is_inside and line[:7] != _LAST)
             is_other = is_inside and line[:7] != _FIRST
         kept.append("" if is_mark or is_other else line)
+    for number in (number for run in _comparisons(kept) for number in run):
+        line = kept[number - 1]
+        kept[number - 1] = line[1:] if line[0] == "+" else ""
     return kept
+
+
+def _is_marker(line: str) -> bool:
+    return line[:1] in ("<", "|", "=", ">") and _MARKER.match(line) is not None
+
+
+def _comparisons(lines: list[str]) -> Iterator[list[int]]:
+    """The numbers of lines of each run that begins with signs of a comparison."""
+    for is_signed, run in groupby(enumerate(lines, 1), lambda row: row[1][:1] in ("+", "-")):
+        numbered = list(run) if is_signed else []
+        if any(_NEWER.match(line) for _, line in numbered):
+            yield [number for number, _ in numbered]

@@ -5,7 +5,6 @@ from __future__ import annotations
 import re
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from functools import cache
-from itertools import pairwise
 from pathlib import PurePath
 from typing import Any, NamedTuple, get_args
 
@@ -17,6 +16,7 @@ from cbdsl.errors.diagnostic import Diagnostic
 from cbdsl.errors.nearest import nearest_name
 from cbdsl.errors.wording import diagnostic
 from cbdsl.types.unit import QuantityError
+from cbdsl.yaml_text.comma import decimal_comma
 from cbdsl.yaml_text.form import annotations_at, form, section_of
 from cbdsl.yaml_text.node import Node
 from cbdsl.yaml_text.source_map import SourceMap, Step, child_of
@@ -310,21 +310,6 @@ def _slip_in_text(value: object) -> str | None:
         return None
     missing = "a space is missing after the ':' of" if match[2] else "a ':' is missing after"
     return f"{missing} '{match[1]}'"
-
-
-def decimal_comma(node: Node) -> str | None:
-    """What is to be said of a list in which a comma without a space cuts a number in two."""
-    items = node.value if isinstance(node.value, list) else []
-    for one, other in pairwise(items):
-        end = (one.place.line, one.place.end_column + 1)
-        is_tight = end == (other.place.line, other.place.column)
-        if is_tight and isinstance(one.value, int) and str(other.value)[:1].isdigit():
-            return _with_a_comma(one.value, other.value)
-    return None
-
-
-def _with_a_comma(whole: int, rest: object) -> str:
-    return f"'{whole},{rest}' has a decimal comma; write '{whole}.{rest}'"
 
 
 @cache

@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from pathlib import Path
 from typing import Any, Generic, NamedTuple, TypeVar
+
+from pydantic import ValidationError
 
 from cbdsl.documents.document import Document
 from cbdsl.documents.model import ModelDocument
@@ -17,10 +20,7 @@ from cbdsl.errors.lines import lines_of
 from cbdsl.errors.nearest import nearest_name
 from cbdsl.errors.wording import diagnostic
 from cbdsl.yaml_text.composer import compose
-from cbdsl.yaml_text.faults import describe
-from cbdsl.yaml_text.kind import kind_by_keys, telling_keys
 from cbdsl.yaml_text.node import Node
-from cbdsl.yaml_text.salvage import salvage
 from cbdsl.yaml_text.source_map import SourceMap
 
 KINDS: dict[str, type[Document]] = {
@@ -101,6 +101,13 @@ def read_sound_parts(path: Path, kind: type[D], text: str | None = None) -> Load
         wanted = next(name for name, known in KINDS.items() if known is kind)
         given = str(source.node(("kind",)).value)
         raise _error("CB201", source.place("kind"), wanted=wanted, found=given)
+    if not found:
+        try:
+            return Loaded(model.model_validate(source.root.plain()), source)
+        except ValidationError:
+            pass  # it is read again, part by part
+    from cbdsl.yaml_text.salvage import salvage  # only a fault needs it
+
     document, faults, broken = salvage(source, model, found)
     return Loaded(document, source._replace(broken=broken), faults)
 
@@ -150,13 +157,15 @@ def _model(
     """The kind of document that a text is, and what was found with what it says of that."""
     root = source.root
     if not isinstance(root.value, dict):
+        from cbdsl.yaml_text.faults import describe  # only a fault needs it
+
         described = describe(root.value)
         raise _error("CB204", root.place, found, expected="a mapping", found=described)
     kind: Node | None = root.value.get("kind")
     if kind is not None and (kind.faulty or any(part.faulty for part in kind.children())):
         raise DiagnosticsError(found)
     said = None if kind is None else str(kind.value)
-    meant = kind_by_keys(root.value, said, KINDS)
+    meant = _contradicted(root.value, said)
     wrong = () if said in KINDS and meant is None else (_wrong_kind(source, said, meant),)
     known = meant or said
     if known not in KINDS:
@@ -164,6 +173,15 @@ def _model(
     place = root.place if kind is None else kind.place
     root.value["kind"] = Node(place, known)
     return KINDS[known], (*found, *wrong)
+
+
+def _contradicted(keys: Iterable[str], said: str | None) -> str | None:
+    """The kind that the keys of a document are those of, where it says that it is another."""
+    if said in KINDS and KINDS[said].model_fields.keys() >= set(keys):
+        return None
+    from cbdsl.yaml_text.kind import kind_by_keys  # only a fault needs it
+
+    return kind_by_keys(keys, said, KINDS)
 
 
 def _wrong_kind(source: SourceMap, said: str | None, meant: str | None) -> Diagnostic:
@@ -174,6 +192,8 @@ def _wrong_kind(source: SourceMap, said: str | None, meant: str | None) -> Diagn
     place = source.place("kind")
     if said not in KINDS:
         return diagnostic("CB206", place, names=list(KINDS), name=said)
+    from cbdsl.yaml_text.kind import telling_keys  # only a fault needs it
+
     assert meant is not None, "nothing is wrong with it otherwise"
     keys = ", ".join(telling_keys(source.root.keys, meant, said, KINDS))
     return diagnostic("CB210", place, said=said, found=meant, keys=keys)

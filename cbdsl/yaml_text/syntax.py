@@ -38,8 +38,9 @@ _STATE_IN_BRACKETS = re.compile(r"\s*(?P<state>[\[({][X01*,\s-]+[\])}])\s*:(?=\s
 _UNQUOTED_KEY = re.compile(r"(?P<text>[^\s:#]+)(?=\s*:(?:\s|$))")
 _UNQUOTED = re.compile(r"(?P<text>[^,\[\]{}#]*[^,\[\]{}#\s])")
 _FENCE = re.compile(r"\s*(?:```|~~~)\w*\s*\Z")
-# Words of a line that may be a key and its value; more are prose.
+# Words of a line that may be a key and its value.
 _LONGEST_ENTRY = 7
+_NO_PROSE = re.compile(r"[\[{◁]|<\|")
 
 
 class Slip(NamedTuple):
@@ -278,12 +279,18 @@ def _no_colon(lines: Sequence[str], line: int) -> Slip | None:
     if re.match(r"-\w", word):
         problem = f"a space is missing after the '-'; write '- {word[1:]}'"
         return Slip(problem, line, first.start("key") + 1)
-    if len(text.split()) > _LONGEST_ENTRY and not re.search(r"[\[{]", text):
+    if _is_prose(text):
         problem = "a text over several lines begins with '>-' behind its key, and is indented below"
         return Slip(problem, line, first.start("key") + 1)
     above = re.fullmatch(r"\s*(?:- +)*(\w+):\s*", lines[line - 2]) if line > 1 else None
     value = f", or '{text.strip()}' belongs behind '{above[1]}:'" if above else ""
     return Slip(f"a ':' is missing after '{word}'{value}", line, first.end("key") + 1)
+
+
+def _is_prose(line: str) -> bool:
+    """Whether a line goes on with a text: only a key that begins its line has as many words."""
+    words = line.partition(" #")[0].split()
+    return line[:1] == " " and len(words) > _LONGEST_ENTRY and not _NO_PROSE.search(line)
 
 
 def _second_colon(trouble: _Trouble) -> Slip | None:

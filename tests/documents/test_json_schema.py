@@ -28,7 +28,16 @@ SHIPPED = sorted(p for folder in ("robots", "programs") for p in (ROOT / folder)
 SHAPE_CODES = {"CB202", "CB203", "CB204", "CB205", "CB206", "CB207", "CB208"}
 
 #: What relates keys to each other is the checker's to find.
-BEYOND_SCHEMAS = {"place_twice", "place_nowhere", "gap_without_hand", "field_obstacle_shape"}
+BEYOND_SCHEMAS = {
+    "place_twice",
+    "place_nowhere",
+    "gap_without_hand",
+    "field_obstacle_shape",
+    # To a schema a reference that is text is a text like any other.
+    "reference_in_parentheses",
+    "reference_quoted",
+    "reference_without_brackets_below",
+}
 
 
 @cache

@@ -194,10 +194,10 @@ READING = (
     Entry(
         "CB122",
         "merge conflict",
-        "'{marker}' is of a merge conflict; keep one of the two sides, and delete the lines that "
-        "begin with '<<<<<<<', '=======' and '>>>>>>>'",
+        "{problem}",
         "Git writes both versions into the file where it cannot tell which is wanted. The rest of "
-        "the document is checked with the first of them.",
+        "the document is checked with the first of them. Lines copied from a comparison (a diff) "
+        "begin with '-' or '+'; it is checked with what is newer.",
         program("<<<<<<< HEAD\nactions: [track]\n=======\nactions: []\n>>>>>>> other\n"),
         good=_TRACKING,
     ),
