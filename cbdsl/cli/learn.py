@@ -202,9 +202,8 @@ def _lesson(
     transition_time: float | None,
 ) -> CheckedProgram:
     """The program with the actions and limits of the trial."""
-    single = tuple(action for action in program.actions if action.name in program.members)
     return program._replace(
-        actions=single if sequential else program.actions,
+        actions=program.sequential_actions if sequential else program.actions,
         transitions=transitions or program.transitions,
         transition_time=transition_time or program.transition_time,
     )

@@ -50,3 +50,8 @@ class CheckedProgram(NamedTuple):
     background: Composition | None
     transitions: int
     transition_time: float
+
+    @property
+    def sequential_actions(self) -> tuple[Action, ...]:
+        """The actions of a single member, without co-articulation (Section 4.2.1)."""
+        return tuple(action for action in self.actions if action.name in self.members)

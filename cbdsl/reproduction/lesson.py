@@ -42,8 +42,7 @@ class Lesson:
 
     def actions(self, program: CheckedProgram) -> tuple[Action, ...]:
         """What can be chosen from."""
-        single = tuple(action for action in program.actions if action.name in program.members)
-        return single if self.sequential else program.actions
+        return program.sequential_actions if self.sequential else program.actions
 
     def command(self, seed: int, trials: int, episodes: int, backend: str) -> str:
         """What learns the same with ``cb learn``."""
