@@ -10,7 +10,6 @@ from cbdsl.checking.references import LiteralError, is_literal, read_literal
 from cbdsl.checking.scope import Scope
 from cbdsl.program.controller import AlongNormals, Literal, Reference
 from cbdsl.types.resource import Resource
-from cbdsl.yaml_text.comma import decimal_comma
 
 Written = str | float | tuple[str | float, ...]
 
@@ -116,6 +115,8 @@ def _in_its_units(
     try:
         return read_literal(literal, feedback)
     except LiteralError as error:
+        from cbdsl.yaml_text.comma import decimal_comma  # only a fault needs it
+
         comma = decimal_comma(source.node(steps))
         if comma is not None and error.code == "CB505":
             findings.add("CB506", source.place(*steps), problem=comma)

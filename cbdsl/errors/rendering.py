@@ -5,7 +5,7 @@ from __future__ import annotations
 from functools import lru_cache
 
 from cbdsl.errors.diagnostic import Diagnostic, Place
-from cbdsl.errors.legible import UNSEEN
+from cbdsl.errors.legible import seen
 from cbdsl.errors.lines import lines_of
 
 # No section of a document has more keys.
@@ -49,7 +49,7 @@ def _snippet(place: Place, source: str | None, tint: str) -> list[str]:
     if place.line > len(lines) or not lines[place.line - 1].strip():
         return []
     # A terminal obeys some of the characters that a damaged file may hold.
-    line = UNSEEN.sub(lambda unseen: "\t" if unseen[0] == "\t" else "\ufffd", lines[place.line - 1])
+    line = seen(lines[place.line - 1], lambda unseen: "\t" if unseen == "\t" else "\ufffd")
     line, column = _window(line, place.column)
     # Tabs stay tabs, so that the caret stands under its character.
     indent = "".join("\t" if c == "\t" else " " for c in line[: column - 1])

@@ -23,8 +23,8 @@ _WORDS = {
     "$END": "the end",
 }
 # What people take for the subject-to sign, and what points the other way.
-_LOOK_ALIKE = re.compile("<(?!\\|)[<-]*|[⊲◀◂◃⋖«←⟵⇐]")
-_TURNED = re.compile("\\|>|>+|->|[▷⊳▶▸▹⋗»→⟶⇒]")
+_LOOK_ALIKE = r"<(?!\|)[<-]*|[⊲◀◂◃⋖«←⟵⇐]"
+_TURNED = r"\|>|>+|->|[▷⊳▶▸▹⋗»→⟶⇒]"
 
 
 class CompositionError(ValueError):
@@ -127,7 +127,8 @@ def _look_alike(text: str, start: int) -> LookAlikeError | None:
         (_LOOK_ALIKE, "write '◁', or '<|' in ASCII"),
         (_TURNED, "'b ▷ a' is written 'a ◁ b', or 'a <| b' in ASCII"),
     ):
-        if sign := pattern.match(text, start - 1):
+        # Compiled here: only a fault needs them.
+        if sign := re.compile(pattern).match(text, start - 1):
             return LookAlikeError(sign[0], meant, Span(start, sign.end() + 1))
     return None
 
