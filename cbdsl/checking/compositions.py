@@ -167,9 +167,17 @@ class Compositions:
         is_whole = self._context.source.is_whole
         if not (is_whole("controllers", term.name) and is_whole("use", term.name)):
             return  # what it names has been reported
+        if self._was_overwritten():
+            return
         names = [*document.controllers, *document.use]
         self.unknown.add(term.name)
         self._context.add("CB404", place, names=names, name=term.name)
+
+    def _was_overwritten(self) -> bool:
+        """Whether a controller or program is declared twice, one of them for another name."""
+        source, faults = self._context.source, self._context.loaded.faults
+        left_out = set(source.broken.keys(("controllers", "use")))
+        return any(fault.code == "CB107" and fault.given in left_out for fault in faults)
 
     def wrong_arity(self, term: Term, steps: Steps, parameters: tuple[str, ...]) -> None:
         """Report a call with too many or too few arguments."""

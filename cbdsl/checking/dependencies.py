@@ -75,7 +75,8 @@ class Dependencies:
         """Report that a document is not there; those for the program's robot are proposed."""
         place, library = self._source.place(*steps), self._session.library
         robot = None if self.robot is None else self._document.robot
-        report_unknown(kind, name, place, library, self._findings, robot)
+        own = self._document.name if kind is ProgramDocument else ""
+        report_unknown(kind, name, place, library, self._findings, robot, own)
 
     def is_for_the_robot(self, other: str, name: str, steps: Steps) -> bool:
         """Whether a document is for the program's robot, as far as anybody knows.

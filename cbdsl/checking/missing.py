@@ -4,9 +4,12 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Collection
+from typing import Any
 
 from cbdsl.checking.findings import Findings
 from cbdsl.checking.scope import Scope, parameters_in
+from cbdsl.errors.diagnostic import Place
+from cbdsl.errors.nearest import nearest_name
 from cbdsl.yaml_text.source_map import SourceMap, Step
 
 Steps = tuple[Step, ...]
@@ -69,7 +72,7 @@ class MissingResources:
         related = [] if there is None else [(here, f"here '${parameter}' stands for it")]
         details = {"name": name, "robot": self._robot, "given": value}
         names = self._values_of(parameter, text, scope)
-        self._findings.add("CB501", there or here, names=names, related=related, **details)
+        self._add(there or here, names=names, related=related, **details)
 
     def _values_of(self, parameter: str, text: str, scope: Scope) -> list[str]:
         """The values of a parameter with which a text names a resource."""
@@ -89,19 +92,26 @@ class MissingResources:
         meant = self._with_sign(text, scope)
         if meant is not None:
             names = siblings or self._firsts()
-            self._findings.add(
-                "CB501", place, names=names, candidates=[meant], given=text, **details
-            )
+            self._add(place, names=names, candidates=[meant], given=text, **details)
+        elif siblings and self._is_alias(name, siblings):
+            hint = "; names of colours are declared by the robot's 'vision: channels: aliases'"
+            self._add(place, names=siblings, given="", hint=hint, **details)
         elif siblings:
-            names = list(self._known)
-            self._findings.add("CB501", place, names=siblings, candidates=names, **details)
+            self._add(place, names=siblings, candidates=list(self._known), **details)
         else:
             # Everything that begins with an unknown name is one mistake.
             firsts = self._firsts()
             candidates = firsts if "." in name else [*firsts, *self._known]
-            self._findings.add(
-                "CB501", place, names=firsts, candidates=candidates, given=first, **details
-            )
+            self._add(place, names=firsts, candidates=candidates, given=first, **details)
+
+    def _add(self, place: Place, hint: str = "", **details: Any) -> None:
+        self._findings.add("CB501", place, hint=hint, **details)
+
+    def _is_alias(self, name: str, siblings: Collection[str]) -> bool:
+        """Whether a name may be meant as an alias: of a channel, and like no other."""
+        part, parts = name.partition(".")[2], [known.partition(".")[2] for known in siblings]
+        are_channels = any(known == "motion" or known.startswith("hue_") for known in parts)
+        return are_channels and bool(part) and nearest_name(part, parts) is None
 
     def _firsts(self) -> list[str]:
         return list(dict.fromkeys(known.split(".")[0] for known in self._known))

@@ -83,8 +83,8 @@ def settings_of(
             return None  # one of them is misspelt, which has been reported
         lacking = {"a gain": gain, "a quiescence": quiescence}
         setting = " and ".join(name for name, value in lacking.items() if value is None)
-        details = {"robot": robot.name, "setting": setting}
-        context.add("CB511", context.source.key(*steps), feedback=feedback.type, **details)
+        details = {"robot": robot.name, "setting": setting, "task": feedback.type.name}
+        context.add("CB511", context.source.key(*steps), **details)
         return None
     return Settings(
         gain,

@@ -37,6 +37,13 @@ def check_reach(context: Context, steps: Steps, reference: Literal, feedback: Re
         context.add("CB718", place, name=feedback.name, **ends)
 
 
+def farthest_tip(body: Body) -> float | None:
+    """A bound on how far any tip can be from the base, m, or ``None`` without one."""
+    tipped = [name for name, effector in body.document.effectors.items() if effector.tip]
+    reaches = [_reaches(body, name) for name in tipped]
+    return max((max(each) for each in reaches), default=None) if all(reaches) else None
+
+
 def _farthest(body: Body, feedback: Resource) -> float | None:
     """A bound on the norm of a position that joints determine, m, or ``None`` without one."""
     match feedback.source:

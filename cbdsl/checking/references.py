@@ -7,8 +7,7 @@ import re
 from cbdsl.errors.counting import count
 from cbdsl.program.controller import AlongNormals, Literal
 from cbdsl.types.resource import FingerForces, NetForces, Resource
-from cbdsl.types.resource_type import ResourceType
-from cbdsl.types.unit import QuantityError, read_quantity
+from cbdsl.types.unit import QuantityError, is_quantity, read_quantity
 
 _ALONG_NORMALS = re.compile(r"(?P<force>.*\S)\s+along\s+normals\s*\Z")
 _NUMBER = re.compile(r"\s*[-+.]?\.?\d")
@@ -61,7 +60,7 @@ def read_literal(
     kind = feedback.type
     if len(items) not in (1, kind.size):
         raise _wrong_count(len(items), feedback)
-    numbers = tuple(_component(item, i, kind) for i, item in enumerate(items))
+    numbers = tuple(_component(item, i, feedback) for i, item in enumerate(items))
     if len(numbers) == kind.size:
         return Literal(numbers)
     if numbers[0] != 0:
@@ -76,10 +75,18 @@ def _along_normals(force: str, feedback: Resource) -> AlongNormals:
     return AlongNormals(_quantity(force, ("force",), None))
 
 
-def _component(item: str | float, index: int, kind: ResourceType) -> float:
+def _component(item: str | float, index: int, feedback: Resource) -> float:
+    kind = feedback.type
     dimensions = _DIMENSIONS[kind.name]
     place = (index % kind.dimension) * len(dimensions) // kind.dimension
-    return _quantity(item, (dimensions[place],), index)
+    try:
+        return _quantity(item, (dimensions[place],), index)
+    except LiteralError as error:
+        if isinstance(item, str) and is_quantity(item):  # it is the unit that does not fit
+            error.details["problem"] = (
+                f"{error.details['problem']} for the feedback '{feedback.name}'"
+            )
+        raise
 
 
 def _quantity(value: str | float, dimensions: tuple[str, ...], item: int | None) -> float:

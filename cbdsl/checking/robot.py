@@ -10,6 +10,7 @@ from pathlib import Path
 from cbdsl.checking.body import Body
 from cbdsl.checking.constants import check_constants, check_margins
 from cbdsl.checking.findings import Findings
+from cbdsl.checking.limits import limits_told
 from cbdsl.checking.names import check_names
 from cbdsl.checking.settings import check_settings
 from cbdsl.documents.robot import Effector, RobotDocument
@@ -327,16 +328,10 @@ class _ModelCheck:
             for i, (joint, angle) in enumerate(zip(effector.joints, angles, strict=False)):
                 limits = self._model.joints.get(joint)
                 if limits is not None and not limits.lower <= angle <= limits.upper:
-                    place = self._source.place("effectors", name, "postures", posture, i)
-                    self._findings.add(
-                        "CB305",
-                        place,
-                        angle=f"{angle:.4g}",
-                        joint=joint,
-                        lower=f"{limits.lower:.4g}",
-                        upper=f"{limits.upper:.4g}",
-                        hint=_degrees_meant(angle, limits),
-                    )
+                    node = self._source.node(("effectors", name, "postures", posture, i))
+                    told = limits_told(node.value, angle, (limits.lower, limits.upper))
+                    hint = _degrees_meant(angle, limits) if told["unit"] == "rad" else ""
+                    self._findings.add("CB305", node.place, joint=joint, hint=hint, **told)
 
 
 def _degrees_meant(angle: float, limits: UrdfJoint) -> str:

@@ -77,7 +77,8 @@ class Scope:
             known = False
             if source.is_whole("parameters", name):
                 place = source.inside(steps, offset + match.start() + 1, offset + match.end() + 1)
-                findings.add("CB402", place, names=sorted(self.values), name=name)
+                hint = "" if self.values else "; declare it in 'parameters'"
+                findings.add("CB402", place, names=sorted(self.values), name=name, hint=hint)
         if known and length > _LONGEST:
             findings.add("CB409", source.place(*steps), bound=_LONGEST)
             known = False

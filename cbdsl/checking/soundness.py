@@ -7,6 +7,7 @@ from collections.abc import Iterator
 
 from cbdsl.checking.constants import check_signs
 from cbdsl.checking.context import Context, Steps
+from cbdsl.checking.limits import limits_told
 from cbdsl.checking.reach import check_reach
 from cbdsl.documents import program as written
 from cbdsl.errors.counting import count
@@ -51,9 +52,9 @@ def check_reference(
             zip(joints, reference.values, limits, strict=True)
         ):
             if span is not None and not span[0] <= angle <= span[1]:
-                ends = {"lower": f"{span[0]:.4g}", "upper": f"{span[1]:.4g}"}
-                place = context.source.place(*steps, i)
-                context.add("CB517", place, angle=f"{angle:.4g}", joint=joint, **ends)
+                node = context.source.node((*steps, i))
+                told = limits_told(node.value, angle, span)
+                context.add("CB517", node.place, joint=joint, **told)
 
 
 def suits_body(

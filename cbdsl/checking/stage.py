@@ -6,10 +6,12 @@ from collections.abc import Collection, Iterator
 
 from cbdsl.checking.body import Body
 from cbdsl.checking.findings import Findings
+from cbdsl.checking.limits import limits_told
+from cbdsl.checking.reach import farthest_tip
 from cbdsl.checking.session import Session
 from cbdsl.checking.unknown import report_unknown
 from cbdsl.documents.robot import RobotDocument
-from cbdsl.documents.stage import Box, Context, Fixture, Place, StageDocument
+from cbdsl.documents.stage import Ball, Box, Context, Cylinder, Fixture, Place, StageDocument
 from cbdsl.yaml_text.node import Node
 from cbdsl.yaml_text.reader import Loaded
 from cbdsl.yaml_text.source_map import Step
@@ -32,6 +34,28 @@ def examine_stage(loaded: Loaded[StageDocument], session: Session, findings: Fin
     for key, context in loaded.document.contexts.items():
         _ContextCheck(loaded, findings, ("contexts", key), context).all(body)
     _names(loaded, findings)
+    if body is not None:
+        _sizes(loaded, body, findings)
+
+
+def _sizes(loaded: Loaded[StageDocument], body: Body, findings: Findings) -> None:
+    """Warn of things that are wider, whichever way they are turned, than any tip can go far."""
+    farthest = farthest_tip(body)
+    for name, thing in loaded.document.things.items():
+        width = _narrowest(thing.form)
+        if farthest is not None and width > farthest:
+            key = "size" if isinstance(thing.form, Box) else "radius"
+            place = loaded.source.place("things", name, "form", key)
+            ends = {"width": f"{width:.4g}", "farthest": f"{farthest:.3g}"}
+            findings.add("CB721", place, name=name, robot=body.document.name, **ends)
+
+
+def _narrowest(form: Ball | Box | Cylinder) -> float:
+    """The least extent of a thing, at its smallest, m."""
+    if isinstance(form, Box):
+        return min(size[0] for size in form.size)
+    across = 2 * form.radius[0]
+    return min(across, form.height[0]) if isinstance(form, Cylinder) else across
 
 
 def _names(loaded: Loaded[StageDocument], findings: Findings) -> None:
@@ -92,11 +116,11 @@ class _ContextCheck:
         """Joints can start where their context puts them."""
         starts = self._context.joints
         for (joint, span), limits in zip(starts.items(), body.limits(starts), strict=True):
-            beyond = [a for a in span if limits and not limits[0] <= a <= limits[1]]
+            beyond = [i for i, a in enumerate(span) if limits and not limits[0] <= a <= limits[1]]
             if limits is not None and beyond:
-                ends = {"lower": f"{limits[0]:.4g}", "upper": f"{limits[1]:.4g}"}
-                place = self._source.place(*self._steps, "joints", joint)
-                self._findings.add("CB355", place, angle=f"{beyond[0]:.4g}", joint=joint, **ends)
+                node = self._source.node((*self._steps, "joints", joint, beyond[0]))
+                told = limits_told(node.value, span[beyond[0]], limits)
+                self._findings.add("CB355", node.place, joint=joint, **told)
 
     def _on_fixture(self, place: Place, name: str) -> None:
         """What stands on a fixture has its centre above it, wherever it is drawn."""
@@ -109,11 +133,11 @@ class _ContextCheck:
         for axis, span, half in zip("xy", (place.x, place.y), _halves(fixture), strict=True):
             centre = fixture.position["xy".index(axis)]
             # What is computed from centimetres may exceed an edge by a rounding error.
-            beyond = [x for x in span if abs(x - centre) > half + 1e-9]
+            beyond = [i for i, x in enumerate(span) if abs(x - centre) > half + 1e-9]
             if beyond:
-                where = self._source.place(*self._steps, "place", axis)
+                where = self._source.place(*self._steps, "place", axis, beyond[0])
                 ends = {"first": f"{centre - half:.4g}", "last": f"{centre + half:.4g}"}
-                details = {"axis": axis, "value": f"{beyond[0]:.4g}", **ends}
+                details = {"axis": axis, "value": f"{span[beyond[0]]:.4g}", **ends}
                 self._findings.add("CB356", where, name=name, **details)
 
     def _known(

@@ -32,6 +32,7 @@ def report_unknown(
     library: Library,
     findings: Findings,
     robot: str | None = None,
+    own: str = "",
 ) -> None:
     """Report that there is no document of this name.
 
@@ -42,11 +43,13 @@ def report_unknown(
         library: where documents are found by name.
         findings: where the finding goes.
         robot: the robot that the document has to be for, if that is known.
+        own: the name of the document itself, where it cannot be what is meant.
     """
     beside = Path(place.file)
     names = (
         library.names(kind, beside) if robot is None else for_robot(kind, robot, beside, library)
     )
+    names = [each for each in names if each != own]
     hint = "" if robot is None or names else first_stage(kind, robot)
     findings.add(_CODES[kind], place, names=names, name=name, hint=hint)
 

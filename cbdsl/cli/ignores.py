@@ -64,7 +64,7 @@ def _faults(ignore: Ignore, hits: set[Ignore]) -> Iterator[Diagnostic]:
     from cbdsl.errors.wording import diagnostic
 
     if ignore.code not in CATALOGUE:
-        yield diagnostic("CB803", ignore.place, candidates=list(CATALOGUE), name=ignore.code)
+        yield diagnostic("CB803", ignore.place, name=ignore.code)
         return
     if ignore not in hits:
         yield diagnostic("CB801", ignore.place, ignored=ignore.code)

@@ -21,7 +21,7 @@ COMPOSITIONS = (
     Entry(
         "CB402",
         "unknown parameter",
-        "there is no parameter '{name}'",
+        "there is no parameter '{name}'{hint}",
         "`$name` stands for the value of a parameter of the program or of the controller.",
         controller("potential: spring, reference: 0, feedback: cyclopean.$feature, effector: head"),
         good=controller(

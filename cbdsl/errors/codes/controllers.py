@@ -15,10 +15,11 @@ CONTROLLERS = (
     Entry(
         "CB501",
         "unknown resource",
-        "robot '{robot}' has no resource '{name}'",
+        "robot '{robot}' has no resource '{name}'{hint}",
         "Resources follow from the robot's document: `right_arm`, `right_arm.position`, "
-        "`right_hand.finger_1.force`, `left.hue_4`, `stereo.hue_4`. `cb show resources` lists "
-        "them with their types.",
+        "`right_hand.finger_1.force`, `left.hue_4`, `stereo.hue_4`; `left.red` where "
+        "`vision: channels: aliases` calls a channel red. `cb show resources` lists them with "
+        "their types.",
         controller("potential: spring, reference: 0, feedback: cyclopean.moton, effector: head"),
         good=controller(
             "potential: spring, reference: 0, feedback: cyclopean.motion, effector: head"
@@ -123,7 +124,7 @@ CONTROLLERS = (
     Entry(
         "CB511",
         "missing setting",
-        "neither this controller nor robot '{robot}' sets {setting} for {feedback}",
+        "neither this controller nor 'control: tasks: {task}' of robot '{robot}' sets {setting}",
         "Settings come from the robot's `control.tasks`, by the type of the feedback, unless "
         "the controller has its own.",
         controller(
@@ -208,7 +209,7 @@ CONTROLLERS = (
     Entry(
         "CB517",
         "reference outside the joint limits",
-        "{angle} rad is outside the limits of joint '{joint}', {lower} to {upper} rad",
+        "{angle} {unit} is outside the limits of joint '{joint}', {lower} to {upper} {unit}",
         "The effector can never get there, so the controller would push against its limits for "
         "ever. Limits are those of the robot's URDF model.",
         controller("potential: spring, reference: [0, 400 deg], feedback: head, effector: head"),

@@ -95,7 +95,8 @@ PROGRAMS = (
     Entry(
         "CB608",
         "controller that is no action by itself",
-        "'{name}' occurs in compositions, but is no action by itself, so no state shows it",
+        "'{name}' occurs in compositions, but is no action by itself, so no state shows it; "
+        "name it in 'actions', too",
         "A state has one predicate per action that is not a composition. Without one for this "
         "controller no policy could tell whether it has converged.",
         _TWO + "actions: [track, search ◁ track]\n",

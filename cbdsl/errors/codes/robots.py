@@ -61,7 +61,7 @@ ROBOTS = (
     Entry(
         "CB305",
         "posture outside the joint limits",
-        "{angle} rad is outside the limits of joint '{joint}', {lower} to {upper} rad{hint}",
+        "{angle} {unit} is outside the limits of joint '{joint}', {lower} to {upper} {unit}{hint}",
         "The robot can never take this posture. Limits are those of the URDF model.",
         robot("  head: {joints: [pan], postures: {aside: [100 deg]}}\n"),
         _PATH,

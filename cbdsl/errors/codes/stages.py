@@ -65,7 +65,7 @@ STAGES = (
     Entry(
         "CB355",
         "start outside the joint limits",
-        "{angle} rad is outside the limits of joint '{joint}', {lower} to {upper} rad",
+        "{angle} {unit} is outside the limits of joint '{joint}', {lower} to {upper} {unit}",
         "The robot cannot start there. Limits are those of the URDF model.",
         stage("  always: {joints: {tilt: 200 deg}, things: [ball], place: {z: 0}}\n"),
         _PATH,

@@ -6,6 +6,7 @@ from cbdsl.errors.codes.example import HEAD, SEARCH, TRACK, controller, program,
 from cbdsl.errors.diagnostic import Severity
 from cbdsl.errors.entry import Entry
 
+_ALWAYS = stage("  always: {things: [ball], place: {z: 0}}\n")
 _LOOK = "potential: spring, reference: 0, feedback: cyclopean.$feature, effector: head"
 _LOOKING = program("actions: [track]\n").replace("example", "looking")
 _POLICY = "policy: {X: track}\n"
@@ -235,5 +236,17 @@ UNUSED = (
         program("actions: [track]\n", track=SEARCH),
         severity=Severity.WARNING,
         good=program("actions: [track]\n"),
+    ),
+    Entry(
+        "CB721",
+        "thing too large for its robot",
+        "'{name}' is {width} m wide at least, and no tip of '{robot}' gets farther than "
+        "{farthest} m",
+        "No robot handles what is wider, whichever way it is turned, than its links are long. A "
+        "number without a unit is in metres: write `4 cm`.",
+        _ALWAYS.replace("radius: 4 cm", "radius: 4"),
+        "programs/stages/example.yaml",
+        severity=Severity.WARNING,
+        good=_ALWAYS,
     ),
 )
