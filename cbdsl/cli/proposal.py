@@ -8,7 +8,7 @@ import os
 import re
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from textwrap import wrap
+from textwrap import TextWrapper
 from typing import NamedTuple
 
 from cbdsl.errors.counting import count
@@ -17,8 +17,14 @@ from cbdsl.robot.chains import Chain, chains, root
 from cbdsl.robot.hindrance import Hindrance, hindered
 from cbdsl.robot.urdf import Mimic, UrdfJoint, UrdfModel
 
-# Names of joints stay in one piece.
-_UNBROKEN = {"break_long_words": False, "break_on_hyphens": False}
+_COMMENT = TextWrapper(
+    98,
+    initial_indent="# - ",
+    subsequent_indent="#   ",
+    # Names of joints stay in one piece.
+    break_long_words=False,
+    break_on_hyphens=False,
+)
 # What every YAML takes for a text without quotes, and not for a number, truth or nothing.
 _PLAIN = re.compile(
     r"(?!(?:true|false|null|yes|no|on|off|y|n)\Z)[A-Za-z_][\w./-]*\Z", re.ASCII | re.IGNORECASE
@@ -123,7 +129,7 @@ def _comment(idle: Mapping[Hindrance, Sequence[UrdfJoint]]) -> str:
     for why, joints in idle.items():
         cure = f" (to move them, {why.cure})" if why.cure else ""
         text = f"{', '.join(joint.name for joint in joints)}: {why.trait}{cure}"
-        lines += wrap(text, 98, initial_indent="# - ", subsequent_indent="#   ", **_UNBROKEN)
+        lines += _COMMENT.wrap(text)
     return "\n".join(lines) + "\n"
 
 
