@@ -25,8 +25,10 @@ def heed_ignores(
     from cbdsl.checking.causes import causes_first
 
     findings = list(found)
-    own = {str(file): file for file in files}
-    texts = {**{d.place.file: Path(d.place.file) for d in findings}, **own}
+    # The same file may have been read by a shorter path before.
+    own = {library.real(file): file for file in files}
+    places = (Path(diagnostic.place.file) for diagnostic in findings)
+    texts = {**{library.real(path): path for path in places}, **own}
     ignores = {file: _ignores(path, library) for file, path in texts.items()}
     silencing = {
         (file, ignore.line, ignore.code): ignore
@@ -35,7 +37,8 @@ def heed_ignores(
     }
     kept, hits = [], set()
     for diagnostic in findings:
-        ignore = silencing.get((diagnostic.place.file, diagnostic.place.line, diagnostic.code))
+        place = diagnostic.place
+        ignore = silencing.get((library.real(Path(place.file)), place.line, diagnostic.code))
         if ignore is None:
             kept.append(diagnostic)
         else:
