@@ -12,6 +12,7 @@ from pydantic import BaseModel
 from pydantic_core import ErrorDetails
 
 from cbdsl.documents.document import NAME_PATTERN
+from cbdsl.errors.counting import count
 from cbdsl.errors.diagnostic import Diagnostic
 from cbdsl.errors.nearest import nearest_name
 from cbdsl.errors.wording import diagnostic
@@ -43,6 +44,13 @@ _PROBLEMS = {
     "less_than_equal": "it has to be at most {le:g}",
     "too_short": "{actual_length} given, at least {min_length} needed",
     "too_long": "{actual_length} given, at most {max_length} possible",
+}
+#: What the values of a list are that always has as many.
+_PARTS = {
+    "offset": "x, y, z",
+    "position": "x, y, z",
+    "size": "x, y, z",
+    "color": "red, green, blue",
 }
 _MANY = (dict, list)
 _KEY_AND_VALUE = re.compile(r"(\w+)(:?) *(?:&\w+ +)?[-{\[*]")
@@ -182,7 +190,7 @@ def _diagnose(
         found = describe(value) + _left_out(value, expected)
         return diagnostic("CB204", source.place(*path), expected=expected, found=found)
     fault = next(fault for fault in same if not fault.is_wrong_kind)
-    return _special(fault, path, source, model)
+    return _special(fault, same, path, source, model)
 
 
 def _row(
@@ -204,8 +212,24 @@ def _row(
     return diagnostic("CB204", node.place, expected="a list", found=f"{found}; write {row}")
 
 
+def _too_few(path: tuple[Step, ...], same: list[_Fault], source: SourceMap) -> Diagnostic:
+    """What is to be said of a list that ends before its last value."""
+    missing = [fault.error["loc"][-1] for fault in same if fault.error["type"] == "missing"]
+    wanted = max(index for index in missing if isinstance(index, int)) + 1
+    given = source.node(path)
+    found = count(len(given.value) if isinstance(given.value, list) else 1, "value")
+    parts = _PARTS.get(str(path[-1]))
+    names = f": {parts}" if parts else ""
+    problem = f"{found} where {wanted} are wanted{names}"
+    return diagnostic("CB208", given.place, problem=problem)
+
+
 def _special(
-    fault: _Fault, path: tuple[Step, ...], source: SourceMap, model: type[BaseModel]
+    fault: _Fault,
+    same: list[_Fault],
+    path: tuple[Step, ...],
+    source: SourceMap,
+    model: type[BaseModel],
 ) -> Diagnostic:
     error, name = fault.error, str(path[-1]) if path else ""
     context: dict[str, Any] = error.get("ctx", {})
@@ -213,8 +237,7 @@ def _special(
         return diagnostic("CB205", source.key(*path), problem=slip)
     match error["type"]:
         case "missing" if isinstance(error["loc"][-1], int):
-            problem = "a value is missing"
-            return diagnostic("CB208", source.place(*path), problem=problem)
+            return _too_few(path, same, source)
         case "missing":
             # A missing key has no place of its own: its parent's key stands for it.
             place = source.key(*path[:-1])
