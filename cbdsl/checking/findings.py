@@ -12,8 +12,8 @@ from cbdsl.errors.wording import diagnostic
 # These have their cause in one place, and may show in many: a name that is missed, for example,
 # or an action that is lacking.
 _REPEATED = frozenset(
-    {"CB308", "CB351", "CB402", "CB404", "CB407", "CB501", "CB607", "CB608", "CB611", "CB612"}
-    | {"CB613", "CB631", "CB717"}
+    {"CB114", "CB308", "CB351", "CB402", "CB404", "CB407", "CB501", "CB607", "CB608", "CB611"}
+    | {"CB612", "CB613", "CB631", "CB717"}
 )
 # More places show nothing that these do not.
 _MOST_PLACES = 6
@@ -52,7 +52,9 @@ class Findings:
             key = (found.place.file, found.code, what)
             first = firsts.setdefault(key, found) if found.code in _REPEATED else found
             others = places.setdefault(first, [])
-            if first is not found:
+            # What was told of a document may come by several ways, put together or not.
+            known = (first.place, *(related.place for related in first.related))
+            if found.place not in known:
                 others.append(found.place)
         return tuple(_with(first, others) for first, others in places.items())
 

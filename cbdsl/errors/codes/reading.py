@@ -123,7 +123,8 @@ READING = (
     Entry(
         "CB114",
         "word that some readers take for true or false",
-        "'{text}' is true or false to some readers of YAML and text to others",
+        "'{text}' is true or false to some readers of YAML and text to others; write \"{text}\" if "
+        "the word is meant",
         "In YAML 1.1 `NO` is false, and a country is lost. Write `true` or `false`, or quotes "
         "where the word is meant.",
         program("actions: [track]\ndescription: NO\n"),
