@@ -107,6 +107,8 @@ def _under_policy(program: CheckedProgram, file: Path, library: Library) -> Chec
     from cbdsl.documents.policy import PolicyDocument
     from cbdsl.errors.errors import UsageError
 
+    if _is_recording(file):
+        raise UsageError(f"{file}: this is no policy document; it looks like a recording")
     _require_clean(file, library)
     loaded = library.read(file, PolicyDocument)
     if loaded.document.program != program.name:
@@ -114,6 +116,14 @@ def _under_policy(program: CheckedProgram, file: Path, library: Library) -> Chec
             f"{file}: this policy serves program '{loaded.document.program}', not '{program.name}'"
         )
     return with_policy(program, loaded, library)
+
+
+def _is_recording(file: Path) -> bool:
+    """Whether a file is one of the two that ``cb run --record`` writes for an episode."""
+    if not file.is_file():
+        return False
+    is_told = file.suffix == ".json" and b'"kind": "recording"' in file.read_bytes()
+    return is_told or file.suffix == ".npz"
 
 
 def _require_clean(file: Path, library: Library) -> None:

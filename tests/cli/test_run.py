@@ -49,6 +49,7 @@ def here(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
         "elsewhere.yaml": OTHER_STAGE,
         "touching.yaml": OTHER_POLICY,
         "broken.yaml": BROKEN,
+        "episode_1.json": '{\n "cbdsl": 1,\n "kind": "recording"\n}\n',
         "file": "",
     }
     for name, text in files.items():
@@ -92,6 +93,7 @@ MISTAKES = [
     (["searchtrack", "--with", "feature=hue_99"], 1, ["CB501", "hue_99"]),
     (["searchtrack", "--policy", "touching.yaml"], 2, ["touching.yaml", "reachtouch"]),
     (["searchtrack", "--policy", "none.yaml"], 1, ["none.yaml:1:1"]),
+    (["searchtrack", "--policy", "episode_1.json"], 2, ["no policy document", "recording"]),
     (["searchtrack", "--record", "file"], 2, ["--record file"]),
     (["searchtrack", "--record", "file/below"], 2, ["--record file/below"]),
     (["searchtrack", "--seed", "-1"], 2, ["--seed"]),
