@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterable, Iterator, Mapping
-from functools import cache
+from collections.abc import Callable, Iterable, Mapping
 from pathlib import PurePath
-from typing import Any, NamedTuple, get_args
+from typing import Any, NamedTuple
 
 from pydantic import BaseModel
 from pydantic_core import ErrorDetails
@@ -18,8 +17,9 @@ from cbdsl.errors.nearest import nearest_name
 from cbdsl.errors.wording import diagnostic
 from cbdsl.types.unit import QuantityError
 from cbdsl.yaml_text.comma import decimal_comma
-from cbdsl.yaml_text.form import annotations_at, form, section_of
+from cbdsl.yaml_text.form import form
 from cbdsl.yaml_text.node import Node
+from cbdsl.yaml_text.shape import Shape
 from cbdsl.yaml_text.source_map import SourceMap, Step, child_of
 
 _EXPECTED = {
@@ -124,14 +124,13 @@ def _numbered_again(by_path: Mapping[tuple[Step, ...], list[_Fault]]) -> set[tup
 
 def _is_nameless(path: tuple[Step, ...], source: SourceMap, model: type[BaseModel]) -> bool:
     """Whether where names are wanted there is what should be below one of them."""
-    found = source.node(path).value
-    section = next((s for known in annotations_at(model, path) if (s := section_of(known))), None)
-    if section is None or not isinstance(found, dict):
+    found, shape = source.node(path).value, Shape((model,)).at(path)
+    keys = shape.child("").keys
+    if not (shape.is_of_names and keys and isinstance(found, dict)):
         return False
-    keys = {field.alias or name for name, field in section.model_fields.items()}
     # A section may well be named like one of the keys below it.
     are_sections = all(isinstance(node.value, dict) for node in found.values())
-    return keys.issuperset(found) and not are_sections
+    return keys.keys() >= found.keys() and not are_sections
 
 
 def _is_below(path: tuple[Step, ...], above: set[tuple[Step, ...]]) -> bool:
@@ -244,7 +243,7 @@ def _special(
             said = [(place, text) for text in _said_of(path, model)]
             return diagnostic("CB203", place, key=name, related=said)
         case "extra_forbidden":
-            keys = allowed_keys(model, error["loc"][:-1])
+            keys = sorted(Shape((model,)).located(error["loc"][:-1]).keys)
             return diagnostic("CB202", source.key(*path), names=keys, key=name)
         case "literal_error" | "union_tag_invalid":
             expected = str(context.get("expected") or context.get("expected_tags"))
@@ -300,11 +299,10 @@ def _said_of(path: tuple[Step, ...], model: type[BaseModel]) -> set[str]:
     """What the documentation says of a key."""
     from cbdsl.documents.json_schema import docstrings  # only a fault needs it
 
-    sections = [s for s in annotations_at(model, path[:-1]) if isinstance(s, type)]
     return {
         f"{path[-1]}: {text}"
-        for section in sections
-        if issubclass(section, BaseModel) and (text := docstrings(section).get(str(path[-1])))
+        for section in Shape((model,)).at(path[:-1]).sections
+        if (text := docstrings(section).get(str(path[-1])))
     }
 
 
@@ -333,36 +331,6 @@ def _slip_in_text(value: object) -> str | None:
         return None
     missing = "a space is missing after the ':' of" if match[2] else "a ':' is missing after"
     return f"{missing} '{match[1]}'"
-
-
-@cache
-def allowed_keys(model: type[BaseModel], steps: tuple[Step, ...]) -> tuple[str, ...]:
-    """Keys that the section at a path may have, sorted."""
-    models: list[type[BaseModel]] = [model]
-    for step in steps:
-        below = [
-            field.annotation
-            for section in models
-            for name, field in section.model_fields.items()
-            if step in (name, field.alias)
-        ]
-        inside = [m for annotation in below for m in _models(annotation)]
-        models = inside or [m for m in models if _is_tagged(m, step)] or models
-    keys = {f.alias or name for section in models for name, f in section.model_fields.items()}
-    return tuple(sorted(keys))
-
-
-def _is_tagged(model: type[BaseModel], step: Step) -> bool:
-    """Whether a section of a discriminated union is the one with this tag."""
-    return any(step in get_args(field.annotation) for field in model.model_fields.values())
-
-
-def _models(annotation: Any) -> Iterator[type[BaseModel]]:
-    """The sections that an annotation mentions."""
-    if isinstance(annotation, type) and issubclass(annotation, BaseModel):
-        yield annotation
-    for part in get_args(annotation):
-        yield from _models(part)
 
 
 def describe(value: object) -> str:

@@ -18,9 +18,10 @@ from cbdsl.errors.diagnostic import Diagnostic, Place
 from cbdsl.errors.errors import DiagnosticsError
 from cbdsl.errors.nearest import nearest_name
 from cbdsl.yaml_text.broken import Broken
-from cbdsl.yaml_text.faults import allowed_keys, faults, path_of
+from cbdsl.yaml_text.faults import faults, path_of
 from cbdsl.yaml_text.misplaced import find_moves, move
 from cbdsl.yaml_text.node import Node
+from cbdsl.yaml_text.shape import Shape
 from cbdsl.yaml_text.source_map import SourceMap, Step
 
 Steps = tuple[Step, ...]
@@ -125,7 +126,8 @@ class _Salvage(Generic[D]):
         parent, key = self._source.node(path[:-1]), str(path[-1])
         if not isinstance(parent.value, dict) or key not in parent.value:
             return False
-        free = [k for k in allowed_keys(self._model, loc[:-1]) if k not in parent.value]
+        known = Shape((self._model,)).located(loc[:-1]).keys
+        free = sorted(known.keys() - parent.value)
         meant = nearest_name(key, free)
         if meant is not None:
             parent.value[meant], parent.keys[meant] = parent.value.pop(key), parent.keys.pop(key)

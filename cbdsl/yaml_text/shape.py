@@ -1,13 +1,14 @@
-"""What a mapping in a document may hold, from the models of documents."""
+"""What the models of documents want at a place: sections with keys, names, or lists."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
-from functools import cache
+from collections.abc import Iterable, Iterator, Mapping
+from functools import cache, reduce
 from types import UnionType
-from typing import Annotated, Any, NamedTuple, Union, get_args, get_origin
+from typing import Annotated, Any, NamedTuple, TypeGuard, Union, get_args, get_origin
 
 from pydantic import BaseModel
+from pydantic.fields import FieldInfo
 
 from cbdsl.yaml_text.source_map import Step
 
@@ -16,71 +17,98 @@ class Shape(NamedTuple):
     """The shape of a value.
 
     Attributes:
-        sections: the sections that it may be, each with its keys.
-        values: annotation of its values, where its keys are names.
-        items: annotation of its items, where it is a list.
+        kinds: the types that it may have, but for ``None``.
     """
 
-    sections: tuple[type[BaseModel], ...] = ()
-    values: Any = None
-    items: Any = None
+    kinds: tuple[Any, ...] = ()
 
     @property
-    def keys(self) -> Mapping[str, Any]:
-        """Annotation by key, of all sections that it may be."""
-        return _keys(self.sections)
+    def sections(self) -> tuple[type[BaseModel], ...]:
+        """The sections that it may be."""
+        return tuple(kind for kind in self.kinds if is_section(kind))
+
+    @property
+    def keys(self) -> Mapping[str, FieldInfo]:
+        """Fields by key, of all sections that it may be."""
+        return {key: field for known in self.sections for key, field in fields_of(known).items()}
 
     @property
     def is_of_names(self) -> bool:
         """Whether its keys are names that the document chooses."""
-        return self.values is not None
+        return any(get_origin(kind) is dict for kind in self.kinds)
 
     def child(self, step: Step) -> Shape:
         """The shape of a value or an item in it."""
-        if isinstance(step, int):
-            return shape_of(self.items)
-        return shape_of(self.values if self.is_of_names else self.keys.get(step))
+        return Shape(tuple(kind for outer in self.kinds for kind in _kinds_in(outer, step)))
+
+    def at(self, steps: Iterable[Step]) -> Shape:
+        """The shape at a path below it."""
+        return reduce(Shape.child, steps, self)
+
+    def located(self, loc: Iterable[Step]) -> Shape:
+        """The shape at a ``loc`` of pydantic's, which also names what it chose of unions."""
+        shape = self
+        for step in loc:
+            inner = shape.child(step)
+            shape = inner if inner.kinds else shape._tagged(step)
+        return shape
 
     def is_complete(self, keys: set[str]) -> bool:
         """Whether some section of it has all that it needs in these keys."""
-        return any(_required(section) <= keys for section in self.sections)
+        return any(required_keys(section) <= keys for section in self.sections)
+
+    def _tagged(self, tag: Step) -> Shape:
+        """The sections that carry a tag, or all where it is none."""
+        return Shape(tuple(known for known in self.sections if _carries(known, tag)) or self.kinds)
 
 
 def shape_of(annotation: Any) -> Shape:
     """The shape that an annotation of a model's field stands for."""
-    sections, values, items = [], None, None
-    for kind in _alternatives(annotation):
-        if isinstance(kind, type) and issubclass(kind, BaseModel):
-            sections.append(kind)
-        elif get_origin(kind) is dict:
-            values = get_args(kind)[1]
-        elif get_origin(kind) is tuple:
-            items = get_args(kind)[0]
-    return Shape(tuple(sections), values, items)
+    return Shape(tuple(_kinds(annotation)))
 
 
-def _alternatives(annotation: Any) -> Iterator[Any]:
-    """The types that a value may have."""
+def is_section(kind: Any) -> TypeGuard[type[BaseModel]]:
+    """Whether values of a type are mappings whose keys are fixed."""
+    return isinstance(kind, type) and issubclass(kind, BaseModel)
+
+
+@cache
+def fields_of(section: type[BaseModel]) -> Mapping[str, FieldInfo]:
+    """The fields of a section by the keys that documents have for them."""
+    return {field.alias or name: field for name, field in section.model_fields.items()}
+
+
+@cache
+def required_keys(section: type[BaseModel]) -> frozenset[str]:
+    """The keys that a section cannot do without."""
+    return frozenset(key for key, field in fields_of(section).items() if field.is_required())
+
+
+def _kinds(annotation: Any) -> Iterator[Any]:
+    """The parts of a union, without what is said of their values."""
     origin = get_origin(annotation)
     if origin is Annotated:
-        yield from _alternatives(get_args(annotation)[0])
+        yield from _kinds(get_args(annotation)[0])
     elif origin in (Union, UnionType):
         for part in get_args(annotation):
-            yield from _alternatives(part)
-    else:
+            yield from _kinds(part)
+    elif annotation is not type(None):
         yield annotation
 
 
-@cache
-def _keys(sections: tuple[type[BaseModel], ...]) -> Mapping[str, Any]:
-    return {
-        field.alias or name: field.annotation
-        for section in sections
-        for name, field in section.model_fields.items()
-    }
+def _kinds_in(kind: Any, step: Step) -> Iterator[Any]:
+    """The types of a value or an item in a value of a type."""
+    if is_section(kind):
+        field = fields_of(kind).get(str(step))
+        if field is not None:
+            yield from _kinds(field.annotation)
+    elif get_origin(kind) is dict and isinstance(step, str):
+        yield from _kinds(get_args(kind)[1])
+    elif get_origin(kind) is tuple and isinstance(step, int):
+        parts = [part for part in get_args(kind) if part is not Ellipsis]
+        yield from _kinds(parts[min(step, len(parts) - 1)])
 
 
-@cache
-def _required(section: type[BaseModel]) -> frozenset[str]:
-    fields = section.model_fields.items()
-    return frozenset(field.alias or name for name, field in fields if field.is_required())
+def _carries(section: type[BaseModel], tag: Step) -> bool:
+    """Whether a section is the one of a union that a tag chooses."""
+    return any(tag in get_args(field.annotation) for field in fields_of(section).values())
