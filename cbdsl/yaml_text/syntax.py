@@ -31,6 +31,7 @@ _OPENED = {
 _KEY = re.compile(r"\s*(?:- +)*(?P<key>[^\s:#][^:#]*):\s")
 _TIGHT = re.compile(r"\s*(?:- +)*(?P<key>\w+):(?P<value>[^\s:/].*)")
 _FIRST = re.compile(r"\s*(?:- +)*(?P<key>\S+)")
+_LONE_KEY = re.compile(r"\s*(?:- +)*(?P<key>\w+):\s*")
 _OPENS = re.compile(r"\s*(?:- +)*\w+:? *(?:&\w+ +)?[{\[]")
 _EQUALS = re.compile(r"\s*(?:- +)*(?P<key>[\w*-]+)\s*(?P<sign>:=|=>|->|=|;)\s*(?P<value>.*)")
 _COMMENT = re.compile(r"\s*(?P<sign>//|--|;|%)\s*(?P<text>.*)")
@@ -263,7 +264,11 @@ def _colon(trouble: _Trouble) -> Slip | None:
 
 def _no_colon(lines: Sequence[str], line: int) -> Slip | None:
     """A line that should have a key, and has no colon after it, or no space after that."""
-    text = lines[line - 1]
+    return _sign_of_key(lines[line - 1], line) or _bare_word(lines, line)
+
+
+def _sign_of_key(text: str, line: int) -> Slip | None:
+    """A colon without its space, or another sign in its place."""
     if tight := _TIGHT.match(text):
         key, value = tight["key"], tight["value"].strip()
         problem = f"a space is missing after the ':' of '{key}'; write '{key}: {value}'"
@@ -272,18 +277,23 @@ def _no_colon(lines: Sequence[str], line: int) -> Slip | None:
         key, sign, value = equals["key"], equals["sign"], equals["value"].strip()
         problem = f"a ':' is missing after '{key}'; write '{key}: {value}', without '{sign}'"
         return Slip(problem, line, equals.end("key") + 1)
+    return None
+
+
+def _bare_word(lines: Sequence[str], line: int) -> Slip | None:
+    """A word without any sign behind it: a key, an item, or more of a text."""
+    text = lines[line - 1]
     first = _FIRST.match(text)
     if first is None or first["key"].endswith(":"):
         return None
-    word = first["key"]
+    word, start = first["key"], first.start("key") + 1
     if re.match(r"-\w", word):
-        problem = f"a space is missing after the '-'; write '- {word[1:]}'"
-        return Slip(problem, line, first.start("key") + 1)
+        return Slip(f"a space is missing after the '-'; write '- {word[1:]}'", line, start)
     if _is_prose(text):
         problem = "a text over several lines begins with '>-' behind its key, and is indented below"
-        return Slip(problem, line, first.start("key") + 1)
-    above = re.fullmatch(r"\s*(?:- +)*(\w+):\s*", lines[line - 2]) if line > 1 else None
-    value = f", or '{text.strip()}' belongs behind '{above[1]}:'" if above else ""
+        return Slip(problem, line, start)
+    above = _LONE_KEY.fullmatch(lines[line - 2]) if line > 1 else None
+    value = f", or '{text.strip()}' belongs behind '{above['key']}:'" if above else ""
     return Slip(f"a ':' is missing after '{word}'{value}", line, first.end("key") + 1)
 
 
