@@ -157,7 +157,7 @@ def _model(
     """The kind of document that a text is, and what was found with what it says of that."""
     root = source.root
     if not isinstance(root.value, dict):
-        from cbdsl.yaml_text.faults import describe  # only a fault needs it
+        from cbdsl.yaml_text.fault import describe  # only a fault needs it
 
         described = describe(root.value)
         raise _error("CB204", root.place, found, expected="a mapping", found=described)

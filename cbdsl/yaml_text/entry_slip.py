@@ -1,0 +1,65 @@
+"""What was written in place of an entry, a value or a name that is nearly one."""
+
+from __future__ import annotations
+
+import re
+from pathlib import PurePath
+
+from cbdsl.documents.document import NAME_PATTERN
+from cbdsl.yaml_text.node import Node
+from cbdsl.yaml_text.source_map import SourceMap, Step
+
+_KEY_AND_VALUE = re.compile(r"(\w+)(:?) *(?:&\w+ +)?[-{\[*]")
+
+
+def slip_in_key(path: tuple[Step, ...], source: SourceMap) -> str | None:
+    """What made a key out of what was never meant to be one."""
+    mapping, key = source.node(path[:-1]).value, str(path[-1])
+    if not isinstance(mapping, dict) or key not in mapping:
+        return None
+    is_alone = mapping[key].value is None
+    tight, _, rest = key.partition(":")
+    if rest and (is_alone or rest[0] in "{["):
+        return f"a space is missing after the ':' of '{tight}'"
+    name, sign, rest = key.partition("=")
+    if sign and is_alone:
+        return f"a ':' is missing after '{name.strip()}'; write '{name.strip()}: {rest.strip()}'"
+    first, _, rest = key.partition(" ")
+    if rest and (is_alone or rest[0] in "{["):
+        return f"a ':' is missing after '{first}'"
+    return None
+
+
+def slip_in_text(value: object) -> str | None:
+    """What made a text out of a key and its value."""
+    match = _KEY_AND_VALUE.match(value) if isinstance(value, str) else None
+    if match is None:
+        return None
+    missing = "a space is missing after the ':' of" if match[2] else "a ':' is missing after"
+    return f"{missing} '{match[1]}'"
+
+
+def left_out(value: object, expected: str) -> str:
+    """The sign that made something else of what is expected, and has to be left out."""
+    if "a mapping" in expected and isinstance(value, list) and all(map(_is_entry, value)):
+        return "; leave out the '-' in front of each key" if value else ""
+    is_key = isinstance(value, dict) and [child.value for child in value.values()] == [None]
+    if isinstance(value, dict) and is_key and "text" in expected:
+        return f"; leave out the ':' after '{next(iter(value))}'"
+    return ""
+
+
+def _is_entry(node: Node) -> bool:
+    return isinstance(node.value, dict) and len(node.value) == 1
+
+
+def named_instead(text: str) -> str:
+    """What to write for what is no name, such as a document's file."""
+    core, *words = re.split(r"\s*(?:#|//)\s*", text, maxsplit=1)
+    if words and re.match(NAME_PATTERN, core):
+        return f"; a comment begins with a space and '#': write {core} # {words[0]}"
+    file = PurePath(text.strip())
+    if len(file.parts) > 1 or file.suffix in (".yaml", ".yml"):
+        return f"; documents are named without folder and ending: write {file.stem}"
+    name = re.sub(r"\W+", "_", text.strip(), flags=re.ASCII).strip("_")
+    return f"; write {name}" if name != text and re.match(NAME_PATTERN, name) else ""
