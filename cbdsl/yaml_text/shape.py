@@ -30,7 +30,7 @@ class Shape(NamedTuple):
     @property
     def keys(self) -> Mapping[str, FieldInfo]:
         """Fields by key, of all sections that it may be."""
-        return {key: field for known in self.sections for key, field in fields_of(known).items()}
+        return _fields(self.sections)
 
     @property
     def is_of_names(self) -> bool:
@@ -82,6 +82,11 @@ def fields_of(section: type[BaseModel]) -> Mapping[str, FieldInfo]:
 def required_keys(section: type[BaseModel]) -> frozenset[str]:
     """The keys that a section cannot do without."""
     return frozenset(key for key, field in fields_of(section).items() if field.is_required())
+
+
+@cache
+def _fields(sections: tuple[type[BaseModel], ...]) -> Mapping[str, FieldInfo]:
+    return {key: field for section in sections for key, field in fields_of(section).items()}
 
 
 def _kinds(annotation: Any) -> Iterator[Any]:
