@@ -59,6 +59,11 @@ def without_invisible(text: str) -> str:
     return re.sub(_INVISIBLE, "", text)
 
 
+def escaped_invisible(text: str) -> str:
+    """A text whose quotes hold such characters, with their escapes in place of them."""
+    return re.sub(_INVISIBLE, lambda found: f"\\u{ord(found[0]):04x}", text)
+
+
 def _is_visible(text: str) -> bool:
     """Whether it surely is all letters, digits, signs, spaces and ends of lines."""
     return text.replace("\n", "").isprintable()

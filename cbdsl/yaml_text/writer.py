@@ -14,7 +14,7 @@ import yaml
 
 from cbdsl.documents.document import Document
 from cbdsl.yaml_text import scalar
-from cbdsl.yaml_text.characters import meant_key, meant_value
+from cbdsl.yaml_text.characters import escaped_invisible, invisible_in, meant_key, meant_value
 
 
 class _Dumper(yaml.SafeDumper):
@@ -44,8 +44,10 @@ class _Dumper(yaml.SafeDumper):
 
     def text(self, data: str) -> yaml.ScalarNode:
         # YAML folds these line breaks into spaces unless they are escaped; what only looks like a
-        # number or a name is taken for one.
-        is_strange = not data.isascii() and (meant_value(data) or meant_key(data))
+        # number or a name is taken for one; what nobody sees has to be escaped.
+        is_strange = not data.isascii() and (
+            meant_value(data) or meant_key(data) or invisible_in(data)
+        )
         style = '"' if is_strange or _BREAKS.intersection(data) else None
         return self.represent_scalar("tag:yaml.org,2002:str", data, style)
 
@@ -57,7 +59,8 @@ _Dumper.add_representer(str, _Dumper.text)
 def dump(document: Document) -> str:
     """A document as YAML; what equals its default is left out."""
     data = document.model_dump(mode="json", by_alias=True, exclude_defaults=True)
-    return yaml.dump(data, Dumper=_Dumper, sort_keys=False, allow_unicode=True, width=100)
+    text = yaml.dump(data, Dumper=_Dumper, sort_keys=False, allow_unicode=True, width=100)
+    return escaped_invisible(text)
 
 
 def write(document: Document, path: Path) -> None:
