@@ -14,6 +14,9 @@ import pytest
 from cbdsl.cli.termination import termination_interrupts
 from tests.conftest import ROOT
 
+# Whoever was started in the background ignores SIGINT, and hands that down.
+AT_A_KEYBOARD = "import signal; signal.signal(signal.SIGINT, signal.default_int_handler); "
+COMMAND = AT_A_KEYBOARD + "from cbdsl.cli.main import main; main()"
 LEARN = (
     *("learn", "searchtrack", "--stage", "searchtrack_training", "--backend", "kinematic"),
     *("--episodes", "1000000", "--out", "policy.yaml"),
@@ -32,7 +35,7 @@ def test_the_signal_interrupts_and_what_was_done_about_it_before_is_done_again()
 @pytest.mark.parametrize("sent", [signal.SIGTERM, signal.SIGINT])
 def test_whoever_ends_a_lesson_is_told_how_it_goes_on(sent: signal.Signals, tmp_path: Path) -> None:
     lesson = subprocess.Popen(
-        [sys.executable, "-c", "from cbdsl.cli.main import main; main()", *LEARN],
+        [sys.executable, "-c", COMMAND, *LEARN],
         cwd=tmp_path,
         env={**os.environ, "PYTHONPATH": str(ROOT)},
         stdout=subprocess.DEVNULL,
@@ -45,6 +48,9 @@ def test_whoever_ends_a_lesson_is_told_how_it_goes_on(sent: signal.Signals, tmp_
     ):
         time.sleep(0.05)
     lesson.send_signal(sent)
-    told = lesson.communicate()[1]
+    try:
+        told = lesson.communicate(timeout=120)[1]
+    finally:
+        lesson.kill()
     assert (lesson.returncode, told.count("\n")) == (130, 1)
     assert told.startswith("cb: interrupted") and str(journal) in told and "--resume" in told
