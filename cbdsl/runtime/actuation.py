@@ -69,6 +69,7 @@ class Actuation:
     """Integrates the law's displacements into joint references.
 
     Attributes:
+        settings: the law's guards for ticks of this length.
         reference: position references of all actuated joints, rad, shape (n,).
         step: what the law made of the last tick's levels, or ``None`` where nothing acted.
     """
@@ -76,9 +77,12 @@ class Actuation:
     def __init__(self, robot: RobotDocument, signals: Signals, period: float) -> None:
         self._control = robot.control
         self._signals = signals
-        self._settings = LawSettings(
-            damping=robot.control.damping,
-            singular_value=robot.control.singular_value,
+        # The robot's are those for its own rate. In a tick that lasts longer the joints move
+        # farther, and a small Jacobian is another one by then, unless it is larger by as much.
+        longer = period * robot.control.rate
+        self.settings = LawSettings(
+            damping=robot.control.damping * longer**2,
+            singular_value=robot.control.singular_value * longer,
             joint_step=robot.control.joint_speed * period,
             limit_margin=robot.control.limit_margin,
         )
@@ -131,9 +135,9 @@ class Actuation:
         if found is None:
             joints = tuple(dict.fromkeys(joint for run in runs for joint in run.controller.joints))
             columns = self._signals.joints.pick(joints)
-            limits, margin = self._signals.kinematics, self._settings.limit_margin
+            limits, margin = self._signals.kinematics, self.settings.limit_margin
             lower, upper = limits.lower[columns], limits.upper[columns]
-            law = Law(lower, upper, self._settings)
+            law = Law(lower, upper, self.settings)
             stack = Stack([(run.controller.name, run.size) for run in runs], len(columns))
             found = _Composition(columns, lower + margin, upper - margin, law, stack)
             self._compositions[runs] = found

@@ -106,6 +106,7 @@ class Recording:
         self._transitions: list[Transition] = []
         self._controllers: dict[str, Controller] = {}
         self._cells: tuple[str, ...] = ()
+        self._singular_value = robot.control.singular_value
 
     def note_transition(self, transition: Transition) -> None:
         """Keep a transition."""
@@ -117,6 +118,7 @@ class Recording:
         observation = tick.observation
         self._controllers = {name: run.controller for name, run in runs}
         self._cells = tuple(".".join(key) for key in observation.loads)
+        self._singular_value = tick.actuation.settings.singular_value
         self._predicates.append("".join(run.predicate for _, run in runs))
         row = {
             "time": observation.time,
@@ -211,7 +213,7 @@ class Recording:
                 "name": self._robot.name,
                 "urdf": self._urdf.read_text("utf-8", errors="replace"),
                 "folder": str(self._urdf.parent.resolve()),
-                "singular_value": self._robot.control.singular_value,
+                "singular_value": self._singular_value,
                 "couplings": {
                     name: [coupling.follows, coupling.ratio]
                     for name, coupling in self._robot.couplings.items()

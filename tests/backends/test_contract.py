@@ -91,7 +91,7 @@ def test_cameras_look_at_their_rate(make: type[Either], dexter: RobotDocument, r
     backend = make(with_vision(dexter, rate=rate), URDF)
     backend.reset(stage_named("absent"), None, np.random.default_rng(0))
     times = []
-    for _ in range(round(dexter.control.rate)):
+    for _ in range(round(1.0 / backend.control_period)):
         observation = backend.observe()
         assert not (observation.images and observation.regions)
         if seen := observation.images or observation.regions:

@@ -31,14 +31,21 @@ from cbdsl.robot.urdf import UrdfError, UrdfModel, read_urdf
 
 Floats = NDArray[np.float64]
 
+# Of its way in a tick; what is held back from less than that stays where it was.
+_LEAST_SHARE = 0.1
+# Ticks of the robot's own control cycle in one of ours. With more, an arm that is stretched out
+# to something beyond its reach swings from tick to tick.
+_SPARSER = 3
+
 
 class KinematicBackend:
     """A robot that is moved, in a world that gives way.
 
-    Joints are where their references are. Cameras see regions of colour where things are, as far
-    as nothing hides them. Fingertips are springs along the surfaces that they are pressed into;
+    Joints are where their references are. Cameras see regions of colour where things are, as far as
+    nothing hides them. Fingertips are springs along the surfaces that they are pressed into;
     those that go too deep are held back. What is grasped goes where the hands go, and what nobody
-    holds falls onto fixtures, rolls and slides, but never topples.
+    holds falls onto fixtures, rolls and slides, but never topples. There are fewer ticks than the
+    robot's control rate asks for.
 
     Args:
         robot: what can be sensed and moved.
@@ -62,7 +69,7 @@ class KinematicBackend:
         self.renderer = "ideal cameras" if robot.cameras else "nothing"
         self._joints = kinematics.joints
         self._tree = Tree(urdf, self._joints, robot.base)
-        self.control_period = 1 / robot.control.rate
+        self.control_period = 1 / rate_of(robot)
         self._shutter = Shutter(robot.vision.rate, self.control_period)
         self._servos = Servos(kinematics, links, self.control_period)
         self._hands = Hands(robot, kinematics, self._tree, links)
@@ -89,7 +96,7 @@ class KinematicBackend:
         self._handling = Handling(self._world, self._hands, self._experimenter.shown)
         #: What only the simulator knows, for tests.
         self.truth = Truth(self._world, self._tree)
-        self._cells = LoadCells(self._hands.cells, self._robot, noise)
+        self._cells = LoadCells(self._hands.cells, self._robot, self.control_period, noise)
         self._cameras = Cameras(
             self._robot, self._tree, self._limbs, self._palette, stage.disturbance, rng
         )
@@ -131,17 +138,25 @@ class KinematicBackend:
     def _hold_back(self, before: Floats) -> None:
         """Find the contacts; what a fingertip cannot push away holds back the joints that push.
 
-        Without a joint that is held back, and that fingers share, another one may go deeper: all
-        are asked again until nobody does.
+        They go half of their way, or half of that. Without a joint that is held back, and that
+        fingers share, another one may go deeper: all are asked again until nobody does.
         """
-        held: set[int] = set()
-        while not held.issuperset(blocked := self._handling.touch()):
-            held.update(blocked)
-            self._positions[blocked] = before[blocked]
+        wanted, share = self._positions, np.ones(len(before))
+        while share[blocked := self._handling.touch()].any():
+            share[blocked] = np.where(share[blocked] > _LEAST_SHARE, 0.5 * share[blocked], 0.0)
+            self._positions = before + share * (wanted - before)
             self._tree.update(self._positions)
 
     def close(self) -> None:
         """Nothing is held."""
+
+
+def rate_of(robot: RobotDocument) -> float:
+    """How often the robot is controlled here, Hz.
+
+    What has no inertia needs no fast control, and an episode costs what its ticks cost.
+    """
+    return min(robot.control.rate, max(robot.control.rate / _SPARSER, robot.vision.rate))
 
 
 def _require_fit(robot: RobotDocument, urdf: Path) -> None:

@@ -84,7 +84,7 @@ class Handling:
             if own and not thing.gripped:
                 self._push(thing, own, grasp)
             if own or grasp.holders:
-                grasp.update([] if thing.gripped else own)
+                grasp.update(own)
             self._bear(thing, grasp, own, wrenches)
         return wrenches
 
@@ -104,7 +104,7 @@ class Handling:
 
     def _bear(self, thing: Thing, grasp: Grasp, contacts: list[Contact], wrenches: Floats) -> None:
         """Add the weight of what is held in the air, shared evenly by the fingertips."""
-        if not grasp.holders or self._world.floor(thing) is not None:
+        if thing.gripped or not grasp.holders or self._world.floor(thing) is not None:
             return
         holding = [contact for contact in contacts if contact.hand in grasp.holders]
         share = thing.mass * GRAVITY / len(holding)

@@ -26,16 +26,21 @@ class LoadCells:
 
     Args:
         cells: the load cells, as (hand, finger).
-        robot: states the cells' noise and filter, and the rates.
+        robot: states the cells' noise and filter, and the physics rate.
+        period: of the control ticks, s.
         rng: draws the noise.
     """
 
     def __init__(
-        self, cells: tuple[Cell, ...], robot: RobotDocument, rng: np.random.Generator
+        self,
+        cells: tuple[Cell, ...],
+        robot: RobotDocument,
+        period: float,
+        rng: np.random.Generator,
     ) -> None:
         contact = robot.contact
         self._cells = cells
-        self._gain = _gain(contact.filter, robot.control.rate)
+        self._gain = _gain(contact.filter, 1 / period)
         often = _gain(contact.filter, robot.simulation.physics_rate)
         passed = often / (2 - often) / (self._gain / (2 - self._gain))
         levers = np.array([1.0, 1.0, 1.0, _LEVER, _LEVER, _LEVER])

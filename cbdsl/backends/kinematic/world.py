@@ -61,9 +61,12 @@ class World:
         if floor is not None and thing.velocity[2] <= 0.0:
             self._glide(thing, floor, period)
             return
-        thing.velocity[2] -= GRAVITY * period
+        # By the mean velocity, which makes it a parabola however long the period is.
+        thing.velocity[2] -= 0.5 * GRAVITY * period
         thing.shift(period * thing.velocity)
-        self.land(thing, -period * float(thing.velocity[2]))
+        fallen = -period * float(thing.velocity[2])
+        thing.velocity[2] -= 0.5 * GRAVITY * period
+        self.land(thing, fallen)
 
     def land(self, thing: Thing, fallen: float = 0.0) -> None:
         """Lift what has sunk into a fixture's top, or fallen through it just now, onto it.

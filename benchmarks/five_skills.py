@@ -1,0 +1,140 @@
+"""All five skills of Chapter 4 from zero, bottom up, for one seed: how long, and how good they are.
+
+In a folder of its own, which begins with the shipped programs and robots and with no knowledge at
+all: what a skill uses of another is what was learned before it there. Each policy then runs
+episodes that it did not learn from. Prints one line of JSON a skill and one for all of them:
+wall-clock and simulated seconds of learning, transitions, and rewarded episodes by context.
+What is in the folder already is not learned again, so an interrupted run goes on.
+
+    python benchmarks/five_skills.py FOLDER --seed 2 [--backend kinematic] [--held-out 50]
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import shutil
+import subprocess
+import sys
+import time
+from collections import Counter
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from cbdsl.yaml_text.library import shipped
+
+CB = [sys.executable, "-c", "from cbdsl.cli.main import main; main()"]
+
+
+@dataclass(frozen=True)
+class Skill:
+    """A policy to learn.
+
+    Attributes:
+        name: the policy's.
+        program: what it is a policy for.
+        stage: where it is learned, and tried.
+        options: further words for ``cb learn``.
+    """
+
+    name: str
+    program: str
+    stage: str
+    options: Sequence[str]
+
+
+# Bottom up. Actions may take as long as in the source, or less where waiting teaches nothing.
+SKILLS = (
+    Skill("searchtrack", "searchtrack", "searchtrack_training", ("--episodes", "50")),
+    Skill("searchtrack_table", "searchtrack", "table_training", ("--episodes", "50")),
+    Skill(
+        *("tactileprobe", "tactileprobe", "held_right"),
+        ("--episodes", "25", "--density", "gaussian", "--prior", "25"),
+    ),
+    Skill(
+        *("reachtouch", "reachtouch", "reachtouch_training"),
+        ("--episodes", "25", "--transition-time", "8"),
+    ),
+    Skill(
+        *("visualinspect", "visualinspect", "spotted_right"),
+        ("--episodes", "50", "--transition-time", "5"),
+    ),
+    Skill(
+        *("bimanualtouch", "bimanualtouch", "table_right"),
+        ("--episodes", "25", "--transition-time", "6"),
+    ),
+)
+
+
+def run(folder: Path, words: Sequence[str]) -> str:
+    """What a ``cb`` command prints; an error ends the benchmark."""
+    done = subprocess.run([*CB, *words], cwd=folder, stdout=subprocess.PIPE, text=True, check=False)
+    if done.returncode not in (0, 1):
+        sys.exit(f"cb {' '.join(words)}: exit {done.returncode}")
+    return done.stdout
+
+
+def learned(folder: Path, skill: Skill, options: argparse.Namespace) -> dict[str, Any]:
+    """Learn a policy, unless it is there already, and say what that took."""
+    policy = folder / "knowledge" / "policies" / f"{skill.name}.yaml"
+    clock = policy.with_suffix(".seconds")
+    if not policy.exists():
+        began = time.perf_counter()
+        where = ("--stage", skill.stage, "--backend", options.backend, "--seed", str(options.seed))
+        out = ("--out", str(policy), "--resume")
+        run(folder, ("learn", skill.program, *where, *skill.options, *out))
+        clock.write_text(str(time.perf_counter() - began))
+    journal = policy.with_suffix(".episodes.jsonl").read_text().splitlines()
+    episodes = [json.loads(line) for line in journal[1:]]
+    return {
+        "wall_seconds": round(float(clock.read_text()), 1),
+        "sim_seconds": round(sum(each["sim_seconds"] for each in episodes), 1),
+        "transitions": sum(len(each["transitions"]) for each in episodes),
+    }
+
+
+def held_out(folder: Path, skill: Skill, options: argparse.Namespace) -> dict[str, list[int]]:
+    """Run a learned policy where it did not learn: rewarded episodes and all, by context."""
+    kept = folder / f"held_out_{skill.name}.jsonl"
+    if not kept.exists():
+        policy = ("--policy", f"knowledge/policies/{skill.name}.yaml", "--stage", skill.stage)
+        how = ("--backend", options.backend, "--episodes", str(options.held_out))
+        kept.write_text(
+            run(folder, ("run", skill.program, *policy, *how, "--seed", "900000", "--json"))
+        )
+    episodes = [json.loads(line) for line in kept.read_text().splitlines()]
+    rewarded = Counter(each["context"] for each in episodes if each["rewarded"])
+    shown = Counter(each["context"] for each in episodes)
+    return {context: [rewarded[context], shown[context]] for context in sorted(shown)}
+
+
+def main() -> None:
+    """Learn, try, and print."""
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("folder", type=Path)
+    parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--backend", default="bullet")
+    parser.add_argument("--held-out", type=int, default=50)
+    options = parser.parse_args()
+    folder: Path = options.folder.resolve()
+    for part in ("robots", "programs"):
+        shutil.copytree(shipped() / part, folder / part, dirs_exist_ok=True)
+    (folder / "knowledge" / "policies").mkdir(parents=True, exist_ok=True)
+    taken = {}
+    for skill in SKILLS:
+        taken[skill.name] = learned(folder, skill, options)
+        print(json.dumps({"skill": skill.name, **taken[skill.name]}), flush=True)
+    total = {
+        key: round(sum(each[key] for each in taken.values()), 1) for key in taken["reachtouch"]
+    }
+    print(json.dumps({"skill": "all", **total}), flush=True)
+    if options.held_out:
+        for skill in SKILLS:
+            rewarded = held_out(folder, skill, options)
+            print(json.dumps({"skill": skill.name, "rewarded": rewarded}), flush=True)
+
+
+if __name__ == "__main__":
+    main()
