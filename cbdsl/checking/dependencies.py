@@ -16,7 +16,6 @@ from cbdsl.documents.model import ModelDocument
 from cbdsl.documents.program import ProgramDocument
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.documents.stage import StageDocument
-from cbdsl.errors.errors import DiagnosticsError
 from cbdsl.types.resource import Resource
 from cbdsl.yaml_text.reader import Loaded
 
@@ -57,19 +56,16 @@ class Dependencies:
 
     def check_stage(self) -> None:
         """Check that the stage is there, and for the same robot."""
-        name, library = self._document.stage, self._session.library
+        name = self._document.stage
         if name is None:
             return
-        path = library.find(StageDocument, name, self._loaded.path)
+        path = self._session.library.find(StageDocument, name, self._loaded.path)
         if path is None:
             self.report_unknown(StageDocument, name, ("stage",))
             return
-        try:
-            stage = library.read(path, StageDocument)
-        except DiagnosticsError as error:
-            self._findings.extend(error.diagnostics)
-            return
-        self.is_for_the_robot(stage.document.robot, name, ("stage",))
+        stage = self._session.read(path, StageDocument, self._findings)
+        if stage is not None:
+            self.is_for_the_robot(stage.document.robot, name, ("stage",))
 
     def report_unknown(self, kind: type[Document], name: str, steps: Steps) -> None:
         """Report that a document is not there; those for the program's robot are proposed."""
@@ -128,15 +124,12 @@ class Dependencies:
 
     def _model(self, alias: str, name: str, body: Body) -> Resource | None:
         steps: Steps = ("models", alias)
-        library = self._session.library
-        path = library.find(ModelDocument, name, self._loaded.path)
+        path = self._session.library.find(ModelDocument, name, self._loaded.path)
         if path is None:
             self.report_unknown(ModelDocument, name, steps)
             return None
-        try:
-            model = library.read(path, ModelDocument)
-        except DiagnosticsError as error:
-            self._findings.extend(error.diagnostics)
+        model = self._session.read(path, ModelDocument, self._findings)
+        if model is None:
             return None
         self.is_for_the_robot(model.document.robot, name, steps)
         resource = model_resource(alias, model, body, self._findings)

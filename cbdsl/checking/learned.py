@@ -13,7 +13,6 @@ from cbdsl.checking.unknown import report_unknown
 from cbdsl.documents.model import ModelDocument
 from cbdsl.documents.policy import PolicyDocument
 from cbdsl.errors.counting import count
-from cbdsl.errors.errors import DiagnosticsError
 from cbdsl.language.parser import CompositionError, parse
 from cbdsl.program.binding import bind, density_source, internal_models
 from cbdsl.program.checked import CheckedProgram
@@ -150,10 +149,8 @@ class _PolicyCheck:
                 ModelDocument, model, place, library, self._findings, self._program.robot
             )
             return
-        try:
-            loaded = library.read(path, ModelDocument)
-        except DiagnosticsError as error:
-            self._findings.extend(error.diagnostics)
+        loaded = self._session.read(path, ModelDocument, self._findings)
+        if loaded is None:
             return
         examine_model(loaded, self._session, self._findings)
         effector = name.partition(".")[0]

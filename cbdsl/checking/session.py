@@ -4,15 +4,20 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from pathlib import Path
+from typing import TypeVar
 
 from cbdsl.checking.body import Body
 from cbdsl.checking.findings import Findings
 from cbdsl.checking.robot import examine_robot
 from cbdsl.checking.uses import Uses
+from cbdsl.documents.document import Document
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.errors.errors import DiagnosticsError
 from cbdsl.program.checked import CheckedProgram
 from cbdsl.yaml_text.library import Library
+from cbdsl.yaml_text.reader import Loaded
+
+D = TypeVar("D", bound=Document)
 
 _Key = tuple[Path, frozenset[tuple[str, str]]]
 
@@ -30,6 +35,14 @@ class Session:
         self.uses = Uses(self.library)
         self._bodies: dict[Path, tuple[Body | None, Findings]] = {}
         self._programs: dict[_Key, tuple[CheckedProgram | None, Findings]] = {}
+
+    def read(self, path: Path, kind: type[D], findings: Findings) -> Loaded[D] | None:
+        """A file's document, or ``None`` where it has faults, which are added."""
+        try:
+            return self.library.read(path, kind)
+        except DiagnosticsError as error:
+            findings.extend(error.diagnostics)
+            return None
 
     def body(self, path: Path, findings: Findings) -> Body | None:
         """The robot of a file, whose own findings are added.

@@ -181,10 +181,8 @@ class UsedPrograms:
         if file is None:
             report_unknown(PolicyDocument, name, source.place(*steps), library, self._findings)
             return None
-        try:
-            loaded = library.read(file, PolicyDocument)
-        except DiagnosticsError as error:
-            self._findings.extend(error.diagnostics)
+        loaded = self._session.read(file, PolicyDocument, self._findings)
+        if loaded is None:
             return None
         if loaded.document.program != program.name:
             details = {"name": name, "other": loaded.document.program, "program": program.name}

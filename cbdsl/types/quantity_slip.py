@@ -4,25 +4,24 @@ from __future__ import annotations
 
 import re
 
-from cbdsl.types.unit import UNITS, QuantityError, is_quantity
+from cbdsl.types.unit import NUMBER, UNITS, QuantityError, is_quantity
 
 # Nobody writes a quantity at greater length, and looking at one takes the square of it.
 _LONGEST = 200
 
-_NUMBER = r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?"
 _UNIT = "|".join(re.escape(unit) for unit in sorted(UNITS, key=len, reverse=True))
-_ONE = rf"{_NUMBER}(?: *(?:{_UNIT})(?![\w/^]))?"
+_ONE = rf"{NUMBER}(?: *(?:{_UNIT})(?![\w/^]))?"
 _SPAN = re.compile(rf"\s*({_ONE})\s*(?:-|\.\.+|to|and|\u2026|~)\s*({_ONE})\s*")
 _END = re.compile(r"(?P<core>.*?)\s*(?P<sign>[,;]+)\s*")
 _COMMENT = re.compile(r"(?P<core>.*?)\s*(?:#|//)\s*(?P<words>.*)")
-_POWER = re.compile(rf"\s*({_NUMBER})\s*[x*\xb7\xd7]\s*10\s*(?:\^|\*\*)\s*([+-]?\d+)\s*(.*)")
+_POWER = re.compile(rf"\s*({NUMBER})\s*[x*\xb7\xd7]\s*10\s*(?:\^|\*\*)\s*([+-]?\d+)\s*(.*)")
 _FRACTION = re.compile(r"\s*(\d+)\s*/\s*([1-9]\d*)\s*")
-_PERCENT = re.compile(rf"\s*({_NUMBER})\s*%\s*")
+_PERCENT = re.compile(rf"\s*({NUMBER})\s*%\s*")
 _PI = re.compile(
     r"\s*(?P<sign>[+-]?)(?P<times>\d*)\s*\*?\s*pi\s*(?:/\s*(?P<by>[1-9]\d*))?(?: *rad)?\s*"
 )
-_REVERSED = re.compile(rf"\s*([a-zA-Z/][\w/^]*)\s*({_NUMBER})\s*")
-_WITH_UNIT = re.compile(rf"\s*({_NUMBER})\s*(\S.*?)\s*")
+_REVERSED = re.compile(rf"\s*([a-zA-Z/][\w/^]*)\s*({NUMBER})\s*")
+_WITH_UNIT = re.compile(rf"\s*({NUMBER})\s*(\S.*?)\s*")
 _OTHER_NAMES = {
     "s": "sec secs second seconds",
     "ms": "msec millisecond milliseconds",

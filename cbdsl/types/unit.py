@@ -4,8 +4,9 @@ import math
 import re
 from typing import NamedTuple
 
-_NUMBER = r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?"
-_QUANTITY = re.compile(rf"^\s*({_NUMBER})\s*(\S.*?)?\s*$")
+#: A pattern of numbers as people write them.
+NUMBER = r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?"
+_QUANTITY = re.compile(rf"^\s*({NUMBER})\s*(\S.*?)?\s*$")
 _DECIMAL_COMMA = r"^\s*([+-]?\d+),(\d+(?:\s*[a-zA-Z/][\w/^ ]*)?)\s*$"
 
 

@@ -17,6 +17,13 @@ _MODEL = (
 )
 _MODELS = {"knowledge/models/window.yaml": _MODEL.replace("example", "window")}
 _LOOKING = program("actions: [track]\npolicy: {X: track}\n").replace("example", "looking")
+_LOOKING_FOR = {
+    "programs/looking.yaml": _LOOKING.replace("motion", "$feature")
+    + "parameters: {feature: motion}\n"
+}
+_USING_IT = program(
+    "use: {looking: {program: looking, with: {feature: hue_4}}}\nactions: [track, looking]\n"
+)
 _STEPS = {
     f"programs/step_{n}.yaml": program(
         f"use: {{next: {{program: step_{n + 1}}}}}\nactions: [track, next]\npolicy: {{XX: next}}\n"
@@ -75,14 +82,8 @@ PROGRAMS = (
         program(
             "use: {looking: {program: looking, with: {feture: hue_4}}}\nactions: [track, looking]\n"
         ),
-        beside={
-            "programs/looking.yaml": _LOOKING.replace("motion", "$feature")
-            + "parameters: {feature: motion}\n"
-        },
-        good=program(
-            "use: {looking: {program: looking, with: {feature: hue_4}}}\n"
-            "actions: [track, looking]\n"
-        ),
+        beside=_LOOKING_FOR,
+        good=_USING_IT,
     ),
     Entry(
         "CB607",
@@ -112,14 +113,8 @@ PROGRAMS = (
             "use: {looking: {program: looking, with: {feature: hue_44}}}\n"
             "actions: [track, looking]\n"
         ),
-        beside={
-            "programs/looking.yaml": _LOOKING.replace("motion", "$feature")
-            + "parameters: {feature: motion}\n"
-        },
-        good=program(
-            "use: {looking: {program: looking, with: {feature: hue_4}}}\n"
-            "actions: [track, looking]\n"
-        ),
+        beside=_LOOKING_FOR,
+        good=_USING_IT,
     ),
     Entry(
         "CB610",
