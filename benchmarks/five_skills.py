@@ -3,7 +3,7 @@
 In a folder of its own, which begins with the shipped programs and robots and with no knowledge at
 all: what a skill uses of another is what was learned before it there. Each policy then runs
 episodes that it did not learn from. Prints one line of JSON a skill and one for all of them:
-wall-clock, processor and simulated seconds of learning, transitions, and rewarded episodes by context.
+wall-clock, processor and simulated seconds of learning, transitions, rewarded episodes by context.
 What is in the folder already is not learned again, so an interrupted run goes on.
 
     python benchmarks/five_skills.py FOLDER --seed 2 [--backend kinematic] [--held-out 50]
