@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 import pinocchio
@@ -43,15 +44,82 @@ class Point(NamedTuple):
     jacobian: Floats
 
 
+class _Limb:
+    """The joints that leave the base at one of them, or none for what is fixed to the base.
+
+    Each is a model of its own: only limbs that somebody asks about are moved, and only to postures
+    that are new. In many ticks that is the head alone.
+
+    Attributes:
+        data: Pinocchio's memory for the posture.
+        joints: the limb's joints by their numbers in the robot's model.
+        is_late: whether ``data`` has to wait for the newest posture until somebody asks.
+        frames, points, turnings: what has been asked for in the posture of ``data``.
+    """
+
+    def __init__(self, model: Any, numbers: Sequence[int]) -> None:
+        self._model = pinocchio.Model()
+        self._numbers = {0: 0}
+        for number in numbers:
+            joint, parent = model.joints[number], self._numbers[model.parents[number]]
+            placement, name = model.jointPlacements[number], model.names[number]
+            self._numbers[number] = self._model.addJoint(parent, joint, placement, name)
+        self.joints = {number: model.joints[number] for number in numbers}
+        for frame in model.frames:
+            if frame.type == pinocchio.FrameType.BODY and frame.parentJoint in self._numbers:
+                joint = self._numbers[frame.parentJoint]
+                own = pinocchio.Frame(frame.name, joint, 0, frame.placement, frame.type)
+                self._model.addFrame(own)
+        self.data = self._model.createData()
+        # Pinocchio numbers the joints of a model limb after limb.
+        first = min((joint.idx_q for joint in self.joints.values()), default=0)
+        self._own = slice(first, first + self._model.nq)
+        self._posture: bytes | None = None
+        self.is_late = True
+        self.frames: dict[str, Frame] = {}
+        self.points: dict[tuple[str, Vector], Point] = {}
+        self.turnings: dict[str, Floats] = {}
+
+    def move(self, turned: Floats) -> None:
+        """Let ``data`` have the newest posture, given the coordinates of all of the robot."""
+        self.is_late = False
+        own = turned[self._own]
+        posture = own.tobytes()
+        if posture == self._posture:
+            return
+        self._posture = posture
+        self.frames.clear()
+        self.points.clear()
+        self.turnings.clear()
+        pinocchio.computeJointJacobians(self._model, self.data, own)
+        pinocchio.updateFramePlacements(self._model, self.data)
+
+    def placement(self, link: str) -> Any:
+        """Pinocchio's memory for the placement of a link."""
+        return self.data.oMf[self._model.getFrameId(link, pinocchio.FrameType.BODY)]
+
+    def origin(self, number: int) -> Floats:
+        """Pinocchio's memory for the origin of a joint, m, shape (3,)."""
+        found: Floats = self.data.oMi[self._numbers[number]].translation
+        return found
+
+    def velocity(self, number: int) -> int:
+        """Which column of the limb's own Jacobians is a joint's."""
+        found: int = self._model.joints[self._numbers[number]].idx_v
+        return found
+
+
 class _Link(NamedTuple):
     """A link, and the k joints that move it.
 
     Attributes:
+        limb: what it is part of.
         position: its origin in the world frame, m, shape (3,), and
         rotation: its axes as columns, shape (3, 3): memory that Pinocchio updates.
         support: what ``point_at`` wants to know of them, the axes in Pinocchio's memory as well.
     """
 
+    limb: _Limb
     position: Floats
     rotation: Floats
     support: tuple[Floats, Integers, Integers, Floats]
@@ -78,7 +146,6 @@ class Kinematics:
             self._model = pinocchio.buildModelFromUrdf(str(urdf))
         except ValueError as error:
             raise UrdfError(f"Pinocchio cannot read the model: {error}") from None
-        self._data = self._model.createData()
         self.joints = Joints(robot)
         moved = [self._model.joints[self._model.getJointId(name)] for name in self.joints.all]
         columns = [joint.idx_v for joint in moved]
@@ -89,36 +156,35 @@ class Kinematics:
         self.lower: Floats = self._model.lowerPositionLimit[own]
         self.upper: Floats = self._model.upperPositionLimit[own]
         self._has_wheels = self._model.nq != self._model.nv
+        self._limbs = self._parted()
         self._links: dict[str, _Link] = {}
-        self._origins: dict[str, Floats] = {}
-        self._frames: dict[str, Frame] = {}
-        self._points: dict[tuple[str, Vector], Point] = {}
-        self._turnings: dict[str, Floats] = {}
+        self._origins: dict[str, tuple[_Limb, Floats]] = {}
+        self._turned: Floats | None = None
         self.update(np.minimum(np.maximum(0.0, self.lower), self.upper))
 
     def update(self, positions: Floats) -> None:
         """Set the actuated joint positions, rad, shape (n,)."""
-        self._positions, self._is_new = positions.copy(), True
-        self._frames.clear()
-        self._points.clear()
-        self._turnings.clear()
+        self._positions, self._turned = positions.copy(), None
+        for limb in self._limbs.values():
+            limb.is_late = True
 
-    def _move(self) -> None:
-        """Let Pinocchio's memory have the newest posture: in many ticks, nobody asks for it."""
-        self._is_new = False
-        turned = self._expansion.dot(self._positions)
-        if self._has_wheels:
-            # A joint without limits has two coordinates and one velocity.
-            turned = pinocchio.integrate(self._model, pinocchio.neutral(self._model), turned)
-        pinocchio.computeJointJacobians(self._model, self._data, turned)
-        pinocchio.updateFramePlacements(self._model, self._data)
+    def _move(self, limb: _Limb) -> None:
+        """Let a limb have the newest posture."""
+        if self._turned is None:
+            self._turned = self._expansion.dot(self._positions)
+            if self._has_wheels:
+                # A joint without limits has two coordinates and one velocity.
+                still = pinocchio.neutral(self._model)
+                self._turned = pinocchio.integrate(self._model, still, self._turned)
+        limb.move(self._turned)
 
     def frame(self, link: str) -> Frame:
         """The placement of a link, which stays as it is now."""
-        found = self._frames.get(link)
+        here = self._link(link)
+        found = here.limb.frames.get(link)
         if found is None:
-            here = self._link(link)
-            found = self._frames[link] = Frame(here.position.copy(), here.rotation.copy())
+            found = Frame(here.position.copy(), here.rotation.copy())
+            here.limb.frames[link] = found
         return found
 
     def direction(self, link: str, vector: Floats) -> Floats:
@@ -137,20 +203,20 @@ class Kinematics:
 
     def turning(self, link: str) -> Floats:
         """Angular velocity of a link, world axes, per joint velocity, shape (3, n)."""
-        found = self._turnings.get(link)
+        found = self._link(link).limb.turnings.get(link)
         # Every point of a link turns as the link does.
         return self.jacobian(link)[3:] if found is None else found
 
     def point(self, link: str, offset: Vector) -> Point:
         """A point of a link, ``offset`` from its origin in its own axes, m."""
-        found = self._points.get((link, offset))
+        limb, position, rotation, support = self._link(link)
+        found = limb.points.get((link, offset))
         if found is None:
-            here = self._link(link)
             found = Point(np.empty(3), np.zeros((6, len(self.lower))))
             x, y, z = offset
-            point_at(x, y, z, here.position, here.rotation, *here.support, *found)
-            self._points[link, offset] = found
-            self._turnings[link] = found.jacobian[3:]
+            point_at(x, y, z, position, rotation, *support, *found)
+            limb.points[link, offset] = found
+            limb.turnings[link] = found.jacobian[3:]
         return found
 
     def curvature(self, link: str, point: Floats, rows: int) -> Floats:
@@ -172,8 +238,7 @@ class Kinematics:
 
     def moving(self, link: str) -> frozenset[str]:
         """Names of the model's joints that move a link, passive ones too."""
-        joint = self._model.frames[self._index(link)].parentJoint
-        return frozenset(self._model.names[i] for i in list(self._model.supports[joint])[1:])
+        return frozenset(self._model.names[number] for number in self._support(link))
 
     def origins(self, joints: tuple[str, ...], links: tuple[str, ...]) -> Floats:
         """Origins of the named joints and links in the world frame, m, shape (k, 3)."""
@@ -183,37 +248,48 @@ class Kinematics:
 
     def _joint(self, name: str) -> Floats:
         """The origin of a joint now, shape (3,): memory that Pinocchio updates."""
-        if self._is_new:
-            self._move()
         found = self._origins.get(name)
         if found is None:
-            index = self._model.getJointId(name)
-            found = self._origins[name] = self._data.oMi[index].translation
-        return found
+            number = self._model.getJointId(name)
+            limb = self._limbs[self._model.supports[number][1]]
+            found = self._origins[name] = limb, limb.origin(number)
+        limb, origin = found
+        if limb.is_late:
+            self._move(limb)
+        return origin
 
     def _link(self, name: str) -> _Link:
         """A link now."""
-        if self._is_new:
-            self._move()
         found = self._links.get(name)
         if found is None:
             found = self._links[name] = self._found(name)
+        if found.limb.is_late:
+            self._move(found.limb)
         return found
 
     def _found(self, name: str) -> _Link:
-        index = self._index(name)
-        placement, joint = self._data.oMf[index], self._model.frames[index].parentJoint
-        # The first entry is the world; every further one is a joint, from the root outwards.
-        joints = [self._model.joints[i] for i in list(self._model.supports[joint])[1:]]
-        velocities = np.array([each.idx_v for each in joints], dtype=np.intp)
-        own = self._expansion[velocities]
+        numbers = self._support(name)
+        limb = self._limbs[numbers[0] if numbers else 0]
+        moved = [limb.joints[number].idx_v for number in numbers]
+        own = self._expansion[moved]
         rows, columns = np.nonzero(own)
-        support = self._data.J, velocities[rows], columns, own[rows, columns]
-        return _Link(placement.translation, placement.rotation, support)
+        velocities = np.array([limb.velocity(number) for number in numbers], dtype=np.intp)
+        support = limb.data.J, velocities[rows], columns, own[rows, columns]
+        placement = limb.placement(name)
+        return _Link(limb, placement.translation, placement.rotation, support)
 
-    def _index(self, link: str) -> int:
+    def _parted(self) -> dict[int, _Limb]:
+        """The limbs by the numbers of their first joints; 0 for what no joint moves."""
+        numbers = range(1, self._model.njoints)
+        first = [number for number in numbers if self._model.parents[number] == 0]
+        limbs = {number: _Limb(self._model, list(self._model.subtrees[number])) for number in first}
+        return {0: _Limb(self._model, ()), **limbs}
+
+    def _support(self, link: str) -> list[int]:
+        """Numbers of the joints that move a link, from the root outwards."""
         # Frames of joints may have the same names as frames of links.
-        index: int = self._model.getFrameId(link, pinocchio.FrameType.BODY)
+        index = self._model.getFrameId(link, pinocchio.FrameType.BODY)
         if index >= self._model.nframes:
             raise KeyError(link)
-        return index
+        # The first entry is the world; every further one is a joint.
+        return list(self._model.supports[self._model.frames[index].parentJoint])[1:]
