@@ -124,14 +124,13 @@ class KinematicBackend:
     def step(self) -> None:
         """Let one control period pass."""
         before = self._positions
-        self._positions = self._servos.follow(before, self._reference)
+        self._positions, self._velocities = self._servos.follow(before, self._reference)
         self._tree.update(self._positions)
         self._experimenter.act(self._tick * self.control_period, touched=self._handling.touched)
         self._handling.move(self.control_period)
         self._hold_back(before)
         self._cells.sample(self._handling.press())
         self.truth.contacts = self._handling.contacts
-        self._velocities = (self._positions - before) / self.control_period
         self._tick += 1
         self._observation = self._sense()
 
@@ -145,6 +144,7 @@ class KinematicBackend:
         while share[blocked := self._handling.touch()].any():
             share[blocked] = np.where(share[blocked] > _LEAST_SHARE, 0.5 * share[blocked], 0.0)
             self._positions = before + share * (wanted - before)
+            self._velocities = (self._positions - before) / self.control_period
             self._tree.update(self._positions)
 
     def close(self) -> None:

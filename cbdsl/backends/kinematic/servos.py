@@ -22,27 +22,35 @@ class Servos:
     """
 
     def __init__(self, kinematics: Kinematics, links: Links, period: float) -> None:
+        self._period = period
         speeds = np.array([links.speeds[name] for name in kinematics.joints.names])
-        self._step = period * speeds
-        self._lower, self._upper = kinematics.lower, kinematics.upper
+        self._limits = np.array((period * speeds, kinematics.lower, kinematics.upper))
 
-    def follow(self, positions: Floats, reference: Floats) -> Floats:
-        """Where the joints are a tick later, rad, shape (n,) each."""
-        reached = np.empty(len(positions))
-        _follow(positions, reference, self._step, self._lower, self._upper, reached)
-        return reached
+    def follow(self, positions: Floats, reference: Floats) -> tuple[Floats, Floats]:
+        """Where the joints are a tick later, rad, and how fast they went, rad/s, shape (n,) each.
+
+        Args:
+            positions: of the joints now, rad, shape (n,).
+            reference: where they are to be, rad, shape (n,).
+        """
+        reached, velocities = np.empty((2, len(positions)))
+        _follow(positions, reference, self._limits, self._period, reached, velocities)
+        return reached, velocities
 
 
 @compiled_once
 def _follow(
     positions: Floats,
     reference: Floats,
-    step: Floats,
-    lower: Floats,
-    upper: Floats,
+    limits: Floats,
+    period: float,
     reached: Floats,
+    velocities: Floats,
 ) -> None:
+    """Fill the last two; ``limits`` has the largest step, the lower and the upper limit, (3, n)."""
     for joint in range(len(positions)):
-        least, most = positions[joint] - step[joint], positions[joint] + step[joint]
+        step, lower, upper = limits[0, joint], limits[1, joint], limits[2, joint]
+        least, most = positions[joint] - step, positions[joint] + step
         wanted = min(max(reference[joint], least), most)
-        reached[joint] = min(max(wanted, lower[joint]), upper[joint])
+        reached[joint] = min(max(wanted, lower), upper)
+        velocities[joint] = (reached[joint] - positions[joint]) / period

@@ -21,6 +21,7 @@ from cbdsl.robot.joints import Joints
 
 Floats = NDArray[np.float64]
 Rows = NDArray[np.intp]
+Booleans = NDArray[np.bool_]
 
 
 class Tree:
@@ -29,7 +30,7 @@ class Tree:
     Attributes:
         rows: the row of each link in ``placements``.
         placements: of all links in the world: rotation, row by row, then position, m, shape
-            (links, 12).
+            (links, 12); always the same array.
     """
 
     def __init__(self, urdf: Path, joints: Joints, base: str) -> None:
@@ -40,26 +41,39 @@ class Tree:
         self.rows: Mapping[str, int] = {base: 0} | {
             _end(joint, "child"): row for row, joint in enumerate(ordered, 1)
         }
-        self._parents = np.array([self.rows[_end(joint, "parent")] for joint in ordered], int)
+        parents = np.array([self.rows[_end(joint, "parent")] for joint in ordered], np.intp)
         ratios = np.array([_ratios(joint.get("name", ""), joints) for joint in ordered])
         # A passive joint follows one actuated joint, and an actuated one itself.
-        self._columns = np.argmax(np.abs(ratios), axis=1)
-        self._ratios = ratios[np.arange(len(ordered)), self._columns]
+        columns = np.argmax(np.abs(ratios), axis=1)
+        self._follows = np.column_stack((parents, columns))
         poses = [origin(joint.find("origin")) for joint in ordered]
-        self._origins = np.array([[*pose.rotation.ravel(), *pose.position] for pose in poses])
-        self._axes = np.array([_axis(joint) for joint in ordered])
+        self._joints = np.array(
+            [
+                [*pose.rotation.ravel(), *pose.position, *_axis(joint), ratio]
+                for joint, pose, ratio in zip(
+                    ordered, poses, ratios[np.arange(len(ordered)), columns], strict=True
+                )
+            ]
+        )
+        # No joint is there yet.
+        self._angles = np.full(len(ordered), np.nan)
+        self._moved = np.zeros(len(self.rows), np.bool_)
+        self.placements: Floats = np.zeros((len(self.rows), 12))
+        self.placements[0, [0, 4, 8]] = 1.0
+        self._poses = {link: _pose(self.placements[row]) for link, row in self.rows.items()}
         self.update(np.zeros(len(joints)))
 
     def update(self, positions: Floats) -> None:
         """Set the actuated joints' positions, rad, shape (n,)."""
-        self.placements: Floats = np.empty((len(self.rows), 12))
-        follow = self._columns, self._ratios
-        _place(self._parents, *follow, self._origins, self._axes, positions, self.placements)
+        _place(self._follows, self._joints, positions, self._angles, self._moved, self.placements)
 
     def pose(self, link: str) -> Pose:
-        """Where a link is."""
-        placement = self.placements[self.rows[link]]
-        return Pose(placement[9:], placement[:9].reshape(3, 3))
+        """Where a link is, until the next update changes it."""
+        return self._poses[link]
+
+
+def _pose(placement: Floats) -> Pose:
+    return Pose(placement[9:], placement[:9].reshape(3, 3))
 
 
 def _end(joint: ElementTree.Element, which: str) -> str:
@@ -91,32 +105,35 @@ def _outwards(
 
 @compiled_once
 def _place(
-    parents: Rows,
-    columns: Rows,
-    ratios: Floats,
-    origins: Floats,
-    axes: Floats,
+    follows: Rows,
+    joints: Floats,
     positions: Floats,
+    angles: Floats,
+    moved: Booleans,
     placed: Floats,
 ) -> None:
-    """Place the base and all links beyond it.
+    """Place all links beyond the base that something moves.
 
     Args:
-        parents: row of the link that each joint leaves from, shape (joints,).
-        columns: the actuated joint that each of them follows, shape (joints,).
-        ratios: how far it follows, shape (joints,).
-        origins: of each joint in that link's frame, as placements, shape (joints, 12).
-        axes: unit vectors, shape (joints, 3).
+        follows: row of the link that each joint leaves from, and the actuated joint that it
+            follows, shape (joints, 2).
+        joints: origin of each joint in that link's frame, as a placement, the unit vector of its
+            axis, and how far it follows, shape (joints, 16).
         positions: of the actuated joints, rad, shape (n,).
-        placed: takes the placements of all links, shape (1 + joints, 12).
+        angles: of all joints when they were last placed, rad, shape (joints,).
+        moved: takes whether each link moves, shape (1 + joints,); the base does not.
+        placed: the placements of all links, shape (1 + joints, 12).
     """
-    placed[0] = 0.0
-    placed[0, 0] = placed[0, 4] = placed[0, 8] = 1.0
     turn, turned = np.empty((3, 3)), np.empty((3, 3))
-    for joint in range(len(parents)):
-        parent, own, local = placed[parents[joint]], placed[joint + 1], origins[joint]
-        angle = ratios[joint] * positions[columns[joint]]
-        x, y, z = axes[joint]
+    for joint in range(len(joints)):
+        local = joints[joint]
+        angle = local[15] * positions[follows[joint, 1]]
+        moved[joint + 1] = moved[follows[joint, 0]] or angle != angles[joint]
+        if not moved[joint + 1]:
+            continue
+        angles[joint] = angle
+        parent, own = placed[follows[joint, 0]], placed[joint + 1]
+        x, y, z = local[12], local[13], local[14]
         sine, cosine = math.sin(angle), math.cos(angle)
         rest = 1.0 - cosine
         turn[0] = cosine + rest * x * x, rest * x * y - sine * z, rest * x * z + sine * y

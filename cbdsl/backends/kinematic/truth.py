@@ -49,7 +49,8 @@ class Truth:
 
     def link_pose(self, link: str) -> Pose:
         """Where a link of the robot is."""
-        return self._tree.pose(link)
+        pose = self._tree.pose(link)
+        return Pose(pose.position.copy(), pose.rotation.copy())
 
     def touched(self, name: str) -> bool:
         """Whether any fingertip touches a fixture or thing."""
