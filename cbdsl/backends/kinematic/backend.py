@@ -31,8 +31,6 @@ from cbdsl.robot.urdf import UrdfError, UrdfModel, read_urdf
 
 Floats = NDArray[np.float64]
 
-# Of its way in a tick; what is held back from less than that stays where it was.
-_LEAST_SHARE = 0.1
 # Ticks of the robot's own control cycle in one of ours. With more, an arm that is stretched out
 # to something beyond its reach swings from tick to tick.
 _SPARSER = 3
@@ -95,7 +93,7 @@ class KinematicBackend:
         self._experimenter = Experimenter(presentation, self._world)
         self._handling = Handling(self._world, self._hands, self._experimenter.shown)
         #: What only the simulator knows, for tests.
-        self.truth = Truth(self._world, self._tree)
+        self.truth = Truth(self._world, self._tree, self._handling)
         self._cells = LoadCells(self._hands.cells, self._robot, self.control_period, noise)
         self._cameras = Cameras(
             self._robot, self._tree, self._limbs, self._palette, stage.disturbance, rng
@@ -128,24 +126,24 @@ class KinematicBackend:
         self._tree.update(self._positions)
         self._experimenter.act(self._tick * self.control_period, touched=self._handling.touched)
         self._handling.move(self.control_period)
-        self._hold_back(before)
+        if self._handling.touch():
+            self._hold_back(before)
         self._cells.sample(self._handling.press())
-        self.truth.contacts = self._handling.contacts
         self._tick += 1
         self._observation = self._sense()
 
     def _hold_back(self, before: Floats) -> None:
-        """Find the contacts; what a fingertip cannot push away holds back the joints that push.
+        """What a fingertip cannot push away holds back the joints that push.
 
         They go half of their way, or half of that. Without a joint that is held back, and that
         fingers share, another one may go deeper: all are asked again until nobody does.
         """
         wanted, share = self._positions, np.ones(len(before))
-        while share[blocked := self._handling.touch()].any():
-            share[blocked] = np.where(share[blocked] > _LEAST_SHARE, 0.5 * share[blocked], 0.0)
+        while self._handling.hold_back(share):
             self._positions = before + share * (wanted - before)
             self._velocities = (self._positions - before) / self.control_period
             self._tree.update(self._positions)
+            self._handling.touch()
 
     def close(self) -> None:
         """Nothing is held."""

@@ -12,18 +12,22 @@ from cbdsl.backends.kinematic.hands import Contact, Hands
 from cbdsl.backends.kinematic.thing import Thing
 from cbdsl.backends.kinematic.world import World
 from cbdsl.backends.presentation import GRAVITY
+from cbdsl.robot.compiled import compiled_once
 
 Floats = NDArray[np.float64]
+Booleans = NDArray[np.bool_]
 
 # A fingertip that is pressed in further holds back the joints of its finger, m.
 _DEEPEST = 0.02
+# Of its way in a tick; what is held back from less than that stays where it was.
+_LEAST_SHARE = 0.1
 
 
 class Handling:
     """Hands and the one thing that can be moved, in one episode.
 
     Attributes:
-        contacts: of all fingertips, as of the last step.
+        touched: whether a fingertip touches the thing, as of the last step.
     """
 
     def __init__(self, world: World, hands: Hands, thing: Thing | None) -> None:
@@ -31,16 +35,25 @@ class Handling:
         self._hands = hands
         self._thing = thing
         self._grasp = None if thing is None else Grasp(thing, hands)
-        self.contacts: list[Contact] = []
-        self._before: dict[tuple[int, str], float] = {}
+        self.touched = self._touching = False
+        self._names, self._solids = tuple(world.things), world.solids
+        # What ``Hands.touch`` finds, now and a tick ago.
+        shape = len(hands.cells), len(world.things), 7
+        self._found, self._before = np.zeros(shape), np.zeros(shape)
+        self._wrenches = np.zeros((len(hands.cells), 6))
 
     @property
-    def touched(self) -> bool:
-        """Whether a fingertip touches the thing."""
-        return any(contact.thing is self._thing for contact in self.contacts)
+    def contacts(self) -> list[Contact]:
+        """Of all fingertips, as of the last step."""
+        things = list(self._world.things.values())
+        return [
+            self._hands.contact(tip, things[which], self._found[tip, which].copy())
+            for tip, which in np.argwhere(self._found[:, :, 0] > 0.0)
+        ]
 
     def move(self, period: float) -> None:
         """Let the thing go along with whoever holds it, or by itself, for ``period``, s."""
+        self._found, self._before = self._before, self._found
         thing, grasp = self._thing, self._grasp
         if thing is None or grasp is None or thing.name not in self._world.things:
             return
@@ -53,40 +66,67 @@ class Handling:
         else:
             self._world.let_go(thing, period)
 
-    def touch(self) -> list[int]:
+    def touch(self) -> bool:
         """Find the contacts of where everything is now.
 
         Returns:
-            The joints of fingertips that are too deep and going deeper.
+            Whether there are any.
         """
-        self.contacts = self._hands.contacts(self._world)
-        return [
-            joint
-            for contact in self.contacts
-            if contact.depth > max(_DEEPEST, self._before.get(_key(contact), 0.0))
-            for joint in contact.fingertip.joints.tolist()
-        ]
+        if self._solids is not self._world.solids:
+            self._forget_gone()
+        self._touching = self._hands.touch(self._world, self._found)
+        return self._touching
+
+    def _forget_gone(self) -> None:
+        """Something is taken away; the others were where they were."""
+        kept = [self._names.index(name) for name in self._world.things]
+        self._found, self._before = (
+            np.take(found, kept, axis=1) for found in (self._found, self._before)
+        )
+        self._names, self._solids = tuple(self._world.things), self._world.solids
+
+    def hold_back(self, share: Floats) -> bool:
+        """Let the joints of fingertips that are too deep and going deeper go less of their way.
+
+        Args:
+            share: of its way that each joint goes; halved where it is held back, shape (n,).
+
+        Returns:
+            Whether any joint goes less far than before.
+        """
+        return _held_back(self._found, self._before, self._hands.moving, share)
 
     def press(self) -> Floats:
         """Let the fingertips press on what they touch.
 
         Returns:
             Force, N, and torque about the fingertip's origin, N m, that each exerts on the world,
-            world frame, shape (cells, 6).
+            world frame, shape (cells, 6); until the next step.
         """
-        self._before = {_key(contact): contact.depth for contact in self.contacts}
-        wrenches = np.zeros((len(self._hands.cells), 6))
-        for contact in self.contacts:
-            wrenches[contact.fingertip.cell, :3] += STIFFNESS * contact.depth * contact.normal
-        thing, grasp = self._thing, self._grasp
+        wrenches, thing, grasp = self._wrenches, self._thing, self._grasp
+        wrenches.fill(0.0)
+        if self._touching:
+            _press(self._found, STIFFNESS, wrenches)
         if thing is not None and grasp is not None:
-            own = [contact for contact in self.contacts if contact.thing is thing]
+            own = self._of(thing) if self._touching else []
+            self.touched = bool(own)
             if own and not thing.gripped:
                 self._push(thing, own, grasp)
             if own or grasp.holders:
                 grasp.update(own)
-            self._bear(thing, grasp, own, wrenches)
+                self._bear(thing, grasp, own, wrenches)
         return wrenches
+
+    def _of(self, thing: Thing) -> list[Contact]:
+        """The contacts with a thing that may have been taken away."""
+        if thing.name not in self._names:
+            return []
+        found = self._found[:, self._names.index(thing.name)]
+        return [
+            self._hands.contact(tip, thing, found[tip])
+            for tip, depth in enumerate(found[:, 0].tolist())
+            if depth > 0.0
+        ]
 
     def _push(self, thing: Thing, contacts: list[Contact], grasp: Grasp) -> None:
         """Move the thing sidewise until the fingertips' forces are what friction can balance."""
@@ -116,5 +156,41 @@ class Handling:
             wrenches[contact.fingertip.cell, 4] -= x * share
 
 
-def _key(contact: Contact) -> tuple[int, str]:
-    return contact.fingertip.cell, contact.thing.name
+@compiled_once
+def _held_back(found: Floats, before: Floats, moving: Booleans, share: Floats) -> bool:
+    """Lessen the shares, shape (n,), of joints whose fingertips are too deep and go deeper.
+
+    Args:
+        found: depths, m, of fingertips in things, first of each row, shape (tips, things, 7).
+        before: the same, a tick ago.
+        moving: the joints of each fingertip, shape (tips, n).
+        share: as ``Handling.hold_back`` has it.
+    """
+    blocked = np.zeros(len(share), np.bool_)
+    for tip in range(found.shape[0]):
+        for thing in range(found.shape[1]):
+            if found[tip, thing, 0] > max(_DEEPEST, before[tip, thing, 0]):
+                blocked |= moving[tip]
+    less = False
+    for joint in range(len(share)):
+        if blocked[joint] and share[joint] > 0.0:
+            less = True
+            share[joint] = 0.5 * share[joint] if share[joint] > _LEAST_SHARE else 0.0
+    return less
+
+
+@compiled_once
+def _press(found: Floats, stiffness: float, wrenches: Floats) -> None:
+    """Add the force, N, of each fingertip on all that it touches, shape (tips, 6).
+
+    Args:
+        found: depth, point and inward normal by fingertip and thing, shape (tips, things, 7).
+        stiffness: of the fingertips, N/m.
+        wrenches: takes the forces.
+    """
+    for tip in range(found.shape[0]):
+        for thing in range(found.shape[1]):
+            depth = found[tip, thing, 0]
+            if depth > 0.0:
+                for i in range(3):
+                    wrenches[tip, i] += stiffness * depth * found[tip, thing, 4 + i]

@@ -61,8 +61,7 @@ class Hand:
     fingertips: tuple[Fingertip, ...]
 
 
-@dataclass(frozen=True)
-class Contact:
+class Contact(NamedTuple):
     """A fingertip pressed into something.
 
     Attributes:
@@ -103,9 +102,12 @@ class Hands:
             (hand.name, tip) for hand in self.hands.values() for tip in hand.fingertips
         ]
         tips = [tip for _, tip in self._fingertips]
-        self._rows = np.array([tree.rows[tip.link] for tip in tips], dtype=np.intp)
-        self._centres = np.array([tip.centre for tip in tips]).reshape(len(tips), 3)
-        self._radii = np.array([tip.radius for tip in tips])
+        self._carriers = np.array([tree.rows[tip.link] for tip in tips], np.intp)
+        self._balls = np.array([[*tip.centre, tip.radius] for tip in tips]).reshape(len(tips), 4)
+        #: Which joints move each fingertip within its hand, shape (fingertips, n).
+        self.moving = np.zeros((len(tips), len(kinematics.joints)), np.bool_)
+        for row, tip in zip(self.moving, tips, strict=True):
+            row[tip.joints] = True
 
     def _hand(self, name: str) -> Hand:
         fingertips = tuple(
@@ -155,22 +157,29 @@ class Hands:
         middle = (one.position + other.position) / 2
         return Pose(middle, np.column_stack((x, y, np.cross(x, y))))
 
-    def contacts(self, world: World) -> list[Contact]:
-        """Where fingertips are pressed into things or fixtures."""
-        if not world.things or not self._fingertips:
-            return []
-        found = np.empty((len(self._fingertips), len(world.things), 7))
-        tips = self._rows, self._centres, self._radii
-        if not depths(world.solids, self._tree.placements, *tips, found):
-            return []
-        things = list(world.things.values())
-        contacts = []
-        for index, which in zip(*np.nonzero(found[:, :, 0] > 0.0), strict=True):
-            hand, tip = self._fingertips[index]
-            row = found[index, which]
-            point = row[4:] - tip.radius * row[1:4]
-            contacts.append(Contact(hand, tip, things[which], float(row[0]), point, -row[1:4]))
-        return contacts
+    def touch(self, world: World, found: Floats) -> bool:
+        """Find how deep all fingertips are in all things and fixtures.
+
+        Args:
+            world: where these are.
+            found: takes depths, points and normals, as ``depths`` has them, shape (fingertips,
+                things, 7).
+
+        Returns:
+            Whether any fingertip touches anything.
+        """
+        return depths(world.solids, self._tree.placements, self._carriers, self._balls, found)
+
+    def contact(self, index: int, thing: Thing, found: Floats) -> Contact:
+        """The contact of the fingertip of that index with something.
+
+        Args:
+            index: among all fingertips.
+            thing: that is touched.
+            found: depth, point and normal, shape (7,).
+        """
+        hand, tip = self._fingertips[index]
+        return Contact(hand, tip, thing, float(found[0]), found[1:4], found[4:])
 
 
 def _ball(solid: Solid | None) -> tuple[Floats, float]:

@@ -86,45 +86,41 @@ def _outside(solid: Floats, x: float, y: float, z: float) -> tuple[float, float,
 
 @compiled_once
 def depths(
-    solids: Floats,
-    placements: Floats,
-    rows: Rows,
-    centres: Floats,
-    radii: Floats,
-    found: Floats,
+    solids: Floats, placements: Floats, carriers: Rows, balls: Floats, found: Floats
 ) -> bool:
-    """Find how deep balls are inside solids, and which way is out.
+    """Find how deep balls are inside solids, and which way is in.
 
     Args:
         solids: shape (k, 16).
         placements: of links, as ``Tree`` has them, shape (links, 12).
-        rows: of the links that carry the balls, shape (n,).
-        centres: of the balls in their links' frames, m, shape (n, 3).
-        radii: of the balls, m, shape (n,).
-        found: takes depth, m, negative where they do not touch; the solid's outward unit normal;
-            and the ball's centre in the world frame, m, shape (n, k, 7).
+        carriers: rows of the links that carry the balls, shape (n,).
+        balls: their centres in these links' frames, m, and their radii, m, shape (n, 4).
+        found: takes depth, m, negative where they do not touch; the ball's deepest point, m, and
+            the unit normal into the solid there, both in the world frame, shape (n, k, 7).
 
     Returns:
         Whether any ball touches any solid.
     """
     touching = False
-    for i in range(len(rows)):
-        place, centre = placements[rows[i]], centres[i]
+    for i in range(len(balls)):
+        place, ball = placements[carriers[i]], balls[i]
         x, y, z = (
-            place[9] + place[0] * centre[0] + place[1] * centre[1] + place[2] * centre[2],
-            place[10] + place[3] * centre[0] + place[4] * centre[1] + place[5] * centre[2],
-            place[11] + place[6] * centre[0] + place[7] * centre[1] + place[8] * centre[2],
+            place[9] + place[0] * ball[0] + place[1] * ball[1] + place[2] * ball[2],
+            place[10] + place[3] * ball[0] + place[4] * ball[1] + place[5] * ball[2],
+            place[11] + place[6] * ball[0] + place[7] * ball[1] + place[8] * ball[2],
         )
         for j in range(len(solids)):
             solid, own = solids[j], found[i, j]
             a, b, c = _into(solid, x - solid[4], y - solid[5], z - solid[6])
             distance, u, v, w = _outside(solid, a, b, c)
-            own[0] = radii[i] - distance
+            own[0] = ball[3] - distance
             touching |= own[0] > 0.0
-            own[1] = solid[7] * u + solid[8] * v + solid[9] * w
-            own[2] = solid[10] * u + solid[11] * v + solid[12] * w
-            own[3] = solid[13] * u + solid[14] * v + solid[15] * w
-            own[4], own[5], own[6] = x, y, z
+            own[4] = -(solid[7] * u + solid[8] * v + solid[9] * w)
+            own[5] = -(solid[10] * u + solid[11] * v + solid[12] * w)
+            own[6] = -(solid[13] * u + solid[14] * v + solid[15] * w)
+            own[1] = x + ball[3] * own[4]
+            own[2] = y + ball[3] * own[5]
+            own[3] = z + ball[3] * own[6]
     return touching
 
 

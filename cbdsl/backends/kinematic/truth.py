@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from cbdsl.backends.kinematic.handling import Handling
 from cbdsl.backends.kinematic.hands import Contact
 from cbdsl.backends.kinematic.tree import Tree
 from cbdsl.backends.kinematic.world import World
@@ -18,16 +19,17 @@ _ORIGIN, _UNTURNED = (0.0, 0.0, 0.0), (0.0, 0.0, 0.0, 1.0)
 
 
 class Truth:
-    """The true state of the world in one episode.
+    """The true state of the world in one episode."""
 
-    Attributes:
-        contacts: of all fingertips, as of the last step.
-    """
-
-    def __init__(self, world: World, tree: Tree) -> None:
+    def __init__(self, world: World, tree: Tree, handling: Handling) -> None:
         self._world = world
         self._tree = tree
-        self.contacts: list[Contact] = []
+        self._handling = handling
+
+    @property
+    def contacts(self) -> list[Contact]:
+        """Of all fingertips, as of the last step."""
+        return self._handling.contacts
 
     def names(self) -> tuple[str, ...]:
         """What the stage has put into the world and not taken away."""

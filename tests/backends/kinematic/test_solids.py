@@ -39,11 +39,12 @@ def inside(shape: Shape, points: Floats) -> NDArray[np.bool_]:
     return (np.abs(points) <= shape.halves).all(axis=1)
 
 
-def one(solid: Floats, point: Floats) -> Floats:
-    """The row of ``depths`` of a point, in a link that is the world."""
+def one(solid: Floats, point: Floats, radius: float = 0.0) -> Floats:
+    """The row of ``depths`` of a ball, in a link that is the world."""
     world = np.array([[1.0, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0]])
     found = np.empty((1, 1, 7))
-    touches = depths(solid[None], world, np.zeros(1, np.intp), point[None], np.zeros(1), found)
+    ball = np.array([[*point, radius]])
+    touches = depths(solid[None], world, np.zeros(1, np.intp), ball, found)
     assert touches == (found[0, 0, 0] > 0.0)
     return found[0, 0]
 
@@ -56,9 +57,12 @@ def test_a_step_of_the_distance_along_the_normal_leads_to_the_surface(name: str)
         pose = Pose(rng.normal(size=3), turned(rng))
         point = pose.position + rng.uniform(-0.2, 0.2, size=3)
         found = one(placed(shape, pose), point)
-        depth, normal = found[0], found[1:4]
+        depth, normal = found[0], -found[4:]
         assert np.linalg.norm(normal) == pytest.approx(1)
-        assert found[4:] == pytest.approx(point)
+        assert found[1:4] == pytest.approx(point)
+        thick = one(placed(shape, pose), point, radius=0.01)
+        assert thick[0] == pytest.approx(depth + 0.01)
+        assert thick[1:4] == pytest.approx(point - 0.01 * normal)
         surface = point + depth * normal
         for step, expected in ((1e-6, False), (-1e-6, True)):
             local = pose.rotation.T @ (surface + step * normal - pose.position)
