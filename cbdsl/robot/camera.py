@@ -94,8 +94,11 @@ def sighting_jacobian(point: Floats) -> Floats:
     )
 
 
-def focal_scale(camera: Camera, direction_in_camera: Floats) -> float:
-    """Cosine cubed of the angle off the optical axis: how much a pinhole enlarges areas there."""
-    x, y, z = direction_in_camera.tolist()
+def focal_scale(line: Floats) -> float:
+    """Cosine cubed of the angle of a line of sight, shape (3,) in the camera frame, off its axis.
+
+    That is how much a pinhole enlarges areas there.
+    """
+    x, y, z = line.tolist()
     cosine: float = (1 + (y * y + z * z) / (x * x)) ** -1.5
     return cosine

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -10,6 +11,8 @@ from numpy.typing import NDArray
 from cbdsl.documents.robot import Regions
 
 Floats = NDArray[np.float64]
+
+_STILL = np.zeros(3)
 
 
 class PositionMemory:
@@ -33,31 +36,31 @@ class PositionMemory:
         """Forget everything."""
         self.position: Floats | None = None
         self.radius = 0.0
-        self._velocity: Floats = np.zeros(3)
+        self.rest()
         self._seen = 0.0
         self._sightings = 0
-        self._largest: Floats | None = None
+        self._largest: Sequence[float] | None = None
 
     def forget_size(self) -> None:
         """Let the next sighting set the size anew, since nothing can hide any part of it."""
         self._largest = None
 
-    def see(self, time: float, position: Floats, sizes: Floats) -> bool:
+    def see(self, time: float, position: Floats, sizes: Sequence[float]) -> bool:
         """Take in a sighting; returns whether it was believed.
 
         Args:
             time: s.
             position: triangulated, m, shape (3,).
-            sizes: apparent area times squared distance in each camera, m^2, shape (2,).
+            sizes: apparent area times squared distance in each camera, m^2.
         """
-        if self._largest is None:
-            self._largest = sizes
-        if (sizes < self._settings.least_visible * self._largest).any():
+        largest, least = self._largest or sizes, self._settings.least_visible
+        if any([size < least * most for size, most in zip(sizes, largest, strict=True)]):
             return False
-        self._largest = np.maximum(self._largest, sizes)
-        self.radius = math.sqrt(sum(self._largest.tolist()) / len(sizes) / math.pi)
+        self._largest = list(map(max, largest, sizes))
+        self.radius = math.sqrt(sum(self._largest) / len(sizes) / math.pi)
         if self.position is None:
-            self.position, self._velocity, self._sightings = position, np.zeros(3), 1
+            self.rest()
+            self.position, self._sightings = position, 1
         else:
             self._correct(time, position)
         self._seen = time
@@ -67,7 +70,7 @@ class PositionMemory:
         """Carry a moving position on by ``period`` seconds."""
         if self.position is None or time - self._seen > self._settings.prediction:
             return
-        if math.hypot(*self._velocity.tolist()) > self._settings.least_speed:
+        if self._speed > self._settings.least_speed:
             self.position = self.position + self._velocity * period
 
     def miss(self, time: float, *, explained: bool) -> None:
@@ -82,7 +85,7 @@ class PositionMemory:
 
     def rest(self) -> None:
         """Take the thing to stand still, as when a hand has touched it."""
-        self._velocity = np.zeros(3)
+        self._velocity, self._speed = _STILL, 0.0
 
     def _gains(self, sightings: int) -> tuple[float, float]:
         """Gains of the alpha-beta filter: those of a straight line fitted to all sightings, as long
@@ -102,3 +105,4 @@ class PositionMemory:
         self._velocity = self._velocity + beta * error / max(time - self._seen, 1e-3)
         # Things roll and slide on something level; a vertical velocity is measurement error.
         self._velocity[2] = 0.0
+        self._speed = math.hypot(*self._velocity.tolist())

@@ -135,10 +135,10 @@ class Sight:
         return triangulate(left, right) is not None
 
     def _camera_heading(self, camera: str, channel: str) -> Reading | None:
-        angles = self._vision.headings.get((camera, channel))
-        if angles is None:
+        seen = self._vision.heading(camera, channel)
+        if seen is None:
             return None
-        return self._moving_heading(camera, channel, angles, self._vision.stamps[camera, channel])
+        return self._moving_heading(camera, channel, *seen)
 
     def _hidden_heading(self, camera: str, channel: str) -> Reading | None:
         """The heading to what is held, where a camera would see it if nothing were in the way."""

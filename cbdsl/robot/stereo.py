@@ -18,11 +18,13 @@ class Ray(NamedTuple):
 
     Attributes:
         origin: the camera's optical centre, m, shape (3,).
-        direction: unit vector, shape (3,).
+        direction: shape (3,).
+        length: of the direction.
     """
 
     origin: Floats
     direction: Floats
+    length: float = 1.0
 
 
 class Crossing(NamedTuple):
@@ -46,14 +48,21 @@ def triangulate(left: Ray, right: Ray) -> Crossing | None:
 
 @compiled_once
 def _cross(
-    left: Floats, left_direction: Floats, right: Floats, right_direction: Floats, position: Floats
+    left: Floats,
+    left_direction: Floats,
+    left_length: float,
+    right: Floats,
+    right_direction: Floats,
+    right_length: float,
+    position: Floats,
 ) -> float:
     """Fill in the position of a crossing; returns its gap, NaN where there is no crossing."""
     cosine = along_left = along_right = 0.0
     for i in range(3):
-        cosine += left_direction[i] * right_direction[i]
-        along_left += (right[i] - left[i]) * left_direction[i]
-        along_right += (right[i] - left[i]) * right_direction[i]
+        left_unit, right_unit = left_direction[i] / left_length, right_direction[i] / right_length
+        cosine += left_unit * right_unit
+        along_left += (right[i] - left[i]) * left_unit
+        along_right += (right[i] - left[i]) * right_unit
     determinant = 1.0 - cosine * cosine
     if determinant < 1e-9:
         return math.nan
@@ -63,8 +72,8 @@ def _cross(
         return math.nan
     square = 0.0
     for i in range(3):
-        left_point = left[i] + left_range * left_direction[i]
-        right_point = right[i] + right_range * right_direction[i]
+        left_point = left[i] + left_range * (left_direction[i] / left_length)
+        right_point = right[i] + right_range * (right_direction[i] / right_length)
         position[i] = (left_point + right_point) / 2.0
         square += (left_point - right_point) ** 2
     return math.sqrt(square)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Mapping
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -24,18 +24,31 @@ Floats = NDArray[np.float64]
 _BEHIND_HAND = 0.1
 
 
+class SeenHeading(NamedTuple):
+    """A heading to a region.
+
+    Attributes:
+        angles: azimuth and elevation, rad, shape (2,).
+        stamp: number of the image in which the region was seen.
+    """
+
+    angles: Floats
+    stamp: int
+
+
 class _Sight(NamedTuple):
     """Where a region was seen.
 
     Attributes:
-        line: of sight to its centroid, in the camera's frame, with x = 1, shape (3,).
-        direction: the same in the world frame, shape (3,).
+        ray: the line of sight to its centroid, as long as it is to the plane x = 1 m of the
+            camera's frame.
+        scale: how much the pinhole enlarges areas there, as ``focal_scale`` has it.
         time: when, s.
         image: number of the image.
     """
 
-    line: Floats
-    direction: Floats
+    ray: Ray
+    scale: float
     time: float
     image: int
 
@@ -44,9 +57,7 @@ class Vision:
     """Sees the wanted channels with every camera.
 
     Attributes:
-        headings: rad, shape (2,), by (camera, channel); absent where there is no region, nor has
-            been one a moment ago.
-        stamps: the number of the image in which each heading's region was seen.
+        headings: those that have been asked for since the newest images, by (camera, channel).
         regions: the regions in the newest images.
         memories: by channel, with two cameras.
         images: how many sets of images have been seen since the start of the episode.
@@ -76,14 +87,16 @@ class Vision:
 
     def reset(self) -> None:
         """Forget everything seen."""
-        self.headings: dict[tuple[str, str], Floats] = {}
-        self.stamps: dict[tuple[str, str], int] = {}
+        self.headings: dict[tuple[str, str], SeenHeading] = {}
         self.regions: dict[tuple[str, str], Region] = {}
         self.images = 0
         self._sights: dict[tuple[str, str], _Sight] = {}
         self._frames: dict[str, Frame] = {}
+        # No line of sight leaves a camera that has not seen anything yet.
+        self._eyes: Floats = np.full((len(self._cameras), 3), math.nan)
         self._hands: Floats | None = None
-        self._time = 0.0
+        self._time = self._image_time = 0.0
+        self._looking: Collection[str] = ()
         for memory in self.memories.values():
             memory.reset()
         for channel_filter in self._filters.values():
@@ -98,63 +111,89 @@ class Vision:
         if not (observation.images or observation.regions):
             return
         self.images += 1
+        self._image_time = time
         self._hands = None
-        self._look(self._seen(observation))
-        for channel, memory in self.memories.items():
-            self._remember(time, channel, memory)
+        self.headings.clear()
+        self.regions.clear()
+        seen = self._seen(observation)
+        self._looking = seen.keys()
+        if self._tells(seen):
+            self._look(seen)
+            for channel, memory in self.memories.items():
+                self._remember(time, channel, memory)
 
     def touched(self) -> None:
         """Take everything remembered to stand still, since a hand is in contact."""
         for memory in self.memories.values():
             memory.rest()
 
-    def _seen(self, observation: Observation) -> Mapping[str, Mapping[str, Region]]:
+    def heading(self, camera: str, channel: str) -> SeenHeading | None:
+        """The heading to what a camera sees, or saw a moment ago, in its newest image.
+
+        A head that turns while it searches overshoots what it sees first at an image's edge, and
+        would otherwise search on and never get hold of it.
+        """
+        found = self.headings.get((camera, channel))
+        if found is None and camera in self._looking:
+            seen = self._sights.get((camera, channel))
+            if seen is not None:
+                angles = heading(self._frames[camera].rotation.T.dot(seen.ray.direction))
+                found = self.headings[camera, channel] = SeenHeading(angles, seen.image)
+        return found
+
+    def _seen(self, observation: Observation) -> Mapping[str, Sequence[tuple[str, Region]]]:
         """The region of each wanted channel that has one, by camera."""
-        seen: dict[str, Mapping[str, Region]] = {
+        found: dict[str, Mapping[str, Region]] = {
             name: self._filters[name].regions(image) for name, image in observation.images.items()
         }
-        for name, regions in observation.regions.items():
-            seen[name] = {
-                channel: region
-                for channel, region in regions.items()
-                if channel in self._channels and region.area >= self._settings.least_area
-            }
-        return seen
+        found.update(observation.regions)
+        least = self._settings.least_area
+        return {
+            name: [
+                (channel, region)
+                for channel in self._channels
+                if (region := regions.get(channel)) is not None and region.area >= least
+            ]
+            for name, regions in found.items()
+        }
 
-    def _look(self, seen: Mapping[str, Mapping[str, Region]]) -> None:
-        self.headings.clear()
-        self.regions.clear()
-        for name, regions in seen.items():
-            camera = self._cameras[name]
+    def _tells(self, seen: Mapping[str, Sequence[tuple[str, Region]]]) -> bool:
+        """Whether images tell anything: most of a search shows nothing, with nothing known yet."""
+        return (
+            any(seen.values())
+            or bool(self._sights)
+            or "motion" in self._channels
+            or any(memory.position is not None for memory in self.memories.values())
+        )
+
+    def _look(self, seen: Mapping[str, Sequence[tuple[str, Region]]]) -> None:
+        self._sights = {
+            key: sight
+            for key, sight in self._sights.items()
+            if self._image_time - sight.time <= self._settings.linger
+        }
+        for row, (name, camera) in enumerate(self._cameras.items()):
+            if name not in seen:
+                continue
             frame = self._kinematics.frame(camera.link)
-            moved = "motion" in regions and self._moved(name, frame)
-            self._frames[name] = frame
-            for channel, region in regions.items():
+            for channel, region in seen[name]:
                 # A turning camera sees everything move, which says nothing about the world.
-                if channel == "motion" and moved:
+                if channel == "motion" and self._moved(name, frame):
                     continue
                 self.regions[name, channel] = region
-                line = sight(camera, region.column, region.row)
-                direction = frame.rotation.dot(line)
-                self._sights[name, channel] = _Sight(line, direction, self._time, self.images)
-            self._head_for(name, frame)
+                self._sights[name, channel] = self._sighted(camera, frame, region)
+            self._frames[name] = frame
+            self._eyes[row] = frame.position
+
+    def _sighted(self, camera: Camera, frame: Frame, region: Region) -> _Sight:
+        line = sight(camera, region.column, region.row)
+        ray = Ray(frame.position, frame.rotation.dot(line), math.sqrt(line.dot(line)))
+        return _Sight(ray, focal_scale(line), self._image_time, self.images)
 
     def _moved(self, camera: str, frame: Frame) -> bool:
         """Whether a camera has turned since its last image; also before its first."""
         before = self._frames.get(camera)
         return before is None or not np.allclose(frame.rotation, before.rotation, atol=1e-3)
-
-    def _head_for(self, camera: str, frame: Frame) -> None:
-        """Headings to all that a camera sees, or saw a moment ago.
-
-        A head that turns while it searches overshoots what it sees first at an image's edge, and
-        would otherwise search on and never get hold of it.
-        """
-        for channel in self._channels:
-            seen = self._sights.get((camera, channel))
-            if seen is not None and self._time - seen.time <= self._settings.linger:
-                self.headings[camera, channel] = heading(frame.rotation.T.dot(seen.direction))
-                self.stamps[camera, channel] = seen.image
 
     def _remember(self, time: float, channel: str, memory: PositionMemory) -> None:
         sighting = self._sighting(channel)
@@ -167,49 +206,50 @@ class Vision:
         explained = memory.position is not None and self._hidden_by_hand(memory.position)
         memory.miss(time, explained=explained)
 
-    def _sighting(self, channel: str) -> tuple[Floats, Floats] | None:
+    def _sighting(self, channel: str) -> tuple[Floats, Sequence[float]] | None:
         """A believable position and the apparent sizes, m^2, or ``None``."""
-        regions, rays = [], []
+        sights, areas = [], []
         for name in self._cameras:
             region = self.regions.get((name, channel))
             if region is None or region.clipped:
                 return None
-            regions.append(region)
-            seen = self._sights[name, channel]
-            length = math.sqrt(seen.line.dot(seen.line))
-            rays.append(Ray(self._frames[name].position, seen.direction / length))
-        crossing = triangulate(rays[0], rays[1])
+            sights.append(self._sights[name, channel])
+            areas.append(region.area)
+        crossing = triangulate(sights[0].ray, sights[1].ray)
         if crossing is None or crossing.gap > self._settings.ray_gap:
             return None
-        sizes = []
-        for (name, camera), region, ray in zip(self._cameras.items(), regions, rays, strict=True):
-            distance = math.dist(crossing.position, ray.origin)
+        sizes, position = [], crossing.position.tolist()
+        for camera, seen, area in zip(self._cameras.values(), sights, areas, strict=True):
+            distance = math.dist(position, seen.ray.origin.tolist())
             if distance > self._settings.farthest:
                 return None
-            scale = focal_scale(camera, self._sights[name, channel].line)
-            sizes.append(region.area * scale * (distance / camera.focal_length) ** 2)
-        return crossing.position, np.array(sizes)
+            sizes.append(area * seen.scale * (distance / camera.focal_length) ** 2)
+        return crossing.position, sizes
 
     def _hidden_by_hand(self, position: Floats) -> bool:
         """Whether a wrist, palm or fingertip is near some camera's line of sight to a position."""
         if self._hands is None:
             self._hands = self._kinematics.origins(self._wrists, self._hand_links)
-        radius = self._settings.hand_radius
-        return any(
-            _is_beside(self._hands, frame.position, position, radius)
-            for frame in self._frames.values()
-        )
+        return _is_beside(self._hands, self._eyes, position, self._settings.hand_radius)
 
 
 @compiled_once
-def _is_beside(points: Floats, eye: Floats, position: Floats, radius: float) -> bool:
-    """Whether one of some points, shape (n, 3), is near the line of sight from an eye, m."""
-    line = position - eye
-    distance = math.sqrt(line[0] ** 2 + line[1] ** 2 + line[2] ** 2)
-    for point in points:
-        x, y, z = point[0] - eye[0], point[1] - eye[1], point[2] - eye[2]
-        along = (x * line[0] + y * line[1] + z * line[2]) / distance
-        across = x * x + y * y + z * z - along * along
-        if across < radius * radius and 0 < along < distance + _BEHIND_HAND:
-            return True
+def _is_beside(points: Floats, eyes: Floats, position: Floats, radius: float) -> bool:
+    """Whether one of some points, shape (n, 3), is near the line of sight from one of the eyes.
+
+    Args:
+        points: m, shape (n, 3).
+        eyes: m, shape (k, 3).
+        position: what they look at, m, shape (3,).
+        radius: how near, m.
+    """
+    for eye in eyes:
+        line = position - eye
+        distance = math.sqrt(line[0] ** 2 + line[1] ** 2 + line[2] ** 2)
+        for point in points:
+            x, y, z = point[0] - eye[0], point[1] - eye[1], point[2] - eye[2]
+            along = (x * line[0] + y * line[1] + z * line[2]) / distance
+            across = x * x + y * y + z * z - along * along
+            if across < radius * radius and 0 < along < distance + _BEHIND_HAND:
+                return True
     return False

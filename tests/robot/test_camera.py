@@ -64,4 +64,4 @@ def test_a_small_patch_off_axis_is_enlarged_by_focal_scale() -> None:
         return float(abs(np.trapezoid(z, y)))
 
     ratio = image_area(20, 30) / image_area(160, 120)
-    assert ratio * focal_scale(CAMERA, sight(CAMERA, 20, 30)) == pytest.approx(1, rel=1e-3)
+    assert ratio * focal_scale(sight(CAMERA, 20, 30)) == pytest.approx(1, rel=1e-3)

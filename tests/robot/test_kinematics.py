@@ -34,6 +34,25 @@ def test_jacobians_by_finite_differences(
         assert jacobian[:, column] == pytest.approx(np.r_[linear, angular], abs=1e-4)
 
 
+def test_limbs_that_rest_or_that_nobody_asks_about_are_where_they_would_be_anyway(
+    dexter: RobotDocument, urdf: Path, kinematics: Kinematics, posture: np.ndarray
+) -> None:
+    rng = np.random.default_rng(0)
+    for _ in range(40):
+        moved = kinematics.joints.of(rng.choice(list(dexter.effectors)))
+        posture = posture.copy()
+        posture[moved] += rng.normal(0.0, 0.1, len(moved)) * rng.integers(2)
+        kinematics.update(posture)
+        link = rng.choice(LINKS)
+        anew = Kinematics(dexter, urdf)
+        anew.update(posture)
+        assert (kinematics.frame(link).rotation == anew.frame(link).rotation).all()
+        for found, wanted in zip(
+            kinematics.point(link, (0.1, 0, 0)), anew.point(link, (0.1, 0, 0)), strict=True
+        ):
+            assert (found == wanted).all()
+
+
 @pytest.mark.parametrize("link", LINKS)
 def test_every_point_of_a_link_turns_as_the_link(
     kinematics: Kinematics, posture: np.ndarray, link: str

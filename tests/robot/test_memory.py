@@ -5,7 +5,8 @@ from cbdsl.documents.robot import Regions
 from cbdsl.robot.memory import PositionMemory
 
 WHERE = np.array([0.5, -0.2, -0.35])
-WHOLE = np.array([0.02, 0.02])
+WHOLE = (0.02, 0.02)
+HALF = (0.01, 0.01)
 FRAME = 1 / 15
 
 
@@ -16,14 +17,14 @@ def memory() -> PositionMemory:
 
 def test_a_sighting_defines_position_and_radius(memory: PositionMemory) -> None:
     assert memory.position is None
-    assert memory.see(0.0, WHERE, np.full(2, np.pi * 0.07**2))
+    assert memory.see(0.0, WHERE, [np.pi * 0.07**2] * 2)
     assert memory.position == pytest.approx(WHERE)
     assert memory.radius == pytest.approx(0.07)
 
 
 def test_a_half_hidden_region_moves_nothing(memory: PositionMemory) -> None:
     memory.see(0.0, WHERE, WHOLE)
-    assert not memory.see(FRAME, WHERE + 0.05, np.array([0.02, 0.015]))
+    assert not memory.see(FRAME, WHERE + 0.05, (0.02, 0.015))
     assert memory.position == pytest.approx(WHERE)
 
 
@@ -40,9 +41,9 @@ def test_what_a_hand_hides_is_held_and_what_vanishes_is_forgotten(memory: Positi
 def test_the_size_outlives_a_loss_until_it_is_forgotten(memory: PositionMemory) -> None:
     memory.see(0.0, WHERE, WHOLE)
     memory.miss(9.0, explained=False)
-    assert not memory.see(9.1, WHERE, WHOLE / 2)
+    assert not memory.see(9.1, WHERE, HALF)
     memory.forget_size()
-    assert memory.see(9.2, WHERE, WHOLE / 2)
+    assert memory.see(9.2, WHERE, HALF)
 
 
 def test_a_steady_motion_is_predicted_while_hidden_and_stops_at_contact(

@@ -11,6 +11,7 @@ from cbdsl.robot.kinematics import Kinematics
 from cbdsl.robot.observation import Observation
 from cbdsl.robot.resources import resources
 from cbdsl.robot.signals import Signals
+from cbdsl.robot.vision import SeenHeading
 
 CHANNEL = "int_10"
 STEP = 1e-6
@@ -49,8 +50,7 @@ def see(dexter: RobotDocument, signals: Signals, position: np.ndarray) -> None:
     for name, camera in dexter.cameras.items():
         frame = signals.kinematics.frame(camera.link)
         angles = heading(frame.rotation.T @ (position - frame.position))
-        signals.vision.headings[name, CHANNEL] = angles
-        signals.vision.stamps[name, CHANNEL] = 1
+        signals.vision.headings[name, CHANNEL] = SeenHeading(angles, 1)
 
 
 def between(dexter: RobotDocument, signals: Signals) -> np.ndarray:
@@ -160,5 +160,6 @@ def test_lines_of_sight_that_do_not_meet_are_no_pair(
     feel(dexter, signals, facing(dexter, signals), 0.0)
     see(dexter, signals, np.array([0.9, 0.0, 0.0]))
     for name, outwards in (("left", 0.8), ("right", -0.8)):
-        signals.vision.headings[name, CHANNEL] = np.array([outwards, 0.0])
+        angles = np.array([outwards, 0.0])
+        signals.vision.headings[name, CHANNEL] = SeenHeading(angles, 1)
     assert signals.read(resources(dexter)[f"cameras.{CHANNEL}"]) is None

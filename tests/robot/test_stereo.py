@@ -36,3 +36,17 @@ def test_parallel_and_backward_lines_do_not_cross() -> None:
     behind = np.array([-1.0, 0.2, 0])
     left, right = np.array([0, 0.15, 0.0]), np.array([0, -0.15, 0.0])
     assert triangulate(ray(left, behind), Ray(right, (right - behind) / 1.1)) is None
+
+
+def test_a_direction_of_any_length_is_as_good_as_a_unit_vector() -> None:
+    eye, other, point = (
+        np.array([0, 0.15, 0.0]),
+        np.array([0, -0.15, 0.0]),
+        np.array([0.8, 0.1, -1]),
+    )
+    one, two = ray(eye, point), ray(other, point + 0.01)
+    unit = triangulate(one, two)
+    longer = triangulate(Ray(eye, 3 * one.direction, 3.0), two)
+    assert unit is not None and longer is not None
+    assert longer.position == pytest.approx(unit.position)
+    assert longer.gap == pytest.approx(unit.gap)

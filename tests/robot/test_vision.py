@@ -45,6 +45,12 @@ def position(signals: Signals, channel: str) -> NDArray[np.float64] | None:
     return signals.vision.memories[channel].position
 
 
+def headings(signals: Signals) -> list[list[float]]:
+    """To red in both cameras."""
+    seen = [signals.vision.heading(camera, "hue_1") for camera in ("left", "right")]
+    return [each.angles.tolist() for each in seen if each is not None]
+
+
 @pytest.mark.parametrize("radius", [0.03, 0.06, 0.09])
 @pytest.mark.parametrize("shift", [(0, 0, 0), (0.1, -0.05, 0), (-0.05, 0.08, 0.1)])
 def test_a_ball_is_where_it_is(
@@ -109,7 +115,7 @@ def test_a_ball_that_is_cut_off_by_the_border_has_a_heading_but_no_position(
     edge = camera.position + camera.rotation @ np.array([1.0, half_width, 0.0])
     backend.world.ball = Ball(edge, 0.08)
     look(backend, signals)
-    assert ("left", "hue_1") in signals.vision.headings
+    assert signals.vision.heading("left", "hue_1") is not None
     assert signals.vision.regions["left", "hue_1"].clipped
     assert position(signals, "hue_1") is None
 
@@ -127,7 +133,7 @@ def test_a_heading_outlives_its_region_for_a_moment_and_is_not_measured_anew(
     kept = signals.read(heading)
     assert kept is not None
     assert kept.value == pytest.approx(seen.value, abs=1e-3)
-    assert kept.stamp == signals.vision.stamps["left", "hue_1"] < signals.vision.images
+    assert kept.stamp == seen.stamp < signals.vision.images
     look(backend, signals, dexter.vision.regions.linger)
     assert signals.read(heading) is None
 
@@ -139,8 +145,8 @@ def test_what_ideal_cameras_see_counts_as_images_do(
     backend.world.ball = Ball(BALL)
     observation = backend.observe()
     signals.update(observation)
-    regions, headings = dict(signals.vision.regions), dict(signals.vision.headings)
-    assert len(regions) == 2
+    regions, angles = dict(signals.vision.regions), headings(signals)
+    assert len(regions) == len(angles) == 2
     channels, least = dexter.vision.channels, dexter.vision.regions.least_area
     ideal = {
         camera: ChannelFilter(channels, ["hue_1", "sat_10"], least).regions(image)
@@ -149,9 +155,7 @@ def test_what_ideal_cameras_see_counts_as_images_do(
     signals.reset()
     signals.update(replace(observation, images={}, regions=ideal))
     assert signals.vision.regions == regions
-    assert {key: value.tolist() for key, value in signals.vision.headings.items()} == {
-        key: value.tolist() for key, value in headings.items()
-    }
+    assert headings(signals) == angles
     tiny = {
         camera: {name: region._replace(area=least - 1) for name, region in found.items()}
         for camera, found in ideal.items()
