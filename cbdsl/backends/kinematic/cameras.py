@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from cbdsl.backends.kinematic.links import Links
 from cbdsl.backends.kinematic.paint import Palette
-from cbdsl.backends.kinematic.solids import WHOLE, WIDTH, attached, placed, silhouettes
+from cbdsl.backends.kinematic.solids import WHOLE, WIDTH, placed, silhouettes
 from cbdsl.backends.kinematic.thing import Thing
 from cbdsl.backends.kinematic.tree import Tree
 from cbdsl.backends.kinematic.world import World
@@ -65,27 +65,35 @@ class _Scene:
 
     Attributes:
         solids: the world's, which has new ones when something comes or goes.
+        movable: what is no fixture.
         sights: of all things and spots.
-        wanted: targets, patches and samples, as ``silhouettes`` has them.
+        targets: their solids and samples, as ``silhouettes`` has them, shape (sights, 2).
+        patches: the parts of their surfaces, as ``silhouettes`` has them, shape (sights, 4).
+        shapes: what the cameras see of them, shape (cameras, sights, 4).
     """
 
-    def __init__(self, world: World, palette: Palette) -> None:
+    def __init__(self, world: World, palette: Palette, cameras: int) -> None:
         self.solids = world.solids
+        self.movable = [thing for thing in world.things.values() if thing.mass]
         self.sights = _sights(world, palette)
-        self.wanted = (
-            np.array([sight.target for sight in self.sights], np.intp),
-            np.array([sight.patch for sight in self.sights]).reshape(len(self.sights), 4),
-            np.array([sight.samples for sight in self.sights], np.intp),
-        )
+        count = len(self.sights)
+        targets = [(sight.target, sight.samples) for sight in self.sights]
+        self.targets = np.array(targets, np.intp).reshape(count, 2)
+        self.patches = np.array([sight.patch for sight in self.sights]).reshape(count, 4)
+        self.shapes = np.zeros((cameras, count, 4))
 
 
 class Limbs:
-    """The parts of arms that get in the way of the cameras: wrists and what they carry."""
+    """The parts of arms that get in the way of the cameras: wrists and what they carry.
+
+    Attributes:
+        parts: solids in the frames of their links, shape (parts, 16).
+        carriers: rows of these links in the tree, shape (parts,).
+    """
 
     def __init__(
         self, robot: RobotDocument, kinematics: Kinematics, tree: Tree, links: Links
     ) -> None:
-        self._tree = tree
         arms = [effector for effector in robot.effectors.values() if effector.tip is not None]
         parts = [
             (tree.rows[link], solid)
@@ -94,13 +102,9 @@ class Limbs:
             for solid in solids
             if kinematics.moving(link).issuperset(arm.joints[: 1 - _WRIST])
         ]
-        self._rows = np.array([row for row, _ in parts], dtype=np.intp)
-        self._parts = np.array([placed(solid.shape, solid.pose) for _, solid in parts])
-        self._parts = self._parts.reshape(len(parts), WIDTH)
-
-    def solids(self) -> Floats:
-        """Their links where they are now, shape (links, 16)."""
-        return attached(self._parts, self._tree.placements, self._rows)
+        self.carriers = np.array([row for row, _ in parts], np.intp)
+        self.parts = np.array([placed(solid.shape, solid.pose) for _, solid in parts])
+        self.parts = self.parts.reshape(len(parts), WIDTH)
 
 
 class Cameras:
@@ -128,11 +132,14 @@ class Cameras:
         disturbance: Disturbance,
         rng: np.random.Generator,
     ) -> None:
-        self._cameras = robot.cameras
-        self._lenses = {
-            name: (camera.focal_length, float(camera.width), float(camera.height))
-            for name, camera in robot.cameras.items()
-        }
+        self._links = {name: camera.link for name, camera in robot.cameras.items()}
+        self._rows = np.array([tree.rows[link] for link in self._links.values()], np.intp)
+        self._lenses = np.array(
+            [
+                (camera.focal_length, float(camera.width), float(camera.height))
+                for camera in robot.cameras.values()
+            ]
+        ).reshape(len(self._rows), 3)
         self._sees_motion = robot.vision.channels.motion
         self._palette = palette
         self._tree = tree
@@ -140,43 +147,57 @@ class Cameras:
         self._errors = {name: _error(disturbance, rng) for name in robot.cameras}
         self._disturbed = bool(disturbance.camera_position or disturbance.camera_rotation)
         self._before: dict[str, list[float]] = {}
-        self._scene = _Scene(World(), palette)
+        self._scene = self._scene_of(World())
+
+    def _scene_of(self, world: World) -> _Scene:
+        return _Scene(world, self._palette, len(self._rows))
 
     def look(self, world: World) -> Mapping[str, Mapping[str, Region]]:
         """The largest region of each channel, by camera and channel."""
-        # Things first, then the parts of the robot that may be before them.
-        solids = np.concatenate((world.solids, self._limbs.solids()))
-        if self._scene.solids is not world.solids:
-            self._scene = _Scene(world, self._palette)
-        sights, wanted = self._scene.sights, self._scene.wanted
-        moved = self._motion(world)
-        seen = {}
-        for name, lens in self._lenses.items():
-            pose = self._pose(name)
-            found = silhouettes(solids, *wanted, pose.position, pose.rotation, lens)
-            seen[name] = self._regions(sights, found, moved)
-        return seen
+        scene = self._scene
+        if scene.solids is not world.solids:
+            scene = self._scene = self._scene_of(world)
+        silhouettes(
+            scene.solids,
+            self._limbs.parts,
+            self._limbs.carriers,
+            self._tree.placements,
+            scene.targets,
+            scene.patches,
+            self._placements(),
+            self._lenses,
+            scene.shapes,
+        )
+        moved = self._motion(scene)
+        return {
+            name: self._regions(scene.sights, shapes, moved)
+            for name, shapes in zip(self._links, scene.shapes.tolist(), strict=True)
+        }
 
-    def _pose(self, camera: str) -> Pose:
-        """Where a camera really is."""
-        pose = self._tree.pose(self._cameras[camera].link)
-        return pose @ self._errors[camera] if self._disturbed else pose
+    def _placements(self) -> Floats:
+        """Where the cameras really are, as ``Tree`` has it, shape (cameras, 12)."""
+        placements: Floats = self._tree.placements[self._rows]
+        if self._disturbed:
+            for (name, link), placement in zip(self._links.items(), placements, strict=True):
+                pose = self._tree.pose(link) @ self._errors[name]
+                placement[:9], placement[9:] = pose.rotation.ravel(), pose.position
+        return placements
 
-    def _motion(self, world: World) -> set[str]:
+    def _motion(self, scene: _Scene) -> set[str]:
         """What has moved since the last look."""
         moved = set()
-        for name, thing in world.things.items() if self._sees_motion else ():
+        for thing in scene.movable if self._sees_motion else ():
             position = thing.position.tolist()
-            if math.dist(position, self._before.get(name, position)) > _LEAST_MOTION:
-                moved.add(name)
-            self._before[name] = position
+            if math.dist(position, self._before.get(thing.name, position)) > _LEAST_MOTION:
+                moved.add(thing.name)
+            self._before[thing.name] = position
         return moved
 
     def _regions(
-        self, sights: Sequence[_Sight], shapes: Floats, moved: set[str]
+        self, sights: Sequence[_Sight], shapes: Sequence[Sequence[float]], moved: set[str]
     ) -> Mapping[str, Region]:
         found: dict[str, Region] = {}
-        for sight, (area, column, row, clipped) in zip(sights, shapes.tolist(), strict=True):
+        for sight, (area, column, row, clipped) in zip(sights, shapes, strict=True):
             if round(area) == 0:
                 continue
             region = Region(round(area), column, row, bool(clipped))

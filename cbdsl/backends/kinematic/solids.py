@@ -32,6 +32,9 @@ WHOLE = (0.0, 1.0, -math.inf, math.inf)
 _NEAREST = 0.02
 """What is nearer to a camera than this is not seen, m."""
 
+_ROUNDING = 1e-6
+"""More than rounding makes of any distance, m."""
+
 
 def placed(shape: Shape, pose: Pose) -> Floats:
     """A solid of this shape there, shape (16,)."""
@@ -124,18 +127,19 @@ def depths(
     return touching
 
 
-@compiled_once
-def attached(parts: Floats, placements: Floats, rows: Rows) -> Floats:
+@compiled
+def _attach(parts: Floats, placements: Floats, carriers: Rows, solids: Floats) -> None:
     """Solids that are given in their links' frames, shape (k, 16), in the world frame.
 
     Args:
         parts: shape (k, 16).
         placements: of links, as ``Tree`` has them, shape (links, 12).
-        rows: of the links that carry them, shape (k,).
+        carriers: rows of the links that carry them, shape (k,).
+        solids: takes them, shape (k, 16).
     """
-    found = parts.copy()
     for index in range(len(parts)):
-        part, own, place = parts[index], found[index], placements[rows[index]]
+        part, own, place = parts[index], solids[index], placements[carriers[index]]
+        own[:4] = part[:4]
         for i in range(3):
             own[4 + i] = place[9 + i]
             for k in range(3):
@@ -145,7 +149,6 @@ def attached(parts: Floats, placements: Floats, rows: Rows) -> Floats:
                     + place[3 * i + 1] * part[10 + k]
                     + place[3 * i + 2] * part[13 + k]
                 )
-    return found
 
 
 @compiled
@@ -205,6 +208,12 @@ def _span(ahead: float, aside: float, radius: float) -> tuple[float, float]:
 
 
 @compiled
+def _circumscribed(solid: Floats) -> float:
+    """The radius of a ball around its centre that contains a solid."""
+    return math.sqrt(solid[1] ** 2 + solid[2] ** 2 + solid[3] ** 2)
+
+
+@compiled
 def _frame(solid: Floats, centre: Floats, axes: Floats) -> tuple[float, float, float, float]:
     """Slopes within which a solid is seen: (left, right, bottom, top) as y / x and z / x.
 
@@ -212,7 +221,7 @@ def _frame(solid: Floats, centre: Floats, axes: Floats) -> tuple[float, float, f
     """
     radius = solid[1]
     if solid[0] != BALL:
-        radius = math.sqrt(solid[1] ** 2 + solid[2] ** 2 + solid[3] ** 2)
+        radius = _circumscribed(solid)
     if centre[0] + radius <= _NEAREST:
         return 1.0, -1.0, 1.0, -1.0
     if solid[0] == BALL or centre[0] - radius <= _NEAREST:
@@ -233,47 +242,81 @@ def _frame(solid: Floats, centre: Floats, axes: Floats) -> tuple[float, float, f
 
 
 @compiled
-def _viewed(solids: Floats, position: Floats, rotation: Floats) -> Floats:
-    """Solids as a camera has them, shape (k, 22).
+def _view(solid: Floats, camera: Floats, view: Floats) -> None:
+    """A solid as a camera has it.
 
-    Shape and halves; the camera's position in the solid's frame; the solid's axes in the camera's
-    frame; the slopes within which it is seen; and how far ahead it begins and ends, m.
+    Args:
+        solid: shape (16,).
+        camera: its placement, as ``Tree`` has it, with the axes ahead, left and up, shape (12,).
+        view: takes shape and halves; the camera's position in the solid's frame; the solid's axes
+            in the camera's frame; the slopes within which it is seen; and how far ahead it begins
+            and ends, m; shape (22,).
     """
-    views = np.empty((len(solids), 22))
-    centre, axes = np.empty(3), np.empty((3, 3))
-    for index in range(len(solids)):
-        solid, view = solids[index], views[index]
-        x, y, z = solid[4] - position[0], solid[5] - position[1], solid[6] - position[2]
-        for i in range(3):
-            centre[i] = rotation[0, i] * x + rotation[1, i] * y + rotation[2, i] * z
-            for j in range(3):
-                axes[i, j] = (
-                    rotation[0, i] * solid[7 + j]
-                    + rotation[1, i] * solid[10 + j]
-                    + rotation[2, i] * solid[13 + j]
-                )
-                view[7 + 3 * i + j] = axes[i, j]
-        view[:4] = solid[:4]
-        view[4:7] = _into(solid, -x, -y, -z)
-        view[16:20] = _frame(solid, centre, axes)
-        radius = math.sqrt(solid[1] ** 2 + solid[2] ** 2 + solid[3] ** 2)
-        view[20], view[21] = centre[0] - radius, centre[0] + radius
-    return views
+    centre, axes = np.empty(3), view[7:16].reshape(3, 3)
+    x, y, z = solid[4] - camera[9], solid[5] - camera[10], solid[6] - camera[11]
+    for i in range(3):
+        centre[i] = camera[i] * x + camera[3 + i] * y + camera[6 + i] * z
+        for j in range(3):
+            axes[i, j] = (
+                camera[i] * solid[7 + j]
+                + camera[3 + i] * solid[10 + j]
+                + camera[6 + i] * solid[13 + j]
+            )
+    view[:4] = solid[:4]
+    view[4], view[5], view[6] = _into(solid, -x, -y, -z)
+    view[16], view[17], view[18], view[19] = _frame(solid, centre, axes)
+    radius = _circumscribed(solid)
+    view[20], view[21] = centre[0] - radius, centre[0] + radius
 
 
 @compiled
-def _relevant(views: Floats, target: int, window: Window) -> Floats:
-    """The view of a solid, and then of all that may be before it in a window of slopes."""
+def _beside(solid: Floats, camera: Floats, window: Window, end: float) -> bool:
+    """Whether the ball around a solid is out of a camera's window, or farther ahead than its end.
+
+    That is found much faster than the solid's own view.
+    """
     left, right, bottom, top = window
-    chosen = np.empty(views.shape)
-    chosen[0], count = views[target], 1
-    for index in range(len(views)):
-        view = views[index]
+    radius = _circumscribed(solid) + _ROUNDING
+    x, y, z = solid[4] - camera[9], solid[5] - camera[10], solid[6] - camera[11]
+    ahead = camera[0] * x + camera[3] * y + camera[6] * z
+    aside = camera[1] * x + camera[4] * y + camera[7] * z
+    up = camera[2] * x + camera[5] * y + camera[8] * z
+    beside: bool = (
+        ahead + radius < 0.0
+        or ahead - radius > end
+        or aside - right * ahead > radius * math.sqrt(1.0 + right * right)
+        or left * ahead - aside > radius * math.sqrt(1.0 + left * left)
+        or up - top * ahead > radius * math.sqrt(1.0 + top * top)
+        or bottom * ahead - up > radius * math.sqrt(1.0 + bottom * bottom)
+    )
+    return beside
+
+
+@compiled
+def _relevant(solids: Floats, camera: Floats, target: int, window: Window, views: Floats) -> int:
+    """Add to the view of a solid those of all that may be before it in a window of slopes.
+
+    Args:
+        solids: shape (k, 16).
+        camera: its placement, shape (12,).
+        target: which of the solids it is.
+        window: slopes.
+        views: its first row is the target's view, the next ones take the others', shape (k, 22).
+
+    Returns:
+        How many views there are.
+    """
+    left, right, bottom, top = window
+    end, count = views[0, 21], 1
+    for index in range(len(solids)):
+        if index == target or _beside(solids[index], camera, window, end):
+            continue
+        view = views[count]
+        _view(solids[index], camera, view)
         aside = view[16] > right or view[17] < left or view[18] > top or view[19] < bottom
-        if index != target and not aside and view[20] < views[target, 21]:
-            chosen[count] = view
+        if not aside and view[20] < end:
             count += 1
-    return chosen[:count]
+    return count
 
 
 @compiled
@@ -338,56 +381,75 @@ def _scanned(
     return hits, mean_y / max(hits, 1), mean_z / max(hits, 1), ends
 
 
-@compiled_once
-def silhouettes(
-    solids: Floats,
-    targets: Rows,
-    patches: Floats,
-    samples: Rows,
-    position: Floats,
-    rotation: Floats,
-    lens: tuple[float, float, float],
-) -> Floats:
-    """What a pinhole camera sees of some solids, which all of them may hide.
-
-    Args:
-        solids: shape (k, 16).
-        targets: which of them are looked at, shape (n,).
-        patches: the part of each target's surface that is looked at, shape (n, 4): whether it is
-            around the axis x (0) or y (1), towards which end of it (1 or -1), from which height
-            on along it and within which radius of it, m; ``WHOLE`` for all of the surface.
-        samples: for each target, lines of sight each way across the part of its frame that is in
-            the image, shape (n,).
-        position: of the camera, m, shape (3,).
-        rotation: the camera's axes as columns: ahead, left and up, shape (3, 3).
-        lens: focal length, width and height of the image, px.
-
-    Returns:
-        Shape (n, 4): visible area, px; column and row of its centroid, px; and 1 where it touches
-        the image's border.
-    """
+@compiled
+def _silhouette(
+    views: Floats, window: Window, samples: int, patch: Patch, lens: Floats, found: Floats
+) -> None:
+    """What a camera sees of the first of some solids in a window, as ``silhouettes`` has it."""
     focal = lens[0]
-    # Slopes at the image's border.
     aside, above = 0.5 * lens[1] / focal, 0.5 * lens[2] / focal
     # The outermost pixel belongs to a region that covers its centre.
     rim_y, rim_z = aside - 0.5 / focal, above - 0.5 / focal
-    found = np.zeros((len(samples), 4))
-    views = _viewed(solids, position, rotation)
-    for index in range(len(targets)):
-        target = targets[index]
-        left, right = max(views[target, 16], -aside), min(views[target, 17], aside)
-        bottom, top = max(views[target, 18], -above), min(views[target, 19], above)
-        if left >= right or bottom >= top:
-            continue
-        window = (left, right, bottom, top)
-        chosen = _relevant(views, target, window)
-        patch = (patches[index, 0], patches[index, 1], patches[index, 2], patches[index, 3])
-        hits, y, z, ends = _scanned(chosen, window, samples[index], patch)
-        if hits > 0:
-            area = hits * (right - left) * (top - bottom) / samples[index] ** 2
-            found[index, 0] = area * focal * focal
-            found[index, 1] = focal * (aside - y)
-            found[index, 2] = focal * (above - z)
-            sideways = ends[0] <= -rim_y or ends[1] >= rim_y
-            found[index, 3] = sideways or ends[2] <= -rim_z or ends[3] >= rim_z
-    return found
+    left, right, bottom, top = window
+    hits, y, z, ends = _scanned(views, window, samples, patch)
+    if hits > 0:
+        area = hits * (right - left) * (top - bottom) / samples**2
+        found[0] = area * focal * focal
+        found[1] = focal * (aside - y)
+        found[2] = focal * (above - z)
+        sideways = ends[0] <= -rim_y or ends[1] >= rim_y
+        found[3] = sideways or ends[2] <= -rim_z or ends[3] >= rim_z
+
+
+@compiled_once
+def silhouettes(
+    things: Floats,
+    parts: Floats,
+    carriers: Rows,
+    placements: Floats,
+    targets: Rows,
+    patches: Floats,
+    cameras: Floats,
+    lenses: Floats,
+    found: Floats,
+) -> None:
+    """What pinhole cameras see of some solids, which all of them, and parts of links, may hide.
+
+    Args:
+        things: the solids, shape (k, 16).
+        parts: of links, in their frames, shape (m, 16).
+        carriers: rows of the links that carry them, shape (m,).
+        placements: of links, as ``Tree`` has them, shape (links, 12).
+        targets: which of the solids are looked at, and lines of sight each way across the part of
+            its frame that is in the image, shape (n, 2).
+        patches: the part of each target's surface that is looked at, shape (n, 4): whether it is
+            around the axis x (0) or y (1), towards which end of it (1 or -1), from which height
+            on along it and within which radius of it, m; ``WHOLE`` for all of the surface.
+        cameras: their placements, with the axes ahead, left and up, shape (c, 12).
+        lenses: focal length, width and height of each camera's image, px, shape (c, 3).
+        found: takes visible area, px; column and row of its centroid, px; and 1 where it touches
+            the image's border; zeros where nothing is seen; shape (c, n, 4).
+    """
+    found[:] = 0.0
+    solids = np.empty((len(things) + len(parts), WIDTH))
+    solids[: len(things)] = things
+    attached = False
+    views = np.empty((len(solids), 22))
+    for which in range(len(cameras)):
+        camera, lens = cameras[which], lenses[which]
+        # Slopes at the image's border.
+        aside, above = 0.5 * lens[1] / lens[0], 0.5 * lens[2] / lens[0]
+        for index in range(len(targets)):
+            target, samples = targets[index, 0], targets[index, 1]
+            _view(solids[target], camera, views[0])
+            left, right = max(views[0, 16], -aside), min(views[0, 17], aside)
+            bottom, top = max(views[0, 18], -above), min(views[0, 19], above)
+            if left >= right or bottom >= top:
+                continue
+            if not attached:
+                _attach(parts, placements, carriers, solids[len(things) :])
+                attached = True
+            window = (left, right, bottom, top)
+            count = _relevant(solids, camera, target, window, views)
+            patch = (patches[index, 0], patches[index, 1], patches[index, 2], patches[index, 3])
+            _silhouette(views[:count], window, samples, patch, lens, found[which, index])

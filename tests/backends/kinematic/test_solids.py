@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from cbdsl.backends.kinematic.solids import WHOLE, depths, placed, silhouettes
+from cbdsl.backends.kinematic.solids import WHOLE, WIDTH, depths, placed, silhouettes
 from cbdsl.backends.pose import Pose
 from cbdsl.backends.shape import Shape
 
@@ -77,9 +77,17 @@ def test_a_step_of_the_distance_along_the_normal_leads_to_the_surface(name: str)
 
 def seen(*solids: Floats, samples: int = 64, patch: Sequence[float] = WHOLE) -> Floats:
     """What a camera at the origin sees of the first of some solids, or of a patch of it."""
-    patches = np.array([patch])
-    first, fine = np.zeros(1, np.intp), np.array([samples])
-    return silhouettes(np.array(solids), first, patches, fine, HERE, AHEAD, LENS)[0]
+    world = np.array([[*AHEAD.ravel(), *HERE]])
+    first, found = np.array([[0, samples]]), np.empty((1, 1, 4))
+    nothing, patches, lenses = np.empty((0, WIDTH)), np.array([patch]), np.array([LENS])
+    free = nothing, np.empty(0, np.intp)
+    silhouettes(np.array(solids), *free, world, first, patches, world, lenses, found)
+    # Parts of a link that is the world hide the same as solids.
+    parts = np.array(solids[1:]).reshape(-1, WIDTH), np.zeros(len(solids) - 1, np.intp)
+    hidden = np.empty((1, 1, 4))
+    silhouettes(solids[0][None], *parts, world, first, patches, world, lenses, hidden)
+    assert (hidden == found).all()
+    return found[0, 0]
 
 
 @pytest.mark.parametrize("name", SHAPES)
