@@ -19,6 +19,7 @@ import numpy as np
 from stopwatch import Stages, Stopwatch
 
 from cbdsl.checking.program import check_program
+from cbdsl.control.crew import Crew
 from cbdsl.control.law import Law
 from cbdsl.control.signal import Floats
 from cbdsl.documents.robot import RobotDocument
@@ -122,7 +123,7 @@ def whole(cycle: Cycle, restarts: int) -> list[float]:
 
 STAGES: Stages = {
     "signals": [(Signals, "update")],
-    "controllers": [(ControllerRun, "act")],
+    "controllers": [(ControllerRun, "sense"), (Crew, "act")],
     "law": [(Law, "compose")],
     "bounds": [(Actuation, "move")],
     "program": [(ProgramRun, "advance")],

@@ -5,8 +5,8 @@ arms, with joint limits. All get the same URDF, postures and goals, in the same 
 turn. What is not installed is left out. Those that have no manipulability solve less, and say so.
 Weights stand for priorities where there are none.
 
-Ours is timed three times: the path from joint positions to joint references, with predicates as a
-running program has it, and the whole control cycle of Dexter (``control_cycle.py``).
+Ours is timed twice: the path from joint positions to joint references, with predicates as a running
+program has it, and the whole control cycle of Dexter (``control_cycle.py``).
 
 Everyone solves every posture twice: in blocks, several ticks in a row, and tick by tick in turn
 with all others. A robot sees the blocks: its control loop runs the same code on the same data, tick
@@ -39,6 +39,7 @@ from control_cycle import Cycle
 from stopwatch import Stages, Stopwatch
 
 from cbdsl.checking.program import check_program
+from cbdsl.control.crew import Crew
 from cbdsl.control.law import Law
 from cbdsl.control.signal import Floats
 from cbdsl.control.task import Task
@@ -113,10 +114,9 @@ class Ours:
 
     Args:
         folder: of the documents.
-        predicates: whether it notes what each potential does, as running programs do.
     """
 
-    def __init__(self, folder: Path, *, predicates: bool) -> None:
+    def __init__(self, folder: Path) -> None:
         library = Library(folder)
         self.robot = library.read(folder / "two_arms.yaml", RobotDocument).document
         program = check_program(str(folder / "three_objectives.yaml"), {}, library)
@@ -131,9 +131,6 @@ class Ours:
         self._signals.update(Observation(0.0, self._still, self._still, {}, {}))
         run.activate()
         self._active = run.active()
-        if not predicates:
-            for acting in self._active:
-                vars(acting.run)["_defined"] = lambda *found: None
         self.ready = np.concatenate(
             [effector.postures["ready"] for effector in self.robot.effectors.values()]
         )
@@ -265,10 +262,9 @@ PEERS: dict[str, Callable[[Scene], Iterator[Peer]]] = {
 STAGES: Stages = {
     "kinematics": [(Kinematics, "update"), (Kinematics, "point"), (Kinematics, "curvature")],
     "signals": [(Signals, "update"), (Signals, "read"), (Tips, "manipulator")],
-    "levels": [(Task, "act")],
+    "levels": [(Crew, "act"), (Task, "act")],
     "law": [(Law, "compose")],
-    "predicates": [(ControllerRun, "_defined")],
-    "runtime": [(ControllerRun, "act"), (Actuation, "move")],
+    "runtime": [(ControllerRun, "sense"), (Actuation, "move")],
 }
 
 
@@ -349,12 +345,11 @@ def main() -> None:
     options = parser.parse_args()
     rng = np.random.default_rng(0)
     with two_arms() as folder:
-        ours, running = (Ours(folder, predicates=each) for each in (False, True))
+        ours = Ours(folder)
         scene = Scene(folder / "two_arms.urdf", ours.ready)
         peers, missing = installed(scene)
         own = [
             Peer("cbdsl", ours.tick, "strict priorities"),
-            Peer("cbdsl program", running.tick, "the same with predicates"),
             dexter(),
         ]
         # The others refuse to start outside limits.
@@ -366,7 +361,7 @@ def main() -> None:
             "in blocks": interleaved(everyone, postures, options.rounds, options.block),
             "in turn": interleaved(everyone, postures, options.rounds, 1),
         }
-        stages = split(running.tick, postures, options.rounds)
+        stages = split(ours.tick, postures, options.rounds)
     if options.json:
         found = {"microseconds": modes, "split": stages, "not_installed": missing}
         sys.stdout.write(json.dumps(found) + "\n")
@@ -375,7 +370,7 @@ def main() -> None:
     for mode, medians in modes.items():
         lines += table(mode, everyone, medians)
     parts = ", ".join(f"{stage} {time:.0f}" for stage, time in stages.items())
-    lines.append(f"cbdsl program, with clocks in it: {parts} us")
+    lines.append(f"cbdsl, with clocks in it: {parts} us")
     sys.stdout.write("\n".join(lines) + "\n")
 
 

@@ -12,12 +12,106 @@ import numpy as np
 from cbdsl.control.composition import Integers
 from cbdsl.control.manipulability import volume
 from cbdsl.control.potential import ALIGNMENT, RANGE, SPRING
+from cbdsl.control.predicate import ROOM, note
 from cbdsl.control.range import turn
 from cbdsl.control.rate import displace, norm
 from cbdsl.control.signal import Floats
 from cbdsl.control.spring import aim, subtract
 from cbdsl.control.stack import TICKS
 from cbdsl.robot.compiled import compiled, compiled_once
+
+#: What a member does in a tick: nothing; follow its reference; the same while its predicate stays
+#: undefined; nothing more, since it was evaluated by itself.
+REST, FOLLOW, SEEK, DONE = range(4)
+
+# What a plan has: the potential's kind, task coordinates, components of the feedback, rows of its
+# Jacobian, whether it is the posture of the sources, what to do in this tick, and the stamp of the
+# newest measurement.
+KIND, SIZE, COMPONENTS, ROWS, IS_POSTURE, DUTY, STAMP = range(7)
+
+# What an outcome has: phi, the norm of the residual, and how far above its reference a position
+# is sent to, m.
+PHI, ERROR, RAISED = range(3)
+
+
+@compiled_once
+def act_all(
+    first: int,
+    last: int,
+    positions: Floats,
+    posture: int,
+    newest: int,
+    rows: Floats,
+    wanted: Floats,
+    ages: Integers,
+    starts: Integers,
+    plans: Integers,
+    constants: Floats,
+    sources: Integers,
+    values: Floats,
+    references: Floats,
+    jacobians: Floats,
+    outcomes: Floats,
+    bounds: Floats,
+    before: Floats,
+    settings: Floats,
+    windows: Floats,
+    notes: Integers,
+    members: Integers,
+    columns: Integers,
+) -> int:
+    """Let the members of a composition act, from the first up to the last.
+
+    Args:
+        positions: of all actuated joints, rad, shape (joints,).
+        posture: stamp of the positions.
+        newest, rows, wanted, ages, starts: of the stack.
+        plans, constants, sources, values, references, jacobians, outcomes: of all members, in
+            rows: see ``Member``.
+        bounds, before: of their tasks.
+        settings, windows, notes: of their monitors.
+        members: the rows of those that act, highest priority first.
+        columns: which joint each of the stack's n is for them, shape (members, n).
+
+    Returns:
+        ``last``, or the place of a member that could not act, as ``act`` has it.
+    """
+    no_curvature = np.empty((0, 0, 0))
+    for place in range(first, last):
+        row = members[place]
+        plan = plans[row]
+        if plan[DUTY] == REST:
+            ages[place] = 0
+        if plan[DUTY] not in (FOLLOW, SEEK):
+            continue
+        if plan[IS_POSTURE]:
+            plan[STAMP] = posture
+            for i in range(plan[COMPONENTS]):
+                values[row, i] = positions[sources[row, i]]
+        phi, error = act(
+            plan[KIND],
+            constants[row],
+            values[row, : plan[COMPONENTS]],
+            jacobians[row, : plan[ROWS]],
+            no_curvature,
+            references[row, : plan[COMPONENTS]],
+            outcomes[row, RAISED],
+            newest,
+            bounds[row],
+            before[row, : plan[SIZE]],
+            columns[place],
+            rows,
+            wanted,
+            ages,
+            starts[place],
+            place,
+        )
+        if math.isnan(phi):
+            return place
+        if plan[DUTY] == FOLLOW:
+            outcomes[row, PHI], outcomes[row, ERROR] = phi, error
+            note(phi, plan[STAMP], settings[row], windows[row, : notes[row, ROOM]], notes[row])
+    return last
 
 
 @compiled_once

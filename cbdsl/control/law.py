@@ -52,7 +52,7 @@ class LevelReport:
 
 @dataclass(slots=True)
 class Step:
-    """The result of one tick; ``levels`` and ``reports`` are to be read before the next.
+    """The result of one tick, to be read before the next of the same stack.
 
     Attributes:
         displacement: of the joints, rad, shape (n,).
@@ -66,6 +66,12 @@ class Step:
     locked: Booleans
     singular_values: Floats
     stack: Stack
+
+    @classmethod
+    def of(cls, stack: Stack) -> Step:
+        """Room for the result."""
+        _, rows, joints = stack.rows.shape
+        return cls(np.zeros(joints), np.zeros(joints, dtype=np.bool_), np.zeros(rows), stack)
 
     @property
     def levels(self) -> tuple[Level, ...]:
@@ -119,6 +125,7 @@ class Law:
             raise ValueError("a joint's limits are closer together than twice their margin")
         self._limits = np.stack((lower + settings.limit_margin, upper - settings.limit_margin))
         self._guards = settings.joint_step, settings.damping, settings.singular_value
+        self._step: Step | None = None
 
     def solve(self, levels: Sequence[Level], q: Floats) -> Step:
         """One tick's displacement for levels that have no past.
@@ -142,8 +149,9 @@ class Law:
         Raises:
             SignalError: the posture or a level is not finite.
         """
-        displacement, locked = np.empty(len(q)), np.empty(len(q), dtype=np.bool_)
-        values = np.empty(len(stack.wanted))
+        step = self._step
+        if step is None or step.stack is not stack:
+            step = self._step = Step.of(stack)
         compose(
             stack.rows,
             stack.newest,
@@ -153,13 +161,13 @@ class Law:
             q,
             self._limits,
             *self._guards,
-            displacement,
-            locked,
-            values,
+            step.displacement,
+            step.locked,
+            step.singular_values,
         )
-        if math.isnan(displacement.item(0)):
+        if math.isnan(step.displacement.item(0)):
             _require_sound(stack, q)
-        return Step(displacement, locked, values, stack)
+        return step
 
 
 def _require_sound(stack: Stack, q: Floats) -> None:

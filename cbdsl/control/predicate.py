@@ -8,7 +8,7 @@ from enum import StrEnum
 import numpy as np
 from numpy.typing import NDArray
 
-from cbdsl.robot.compiled import compiled_once
+from cbdsl.robot.compiled import compiled, compiled_once
 
 Floats = NDArray[np.float64]
 Integers = NDArray[np.int64]
@@ -23,6 +23,14 @@ class Predicate(StrEnum):
     QUIESCENT = "1"
 
 
+_PREDICATES = tuple(Predicate)
+_INACTIVE, _UNDEFINED, _TRANSIENT, _QUIESCENT = range(4)
+
+# What a monitor notes: the predicate, ticks since the potential is defined, where the oldest value
+# is, how many values there are, the newest measurement, and how many numbers there is room for.
+PREDICATE, _TICKS, _OLDEST, _KEPT, _STAMP, ROOM = range(6)
+
+
 class QuiescenceMonitor:
     """Tells whether a potential is at rest: its range over a window, per second of the window.
 
@@ -35,6 +43,11 @@ class QuiescenceMonitor:
         window: how long the potential is watched, s; at rest needs a window that is full.
         period: time between ticks, s.
 
+    Attributes:
+        settings: the window, s, the largest range in it at rest, and the period, s, shape (3,).
+        values: times, s, in front of their potentials, round and round, shape (2 n,).
+        notes: the predicate and what else is known, shape (6,).
+
     Raises:
         ValueError: ``rate``, ``window`` or ``period`` is not positive.
     """
@@ -42,72 +55,75 @@ class QuiescenceMonitor:
     def __init__(self, rate: float, window: float, period: float) -> None:
         if not (rate > 0 and window > 0 and period > 0):
             raise ValueError(f"rate {rate}, window {window} and period {period} must be positive")
-        self._largest_range = rate * window
-        self._window = window
-        self._period = period
+        self.settings = np.array((window, rate * window, period))
         # One value is as old as the window or older, the others are within.
-        self._values = np.zeros((2, math.ceil(window / period) + 2))
-        self._kept = np.zeros(2, dtype=np.int64)
+        self.values = np.zeros(2 * (math.ceil(window / period) + 2))
+        self.notes = np.zeros(6, dtype=np.int64)
+        self.notes[ROOM] = len(self.values)
         self.reset()
 
+    @property
+    def predicate(self) -> str:
+        """What the potential does, as a ``Predicate`` has it."""
+        return _PREDICATES[self.notes.item(PREDICATE)]
+
+    @predicate.setter
+    def predicate(self, predicate: str) -> None:
+        self.notes[PREDICATE] = _PREDICATES.index(Predicate(predicate))
+
     def reset(self) -> None:
-        """Forget all values: the controller was deactivated."""
-        self._ticks = 0
-        self._kept[:] = 0
-        self._predicate = Predicate.TRANSIENT
+        """Forget everything: the controller was deactivated."""
+        self.notes[:ROOM] = _INACTIVE, 0, 0, 0, -1
 
-    def undefined(self) -> Predicate:
+    def undefined(self) -> None:
         """Note that the potential cannot be computed in this tick, and forget all values."""
-        if self._ticks:
-            self.reset()
-        return Predicate.UNDEFINED
+        self.notes[:_STAMP] = _UNDEFINED, 0, 0, 0
 
-    def update(self, phi: float, *, fresh: bool = True) -> Predicate:
+    def update(self, phi: float, stamp: int) -> str:
         """Note the potential in one tick.
 
         Args:
             phi: the potential.
-            fresh: whether phi rests on a new measurement; otherwise it changes nothing.
+            stamp: of the measurement that phi rests on; one that is not new changes nothing.
 
         Returns:
             ``TRANSIENT`` or ``QUIESCENT``, as the newest measurement left it.
         """
-        self._ticks += 1
-        if fresh:
-            time = self._ticks * self._period
-            rests = _note(self._values, self._kept, time, phi, self._window, self._largest_range)
-            self._predicate = Predicate.QUIESCENT if rests else Predicate.TRANSIENT
-        return self._predicate
+        note(phi, stamp, self.settings, self.values, self.notes)
+        return self.predicate
 
 
 @compiled_once
-def _note(
-    values: Floats, kept: Integers, time: float, phi: float, window: float, largest_range: float
-) -> bool:
-    """Note a potential; returns whether it is at rest.
+def note(phi: float, stamp: int, settings: Floats, values: Floats, notes: Integers) -> None:
+    """Note a potential, as ``QuiescenceMonitor.update`` does with its own arrays."""
+    notes[_TICKS] += 1
+    if stamp != notes[_STAMP]:
+        notes[_STAMP] = stamp
+        rests = _rests(phi, notes[_TICKS] * settings[2], settings, values, notes)
+        notes[PREDICATE] = _QUIESCENT if rests else _TRANSIENT
+    elif notes[PREDICATE] != _QUIESCENT:
+        notes[PREDICATE] = _TRANSIENT
 
-    Args:
-        values: times, s, above potentials, round and round, shape (2, n).
-        kept: where the oldest is, and how many there are.
-        time: now, s.
-        phi: the potential.
-        window: how long it is watched, s.
-        largest_range: in the window, at rest.
-    """
-    length = values.shape[1]
-    newest = (kept[0] + kept[1]) % length
-    values[0, newest], values[1, newest] = time, phi
-    kept[1] += 1
+
+@compiled
+def _rests(phi: float, time: float, settings: Floats, values: Floats, notes: Integers) -> bool:
+    """Keep a potential and when it was measured, s; returns whether it is at rest."""
+    window, largest_range, _ = settings
+    length = len(values)
+    newest = (notes[_OLDEST] + 2 * notes[_KEPT]) % length
+    values[newest], values[newest + 1] = time, phi
+    notes[_KEPT] += 1
     # Keep one value that is as old as the window, so that the rest spans all of it. Ticks add up
     # to a window but for rounding.
     start = time - window * (1.0 - 1e-9)
-    while kept[1] > 1 and values[0, (kept[0] + 1) % length] <= start:
-        kept[0] = (kept[0] + 1) % length
-        kept[1] -= 1
-    if values[0, kept[0]] > start:
+    while notes[_KEPT] > 1 and values[(notes[_OLDEST] + 2) % length] <= start:
+        notes[_OLDEST] = (notes[_OLDEST] + 2) % length
+        notes[_KEPT] -= 1
+    if values[notes[_OLDEST]] > start:
         return False
     least = most = phi
-    for i in range(kept[1]):
-        value = values[1, (kept[0] + i) % length]
+    for i in range(notes[_KEPT]):
+        value = values[(notes[_OLDEST] + 2 * i) % length + 1]
         least, most = min(least, value), max(most, value)
-    return most - least <= largest_range
+    rests: bool = most - least <= largest_range
+    return rests

@@ -22,7 +22,7 @@ class Stack:
         rows: task coordinates per joint in three ticks, shape (3, k, n).
         newest: which of the three is this tick; the tick before is one less, modulo 3.
         wanted: displacement of the task coordinates in this tick, shape (k,).
-        starts: index of the first row of each level.
+        starts: index of the first row of each level, shape (levels,).
         ends: index after the last row of each level, shape (levels,).
         ages: for how many ticks in a row each level has acted, up to 3; 0 where it does not act,
             shape (levels,).
@@ -36,7 +36,7 @@ class Stack:
         self.names = tuple(name for name, _ in levels)
         sizes = np.array([size for _, size in levels], dtype=np.int64)
         self.ends = np.cumsum(sizes)
-        self.starts: tuple[int, ...] = tuple((self.ends - sizes).tolist())
+        self.starts = self.ends - sizes
         size = int(sizes.sum())
         self.rows, self.wanted = np.zeros((TICKS, size, joints)), np.zeros(size)
         self.ages = np.zeros(len(levels), dtype=np.int64)

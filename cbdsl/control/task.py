@@ -30,18 +30,22 @@ class Task:
         controller: gives gain, speed, acceleration and the type of the feedback.
         potential: of the controller.
         period: of the control ticks, s.
+
+    Attributes:
+        bounds: see ``bounds_of``.
+        before: displacement of the task coordinates in the tick before, shape (k,).
     """
 
     def __init__(self, controller: Controller, potential: Potential, period: float) -> None:
         self._name = controller.name
         self._compiled = potential.compiled
         self._is_scalar = POTENTIALS[controller.potential].scalar
-        self._bounds = bounds_of(controller, period)
-        self._before: Floats = np.zeros(potential.size)
+        self.bounds = bounds_of(controller, period)
+        self.before: Floats = np.zeros(potential.size)
 
     def reset(self) -> None:
         """Start from rest: the controller was activated."""
-        self._before[:] = 0.0
+        self.before[:] = 0.0
 
     def join(self, stack: Stack, place: int, columns: Integers) -> None:
         """Let ``act`` write to a stack.
@@ -52,8 +56,8 @@ class Task:
             columns: which joint each of the stack's n is, -1 for those that count as still.
         """
         self._stack = stack
-        level = stack.rows, stack.wanted, stack.ages, stack.starts[place], place
-        self._own = self._bounds, self._before, columns, *level
+        self._level = stack.rows, stack.wanted, stack.ages, stack.starts.item(place), place
+        self._columns = columns
 
     def act(self, feedback: Reading, reference: Floats, raised: float) -> tuple[float, float]:
         """Let a controller whose potential is compiled act in this tick, all at once.
@@ -82,7 +86,10 @@ class Task:
             reference.ravel(),
             raised,
             newest,
-            *self._own,
+            self.bounds,
+            self.before,
+            self._columns,
+            *self._level,
         )
         return found
 
@@ -96,9 +103,9 @@ class Task:
         scale = 1.0
         if self._is_scalar:
             jacobian, scale = _unit(jacobian)
-        if not displace(step, residual, jacobian, scale, self._bounds, self._before):
+        if not displace(step, residual, jacobian, scale, self.bounds, self.before):
             require_finite(step, f"the step of {self._name}")
-        return Level(self._name, jacobian, self._before.copy())
+        return Level(self._name, jacobian, self.before.copy())
 
 
 @compiled_once

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
+from cbdsl.control.crew import Crew
 from cbdsl.control.law import Law, LawSettings, Step
 from cbdsl.control.stack import Stack
 from cbdsl.documents.robot import RobotDocument
@@ -20,22 +22,53 @@ Floats = NDArray[np.float64]
 Columns = NDArray[np.intp]
 
 
+class _Shift(NamedTuple):
+    """Controllers that act at once: none of them asks what those above it have come to.
+
+    Attributes:
+        sensing: those of them that have anything to read.
+        first, last: places of the first of them, and after the last of them.
+        acts: whether one acts in any case, since it has nothing to read.
+    """
+
+    sensing: tuple[Active, ...]
+    first: int
+    last: int
+    acts: bool
+
+
 class _Composition(NamedTuple):
     """What acts together.
 
     Attributes:
+        active: its controllers, highest priority first, with those that they act together with.
+        runs: its controllers alone.
         columns: indices of its joints among all actuated ones, shape (n,).
+        moved: the same for each controller, -1 for joints that it does not move, shape (runs, n).
         lower: their lower limits with the margin, rad, shape (n,).
         upper: their upper limits with the margin, rad, shape (n,).
         law: of these joints.
         stack: the levels of its controllers.
+        crew: its controllers, as they act in one compiled call.
+        shifts: what is to be done one after another.
     """
 
+    active: Sequence[Active]
+    runs: tuple[ControllerRun, ...]
     columns: Columns
+    moved: Columns
     lower: Floats
     upper: Floats
     law: Law
     stack: Stack
+    crew: Crew
+    shifts: tuple[_Shift, ...]
+
+    def begin(self) -> None:
+        """Act instead of something else."""
+        self.stack.forget()
+        for place, run in enumerate(self.runs):
+            run.join(self.stack, place, self.moved[place])
 
 
 @compiled_once
@@ -96,27 +129,37 @@ class Actuation:
 
     def move(self, active: Sequence[Active]) -> None:
         """Evaluate the active controllers and move the references by the law's step."""
-        last, self._last, self.step = self._last, None, None
+        self.step = None
         # A program that has ended leaves nothing to act.
         if not active:
+            self._last = None
             return
-        found = self._last = self._composition(active)
-        columns, lower, upper, law, stack = found
-        if found is not last:
-            stack.forget()
-        stack.turn()
-        acting = False
-        for place, (run, peers) in enumerate(active):
-            if run.act(stack, place, columns, peers):
-                acting = True
-            else:
-                stack.rest(place)
-        if not acting:
+        found = self._composition(active)
+        if found is not self._last:
+            self._last = found
+            found.begin()
+        found.stack.turn()
+        if not self._act(found):
             return
+        columns = found.columns
         here = self._signals.positions[columns]
-        step = self.step = law.compose(stack, here)
+        step = self.step = found.law.compose(found.stack, here)
         lead = self._control.lead
-        advance(self.reference, columns, step.displacement, here, lead, lower, upper)
+        advance(self.reference, columns, step.displacement, here, lead, found.lower, found.upper)
+
+    def _act(self, composition: _Composition) -> bool:
+        """Write the levels of this tick; returns whether there are any."""
+        positions, posture = self._signals.positions, self._signals.tips.stamp
+        acting = False
+        for sensing, first, last, acts in composition.shifts:
+            acting |= acts
+            for run, peers in sensing:
+                acting |= run.sense(peers)
+            done = composition.crew.act(first, last, positions, posture)
+            while done < last:
+                composition.runs[done].evaluate()
+                done = composition.crew.act(done + 1, last, positions, posture)
+        return acting
 
     def at_limits(self) -> tuple[str, ...]:
         """The joints that their limits held back in the last tick."""
@@ -129,16 +172,38 @@ class Actuation:
         )
 
     def _composition(self, active: Sequence[Active]) -> _Composition:
-        """The active controllers' levels, and the union of their joints."""
+        """What acts, made when it acts for the first time."""
+        if self._last is not None and active is self._last.active:
+            return self._last
         runs = tuple([item.run for item in active])
         found = self._compositions.get(runs)
         if found is None:
-            joints = tuple(dict.fromkeys(joint for run in runs for joint in run.controller.joints))
-            columns = self._signals.joints.pick(joints)
-            limits, margin = self._signals.kinematics, self.settings.limit_margin
-            lower, upper = limits.lower[columns], limits.upper[columns]
-            law = Law(lower, upper, self.settings)
-            stack = Stack([(run.controller.name, run.size) for run in runs], len(columns))
-            found = _Composition(columns, lower + margin, upper - margin, law, stack)
-            self._compositions[runs] = found
+            found = self._compositions[runs] = self._composed(active, runs)
         return found
+
+    def _composed(self, active: Sequence[Active], runs: tuple[ControllerRun, ...]) -> _Composition:
+        """The active controllers' levels, and the union of their joints."""
+        joints = tuple(dict.fromkeys(joint for run in runs for joint in run.controller.joints))
+        columns = self._signals.joints.pick(joints)
+        limits, margin = self._signals.kinematics, self.settings.limit_margin
+        lower, upper = limits.lower[columns], limits.upper[columns]
+        law = Law(lower, upper, self.settings)
+        stack = Stack([(run.controller.name, run.size) for run in runs], len(columns))
+        moved = np.array([np.where(np.isin(columns, run.own), columns, -1) for run in runs])
+        crew = Crew([run.member for run in runs], stack, moved)
+        parts = columns, moved, lower + margin, upper - margin, law, stack, crew
+        return _Composition(active, runs, *parts, _shifts(active))
+
+
+def _shifts(active: Sequence[Active]) -> tuple[_Shift, ...]:
+    """Begins anew with every controller that asks what those above it have come to."""
+    starts = [place for place, item in enumerate(active) if item.run.asks and place > 0]
+    return tuple(
+        _Shift(
+            tuple(item for item in active[first:last] if not item.run.needs_nothing),
+            first,
+            last,
+            any(item.run.needs_nothing for item in active[first:last]),
+        )
+        for first, last in pairwise((0, *starts, len(active)))
+    )

@@ -9,7 +9,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cbdsl.control.body import Body
+from cbdsl.control.composition import Integers
 from cbdsl.control.field import NoPathError
+from cbdsl.control.kernel import DONE, ERROR, FOLLOW, PHI, RAISED, REST, SEEK
+from cbdsl.control.member import Member
 from cbdsl.control.obstacle import Obstacle
 from cbdsl.control.potential import Evaluation
 from cbdsl.control.predicate import QuiescenceMonitor
@@ -37,7 +40,6 @@ from cbdsl.types.resource import (
 )
 
 Floats = NDArray[np.float64]
-Columns = NDArray[np.intp]
 
 _SEEN = (Heading, Headings, StereoPosition)
 _PROPRIOCEPTIVE = (Tip, EffectorConfiguration)
@@ -49,9 +51,8 @@ class ControllerRun:
 
     Attributes:
         controller: what runs.
-        predicate: X - 0 1 (Eq 4.1).
-        phi: the potential, NaN while undefined.
-        error: norm of the residual in the unit of the feedback, NaN while undefined.
+        own: indices of the effector's joints among all actuated ones, shape (m,).
+        member: what the compiled tick knows of it.
         seeking: whether it acts to make its feedback defined.
         exhausted: whether it has sought in vain.
         no_path: why no free path leads to the reference; empty where one does.
@@ -63,8 +64,7 @@ class ControllerRun:
         self.controller = controller
         self._signals = signals
         self._rng = rng
-        own = self._own = signals.joints.pick(controller.joints)
-        self._stack: Stack | None = None
+        own = self.own = signals.joints.pick(controller.joints)
         self._read = _reader(controller, signals)
         limits = signals.kinematics
         cameras = (
@@ -76,19 +76,23 @@ class ControllerRun:
         quiescence = controller.quiescence
         self._monitor = QuiescenceMonitor(quiescence.rate, quiescence.window, period)
         self._tolerance = math.inf if quiescence.tolerance is None else quiescence.tolerance
+        self.member = Member(self._potential, self._task, self._monitor, len(signals.joints))
         self._constant = _constant_reference(controller, signals)
         self._sampler: Sampler | None = None
+        self._follows_joints = self._can_follow_joints()
         self.deactivate()
+        if self.needs_nothing:
+            self.member.duty = FOLLOW
 
     def deactivate(self) -> None:
         """Forget the activation."""
-        self.predicate = "X"
-        self.phi = self.error = math.nan
-        self._defined_by: tuple[Reading, Reading] | None = None
+        constant = self._against = self._constant
+        self._is_aimed = constant is not None and self.member.aim(constant)
+        self._is_forgotten = False
+        self.member.forget()
         self.seeking = self.exhausted = False
         self.no_path = ""
         self._sample: Reading | None = None
-        self._stamp = -1
         self._task.reset()
         self._monitor.reset()
 
@@ -100,24 +104,70 @@ class ControllerRun:
             self.predicate = "0"
 
     @property
+    def predicate(self) -> str:
+        """X - 0 1 (Eq 4.1)."""
+        return self._monitor.predicate
+
+    @predicate.setter
+    def predicate(self, predicate: str) -> None:
+        self._monitor.predicate = predicate
+
+    @property
+    def phi(self) -> float:
+        """The potential, NaN while undefined."""
+        phi: float = self.member.outcome.item(PHI)
+        return phi
+
+    @property
+    def error(self) -> float:
+        """Norm of the residual in the unit of the feedback, NaN while undefined."""
+        error: float = self.member.outcome.item(ERROR)
+        return error
+
+    @property
     def size(self) -> int:
         """Number of task coordinates."""
         return self._potential.size
 
-    def act(
-        self, stack: Stack, place: int, columns: Columns, peers: Mapping[str, ControllerRun]
-    ) -> bool:
-        """Update the predicate and write this tick's level; returns whether there is one.
+    def join(self, stack: Stack, place: int, columns: Integers) -> None:
+        """Act in a composition from now on.
 
         Args:
-            stack: of the composition that it acts in.
+            stack: of the composition.
             place: of its level in the stack.
-            columns: indices of the composition's joints among all actuated ones.
+            columns: which joint each of the stack's n is, -1 for those that count as still.
+        """
+        self._stack, self._place, self._columns = stack, place, columns
+        self._task.join(stack, place, columns)
+
+    @property
+    def needs_nothing(self) -> bool:
+        """Whether its reference is constant and its feedback the posture: nothing is to be read."""
+        return self._constant is not None and self._is_aimed and self._follows_joints
+
+    @property
+    def asks(self) -> bool:
+        """Whether it looks at what the others that act with it have come to."""
+        return self.controller.seek is not None and self.controller.seek.once is not None
+
+    def sense(self, peers: Mapping[str, ControllerRun]) -> bool:
+        """Take in this tick's signals; returns whether it acts.
+
+        Args:
             peers: the controllers it runs together with, by name.
 
         Raises:
             SignalError: a number that it would act on is not finite; the message names it.
         """
+        # Its joints are read where it acts.
+        if self._is_aimed and self._follows_joints:
+            return True
+        acts = self._sensed(peers)
+        if not acts:
+            self.member.duty = REST
+        return acts
+
+    def _sensed(self, peers: Mapping[str, ControllerRun]) -> bool:
         reference = self._constant or self._reference()
         if reference is None:
             self._undefined()
@@ -129,27 +179,58 @@ class ControllerRun:
             feedback = self._read(reference) if self._may_seek(peers) else None
         if feedback is None:
             return False
-        if stack is not self._stack:
-            self._stack = stack
-            self._columns = np.where(np.isin(columns, self._own), columns, -1)
-            self._task.join(stack, place, self._columns)
-        try:
-            found = self._follow(stack, place, feedback, reference)
-        except NoPathError as failure:
-            self._undefined()
-            self.no_path = str(failure)
-            return False
-        if defined:
-            self._defined(*found, reference, feedback)
-        return True
+        return self._feel(feedback, reference, defined=defined)
 
-    def _follow(
-        self, stack: Stack, place: int, feedback: Reading, reference: Reading
-    ) -> tuple[float, float]:
-        """Write this tick's level; returns phi and the norm of the residual."""
+    def _feel(self, feedback: Reading, reference: Reading, *, defined: bool) -> bool:
+        """Hand signals on to the compiled tick, or act by them at once."""
         wanted, funnel, raised = reference.value, self.controller.funnel, 0.0
         if funnel is not None:
             raised = _height(wanted, feedback.value, funnel)
+        stamp = max(feedback.stamp, reference.stamp)
+        fits = self._is_aimed or self.member.aim(reference)
+        if not (fits and self.member.feel(feedback, stamp, raised)):
+            return self._follow(feedback, reference, raised, defined=defined)
+        self.member.duty = FOLLOW if defined else SEEK
+        self._is_forgotten = False
+        if defined:
+            self._defined(reference)
+        return True
+
+    def evaluate(self) -> None:
+        """Act by itself in this tick, where the compiled tick could not.
+
+        Raises:
+            SignalError: a number that it would act on is not finite; the message names it.
+        """
+        reference = self._constant or self._reference()
+        assert reference is not None
+        feedback = self._read(reference)
+        assert feedback is not None
+        duty, raised = self.member.duty, self.member.outcome.item(RAISED)
+        self._follow(feedback, reference, raised, defined=duty == FOLLOW)
+        self.member.duty = duty
+
+    def _follow(
+        self, feedback: Reading, reference: Reading, raised: float, *, defined: bool
+    ) -> bool:
+        """Write this tick's level and judge by it; returns whether there is one."""
+        try:
+            phi, error = self._acted(feedback, reference.value, raised)
+        except NoPathError as failure:
+            self._undefined()
+            self._is_forgotten = False
+            self.no_path = str(failure)
+            return False
+        self.member.duty = DONE
+        self._is_forgotten = False
+        if defined:
+            self._defined(reference)
+            self.member.outcome[:RAISED] = phi, error
+            self._monitor.update(phi, max(feedback.stamp, reference.stamp))
+        return True
+
+    def _acted(self, feedback: Reading, wanted: Floats, raised: float) -> tuple[float, float]:
+        """Write this tick's level; returns phi and the norm of the residual."""
         phi, error = self._task.act(feedback, wanted, raised)
         if not math.isnan(phi):
             return phi, error
@@ -157,16 +238,17 @@ class ControllerRun:
         judged = acting = self._potential.evaluate(signal, wanted)
         if raised > 0.0:
             acting = self._potential.evaluate(signal, wanted + np.array([0.0, 0.0, raised]))
-        stack.put(place, self._task.level(acting))
+        self._stack.put(self._place, self._task.level(acting))
         return judged.phi, math.sqrt(judged.residual.dot(judged.residual))
 
     @property
     def evaluation(self) -> Evaluation | None:
         """The potential in this tick, in the joints that act; ``None`` while undefined."""
-        if self._defined_by is None:
+        against = self._against
+        feedback = None if against is None or math.isnan(self.phi) else self._read(against)
+        if against is None or feedback is None:
             return None
-        feedback, reference = self._defined_by
-        return self._potential.evaluate(self._signal(feedback), reference.value)
+        return self._potential.evaluate(self._signal(feedback), against.value)
 
     def _signal(self, feedback: Reading) -> Signal:
         """The feedback as the effector's joints move it; all others count as still (Eq 3.21)."""
@@ -204,33 +286,31 @@ class ControllerRun:
         feedback, source = self._read(reference), self.controller.feedback.source
         if feedback is None:
             return None
-        moves = self._moves or bool(feedback.jacobian.take(self._own, axis=1).any())
+        moves = self._moves or bool(feedback.jacobian.take(self.own, axis=1).any())
         self._moves = moves and not isinstance(source, _SEEN)
         self._always_defined = self._moves and isinstance(source, _PROPRIOCEPTIVE)
         return feedback if moves else None
 
     def _undefined(self) -> None:
-        self.predicate = self._monitor.undefined()
+        if self._is_forgotten:
+            return
+        self._monitor.undefined()
+        self.member.forget()
         self.no_path = ""
-        self.phi = self.error = math.nan
-        self._defined_by = None
         # The robot may be doing something else by the time the signal is back.
         if not self.seeking:
             self._task.reset()
+            self._is_forgotten = True
 
-    def _defined(self, phi: float, error: float, reference: Reading, feedback: Reading) -> None:
+    def _defined(self, reference: Reading) -> None:
         self.seeking = self.exhausted = False
         self.no_path = ""
-        self.phi, self.error = phi, error
-        self._defined_by = feedback, reference
-        stamp = max(feedback.stamp, reference.stamp)
-        self.predicate = self._monitor.update(phi, fresh=stamp != self._stamp)
-        self._stamp = stamp
+        self._against = reference
 
     @property
     def settled(self) -> bool:
         """Whether it is defined and its error small enough to earn a reward."""
-        return self._defined_by is not None and self.error <= self._bound(self._defined_by[1])
+        return self._against is not None and self.error <= self._bound(self._against)
 
     def _bound(self, reference: Reading) -> float:
         """The largest error that earns a reward."""
@@ -238,6 +318,18 @@ class ControllerRun:
         if within is None:
             return self._tolerance
         return min(self._tolerance, within * math.hypot(*reference.value.ravel().tolist()))
+
+    def _can_follow_joints(self) -> bool:
+        """Have the posture as feedback, if it is one that the effector moves."""
+        controller, member = self.controller, self.member
+        source = controller.feedback.source
+        if not isinstance(source, EffectorConfiguration) or controller.manipulator is not None:
+            return False
+        joints = self._signals.joints.of(source.effector)
+        can = len(joints) == len(member.value) and bool(np.isin(joints, self.own).any())
+        if can:
+            member.follow_joints(joints)
+        return can
 
     def _may_seek(self, peers: Mapping[str, ControllerRun]) -> bool:
         """Whether to act although the feedback is undefined."""
@@ -267,6 +359,7 @@ class ControllerRun:
             if self._sampler is None:
                 self._sampler = self._signals.sampler(resource, self._rng)
             self._sample = Reading(self._sampler.draw(), np.zeros((0, 0)), 0)
+            self._is_aimed = self.member.aim(self._sample)
         return self._sample
 
 

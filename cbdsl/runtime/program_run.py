@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import NamedTuple
 
 import numpy as np
 
+from cbdsl.control.crew import gather, predicates_of
 from cbdsl.program.checked import Action, CheckedProgram
 from cbdsl.program.controller import Composition, Controller, Primitive
 from cbdsl.program.transition import Transition
@@ -101,7 +102,20 @@ class ProgramRun:
             for action in program.actions
             if action.program is not None
         }
+        # What the child that runs now lets act, and the same above the background.
+        self._of_child: Sequence[Active] | None = None
+        self._all_active: Sequence[Active] = ()
+        # What predicates read as while an action runs, and the numbers that they had then.
+        self._noted, self._reading = b"", ""
+        if depth == 0:
+            gather([run.member for run in self._everything()])
         self.deactivate()
+
+    def _everything(self) -> Iterator[ControllerRun]:
+        """Its controllers and those of the programs that it uses."""
+        yield from self.runs
+        for child in self.children.values():
+            yield from child._everything()
 
     def deactivate(self) -> None:
         """Stop and forget."""
@@ -123,6 +137,7 @@ class ProgramRun:
             return
         self.deactivate()
         self.predicate = "0"
+        self._predicates = predicates_of([run.member for run in self.runs])
         for run in self._background:
             run.activate()
         self._choose(changed=True)
@@ -133,18 +148,24 @@ class ProgramRun:
         return self._action
 
     def active(self) -> Sequence[Active]:
-        """What acts now, highest priority first, down to the background."""
+        """What acts now, highest priority first, down to the background.
+
+        The same object as before while the same acts.
+        """
         if self._action is None:
-            return []
+            return ()
         name = self._action.name
         if name in self._acting:
             return self._acting[name]
-        return self._above_background(self.children[name].active())
+        acting = self.children[name].active()
+        if acting is not self._of_child:
+            self._of_child, self._all_active = acting, self._above_background(acting)
+        return self._all_active
 
-    def _above_background(self, acting: Sequence[Active]) -> list[Active]:
+    def _above_background(self, acting: Sequence[Active]) -> Sequence[Active]:
         running = [item.run for item in acting]
         below = [Active(run, {}) for run in self._background if run not in running]
-        return [*acting, *below]
+        return (*acting, *below)
 
     def leads(self, action: Action) -> list[ControllerRun]:
         """The leading controllers of an action's primitives, highest priority first."""
@@ -171,15 +192,21 @@ class ProgramRun:
 
     def _read_state(self, action: Action) -> str:
         """The members' predicates while ``action`` runs."""
+        noted = self._predicates.tobytes()
+        if noted != self._noted or action.program is not None:
+            self._noted, self._reading = noted, self._read_members(action)
+        # Nothing is at rest while another part of the composition still seeks contact.
+        if "1" in self._reading and any(run.seeking for run in self._stacks.get(action.name, ())):
+            return self._reading.replace("1", "0")
+        return self._reading
+
+    def _read_members(self, action: Action) -> str:
+        """The same as each member has it."""
         state = ["X"] * len(self.program.members)
         if action.program is not None:
             state[self.program.members.index(action.name)] = self.children[action.name].predicate
-            return "".join(state)
-        for lead in self._leads[action.name]:
+        for lead in self._leads.get(action.name, ()):
             state[lead.place] = lead.predicate
-        # Nothing is at rest while another part of the composition still seeks contact.
-        if "1" in state and any(run.seeking for run in self._stacks[action.name]):
-            return "".join(state).replace("1", "0")
         return "".join(state)
 
     def _transit(self, state: str) -> None:
@@ -225,6 +252,7 @@ class ProgramRun:
             self._end(self._outcome(changed), self._no_action(changed))
             return
         before, self._action = self._action, self._actions[name]
+        self._noted = b""
         self._ticks = 0
         if before is not None:
             self._leave(before, self._action)

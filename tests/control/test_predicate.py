@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Sequence
 
+import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
@@ -15,8 +16,12 @@ TICK = 1 / 120
 IMAGE = 8  # ticks per image at 15 Hz
 
 
-def watch(monitor: QuiescenceMonitor, values: Iterable[float], fresh: Callable[[int], bool]) -> str:
-    return "".join(monitor.update(phi, fresh=fresh(i)).value for i, phi in enumerate(values))
+def watch(monitor: QuiescenceMonitor, values: Sequence[float], fresh: Callable[[int], bool]) -> str:
+    """States for values in ticks, some of which bring a measurement with a stamp of its own."""
+    stamps = np.cumsum([fresh(tick) for tick, _ in enumerate(values)])
+    return "".join(
+        monitor.update(phi, int(stamp)) for phi, stamp in zip(values, stamps, strict=True)
+    )
 
 
 def every_tick(tick: int) -> bool:
@@ -75,7 +80,8 @@ def test_rest_over_images_is_counted_in_time() -> None:
 def test_undefined_forgets_and_says_so() -> None:
     monitor = QuiescenceMonitor(rate=1e-3, window=0.1, period=TICK)
     assert watch(monitor, [0.0] * 20, every_tick)[-1] == "1"
-    assert monitor.undefined() is Predicate.UNDEFINED
+    monitor.undefined()
+    assert monitor.predicate == Predicate.UNDEFINED
     assert watch(monitor, [0.0] * 13, every_tick) == "0" * 12 + "1"
 
 
@@ -83,7 +89,8 @@ def test_reset_forgets() -> None:
     monitor = QuiescenceMonitor(rate=1e-3, window=0.1, period=TICK)
     watch(monitor, [0.0] * 20, every_tick)
     monitor.reset()
-    assert monitor.update(0.0, fresh=False) is Predicate.TRANSIENT
+    assert monitor.predicate == Predicate.INACTIVE
+    assert monitor.update(0.0, -1) == Predicate.TRANSIENT  # nothing was measured
     assert watch(monitor, [0.0] * 13, every_tick) == "0" * 12 + "1"
 
 

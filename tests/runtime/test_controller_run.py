@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
+from cbdsl.control.crew import Crew, gather
 from cbdsl.control.level import Level
 from cbdsl.control.stack import Stack
 from cbdsl.documents.robot import RobotDocument
@@ -69,7 +70,16 @@ def evaluate(run: ControllerRun) -> Floats | None:
 def level_of(run: ControllerRun, joints: int) -> Level | None:
     """One tick in a composition of all joints."""
     stack = Stack([(run.controller.name, run.size)], joints)
-    return stack.midway()[0] if run.act(stack, 0, np.arange(joints), {}) else None
+    columns = np.where(np.isin(np.arange(joints), run.own), np.arange(joints), -1)
+    gather([run.member])
+    crew = Crew([run.member], stack, columns[None])
+    run.join(stack, 0, columns)
+    if not run.sense({}):
+        return None
+    signals = run._signals
+    if crew.act(0, 1, signals.positions, signals.tips.stamp) < 1:
+        run.evaluate()
+    return stack.midway()[0]
 
 
 @pytest.fixture
