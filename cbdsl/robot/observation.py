@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -12,6 +12,34 @@ from cbdsl.robot.channels import Region
 
 Floats = NDArray[np.float64]
 Image = NDArray[np.uint8]
+Cell = tuple[str, str]
+
+
+class Loads(Mapping[Cell, Floats]):
+    """What load cells read, by (hand, finger).
+
+    Attributes:
+        cells: in order.
+        wrenches: force and torque of each, N and N m, shape (cells, 6).
+    """
+
+    __slots__ = ("cells", "wrenches")
+
+    def __init__(self, cells: tuple[Cell, ...], wrenches: Floats) -> None:
+        self.cells = cells
+        self.wrenches = wrenches
+
+    def __getitem__(self, cell: Cell) -> Floats:
+        if cell not in self.cells:
+            raise KeyError(cell)
+        wrench: Floats = self.wrenches[self.cells.index(cell)]
+        return wrench
+
+    def __iter__(self) -> Iterator[Cell]:
+        return iter(self.cells)
+
+    def __len__(self) -> int:
+        return len(self.cells)
 
 
 @dataclass(slots=True)
@@ -32,6 +60,6 @@ class Observation:
     time: float
     positions: Floats
     velocities: Floats
-    loads: Mapping[tuple[str, str], Floats]
+    loads: Mapping[Cell, Floats]
     images: Mapping[str, Image]
     regions: Mapping[str, Mapping[str, Region]] = field(default_factory=dict)

@@ -148,7 +148,7 @@ class Signals:
         rows = self._selections.get(source.effector)
         if rows is None:
             rows = self._selections[source.effector] = self._unit.take(own, axis=0)
-        return Reading(self.positions[own], rows, self.tips.stamp)
+        return Reading(self.positions.take(own), rows, self.tips.stamp)
 
     def _posture(self, source: Posture) -> Reading:
         known = self._postures.get(source)
@@ -163,7 +163,7 @@ class Signals:
         return known
 
     def _require_finite(self, observation: Observation, wrenches: Floats) -> None:
-        if not _have_squares(observation.positions, observation.velocities, wrenches.ravel()):
+        if not _have_squares(observation.positions, observation.velocities, wrenches):
             self._refuse(observation)
 
     def _refuse(self, observation: Observation) -> None:
@@ -187,7 +187,9 @@ class Signals:
 @compiled_once
 def _have_squares(positions: Floats, velocities: Floats, wrenches: Floats) -> bool:
     """Whether all numbers are finite, and small enough to compute with."""
-    squares = _square(positions) + _square(velocities) + _square(wrenches)
+    squares = _square(positions) + _square(velocities)
+    for wrench in wrenches:
+        squares += _square(wrench)
     return math.isfinite(squares)
 
 

@@ -11,13 +11,13 @@ from numpy.typing import NDArray
 from cbdsl.documents.robot import LoadCell, RobotDocument
 from cbdsl.robot.compiled import compiled_once
 from cbdsl.robot.kinematics import Kinematics
+from cbdsl.robot.observation import Cell, Loads
 from cbdsl.robot.reading import Reading, stacked
 from cbdsl.robot.tips import Tips
 from cbdsl.types.resource import FingerForces, FingerLoad, NetForces, NetLoad
 
 Floats = NDArray[np.float64]
 Booleans = NDArray[np.bool_]
-Cell = tuple[str, str]
 
 _PARTS = {"force": slice(0, 3), "torque": slice(3, 6), "wrench": slice(0, 6)}
 
@@ -33,7 +33,10 @@ class Touch:
         self._robot = robot
         self._kinematics = kinematics
         self._tips = tips
-        self._cells = [(hand, f) for hand, fingers in robot.load_cells.items() for f in fingers]
+        self._cells = tuple(
+            (hand, finger) for hand, fingers in robot.load_cells.items() for finger in fingers
+        )
+        self._threshold = robot.contact.threshold
         #: By hand, which of the cells are its own.
         self._own = {hand: self._span(hand) for hand in robot.load_cells}
         #: By hand, indices of the joints that flex its fingers.
@@ -60,18 +63,23 @@ class Touch:
         """Forget the episode before."""
         self._tare: Floats | None = None
         self._loads: Floats = np.zeros((len(self._cells), 6))
-        self._felt = [False for _ in self._cells]
+        self._feeling: Booleans = np.zeros(len(self._cells), dtype=np.bool_)
+        self._felt = self._feeling.tolist()
 
     def gathered(self, loads: Mapping[Cell, Floats]) -> Floats:
         """Wrenches in the order of the robot's document, shape (cells, 6)."""
-        return np.array([loads[cell] for cell in self._cells])
+        if isinstance(loads, Loads) and loads.cells == self._cells:
+            return loads.wrenches
+        wrenches = [loads[cell] for cell in self._cells]
+        return np.array(wrenches).reshape(len(wrenches), 6)
 
     def update(self, wrenches: Floats) -> None:
         """Take in one tick's wrenches, as ``gathered`` has them, N and N m in the world frame."""
         if self._tare is None:
-            self._tare = wrenches
-        self._loads = wrenches - self._tare
-        self._felt = _felt(self._loads, self._robot.contact.threshold).tolist()
+            self._tare = wrenches.copy()
+        self._loads = np.empty_like(wrenches)
+        _feel(wrenches, self._tare, self._threshold, self._loads, self._feeling)
+        self._felt = self._feeling.tolist()
 
     def touching_anything(self) -> bool:
         """Whether any fingertip of any hand feels more than the contact threshold."""
@@ -181,13 +189,23 @@ class Touch:
 
 
 @compiled_once
-def _felt(loads: Floats, threshold: float) -> Booleans:
-    """Whether the force of each wrench (cells, 6) is more than a threshold, N."""
-    felt = np.empty(len(loads), dtype=np.bool_)
+def _feel(
+    wrenches: Floats, tare: Floats, threshold: float, loads: Floats, feeling: Booleans
+) -> None:
+    """Find the loads, and which cells feel more than a threshold.
+
+    Args:
+        wrenches: as measured, N and N m, shape (cells, 6).
+        tare: what they are where nothing is touched, shape (cells, 6).
+        threshold: of the force, N.
+        loads: becomes their difference, shape (cells, 6).
+        feeling: becomes whether each cell's force is more, shape (cells,).
+    """
     for cell in range(len(loads)):
+        for part in range(6):
+            loads[cell, part] = wrenches[cell, part] - tare[cell, part]
         x, y, z = loads[cell, 0], loads[cell, 1], loads[cell, 2]
-        felt[cell] = math.sqrt(x * x + y * y + z * z) > threshold
-    return felt
+        feeling[cell] = math.sqrt(x * x + y * y + z * z) > threshold
 
 
 def _carrier(robot: RobotDocument, kinematics: Kinematics, hand: str) -> str | None:

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
 
 import numpy as np
 from numpy.typing import NDArray
 
-from cbdsl.backends.bullet.touch import Cell, Fingertips
+from cbdsl.backends.bullet.touch import Fingertips
 from cbdsl.documents.robot import Contact
+from cbdsl.robot.observation import Loads
 
 Floats = NDArray[np.float64]
 
@@ -41,6 +41,6 @@ class LoadCells:
         noise = self._noise * self._rng.standard_normal(self._readings.shape)
         self._readings += self._gain * (self._fingertips.wrenches() + noise - self._readings)
 
-    def read(self) -> Mapping[Cell, Floats]:
+    def read(self) -> Loads:
         """Force, N, and torque, N m, that each fingertip exerts, world frame, shape (6,) each."""
-        return dict(zip(self._fingertips.cells, self._readings.copy(), strict=True))
+        return Loads(self._fingertips.cells, self._readings.copy())

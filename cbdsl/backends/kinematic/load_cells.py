@@ -3,16 +3,15 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
 
 import numpy as np
 from numpy.typing import NDArray
 
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.robot.compiled import compiled_once
+from cbdsl.robot.observation import Cell, Loads
 
 Floats = NDArray[np.float64]
-Cell = tuple[str, str]
 
 #: Noise of the torques per noise of the forces, m: about the radius of a fingertip.
 _LEVER = 0.012
@@ -53,9 +52,9 @@ class LoadCells:
         before, self._readings = self._readings, self._rng.standard_normal(self._readings.shape)
         _filter(before, wrenches, self._noise, self._gain, self._readings)
 
-    def read(self) -> Mapping[Cell, Floats]:
+    def read(self) -> Loads:
         """Force, N, and torque, N m, that each fingertip exerts, world frame, shape (6,) each."""
-        return dict(zip(self._cells, self._readings, strict=True))
+        return Loads(self._cells, self._readings)
 
 
 @compiled_once
