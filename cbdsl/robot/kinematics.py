@@ -53,8 +53,9 @@ class _Limb:
     Attributes:
         data: Pinocchio's memory for the posture.
         joints: the limb's joints by their numbers in the robot's model.
-        is_late: whether ``data`` has to wait for the newest posture until somebody asks.
-        frames, points, turnings: what has been asked for in the posture of ``data``.
+        positions: of all actuated joints, of which ``data`` is, rad, shape (n,).
+        frames, points, turnings: what has been asked for in the posture of ``data``;
+        own_turnings: the same, in the links' own axes.
     """
 
     def __init__(self, model: Any, numbers: Sequence[int]) -> None:
@@ -75,14 +76,15 @@ class _Limb:
         first = min((joint.idx_q for joint in self.joints.values()), default=0)
         self._own = slice(first, first + self._model.nq)
         self._posture: bytes | None = None
-        self.is_late = True
+        self.positions: Floats | None = None
         self.frames: dict[str, Frame] = {}
         self.points: dict[tuple[str, Vector], Point] = {}
         self.turnings: dict[str, Floats] = {}
+        self.own_turnings: dict[str, Floats] = {}
 
-    def move(self, turned: Floats) -> None:
-        """Let ``data`` have the newest posture, given the coordinates of all of the robot."""
-        self.is_late = False
+    def move(self, positions: Floats, turned: Floats) -> None:
+        """Let ``data`` have the newest posture, given the coordinates of all the model's joints."""
+        self.positions = positions
         own = turned[self._own]
         posture = own.tobytes()
         if posture == self._posture:
@@ -91,6 +93,7 @@ class _Limb:
         self.frames.clear()
         self.points.clear()
         self.turnings.clear()
+        self.own_turnings.clear()
         pinocchio.computeJointJacobians(self._model, self.data, own)
         pinocchio.updateFramePlacements(self._model, self.data)
 
@@ -123,6 +126,9 @@ class _Link(NamedTuple):
     position: Floats
     rotation: Floats
     support: tuple[Floats, Integers, Integers, Floats]
+
+
+_Origins = list[tuple[_Limb, Floats]]
 
 
 class Kinematics:
@@ -158,15 +164,16 @@ class Kinematics:
         self._has_wheels = self._model.nq != self._model.nv
         self._limbs = self._parted()
         self._links: dict[str, _Link] = {}
-        self._origins: dict[str, tuple[_Limb, Floats]] = {}
+        #: Those whose limbs have the newest posture.
+        self._now: dict[str, _Link] = {}
+        self._origins: dict[tuple[tuple[str, ...], tuple[str, ...]], _Origins] = {}
         self._turned: Floats | None = None
         self.update(np.minimum(np.maximum(0.0, self.lower), self.upper))
 
     def update(self, positions: Floats) -> None:
         """Set the actuated joint positions, rad, shape (n,)."""
         self._positions, self._turned = positions.copy(), None
-        for limb in self._limbs.values():
-            limb.is_late = True
+        self._now.clear()
 
     def _move(self, limb: _Limb) -> None:
         """Let a limb have the newest posture."""
@@ -176,11 +183,11 @@ class Kinematics:
                 # A joint without limits has two coordinates and one velocity.
                 still = pinocchio.neutral(self._model)
                 self._turned = pinocchio.integrate(self._model, still, self._turned)
-        limb.move(self._turned)
+        limb.move(self._positions, self._turned)
 
     def frame(self, link: str) -> Frame:
         """The placement of a link, which stays as it is now."""
-        here = self._link(link)
+        here = self._now.get(link) or self._link(link)
         found = here.limb.frames.get(link)
         if found is None:
             found = Frame(here.position.copy(), here.rotation.copy())
@@ -194,7 +201,8 @@ class Kinematics:
 
     def component(self, link: str, axis: Floats, vector: Floats) -> float:
         """The component of a vector (3,) along an axis (3,) of a link's own, in its unit."""
-        found: float = component_along(self._link(link).rotation, axis, vector)
+        here = self._now.get(link) or self._link(link)
+        found: float = component_along(here.rotation, axis, vector)
         return found
 
     def jacobian(self, link: str) -> Floats:
@@ -203,13 +211,22 @@ class Kinematics:
 
     def turning(self, link: str) -> Floats:
         """Angular velocity of a link, world axes, per joint velocity, shape (3, n)."""
-        found = self._link(link).limb.turnings.get(link)
+        here = self._now.get(link) or self._link(link)
+        found = here.limb.turnings.get(link)
         # Every point of a link turns as the link does.
         return self.jacobian(link)[3:] if found is None else found
 
+    def own_turning(self, link: str) -> Floats:
+        """Angular velocity of a link, its own axes, per joint velocity, shape (3, n)."""
+        known = (self._now.get(link) or self._link(link)).limb.own_turnings
+        found = known.get(link)
+        if found is None:
+            found = known[link] = self.frame(link).rotation.T.dot(self.turning(link))
+        return found
+
     def point(self, link: str, offset: Vector) -> Point:
         """A point of a link, ``offset`` from its origin in its own axes, m."""
-        limb, position, rotation, support = self._link(link)
+        limb, position, rotation, support = self._now.get(link) or self._link(link)
         found = limb.points.get((link, offset))
         if found is None:
             found = Point(np.empty(3), np.zeros((6, len(self.lower))))
@@ -242,29 +259,30 @@ class Kinematics:
 
     def origins(self, joints: tuple[str, ...], links: tuple[str, ...]) -> Floats:
         """Origins of the named joints and links in the world frame, m, shape (k, 3)."""
-        found = [self._joint(name) for name in joints]
-        found += [self._link(name).position for name in links]
-        return np.array(found).reshape(len(found), 3)
-
-    def _joint(self, name: str) -> Floats:
-        """The origin of a joint now, shape (3,): memory that Pinocchio updates."""
-        found = self._origins.get(name)
+        found = self._origins.get((joints, links))
         if found is None:
-            number = self._model.getJointId(name)
-            limb = self._limbs[self._model.supports[number][1]]
-            found = self._origins[name] = limb, limb.origin(number)
-        limb, origin = found
-        if limb.is_late:
-            self._move(limb)
-        return origin
+            origins = [self._joint(name) for name in joints]
+            origins += [(link.limb, link.position) for link in map(self._link, links)]
+            found = self._origins[joints, links] = origins
+        for limb, _ in found:
+            if limb.positions is not self._positions:
+                self._move(limb)
+        return np.array([origin for _, origin in found]).reshape(len(found), 3)
+
+    def _joint(self, name: str) -> tuple[_Limb, Floats]:
+        """The limb that a joint is part of, and its origin in Pinocchio's memory, shape (3,)."""
+        number = self._model.getJointId(name)
+        limb = self._limbs[self._model.supports[number][1]]
+        return limb, limb.origin(number)
 
     def _link(self, name: str) -> _Link:
         """A link now."""
         found = self._links.get(name)
         if found is None:
             found = self._links[name] = self._found(name)
-        if found.limb.is_late:
+        if found.limb.positions is not self._positions:
             self._move(found.limb)
+        self._now[name] = found
         return found
 
     def _found(self, name: str) -> _Link:

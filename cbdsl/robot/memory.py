@@ -41,6 +41,11 @@ class PositionMemory:
         self._sightings = 0
         self._largest: Sequence[float] | None = None
 
+    def looks_smaller(self, sizes: Sequence[float]) -> bool:
+        """Whether the region is smaller than the largest seen so far, in some camera, m^2."""
+        largest = self._largest or sizes
+        return any([size < most for size, most in zip(sizes, largest, strict=True)])
+
     def forget_size(self) -> None:
         """Let the next sighting set the size anew, since nothing can hide any part of it."""
         self._largest = None

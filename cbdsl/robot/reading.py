@@ -47,12 +47,11 @@ def mean(readings: Sequence[Reading]) -> Reading:
     if not others:
         return first
     # A few sums take a tenth of the time of np.mean.
-    value, jacobian = first.value.copy(), first.jacobian.copy()
+    value, jacobian = first.value, first.jacobian
     for reading in others:
-        value += reading.value
-        jacobian += reading.jacobian
+        value, jacobian = value + reading.value, jacobian + reading.jacobian
     number = len(readings)
-    return Reading(value / number, jacobian / number, max(each.stamp for each in readings))
+    return Reading(value / number, jacobian / number, max([each.stamp for each in readings]))
 
 
 def transform(rotation: Floats, position: Floats) -> Floats:

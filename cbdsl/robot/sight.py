@@ -82,7 +82,7 @@ class Sight:
 
     def heading(self, source: Heading) -> Reading | None:
         """The heading in one camera, or the mean over those that see the channel."""
-        names = list(self._robot.cameras) if source.camera == CYCLOPEAN else [source.camera]
+        names = self._robot.cameras if source.camera == CYCLOPEAN else (source.camera,)
         found = [self._camera_heading(name, source.channel) for name in names]
         seen = [reading for reading in found if reading is not None]
         if not seen:
@@ -155,11 +155,10 @@ class Sight:
     def _moving_heading(self, camera: str, channel: str, angles: Floats, stamp: int) -> Reading:
         """A heading as the head moves it, and the hands that hold what it leads to."""
         link = self._robot.cameras[camera].link
-        frame = self._kinematics.frame(link)
-        turning = frame.rotation.T.dot(self._kinematics.turning(link))
-        jacobian = heading_jacobian(angles).dot(turning)
+        jacobian = heading_jacobian(angles).dot(self._kinematics.own_turning(link))
         motion = self._motion(channel)
         if motion is not None:
+            frame = self._kinematics.frame(link)
             position = self._vision.memories[channel].position
             assert position is not None
             point = frame.rotation.T.dot(position - frame.position)

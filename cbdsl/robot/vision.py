@@ -199,7 +199,7 @@ class Vision:
         sighting = self._sighting(channel)
         if sighting is not None:
             position, sizes = sighting
-            if not self._hidden_by_hand(position):
+            if memory.looks_smaller(sizes) and not self._hidden_by_hand(position):
                 memory.forget_size()
             if memory.see(time, position, sizes):
                 return

@@ -28,6 +28,18 @@ def test_a_half_hidden_region_moves_nothing(memory: PositionMemory) -> None:
     assert memory.position == pytest.approx(WHERE)
 
 
+def test_it_looks_smaller_where_one_camera_sees_less_of_it_than_before(
+    memory: PositionMemory,
+) -> None:
+    assert not memory.looks_smaller(WHOLE)
+    memory.see(0.0, WHERE, WHOLE)
+    assert not memory.looks_smaller(WHOLE)
+    assert not memory.looks_smaller((0.03, 0.02))
+    assert memory.looks_smaller((0.03, 0.0199))
+    memory.forget_size()
+    assert not memory.looks_smaller(HALF)
+
+
 def test_what_a_hand_hides_is_held_and_what_vanishes_is_forgotten(memory: PositionMemory) -> None:
     memory.see(0.0, WHERE, WHOLE)
     memory.miss(10.0, explained=True)
