@@ -24,7 +24,7 @@ from cbdsl.robot.resources import CYCLOPEAN
 from cbdsl.robot.stereo import Ray, triangulate
 from cbdsl.robot.tips import Tips
 from cbdsl.robot.touch import Touch
-from cbdsl.robot.vision import Vision
+from cbdsl.robot.vision import SeenHeading, Vision
 from cbdsl.types.resource import Heading, Headings, StereoPosition, Tip
 
 Floats = NDArray[np.float64]
@@ -83,11 +83,12 @@ class Sight:
     def heading(self, source: Heading) -> Reading | None:
         """The heading in one camera, or the mean over those that see the channel."""
         names = self._robot.cameras if source.camera == CYCLOPEAN else (source.camera,)
-        found = [self._camera_heading(name, source.channel) for name in names]
-        seen = [reading for reading in found if reading is not None]
-        if not seen:
-            return None
-        return mean(seen)
+        channel, seen = source.channel, []
+        for name in names:
+            found = self._vision.heading(name, channel)
+            if found is not None:
+                seen.append(self._moving_heading(name, channel, found))
+        return mean(seen) if seen else None
 
     def headings(self, source: Headings) -> Reading | None:
         """The headings in both cameras, or ``None`` unless both see the same whole region.
@@ -97,12 +98,12 @@ class Sight:
         found = []
         for camera in self._robot.cameras:
             region = self._vision.regions.get((camera, source.channel))
-            reading = self._camera_heading(camera, source.channel)
-            if reading is None:
-                reading = self._hidden_heading(camera, source.channel)
-            if reading is None or (region is not None and region.clipped):
+            seen = self._vision.heading(camera, source.channel)
+            if seen is None:
+                seen = self._hidden_heading(camera, source.channel)
+            if seen is None or (region is not None and region.clipped):
                 return None
-            found.append(reading)
+            found.append(self._moving_heading(camera, source.channel, seen))
         return stacked(found) if self._meet(found) else None
 
     def position(self, source: StereoPosition) -> Reading | None:
@@ -134,13 +135,7 @@ class Sight:
         )
         return triangulate(left, right) is not None
 
-    def _camera_heading(self, camera: str, channel: str) -> Reading | None:
-        seen = self._vision.heading(camera, channel)
-        if seen is None:
-            return None
-        return self._moving_heading(camera, channel, *seen)
-
-    def _hidden_heading(self, camera: str, channel: str) -> Reading | None:
+    def _hidden_heading(self, camera: str, channel: str) -> SeenHeading | None:
         """The heading to what is held, where a camera would see it if nothing were in the way."""
         memory = self._vision.memories[channel]
         if memory.position is None or not self._holds(memory):
@@ -150,12 +145,12 @@ class Sight:
         point = frame.rotation.T.dot(memory.position - frame.position)
         if not within_view(eye, point, memory.radius):
             return None
-        return self._moving_heading(camera, channel, heading(point), self._vision.images)
+        return SeenHeading(heading(point), self._vision.images)
 
-    def _moving_heading(self, camera: str, channel: str, angles: Floats, stamp: int) -> Reading:
+    def _moving_heading(self, camera: str, channel: str, seen: SeenHeading) -> Reading:
         """A heading as the head moves it, and the hands that hold what it leads to."""
         link = self._robot.cameras[camera].link
-        jacobian = heading_jacobian(angles).dot(self._kinematics.own_turning(link))
+        jacobian = heading_jacobian(seen.angles).dot(self._kinematics.own_turning(link))
         motion = self._motion(channel)
         if motion is not None:
             frame = self._kinematics.frame(link)
@@ -163,7 +158,7 @@ class Sight:
             assert position is not None
             point = frame.rotation.T.dot(position - frame.position)
             jacobian = jacobian + sighting_jacobian(point).dot(frame.rotation.T.dot(motion))
-        return Reading(angles, jacobian, stamp)
+        return Reading(seen.angles, jacobian, seen.stamp)
 
     def _motion(self, channel: str) -> Floats | None:
         """Displacement of a held thing per joint, shape (3, n); ``None`` for what is not held."""
