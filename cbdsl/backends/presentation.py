@@ -23,6 +23,9 @@ _Entry = TypeVar("_Entry")
 #: Acceleration of falling things, m/s^2.
 GRAVITY = 9.81
 
+#: What is this far below where it was put has fallen, m.
+FALLEN = 0.2
+
 _UP = np.array([0.0, 0.0, 1.0])
 _ACROSS = np.array([0.0, 1.0, 0.0])
 
@@ -68,6 +71,7 @@ class Presentation:
         thing: what is shown besides, if anything.
         held_until: when the experimenter lets go of the thing, ``None`` if nobody holds it.
         removed: when the thing is taken away.
+        returned_after: how long after it has fallen it is put back, ``None`` if nobody does that.
         movement: how the thing is moved, if it is.
     """
 
@@ -75,6 +79,7 @@ class Presentation:
     thing: Exhibit | None = None
     held_until: float | None = None
     removed: float = math.inf
+    returned_after: float | None = None
     movement: Movement | None = None
 
 
@@ -116,6 +121,7 @@ class Presenter:
             thing,
             held_until=released if context.place.held else None,
             removed=math.inf if context.removed_after is None else context.removed_after,
+            returned_after=context.returned_after,
             movement=None if context.motion is None else self._movement(context.motion),
         )
 

@@ -16,7 +16,7 @@ from cbdsl.yaml_text.node import Node
 from cbdsl.yaml_text.reader import Loaded
 from cbdsl.yaml_text.source_map import Step
 
-_FOR_THINGS = ("place", "motion", "removed_after")
+_FOR_THINGS = ("place", "motion", "removed_after", "returned_after")
 
 
 def examine_stage(loaded: Loaded[StageDocument], session: Session, findings: Findings) -> None:

@@ -212,6 +212,8 @@ class Context(Section):
     """When the experimenter lets go of a held thing; never without it."""
     removed_after: Time | None = None
     """When the thing is taken away."""
+    returned_after: Time | None = None
+    """How long after it fell from where it was put the experimenter puts it there again."""
 
 
 class Disturbance(Section):

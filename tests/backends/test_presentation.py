@@ -126,6 +126,33 @@ def test_a_thing_is_removed_on_time(unseeing: Either) -> None:
 
 
 @pytest.mark.parametrize("name", FORMS)
+def test_what_has_fallen_is_put_back(unseeing: Either, name: str) -> None:
+    place = {"z": 0.4, "x": 0.8, "y": 1.5, "yaw": 0.5}
+    unseeing.reset(_stage(name, place, returned_after=0.3), None, np.random.default_rng(0))
+    start, returns = unseeing.truth.pose(name), 0
+    before = start.position[2]
+    for _ in range(round(2.0 / unseeing.control_period)):
+        unseeing.step()
+        pose = unseeing.truth.pose(name)
+        if pose.position[2] > before:
+            returns += 1
+            assert pose.position == pytest.approx(start.position, abs=0.05)
+            assert pose.rotation == pytest.approx(start.rotation, abs=1e-2)
+        assert pose.position[2] > start.position[2] - 0.2 - 2.5, "for 0.3 s, faster than 2 m/s"
+        before = pose.position[2]
+    assert returns >= 2
+
+
+def test_what_stays_is_not_put_back(unseeing: Either) -> None:
+    motion = {"speed": 0.3, "direction": 0.0}
+    stage = _stage("box", motion=motion, returned_after=0.1)
+    unseeing.reset(stage, None, np.random.default_rng(0))
+    start = unseeing.truth.pose("box").position
+    run(unseeing, 1.0)
+    assert unseeing.truth.pose("box").position[0] == pytest.approx(start[0] + 0.3, abs=0.02)
+
+
+@pytest.mark.parametrize("name", FORMS)
 def test_a_held_thing_stays_where_it_is(unseeing: Either, name: str) -> None:
     place = {"z": 0.4, "x": 0.8, "yaw": 0.5, "hand": "right_arm", "held": True}
     unseeing.reset(_stage(name, place), None, np.random.default_rng(0))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import Protocol
 
 import numpy as np
@@ -10,11 +11,13 @@ from numpy.typing import NDArray
 
 from cbdsl.backends.bullet.truth import Truth
 from cbdsl.backends.pose import Pose
-from cbdsl.backends.presentation import Movement
+from cbdsl.backends.presentation import FALLEN, Movement
 
 Floats = NDArray[np.float64]
 
 _HOLDING_FORCE = 1000.0
+# What is put back keeps this far from the robot, m.
+_ROOM = 0.03
 
 
 class Deed(Protocol):
@@ -125,3 +128,35 @@ class Throw:
         velocity = self._movement.velocity.tolist()
         p.resetBaseVelocity(self._body, velocity, [0, 0, 0], physicsClientId=self._client)
         return True
+
+
+class Return:
+    """Put a thing back where it was shown, a while after it fell from there."""
+
+    def __init__(self, client: int, truth: Truth, name: str, body: int, delay: float) -> None:
+        self._client = client
+        self._truth = truth
+        self._name = name
+        self._body = body
+        self._delay = delay
+        self._place = truth.pose(name)
+        self._fell = math.inf
+
+    def act(self, time: float) -> bool:
+        """Put it back when it is time, as soon as the robot is not in the way."""
+        pose = self._truth.pose(self._name)
+        if pose.position[2] > self._place.position[2] - FALLEN:
+            self._fell = math.inf
+            return False
+        self._fell = min(self._fell, time)
+        if time - self._fell >= self._delay:
+            velocity = p.getBaseVelocity(self._body, physicsClientId=self._client)
+            self._put(self._place, ([0, 0, 0], [0, 0, 0]))
+            if self._truth.is_near(self._name, _ROOM):
+                self._put(pose, velocity)
+        return False
+
+    def _put(self, pose: Pose, velocity: tuple[list[float], list[float]]) -> None:
+        where = pose.position.tolist(), pose.quaternion()
+        p.resetBasePositionAndOrientation(self._body, *where, physicsClientId=self._client)
+        p.resetBaseVelocity(self._body, *velocity, physicsClientId=self._client)

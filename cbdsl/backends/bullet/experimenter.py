@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from cbdsl.backends.bullet.deed import Carry, Deed, Hold, Throw
+from cbdsl.backends.bullet.deed import Carry, Deed, Hold, Return, Throw
 from cbdsl.backends.bullet.scene import Scene
 from cbdsl.backends.bullet.truth import Truth
 from cbdsl.backends.presentation import Movement, Presentation
@@ -38,6 +38,9 @@ class Experimenter:
             deeds.append(Hold(self._client, self._truth, name, body, presentation.held_until))
         if presentation.movement is not None:
             deeds.append(self._moved(presentation.movement, name, body))
+        if presentation.returned_after is not None:
+            delay = presentation.returned_after
+            deeds.append(Return(self._client, self._truth, name, body, delay))
         return deeds
 
     def _moved(self, movement: Movement, name: str, body: int) -> Deed:

@@ -67,6 +67,12 @@ class Truth:
             return touches
         return [touch for touch in touches if touch.body == self._scene.bodies[name]]
 
+    def is_near(self, name: str, distance: float) -> bool:
+        """Whether any part of the robot is within a distance of a fixture or thing, m."""
+        body = self._scene.bodies[name]
+        near = p.getClosestPoints(self._body.id, body, distance, physicsClientId=self._client)
+        return bool(near)
+
     def touched(self, name: str) -> bool:
         """Whether any part of the robot touches a fixture or thing."""
         contacts = p.getContactPoints(
