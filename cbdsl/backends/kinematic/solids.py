@@ -35,6 +35,9 @@ _NEAREST = 0.02
 _ROUNDING = 1e-6
 """More than rounding makes of any distance, m."""
 
+_TOUCHING = 1e-9
+"""What is in another one no deeper than this only touches it, m."""
+
 
 def placed(shape: Shape, pose: Pose) -> Floats:
     """A solid of this shape there, shape (16,)."""
@@ -293,6 +296,41 @@ def _beside(solid: Floats, camera: Floats, window: Window, end: float) -> bool:
 
 
 @compiled
+def _reach(solid: Floats, x: float, y: float, z: float) -> float:
+    """How far a solid extends from its centre along a unit vector of the world frame, m."""
+    a, b, c = float(solid[1]), float(solid[2]), float(solid[3])
+    if solid[0] == BALL:
+        return a
+    u, v, w = _into(solid, x, y, z)
+    if solid[0] == CYLINDER:
+        return a * math.sqrt(u * u + v * v) + c * abs(w)
+    return a * abs(u) + b * abs(v) + c * abs(w)
+
+
+@compiled
+def _parted(solid: Floats, view: Floats, target: Floats) -> bool:
+    """Whether a plane parts a solid from a target and from the camera, and so does not hide it.
+
+    What stands on something is parted from it, and so is a hand that reaches for something from
+    behind. Only the sides of the box around the solid are tried.
+
+    Args:
+        solid: shape (16,).
+        view: the camera's of this solid, shape (22,).
+        target: shape (16,).
+    """
+    x, y, z = target[4] - solid[4], target[5] - solid[5], target[6] - solid[6]
+    for i in range(3):
+        u, v, w = solid[7 + i], solid[10 + i], solid[13 + i]
+        side = math.copysign(1.0, view[4 + i])
+        if side * view[4 + i] > solid[1 + i]:
+            nearest = side * (u * x + v * y + w * z) - _reach(target, u, v, w)
+            if nearest > solid[1 + i] - _TOUCHING:
+                return True
+    return False
+
+
+@compiled
 def _relevant(solids: Floats, camera: Floats, target: int, window: Window, views: Floats) -> int:
     """Add to the view of a solid those of all that may be before it in a window of slopes.
 
@@ -314,8 +352,9 @@ def _relevant(solids: Floats, camera: Floats, target: int, window: Window, views
         view = views[count]
         _view(solids[index], camera, view)
         aside = view[16] > right or view[17] < left or view[18] > top or view[19] < bottom
-        if not aside and view[20] < end:
-            count += 1
+        if aside or view[20] >= end or _parted(solids[index], view, solids[target]):
+            continue
+        count += 1
     return count
 
 
@@ -333,50 +372,50 @@ def _scanned(
 ) -> tuple[int, float, float, Window]:
     """How many lines of sight in a window meet a patch of the first of some solids, unhidden.
 
-    Also the mean of their slopes, and between which they lie. The loop hands no arrays to other
-    functions, which would cost more than all else in it.
+    Also the mean of their slopes, and between which they lie. The loops hand no arrays to other
+    functions, which would cost more than all else in them.
     """
     left, right, bottom, top = window
     across, up = (right - left) / samples, (top - bottom) / samples
     hits, mean_y, mean_z = 0, 0.0, 0.0
     least_y, most_y, least_z, most_z = math.inf, -math.inf, math.inf, -math.inf
-    for ray in range(samples * samples):
-        y = left + (ray // samples + 0.5) * across
-        z = bottom + (ray % samples + 0.5) * up
-        distance = math.inf
-        for index in range(len(views)):
-            met = math.inf
-            if (
-                views[index, 16] <= y <= views[index, 17]
-                and views[index, 18] <= z <= views[index, 19]
-            ):
-                met = _entered(
-                    views[index, 0],
-                    (views[index, 1], views[index, 2], views[index, 3]),
-                    (views[index, 4], views[index, 5], views[index, 6]),
-                    (
-                        views[index, 7] + views[index, 10] * y + views[index, 13] * z,
-                        views[index, 8] + views[index, 11] * y + views[index, 14] * z,
-                        views[index, 9] + views[index, 12] * y + views[index, 15] * z,
-                    ),
-                )
-            if index == 0:
-                distance = met
-            elif met < distance:
-                distance = math.inf
+    first = views[0]
+    kind, halves = first[0], (first[1], first[2], first[3])
+    x0, y0, z0 = first[4], first[5], first[6]
+    for column in range(samples):
+        y = left + (column + 0.5) * across
+        a, b, c = first[7] + first[10] * y, first[8] + first[11] * y, first[9] + first[12] * y
+        for row in range(samples):
+            z = bottom + (row + 0.5) * up
+            u, v, w = a + first[13] * z, b + first[14] * z, c + first[15] * z
+            distance = _entered(kind, halves, (x0, y0, z0), (u, v, w))
             if distance == math.inf:
-                break
-        if distance < math.inf and _within(
-            patch,
-            views[0, 4] + distance * (views[0, 7] + views[0, 10] * y + views[0, 13] * z),
-            views[0, 5] + distance * (views[0, 8] + views[0, 11] * y + views[0, 14] * z),
-            views[0, 6] + distance * (views[0, 9] + views[0, 12] * y + views[0, 15] * z),
-        ):
-            hits += 1
-            mean_y += y
-            mean_z += z
-            least_y, most_y = min(least_y, y), max(most_y, y)
-            least_z, most_z = min(least_z, z), max(most_z, z)
+                continue
+            seen = _within(patch, x0 + distance * u, y0 + distance * v, z0 + distance * w)
+            for index in range(1, len(views)):
+                if not seen:
+                    break
+                if (
+                    views[index, 16] <= y <= views[index, 17]
+                    and views[index, 18] <= z <= views[index, 19]
+                ):
+                    met = _entered(
+                        views[index, 0],
+                        (views[index, 1], views[index, 2], views[index, 3]),
+                        (views[index, 4], views[index, 5], views[index, 6]),
+                        (
+                            views[index, 7] + views[index, 10] * y + views[index, 13] * z,
+                            views[index, 8] + views[index, 11] * y + views[index, 14] * z,
+                            views[index, 9] + views[index, 12] * y + views[index, 15] * z,
+                        ),
+                    )
+                    seen = not met < distance
+            if seen:
+                hits += 1
+                mean_y += y
+                mean_z += z
+                least_y, most_y = min(least_y, y), max(most_y, y)
+                least_z, most_z = min(least_z, z), max(most_z, z)
     ends = (least_y - across / 2, most_y + across / 2, least_z - up / 2, most_z + up / 2)
     return hits, mean_y / max(hits, 1), mean_z / max(hits, 1), ends
 

@@ -154,6 +154,23 @@ def test_what_is_before_a_thing_hides_it_and_what_is_behind_does_not() -> None:
     assert seen(ball, placed(board, Pose(np.array([1.2, 0.0, 0.0]), AHEAD))) == pytest.approx(free)
 
 
+@pytest.mark.parametrize("name", SHAPES)
+def test_what_a_thing_stands_on_hides_it_from_below_alone(name: str) -> None:
+    shape = SHAPES[name]
+    tilted = Pose.turned(np.array([0.0, 1.0, 0.0]), 0.5).rotation
+    place = Pose(np.array([1.0, 0.0, 0.0]), AHEAD)
+    for side in (1.0, -1.0):
+        # The board's top is just below the thing where the camera looks at it from above.
+        down = -side * tilted.T[2]
+        board = Shape("box", (0.3, 0.3, 0.01))
+        below = place.position + (shape.half_height + 0.01) * down
+        solid = placed(shape, Pose(place.position, tilted))
+        free = seen(solid)
+        row = seen(solid, placed(board, Pose(below, tilted)))
+        above = float((HERE - below) @ -down) > 0.01
+        assert (row == free).all() if above else row[0] < 0.5 * free[0]
+
+
 def test_a_ball_looks_as_large_as_it_is() -> None:
     area = seen(placed(Shape.ball(0.05), Pose(np.array([1.0, 0.0, 0.0]), AHEAD)), samples=24)[0]
     tangent = math.tan(math.asin(0.05))
