@@ -21,6 +21,9 @@ from cbdsl.runtime.program_run import Active
 Floats = NDArray[np.float64]
 Columns = NDArray[np.intp]
 
+# Controllers, and the names of those that each acts together with.
+_Acting = tuple[tuple[ControllerRun, tuple[str, ...]], ...]
+
 
 class _Shift(NamedTuple):
     """Controllers that act at once: none of them asks what those above it have come to.
@@ -119,7 +122,7 @@ class Actuation:
             joint_step=robot.control.joint_speed * period,
             limit_margin=robot.control.limit_margin,
         )
-        self._compositions: dict[tuple[ControllerRun, ...], _Composition] = {}
+        self._compositions: dict[_Acting, _Composition] = {}
 
     def reset(self, positions: Floats) -> None:
         """Start from measured positions, rad, shape (n,)."""
@@ -175,14 +178,15 @@ class Actuation:
         """What acts, made when it acts for the first time."""
         if self._last is not None and active is self._last.active:
             return self._last
-        runs = tuple([item.run for item in active])
-        found = self._compositions.get(runs)
+        key = tuple([(item.run, tuple(item.peers)) for item in active])
+        found = self._compositions.get(key)
         if found is None:
-            found = self._compositions[runs] = self._composed(active, runs)
+            found = self._compositions[key] = self._composed(active)
         return found
 
-    def _composed(self, active: Sequence[Active], runs: tuple[ControllerRun, ...]) -> _Composition:
+    def _composed(self, active: Sequence[Active]) -> _Composition:
         """The active controllers' levels, and the union of their joints."""
+        runs = tuple([item.run for item in active])
         joints = tuple(dict.fromkeys(joint for run in runs for joint in run.controller.joints))
         columns = self._signals.joints.pick(joints)
         limits, margin = self._signals.kinematics, self.settings.limit_margin
