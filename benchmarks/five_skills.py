@@ -36,14 +36,16 @@ class Skill:
     Attributes:
         name: the policy's.
         program: what it is a policy for.
-        stage: where it is learned, and tried.
+        stage: where it is learned.
         options: further words for ``cb learn``.
+        held_out: where it is tried, unless it is where it was learned.
     """
 
     name: str
     program: str
     stage: str
     options: Sequence[str]
+    held_out: str = ""
 
 
 # Bottom up. Actions may take as long as in the source, or less where waiting teaches nothing.
@@ -63,8 +65,9 @@ SKILLS = (
         ("--episodes", "50", "--transition-time", "5"),
     ),
     Skill(
-        *("bimanualtouch", "bimanualtouch", "table_right"),
+        *("bimanualtouch", "bimanualtouch", "bimanualtouch_training"),
         ("--episodes", "25", "--transition-time", "6"),
+        held_out="table_right",
     ),
 )
 
@@ -108,7 +111,8 @@ def held_out(folder: Path, skill: Skill, options: argparse.Namespace) -> dict[st
     """Run a learned policy where it did not learn: rewarded episodes and all, by context."""
     kept = folder / f"held_out_{skill.name}.jsonl"
     if not kept.exists():
-        policy = ("--policy", f"knowledge/policies/{skill.name}.yaml", "--stage", skill.stage)
+        stage = skill.held_out or skill.stage
+        policy = ("--policy", f"knowledge/policies/{skill.name}.yaml", "--stage", stage)
         how = ("--backend", options.backend, "--episodes", str(options.held_out))
         kept.write_text(
             run(folder, ("run", skill.program, *policy, *how, "--seed", "900000", "--json"))
