@@ -103,7 +103,7 @@ BIMANUALTOUCH = Lesson(
     name="bimanualtouch",
     label="BIMANUALTOUCH",
     program="bimanualtouch",
-    stage="table_right",
+    stage="bimanualtouch_training",
     episodes=25,
     trials=1,
 )
