@@ -8,7 +8,7 @@ from contextlib import contextmanager
 
 from numba.core import event
 
-NOTICE = "compiling, once after each installation: up to half a minute of processor time"
+NOTICE = "compiling, once after each installation: up to a minute of processor time"
 
 
 @contextmanager
