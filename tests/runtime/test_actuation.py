@@ -14,7 +14,7 @@ from cbdsl.robot.kinematics import Kinematics
 from cbdsl.robot.observation import Observation
 from cbdsl.robot.signals import Signals
 from cbdsl.runtime.actuation import Actuation
-from cbdsl.runtime.episode import Tick
+from cbdsl.runtime.episode import Tick, resources_of
 from cbdsl.runtime.program_run import ProgramRun
 from cbdsl.types.resource import Tip as TipSource
 from tests.conftest import Checked
@@ -75,6 +75,24 @@ def test_the_reference_of_a_blocked_joint_does_not_run_away(
     blocked = kinematics.joints.pick(("right_arm_1", "right_arm_5"))
     assert leads.max() <= dexter.control.lead + SLACK
     assert leads[-1, blocked] == pytest.approx(dexter.control.lead)
+
+
+def test_the_same_controllers_beside_others_are_another_composition(
+    checked: Checked, dexter: RobotDocument, urdf: Path
+) -> None:
+    """Who seeks once another has arrived must not ask one that it does not act with."""
+    program = checked("reachtouch")
+    signals = Signals(dexter, Kinematics(dexter, urdf), resources_of(program))
+    run = ProgramRun(program, signals, 1 / 60, np.random.default_rng(0), lambda transition: None)
+    run.activate()
+    together = run.active()
+    alone = tuple(item._replace(peers={}) for item in together)
+    actuation = Actuation(dexter, signals, 1 / 60)
+    actuation.reset(np.zeros(len(signals.joints)))
+    found = [actuation._composition(active) for active in (together, alone, together)]
+    assert found[0].runs == found[1].runs
+    assert found[0] is found[2] is not found[1]
+    assert [item.peers for item in found[1].active] == [{}] * len(alone)
 
 
 @pytest.mark.parametrize(("angle", "end"), [(1.7, "upper"), (-1.7, "lower")])
