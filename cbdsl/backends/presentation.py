@@ -23,9 +23,6 @@ _Entry = TypeVar("_Entry")
 #: Acceleration of falling things, m/s^2.
 GRAVITY = 9.81
 
-#: What is this far below where it was put has fallen, m.
-FALLEN = 0.2
-
 _UP = np.array([0.0, 0.0, 1.0])
 _ACROSS = np.array([0.0, 1.0, 0.0])
 

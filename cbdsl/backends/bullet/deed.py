@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from typing import Protocol
 
 import numpy as np
@@ -10,8 +9,9 @@ import pybullet as p
 from numpy.typing import NDArray
 
 from cbdsl.backends.bullet.truth import Truth
+from cbdsl.backends.fall import Fall
 from cbdsl.backends.pose import Pose
-from cbdsl.backends.presentation import FALLEN, Movement
+from cbdsl.backends.presentation import Movement
 
 Floats = NDArray[np.float64]
 
@@ -138,18 +138,14 @@ class Return:
         self._truth = truth
         self._name = name
         self._body = body
-        self._delay = delay
         self._place = truth.pose(name)
-        self._fell = math.inf
+        self._fall = Fall(float(self._place.position[2]), delay)
 
     def act(self, time: float) -> bool:
         """Put it back when it is time, as soon as the robot is not in the way."""
         pose = self._truth.pose(self._name)
-        if pose.position[2] > self._place.position[2] - FALLEN:
-            self._fell = math.inf
-            return False
-        self._fell = min(self._fell, time)
-        if time - self._fell >= self._delay:
+        touched = self._truth.touched(self._name)
+        if self._fall.is_due(float(pose.position[2]), time, touched=touched):
             velocity = p.getBaseVelocity(self._body, physicsClientId=self._client)
             self._put(self._place, ([0, 0, 0], [0, 0, 0]))
             if self._truth.is_near(self._name, _ROOM):

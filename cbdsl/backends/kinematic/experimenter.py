@@ -6,9 +6,10 @@ import math
 
 import numpy as np
 
+from cbdsl.backends.fall import Fall
 from cbdsl.backends.kinematic.thing import Thing
 from cbdsl.backends.kinematic.world import World
-from cbdsl.backends.presentation import FALLEN, Movement, Presentation
+from cbdsl.backends.presentation import Movement, Presentation
 
 
 class Experimenter:
@@ -26,13 +27,15 @@ class Experimenter:
         self._world = world
         self._removal, self._release = presentation.removed, math.inf
         self._movement = presentation.movement
-        self._return, self._fell = presentation.returned_after, math.inf
+        self._fall: Fall | None = None
         self.shown: Thing | None = None
         for fixture in presentation.fixtures:
             world.add(*fixture)
         if presentation.thing is not None:
             self.shown = world.add(*presentation.thing)
             self._place = presentation.thing.pose
+            if presentation.returned_after is not None:
+                self._fall = Fall(float(self._place.position[2]), presentation.returned_after)
             if presentation.held_until is not None:
                 self.shown.gripped, self._release = True, presentation.held_until
 
@@ -53,8 +56,10 @@ class Experimenter:
             thing.gripped, self._release = False, math.inf
         if self._movement is not None:
             self._move(thing, self._movement, time, touched=touched)
-        if self._return is not None:
-            self._put_back(thing, self._return, time)
+        if self._fall and self._fall.is_due(float(thing.position[2]), time, touched=touched):
+            thing.put(self._place)
+            thing.launch(np.zeros(3))
+            thing.rolling[:] = 0.0
 
     def _move(self, thing: Thing, movement: Movement, time: float, *, touched: bool) -> None:
         due = time >= movement.start
@@ -69,14 +74,3 @@ class Experimenter:
         elif due and not thing.gripped:
             thing.gripped = True
             thing.launch(movement.velocity)
-
-    def _put_back(self, thing: Thing, delay: float, time: float) -> None:
-        """Put back what fell a while ago."""
-        if thing.position[2] > self._place.position[2] - FALLEN:
-            self._fell = math.inf
-            return
-        self._fell = min(self._fell, time)
-        if time - self._fell >= delay:
-            thing.put(self._place)
-            thing.launch(np.zeros(3))
-            thing.rolling[:] = 0.0
