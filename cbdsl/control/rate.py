@@ -43,19 +43,22 @@ def bounds_of(controller: Controller, period: float) -> Floats:
 
     The speed bounds the largest component of a configuration, in rad/s, and the norm of anything
     else. Forces, and potentials without a residual, move only as fast as the joints that move them:
-    their speed is one of the joints, rad/s, and bounds every force of a product by itself.
+    their speed is one of the joints, rad/s, and bounds every force of a product by itself. No gain
+    takes a residual past 0 within a tick, however long the backend's ticks are.
 
     Args:
         controller: gives gain, speed, acceleration and the type of the feedback.
         period: of the control ticks, s.
     """
     kind, speed, acceleration = controller.feedback.type, controller.speed, controller.acceleration
-    forces = kind.name in _FORCES
+    potential, forces = POTENTIALS[controller.potential], kind.name in _FORCES
     measure = _LARGEST if kind.name == "configuration" else _NORM
-    if forces or POTENTIALS[controller.potential].scalar:
+    if forces or potential.scalar:
         measure = _JOINTS
+    # A Newton step is half the residual.
+    arriving = 2.0 / period
     found = _Bounds(
-        controller.gain,
+        min(controller.gain, arriving) if potential.residual else controller.gain,
         math.inf if speed is None else speed,
         math.inf if acceleration is None else acceleration,
         period,

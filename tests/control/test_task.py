@@ -106,6 +106,13 @@ def test_acceleration_is_bounded_and_the_goal_not_overshot(
     assert abs(error[0]) < 1e-3 * distance
 
 
+@pytest.mark.parametrize("gain", [2 / TICK, 10 / TICK])
+def test_no_gain_leads_past_the_reference(gain: float) -> None:
+    residual = np.array([0.3, -0.2, 0.1])
+    level = task_of(controller(POSITION, gain=gain)).level(half_square(residual, np.eye(3)))
+    assert level.velocity == pytest.approx(residual)
+
+
 def test_reset_starts_from_rest() -> None:
     task, error = task_of(controller(HEADING, acceleration=1.5)), np.array([1.0, 0.0])
     first = rate(task, error)

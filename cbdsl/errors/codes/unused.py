@@ -146,11 +146,11 @@ UNUSED = (
     ),
     Entry(
         "CB712",
-        "gain that overshoots",
-        "with a gain of {gain}/s the error changes its sign in each tick; up to {most}/s it does "
-        "not, at {rate} Hz",
+        "gain that no tick can use",
+        "a gain of {gain}/s is taken for {most}/s, which leads to the reference in one tick at "
+        "{rate} Hz",
         "In each tick a controller takes its gain times the period of a Newton step, which is half "
-        "the error: more than two steps a tick go past the reference.",
+        "the error: more than two steps a tick would go past the reference, and are not taken.",
         controller(_LOOK.replace("$feature", "motion") + ", gain: 200 /s"),
         severity=Severity.WARNING,
         good=controller(_LOOK.replace("$feature", "motion") + ", gain: 20 /s"),
