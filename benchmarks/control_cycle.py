@@ -74,9 +74,8 @@ class Cycle:
         signals.reset()
         for memory in signals.vision.memories.values():
             memory.see(0.0, BALL, SIZES)
-        self._run = ProgramRun(
-            self._program, signals, self._period, np.random.default_rng(0), lambda transition: None
-        )
+        self._run = ProgramRun(self._program, signals, self._period)
+        self._run.begin(np.random.default_rng(0), lambda transition: None)
         self._actuation = Actuation(self._robot, signals, self._period)
         self._actuation.reset(positions)
         signals.update(self._observation(0.0, np.zeros(6)))  # the load cells' zero

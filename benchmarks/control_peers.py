@@ -123,9 +123,8 @@ class Ours:
         self.kinematics = Kinematics(self.robot, folder / "two_arms.urdf")
         self._signals = Signals(self.robot, self.kinematics, ())
         self._still = np.zeros(len(self._signals.joints))
-        run = ProgramRun(
-            program, self._signals, PERIOD, np.random.default_rng(0), lambda transition: None
-        )
+        run = ProgramRun(program, self._signals, PERIOD)
+        run.begin(np.random.default_rng(0), lambda transition: None)
         self._actuation = Actuation(self.robot, self._signals, PERIOD)
         self._actuation.reset(self._still)
         self._signals.update(Observation(0.0, self._still, self._still, {}, {}))

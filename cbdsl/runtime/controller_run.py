@@ -58,12 +58,9 @@ class ControllerRun:
         no_path: why no free path leads to the reference; empty where one does.
     """
 
-    def __init__(
-        self, controller: Controller, signals: Signals, period: float, rng: np.random.Generator
-    ) -> None:
+    def __init__(self, controller: Controller, signals: Signals, period: float) -> None:
         self.controller = controller
         self._signals = signals
-        self._rng = rng
         own = self.own = signals.joints.pick(controller.joints)
         self._read = _reader(controller, signals)
         limits = signals.kinematics
@@ -72,14 +69,18 @@ class ControllerRun:
         )
         self._potential = build(controller, Body(limits.lower[own], limits.upper[own], cameras))
         self._task = Task(controller, self._potential, period)
-        self._moves = self._always_defined = False
         quiescence = controller.quiescence
         self._monitor = QuiescenceMonitor(quiescence.rate, quiescence.window, period)
         self._tolerance = math.inf if quiescence.tolerance is None else quiescence.tolerance
         self.member = Member(self._potential, self._task, self._monitor, len(signals.joints))
         self._constant = _constant_reference(controller, signals)
-        self._sampler: Sampler | None = None
         self._follows_joints = self._can_follow_joints()
+
+    def begin(self, rng: np.random.Generator) -> None:
+        """Begin an episode, in which ``rng`` is for all that is drawn."""
+        self._rng = rng
+        self._sampler: Sampler | None = None
+        self._moves = self._always_defined = False
         self.deactivate()
         if self.needs_nothing:
             self.member.duty = FOLLOW

@@ -92,11 +92,12 @@ class Runner:
         backend: Backend,
         policy: Policy | None = None,
     ) -> None:
-        self._robot = robot
         self._program = program
         self._backend = backend
         self._policy = policy
         self.signals = Signals(robot, kinematics, resources_of(program))
+        self._run = ProgramRun(program, self.signals, backend.control_period)
+        self._actuation = Actuation(robot, self.signals, backend.control_period)
 
     def run(
         self,
@@ -125,8 +126,8 @@ class Runner:
                 passed.append(transition)
             on_transition(transition)
 
-        run = ProgramRun(self._program, self.signals, period, own_rng, note, self._policy)
-        actuation = Actuation(self._robot, self.signals, period)
+        run, actuation = self._run, self._actuation
+        run.begin(own_rng, note, self._policy)
         ticks = 0
         while True:
             observation = self._backend.observe()

@@ -66,19 +66,15 @@ class ProgramRun:
         program: CheckedProgram,
         signals: Signals,
         period: float,
-        rng: np.random.Generator,
-        listener: Listener,
-        policy: Policy | None = None,
         depth: int = 0,
     ) -> None:
         self.program = program
         self._signals = signals
         self._period = period
-        self._listener = listener
-        self._policy = policy or WrittenPolicy(program.policy)
         self._depth = depth
+        self._written = WrittenPolicy(program.policy)
         self._actions = {action.name: action for action in program.actions}
-        make = _ControllerRuns(signals, period, rng)
+        make = _ControllerRuns(signals, period)
         self._stacks = {
             action.name: make.stack(action.composition)
             for action in program.actions
@@ -98,7 +94,7 @@ class ProgramRun:
         }
         self.runs: tuple[ControllerRun, ...] = make.all
         self.children: dict[str, ProgramRun] = {
-            action.name: ProgramRun(action.program, signals, period, rng, listener, depth=depth + 1)
+            action.name: ProgramRun(action.program, signals, period, depth + 1)
             for action in program.actions
             if action.program is not None
         }
@@ -109,6 +105,24 @@ class ProgramRun:
         self._noted, self._reading = b"", ""
         if depth == 0:
             gather([run.member for run in self._everything()])
+
+    def begin(
+        self, rng: np.random.Generator, listener: Listener, policy: Policy | None = None
+    ) -> None:
+        """Begin an episode; nothing of the one before is left.
+
+        Args:
+            rng: for all that is drawn.
+            listener: is told each transition, of the programs that are used as actions as well.
+            policy: chooses the actions instead of the program's written policy.
+        """
+        self._listener = listener
+        self._policy = policy or self._written
+        self._predicates = predicates_of([run.member for run in self.runs])
+        for run in self.runs:
+            run.begin(rng)
+        for child in self.children.values():
+            child.begin(rng, listener)
         self.deactivate()
 
     def _everything(self) -> Iterator[ControllerRun]:
@@ -137,7 +151,6 @@ class ProgramRun:
             return
         self.deactivate()
         self.predicate = "0"
-        self._predicates = predicates_of([run.member for run in self.runs])
         for run in self._background:
             run.activate()
         self._choose(changed=True)
@@ -300,8 +313,8 @@ def _together(runs: Sequence[ControllerRun]) -> list[Active]:
 class _ControllerRuns:
     """Makes one run per controller, however many actions share it."""
 
-    def __init__(self, signals: Signals, period: float, rng: np.random.Generator) -> None:
-        self._context = signals, period, rng
+    def __init__(self, signals: Signals, period: float) -> None:
+        self._context = signals, period
         self._runs: dict[Controller, ControllerRun] = {}
 
     def run(self, controller: Controller) -> ControllerRun:

@@ -54,6 +54,7 @@ class BackendClassroom:
     ) -> None:
         self._robot, self._kinematics = robot, kinematics
         self._backend, self._stage = backend, stage
+        self._last: tuple[CheckedProgram, Policy, Runner] | None = None
 
     def hold(
         self,
@@ -67,7 +68,7 @@ class BackendClassroom:
         Raises:
             BackendError, EpisodeError: as ``Runner.run``.
         """
-        runner = Runner(self._robot, self._kinematics, program, self._backend, policy)
+        runner = self._runner(program, policy)
         transitions: list[Transition] = []
         rewarded: dict[str, tuple[float, ...]] = {}
 
@@ -93,6 +94,16 @@ class BackendClassroom:
             ticks=result.ticks,
             sim_seconds=result.sim_seconds,
         )
+
+    def _runner(self, program: CheckedProgram, policy: Policy) -> Runner:
+        """That of the last episode, where the same program runs under the same policy again."""
+        if self._last is not None:
+            before, chooser, runner = self._last
+            if before is program and chooser is policy:
+                return runner
+        runner = Runner(self._robot, self._kinematics, program, self._backend, policy)
+        self._last = program, policy, runner
+        return runner
 
 
 def moved(controller: Controller) -> str:

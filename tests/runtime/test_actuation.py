@@ -83,7 +83,8 @@ def test_the_same_controllers_beside_others_are_another_composition(
     """Who seeks once another has arrived must not ask one that it does not act with."""
     program = checked("reachtouch")
     signals = Signals(dexter, Kinematics(dexter, urdf), resources_of(program))
-    run = ProgramRun(program, signals, 1 / 60, np.random.default_rng(0), lambda transition: None)
+    run = ProgramRun(program, signals, 1 / 60)
+    run.begin(np.random.default_rng(0), lambda transition: None)
     run.activate()
     together = run.active()
     alone = tuple(item._replace(peers={}) for item in together)
@@ -166,7 +167,8 @@ def test_a_hand_stays_where_it_is_while_its_arm_turns_below_it(
         "actions: [held]\npolicy: {X: held}\n"
     )
     period = 1 / dexter.control.rate
-    run = ProgramRun(program, signals, period, np.random.default_rng(0), lambda transition: None)
+    run = ProgramRun(program, signals, period)
+    run.begin(np.random.default_rng(0), lambda transition: None)
     run.activate()
     actuation = Actuation(dexter, signals, period)
     actuation.reset(positions)

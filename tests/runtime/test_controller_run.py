@@ -85,7 +85,8 @@ def level_of(run: ControllerRun, joints: int) -> Level | None:
 @pytest.fixture
 def start(signals: Signals) -> Callable[[Controller], ControllerRun]:
     def activated(controller: Controller) -> ControllerRun:
-        run = ControllerRun(controller, signals, PERIOD, np.random.default_rng(3))
+        run = ControllerRun(controller, signals, PERIOD)
+        run.begin(np.random.default_rng(3))
         run.activate()
         return run
 
@@ -281,7 +282,8 @@ def test_joints_other_than_the_effectors_count_as_still(
     assert isinstance(squeeze.feedback.source, NetForces)
     signals = Signals(dexter, kinematics, [squeeze.feedback])
     look_at(None, signals, backend)
-    run = ControllerRun(squeeze, signals, PERIOD, np.random.default_rng(0))
+    run = ControllerRun(squeeze, signals, PERIOD)
+    run.begin(np.random.default_rng(0))
     level = level_of(run, len(signals.joints))
     assert level is not None
     arms, hands = signals.joints.of("arms"), signals.joints.of("hands")

@@ -16,7 +16,7 @@ from cbdsl.documents.robot import RobotDocument
 from cbdsl.program.checked import CheckedProgram
 from cbdsl.robot.kinematics import Kinematics
 from cbdsl.robot.observation import Observation
-from cbdsl.runtime.episode import EpisodeError, Runner, Tick, resources_of
+from cbdsl.runtime.episode import EpisodeError, EpisodeResult, Runner, Tick, resources_of
 from cbdsl.types.resource import Resource
 from tests.conftest import Checked
 from tests.runtime.conftest import GRIP, TABLE_BALL, Play, Played, made_stage, on_table
@@ -55,17 +55,27 @@ def test_the_same_seed_gives_the_same_episode_to_the_bit(
     assert without_clock(first) != without_clock(other)
 
 
+@pytest.mark.parametrize("name", ["searchtrack", "tactileprobe", "reachtouch"])
 def test_nothing_of_an_episode_reaches_into_the_next(
-    dexter: RobotDocument, kinematics: Kinematics, checked: Checked, urdf: Path
+    dexter: RobotDocument, urdf: Path, checked: Checked, name: str
 ) -> None:
-    """Not even what was remembered, felt or sampled."""
-    backend = SyntheticBackend(dexter, urdf, somewhere)
-    program = checked("searchtrack")
-    stage = made_stage({"pan": 0.9})
-    runner = Runner(dexter, kinematics, program, backend)
-    fresh = replace(runner.run(stage, 2), wall_seconds=0.0)
-    runner.run(stage, 1)
-    assert replace(runner.run(stage, 2), wall_seconds=0.0) == fresh
+    """Not even what was remembered, felt or sampled, or how a controller last acted."""
+    program, stage = checked(name), made_stage({"pan": 0.9})
+
+    def made() -> Runner:
+        backend = SyntheticBackend(dexter, urdf, somewhere)
+        return Runner(dexter, Kinematics(dexter, urdf), program, backend)
+
+    def told(runner: Runner) -> tuple[EpisodeResult, list[bytes]]:
+        references: list[bytes] = []
+        result = runner.run(
+            stage, 2, on_tick=lambda tick: references.append(tick.actuation.reference.tobytes())
+        )
+        return replace(result, wall_seconds=0.0), references
+
+    used = made()
+    used.run(stage, 1)
+    assert told(used) == told(used) == told(made())
 
 
 def test_the_result_counts_what_the_backend_did(checked: Checked, play: Play) -> None:

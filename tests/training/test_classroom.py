@@ -80,3 +80,20 @@ def test_what_a_controller_moves(
     assert moved(controller) == effector
     joints = [kinematics.joints.index[name] for name in controller.joints]
     assert np.isin(joints, kinematics.joints.of(effector)).all()
+
+
+def test_episodes_of_one_program_are_those_of_fresh_runners(
+    dexter: RobotDocument, kinematics: Kinematics, urdf: Path, checked: Checked
+) -> None:
+    """What a classroom keeps for the next episode, and under which policy, changes nothing."""
+    program = checked("searchtrack")
+    written, other = WrittenPolicy(program.policy), WrittenPolicy({"**": "search"})
+
+    def classroom() -> BackendClassroom:
+        backend = SyntheticBackend(dexter, urdf, lambda rng: on_table())
+        return BackendClassroom(dexter, kinematics, backend, made_stage({}))
+
+    used = classroom()
+    for policy, seed in ((written, 4), (written, 5), (other, 4), (written, 4)):
+        found = used.hold(program, policy, seed, lambda transition: None)
+        assert found == classroom().hold(program, policy, seed, lambda transition: None)
