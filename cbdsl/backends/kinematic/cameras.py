@@ -65,17 +65,22 @@ class _Scene:
 
     Attributes:
         solids: the world's, which has new ones when something comes or goes.
-        movable: what is no fixture.
-        sights: of all things and spots.
+        movable: what is no fixture, where the robot sees motion.
+        sights: of all things and spots that it can see.
         targets: their solids and samples, as ``silhouettes`` has them, shape (sights, 2).
         patches: the parts of their surfaces, as ``silhouettes`` has them, shape (sights, 4).
         shapes: what the cameras see of them, shape (cameras, sights, 4).
     """
 
-    def __init__(self, world: World, palette: Palette, cameras: int) -> None:
+    def __init__(self, world: World, palette: Palette, cameras: int, sees_motion: bool) -> None:
         self.solids = world.solids
-        self.movable = [thing for thing in world.things.values() if thing.mass]
-        self.sights = _sights(world, palette)
+        self.movable = [thing for thing in world.things.values() if thing.mass and sees_motion]
+        # What has none of the colours that the robot knows is seen only by its motion.
+        self.sights = [
+            sight
+            for sight in _sights(world, palette)
+            if sight.channels or sight.thing in self.movable
+        ]
         count = len(self.sights)
         targets = [(sight.target, sight.samples) for sight in self.sights]
         self.targets = np.array(targets, np.intp).reshape(count, 2)
@@ -144,13 +149,13 @@ class Cameras:
         self._palette = palette
         self._tree = tree
         self._limbs = limbs
-        self._errors = {name: _error(disturbance, rng) for name in robot.cameras}
-        self._disturbed = bool(disturbance.camera_position or disturbance.camera_rotation)
+        disturbed = disturbance.camera_position or disturbance.camera_rotation
+        self._errors = {name: _error(disturbance, rng) for name in robot.cameras if disturbed}
         self._before: dict[str, list[float]] = {}
         self._scene = self._scene_of(World())
 
     def _scene_of(self, world: World) -> _Scene:
-        return _Scene(world, self._palette, len(self._rows))
+        return _Scene(world, self._palette, len(self._rows), self._sees_motion)
 
     def look(self, world: World) -> Mapping[str, Mapping[str, Region]]:
         """The largest region of each channel, by camera and channel."""
@@ -165,6 +170,7 @@ class Cameras:
             scene.targets,
             scene.patches,
             self._placements(),
+            self._rows,
             self._lenses,
             scene.shapes,
         )
@@ -175,18 +181,19 @@ class Cameras:
         }
 
     def _placements(self) -> Floats:
-        """Where the cameras really are, as ``Tree`` has it, shape (cameras, 12)."""
-        placements: Floats = self._tree.placements[self._rows]
-        if self._disturbed:
-            for (name, link), placement in zip(self._links.items(), placements, strict=True):
-                pose = self._tree.pose(link) @ self._errors[name]
-                placement[:9], placement[9:] = pose.rotation.ravel(), pose.position
+        """Where the cameras really are, in the rows of their links, as ``Tree`` has it."""
+        if not self._errors:
+            return self._tree.placements
+        placements = self._tree.placements.copy()
+        for row, (name, link) in zip(self._rows, self._links.items(), strict=True):
+            pose = self._tree.pose(link) @ self._errors[name]
+            placements[row, :9], placements[row, 9:] = pose.rotation.ravel(), pose.position
         return placements
 
     def _motion(self, scene: _Scene) -> set[str]:
         """What has moved since the last look."""
         moved = set()
-        for thing in scene.movable if self._sees_motion else ():
+        for thing in scene.movable:
             position = thing.position.tolist()
             if math.dist(position, self._before.get(thing.name, position)) > _LEAST_MOTION:
                 moved.add(thing.name)

@@ -15,6 +15,8 @@ Floats = NDArray[np.float64]
 
 #: Noise of the torques per noise of the forces, m: about the radius of a fingertip.
 _LEVER = 0.012
+# For how many ticks noise is drawn at once.
+_AHEAD = 64
 
 
 class LoadCells:
@@ -46,11 +48,16 @@ class LoadCells:
         self._noise = contact.noise * math.sqrt(passed) * levers
         self._rng = rng
         self._readings: Floats = np.zeros((len(cells), 6))
+        self._ticks = 0
 
     def sample(self, wrenches: Floats) -> None:
         """Take in the wrenches of one control tick, shape (cells, 6)."""
-        before, self._readings = self._readings, self._rng.standard_normal(self._readings.shape)
+        tick = self._ticks % _AHEAD
+        if tick == 0:
+            self._drawn = self._rng.standard_normal((_AHEAD, *self._readings.shape))
+        before, self._readings = self._readings, self._drawn[tick]
         _filter(before, wrenches, self._noise, self._gain, self._readings)
+        self._ticks += 1
 
     def read(self) -> Loads:
         """Force, N, and torque, N m, that each fingertip exerts, world frame, shape (6,) each."""

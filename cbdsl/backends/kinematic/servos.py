@@ -33,7 +33,7 @@ class Servos:
             positions: of the joints now, rad, shape (n,).
             reference: where they are to be, rad, shape (n,).
         """
-        reached, velocities = np.empty((2, len(positions)))
+        reached, velocities = np.empty_like(positions), np.empty_like(positions)
         _follow(positions, reference, self._limits, self._period, reached, velocities)
         return reached, velocities
 

@@ -449,6 +449,7 @@ def silhouettes(
     targets: Rows,
     patches: Floats,
     cameras: Floats,
+    rows: Rows,
     lenses: Floats,
     found: Floats,
 ) -> None:
@@ -464,7 +465,8 @@ def silhouettes(
         patches: the part of each target's surface that is looked at, shape (n, 4): whether it is
             around the axis x (0) or y (1), towards which end of it (1 or -1), from which height
             on along it and within which radius of it, m; ``WHOLE`` for all of the surface.
-        cameras: their placements, with the axes ahead, left and up, shape (c, 12).
+        cameras: their placements, with the axes ahead, left and up, among others, shape (n, 12).
+        rows: which of these are the cameras', shape (c,).
         lenses: focal length, width and height of each camera's image, px, shape (c, 3).
         found: takes visible area, px; column and row of its centroid, px; and 1 where it touches
             the image's border; zeros where nothing is seen; shape (c, n, 4).
@@ -474,8 +476,8 @@ def silhouettes(
     solids[: len(things)] = things
     attached = False
     views = np.empty((len(solids), 22))
-    for which in range(len(cameras)):
-        camera, lens = cameras[which], lenses[which]
+    for which in range(len(rows)):
+        camera, lens = cameras[rows[which]], lenses[which]
         # Slopes at the image's border.
         aside, above = 0.5 * lens[1] / lens[0], 0.5 * lens[2] / lens[0]
         for index in range(len(targets)):

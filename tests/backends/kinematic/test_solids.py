@@ -80,12 +80,12 @@ def seen(*solids: Floats, samples: int = 64, patch: Sequence[float] = WHOLE) -> 
     world = np.array([[*AHEAD.ravel(), *HERE]])
     first, found = np.array([[0, samples]]), np.empty((1, 1, 4))
     nothing, patches, lenses = np.empty((0, WIDTH)), np.array([patch]), np.array([LENS])
-    free = nothing, np.empty(0, np.intp)
-    silhouettes(np.array(solids), *free, world, first, patches, world, lenses, found)
+    free, eyes = (nothing, np.empty(0, np.intp)), np.zeros(1, np.intp)
+    silhouettes(np.array(solids), *free, world, first, patches, world, eyes, lenses, found)
     # Parts of a link that is the world hide the same as solids.
     parts = np.array(solids[1:]).reshape(-1, WIDTH), np.zeros(len(solids) - 1, np.intp)
     hidden = np.empty((1, 1, 4))
-    silhouettes(solids[0][None], *parts, world, first, patches, world, lenses, hidden)
+    silhouettes(solids[0][None], *parts, world, first, patches, world, eyes, lenses, hidden)
     assert (hidden == found).all()
     return found[0, 0]
 
