@@ -11,7 +11,8 @@ from numpy.typing import NDArray
 
 from cbdsl.backends.kinematic.links import Links
 from cbdsl.backends.kinematic.paint import Palette
-from cbdsl.backends.kinematic.solids import WHOLE, WIDTH, placed, silhouettes
+from cbdsl.backends.kinematic.silhouettes import WHOLE, silhouettes
+from cbdsl.backends.kinematic.solids import WIDTH, placed
 from cbdsl.backends.kinematic.thing import Thing
 from cbdsl.backends.kinematic.tree import Tree
 from cbdsl.backends.kinematic.world import World

@@ -10,8 +10,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from cbdsl.backends.kinematic.depths import depths
 from cbdsl.backends.kinematic.links import Links, Solid
-from cbdsl.backends.kinematic.solids import depths
 from cbdsl.backends.kinematic.thing import Thing
 from cbdsl.backends.kinematic.tree import Tree
 from cbdsl.backends.kinematic.world import World

@@ -1,4 +1,4 @@
-"""Distances to solids, and what a camera sees of them, against the definitions."""
+"""What a camera sees of solids, against rays through every pixel."""
 
 from __future__ import annotations
 
@@ -9,70 +9,16 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from cbdsl.backends.kinematic.solids import WHOLE, WIDTH, depths, placed, silhouettes
+from cbdsl.backends.kinematic.silhouettes import WHOLE, silhouettes
+from cbdsl.backends.kinematic.solids import WIDTH, placed
 from cbdsl.backends.pose import Pose
 from cbdsl.backends.shape import Shape
+from tests.backends.kinematic.shapes import SHAPES, inside, turned
 
 Floats = NDArray[np.float64]
 
-SHAPES = {
-    "ball": Shape.ball(0.07),
-    "box": Shape("box", (0.05, 0.08, 0.03)),
-    "cylinder": Shape.cylinder(0.06, 0.14),
-}
 LENS = (418.5, 320.0, 240.0)
 HERE, AHEAD = np.zeros(3), np.eye(3)
-
-
-def turned(rng: np.random.Generator) -> Floats:
-    axis = rng.standard_normal(3)
-    return Pose.turned(axis / np.linalg.norm(axis), rng.uniform(-3, 3)).rotation
-
-
-def inside(shape: Shape, points: Floats) -> NDArray[np.bool_]:
-    """Whether points of the shape's frame, shape (n, 3), are inside it."""
-    a, _, c = shape.halves
-    if shape.kind == "ball":
-        return np.linalg.norm(points, axis=1) <= a
-    if shape.kind == "cylinder":
-        return (np.hypot(points[:, 0], points[:, 1]) <= a) & (np.abs(points[:, 2]) <= c)
-    return (np.abs(points) <= shape.halves).all(axis=1)
-
-
-def one(solid: Floats, point: Floats, radius: float = 0.0) -> Floats:
-    """The row of ``depths`` of a ball, in a link that is the world."""
-    world = np.array([[1.0, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0]])
-    found = np.empty((1, 1, 7))
-    ball = np.array([[*point, radius]])
-    touches = depths(solid[None], world, np.zeros(1, np.intp), ball, found)
-    assert touches == (found[0, 0, 0] > 0.0)
-    return found[0, 0]
-
-
-@pytest.mark.parametrize("name", SHAPES)
-def test_a_step_of_the_distance_along_the_normal_leads_to_the_surface(name: str) -> None:
-    rng = np.random.default_rng(0)
-    shape = SHAPES[name]
-    for _ in range(50):
-        pose = Pose(rng.normal(size=3), turned(rng))
-        point = pose.position + rng.uniform(-0.2, 0.2, size=3)
-        found = one(placed(shape, pose), point)
-        depth, normal = found[0], -found[4:]
-        assert np.linalg.norm(normal) == pytest.approx(1)
-        assert found[1:4] == pytest.approx(point)
-        thick = one(placed(shape, pose), point, radius=0.01)
-        assert thick[0] == pytest.approx(depth + 0.01)
-        assert thick[1:4] == pytest.approx(point - 0.01 * normal)
-        surface = point + depth * normal
-        for step, expected in ((1e-6, False), (-1e-6, True)):
-            local = pose.rotation.T @ (surface + step * normal - pose.position)
-            assert inside(shape, local[None])[0] == expected
-        # Nothing of the solid is nearer than that.
-        ways = rng.standard_normal((50, 3))
-        ways /= np.linalg.norm(ways, axis=1)[:, None]
-        around = point + 0.999 * abs(depth) * ways
-        local = (around - pose.position) @ pose.rotation
-        assert (inside(shape, local) == (depth > 0)).all()
 
 
 def seen(*solids: Floats, samples: int = 64, patch: Sequence[float] = WHOLE) -> Floats:
@@ -175,14 +121,3 @@ def test_a_ball_looks_as_large_as_it_is() -> None:
     area = seen(placed(Shape.ball(0.05), Pose(np.array([1.0, 0.0, 0.0]), AHEAD)), samples=24)[0]
     tangent = math.tan(math.asin(0.05))
     assert area == pytest.approx(math.pi * (LENS[0] * tangent) ** 2, rel=0.01)
-
-
-@pytest.mark.parametrize("name", SHAPES)
-def test_the_lowest_point_of_a_turned_shape(name: str) -> None:
-    shape = SHAPES[name]
-    rng = np.random.default_rng(2)
-    surface = rng.uniform(-0.15, 0.15, size=(200_000, 3))
-    surface = surface[inside(shape, surface)]
-    rotation = turned(rng)
-    assert shape.depth(rotation) == pytest.approx(-(surface @ rotation.T)[:, 2].min(), abs=0.006)
-    assert shape.depth(np.eye(3)) == pytest.approx(shape.half_height)

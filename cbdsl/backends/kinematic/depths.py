@@ -1,0 +1,87 @@
+"""How deep balls are inside solids."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cbdsl.backends.kinematic.solids import BALL, CYLINDER, into
+from cbdsl.robot.compiled import compiled, compiled_once
+
+Floats = NDArray[np.float64]
+Rows = NDArray[np.intp]
+
+
+@compiled
+def _outside(solid: Floats, x: float, y: float, z: float) -> tuple[float, float, float, float]:
+    """Signed distance of a point, in the solid's frame, and the outward normal there."""
+    if solid[0] == BALL:
+        far = math.sqrt(x * x + y * y + z * z)
+        if far == 0.0:
+            return -solid[1], 0.0, 0.0, 1.0
+        return far - solid[1], x / far, y / far, z / far
+    if solid[0] == CYLINDER:
+        far = math.sqrt(x * x + y * y)
+        ux, uy = (x / far, y / far) if far > 0.0 else (1.0, 0.0)
+        a, c = far - solid[1], abs(z) - solid[3]
+        up = math.copysign(1.0, z)
+        if a > 0.0 and c > 0.0:
+            d = math.hypot(a, c)
+            return d, ux * a / d, uy * a / d, up * c / d
+        if a > c:
+            return a, ux, uy, 0.0
+        return c, 0.0, 0.0, up
+    a, b, c = abs(x) - solid[1], abs(y) - solid[2], abs(z) - solid[3]
+    if max(a, b, c) > 0.0:
+        vx = math.copysign(max(a, 0.0), x)
+        vy = math.copysign(max(b, 0.0), y)
+        vz = math.copysign(max(c, 0.0), z)
+        d = math.sqrt(vx * vx + vy * vy + vz * vz)
+        return d, vx / d, vy / d, vz / d
+    if a >= b and a >= c:
+        return a, math.copysign(1.0, x), 0.0, 0.0
+    if b >= c:
+        return b, 0.0, math.copysign(1.0, y), 0.0
+    return c, 0.0, 0.0, math.copysign(1.0, z)
+
+
+@compiled_once
+def depths(
+    solids: Floats, placements: Floats, carriers: Rows, balls: Floats, found: Floats
+) -> bool:
+    """Find how deep balls are inside solids, and which way is in.
+
+    Args:
+        solids: shape (k, 16).
+        placements: of links, as ``Tree`` has them, shape (links, 12).
+        carriers: rows of the links that carry the balls, shape (n,).
+        balls: their centres in these links' frames, m, and their radii, m, shape (n, 4).
+        found: takes depth, m, negative where they do not touch; the ball's deepest point, m, and
+            the unit normal into the solid there, both in the world frame, shape (n, k, 7).
+
+    Returns:
+        Whether any ball touches any solid.
+    """
+    touching = False
+    for i in range(len(balls)):
+        place, ball = placements[carriers[i]], balls[i]
+        x, y, z = (
+            place[9] + place[0] * ball[0] + place[1] * ball[1] + place[2] * ball[2],
+            place[10] + place[3] * ball[0] + place[4] * ball[1] + place[5] * ball[2],
+            place[11] + place[6] * ball[0] + place[7] * ball[1] + place[8] * ball[2],
+        )
+        for j in range(len(solids)):
+            solid, own = solids[j], found[i, j]
+            a, b, c = into(solid, x - solid[4], y - solid[5], z - solid[6])
+            distance, u, v, w = _outside(solid, a, b, c)
+            own[0] = ball[3] - distance
+            touching |= own[0] > 0.0
+            own[4] = -(solid[7] * u + solid[8] * v + solid[9] * w)
+            own[5] = -(solid[10] * u + solid[11] * v + solid[12] * w)
+            own[6] = -(solid[13] * u + solid[14] * v + solid[15] * w)
+            own[1] = x + ball[3] * own[4]
+            own[2] = y + ball[3] * own[5]
+            own[3] = z + ball[3] * own[6]
+    return touching

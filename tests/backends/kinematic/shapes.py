@@ -1,0 +1,32 @@
+"""Shapes that tests measure by their definitions."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cbdsl.backends.pose import Pose
+from cbdsl.backends.shape import Shape
+
+Floats = NDArray[np.float64]
+
+SHAPES = {
+    "ball": Shape.ball(0.07),
+    "box": Shape("box", (0.05, 0.08, 0.03)),
+    "cylinder": Shape.cylinder(0.06, 0.14),
+}
+
+
+def turned(rng: np.random.Generator) -> Floats:
+    axis = rng.standard_normal(3)
+    return Pose.turned(axis / np.linalg.norm(axis), rng.uniform(-3, 3)).rotation
+
+
+def inside(shape: Shape, points: Floats) -> NDArray[np.bool_]:
+    """Whether points of the shape's frame, shape (n, 3), are inside it."""
+    a, _, c = shape.halves
+    if shape.kind == "ball":
+        return np.linalg.norm(points, axis=1) <= a
+    if shape.kind == "cylinder":
+        return (np.hypot(points[:, 0], points[:, 1]) <= a) & (np.abs(points[:, 2]) <= c)
+    return (np.abs(points) <= shape.halves).all(axis=1)
