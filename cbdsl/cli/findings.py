@@ -11,11 +11,11 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from cbdsl.cli.outcome import Report
+    from cbdsl.cli.outcome import Outcome
     from cbdsl.errors.diagnostic import Diagnostic
     from cbdsl.yaml_text.library import Library
 
-#: Where each format is written: a module of this package, and its function of a report.
+#: Where each format is written: a module of this package, and its function of an outcome.
 FORMATS = {
     "text": ("text_format", "text"),
     "json": ("json_format", "json_report"),
@@ -52,28 +52,28 @@ def check_paths(
         UsageError: a folder holds no documents, or there is no such format.
     """
     write = _writer(form)
-    report = _examine(paths, values, Path(stdin_name))
-    written = write(report)
+    outcome = _examine(paths, values, Path(stdin_name))
+    written = write(outcome)
     if written:
         print(written)
-    return 1 if report.errors or (strict and report.warnings) else 0
+    return 1 if outcome.errors or (strict and outcome.warnings) else 0
 
 
-def _writer(form: str) -> Callable[[Report], str]:
+def _writer(form: str) -> Callable[[Outcome], str]:
     from cbdsl.errors.errors import UsageError
 
     if form not in FORMATS:
         raise UsageError.unknown("format", form, FORMATS)
     module, function = FORMATS[form]
-    writer: Callable[[Report], str] = getattr(import_module(f"cbdsl.cli.{module}"), function)
+    writer: Callable[[Outcome], str] = getattr(import_module(f"cbdsl.cli.{module}"), function)
     return writer
 
 
-def _examine(paths: Iterable[str], values: Mapping[str, str], stdin: Path) -> Report:
+def _examine(paths: Iterable[str], values: Mapping[str, str], stdin: Path) -> Outcome:
     from cbdsl.checking.document import check_document
     from cbdsl.checking.session import Session
     from cbdsl.cli.ignores import heed_ignores
-    from cbdsl.cli.outcome import Report
+    from cbdsl.cli.outcome import Outcome
     from cbdsl.yaml_text.library import Library
 
     words = list(paths)
@@ -87,7 +87,7 @@ def _examine(paths: Iterable[str], values: Mapping[str, str], stdin: Path) -> Re
         found.update(dict.fromkeys(check_document(file, values, session)))
     findings = heed_ignores(found, files, session.library)
     told = _first_of_each_file(findings)
-    return Report(told, len(files), len(findings) - len(told), _texts(session.library))
+    return Outcome(told, len(files), len(findings) - len(told), _texts(session.library))
 
 
 def _documents(word: str, stdin: Path, library: Library) -> Iterator[Path]:

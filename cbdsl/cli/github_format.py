@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from cbdsl.cli.outcome import Report
+from cbdsl.cli.outcome import Outcome
 from cbdsl.errors.diagnostic import Diagnostic
 
 # What a workflow command may not hold as it is; the sign of the escapes comes first.
@@ -12,9 +12,9 @@ _IN_MESSAGES = {"%": "%25", "\r": "%0D", "\n": "%0A"}
 _IN_PROPERTIES = {**_IN_MESSAGES, ":": "%3A", ",": "%2C"}
 
 
-def github(report: Report) -> str:
+def github(outcome: Outcome) -> str:
     """One line per finding."""
-    return "\n".join(_annotation(diagnostic) for diagnostic in report.findings)
+    return "\n".join(_annotation(diagnostic) for diagnostic in outcome.findings)
 
 
 def _annotation(diagnostic: Diagnostic) -> str:

@@ -8,7 +8,7 @@ from typing import NamedTuple
 from cbdsl.errors.diagnostic import Diagnostic
 
 
-class Report(NamedTuple):
+class Outcome(NamedTuple):
     """The findings of one run.
 
     Attributes:

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 from urllib.parse import quote
 
-from cbdsl.cli.outcome import Report
+from cbdsl.cli.outcome import Outcome
 from cbdsl.errors.catalogue import CATALOGUE
 from cbdsl.errors.diagnostic import Diagnostic, Place
 from cbdsl.errors.entry import Entry
@@ -19,9 +19,9 @@ _SCHEMA = (
 )
 
 
-def sarif(report: Report) -> str:
+def sarif(outcome: Outcome) -> str:
     """One run; its rules are the entries of the catalogue that were found."""
-    codes = sorted({diagnostic.code for diagnostic in report.findings})
+    codes = sorted({diagnostic.code for diagnostic in outcome.findings})
     driver = {
         "name": "cbdsl",
         "version": version("cbdsl"),
@@ -30,7 +30,7 @@ def sarif(report: Report) -> str:
     run = {
         "tool": {"driver": driver},
         "columnKind": "unicodeCodePoints",
-        "results": [_result(diagnostic, codes) for diagnostic in report.findings],
+        "results": [_result(diagnostic, codes) for diagnostic in outcome.findings],
     }
     log = {"$schema": _SCHEMA, "version": "2.1.0", "runs": [run]}
     return json.dumps(log, indent=2, ensure_ascii=False)

@@ -9,7 +9,7 @@ from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from cbdsl.cli.outcome import Report
+from cbdsl.cli.outcome import Outcome
 from cbdsl.cli.text_format import text
 from cbdsl.errors.diagnostic import Diagnostic
 
@@ -30,7 +30,7 @@ def console() -> Console:
 def print_diagnostics(diagnostics: Iterable[Diagnostic]) -> None:
     """Print findings with snippets, and how many there are."""
     found = tuple(diagnostics)
-    print(text(Report(found, documents=0, left_out=0, text_of=_text)))
+    print(text(Outcome(found, documents=0, left_out=0, text_of=_text)))
 
 
 def print_json(data: object) -> None:
