@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from cbdsl.backends.kinematic.links import Links
 from cbdsl.backends.kinematic.paint import Palette
 from cbdsl.backends.kinematic.silhouettes import WHOLE, silhouettes
-from cbdsl.backends.kinematic.solids import WIDTH, placed
+from cbdsl.backends.kinematic.solids import POSITION, WIDTH, placed
 from cbdsl.backends.kinematic.thing import Thing
 from cbdsl.backends.kinematic.tree import Tree
 from cbdsl.backends.kinematic.world import World
@@ -66,7 +66,6 @@ class _Scene:
 
     Attributes:
         solids: the world's, which has new ones when something comes or goes.
-        movable: what is no fixture, where the robot sees motion.
         sights: of all things and spots that it can see.
         targets: their solids and samples, as ``silhouettes`` has them, shape (sights, 2).
         patches: the parts of their surfaces, as ``silhouettes`` has them, shape (sights, 4).
@@ -75,18 +74,34 @@ class _Scene:
 
     def __init__(self, world: World, palette: Palette, cameras: int, sees_motion: bool) -> None:
         self.solids = world.solids
-        self.movable = [thing for thing in world.things.values() if thing.mass and sees_motion]
+        self._before = self.solids.copy()
+        # What is no fixture, where the robot sees motion.
+        things = enumerate(world.things.values())
+        self._movable = [(row, thing) for row, thing in things if thing.mass and sees_motion]
         # What has none of the colours that the robot knows is seen only by its motion.
         self.sights = [
             sight
             for sight in _sights(world, palette)
-            if sight.channels or sight.thing in self.movable
+            if sight.channels or (sight.target, sight.thing) in self._movable
         ]
         count = len(self.sights)
         targets = [(sight.target, sight.samples) for sight in self.sights]
         self.targets = np.array(targets, np.intp).reshape(count, 2)
         self.patches = np.array([sight.patch for sight in self.sights]).reshape(count, 4)
         self.shapes = np.zeros((cameras, count, 4))
+
+    def remember(self) -> None:
+        """Keep where everything is, for the next look."""
+        self._before[:] = self.solids
+
+    def moved(self) -> set[str]:
+        """What has moved since the last look."""
+        now, before = self.solids[:, POSITION], self._before[:, POSITION]
+        return {
+            thing.name
+            for row, thing in self._movable
+            if math.dist(now[row], before[row]) > _LEAST_MOTION
+        }
 
 
 class Limbs:
@@ -152,7 +167,7 @@ class Cameras:
         self._limbs = limbs
         disturbed = disturbance.camera_position or disturbance.camera_rotation
         self._errors = {name: _error(disturbance, rng) for name in robot.cameras if disturbed}
-        self._before: dict[str, list[float]] = {}
+        self._nothing: Mapping[str, Mapping[str, Region]] = {name: {} for name in robot.cameras}
         self._scene = self._scene_of(World())
 
     def _scene_of(self, world: World) -> _Scene:
@@ -163,7 +178,7 @@ class Cameras:
         scene = self._scene
         if scene.solids is not world.solids:
             scene = self._scene = self._scene_of(world)
-        silhouettes(
+        seen = silhouettes(
             scene.solids,
             self._limbs.parts,
             self._limbs.carriers,
@@ -175,7 +190,10 @@ class Cameras:
             self._lenses,
             scene.shapes,
         )
-        moved = self._motion(scene)
+        moved = scene.moved() if seen else set()
+        scene.remember()
+        if not seen:
+            return self._nothing
         return {
             name: self._regions(scene.sights, shapes, moved)
             for name, shapes in zip(self._links, scene.shapes.tolist(), strict=True)
@@ -190,16 +208,6 @@ class Cameras:
             pose = self._tree.pose(link) @ self._errors[name]
             placements[row, :9], placements[row, 9:] = pose.rotation.ravel(), pose.position
         return placements
-
-    def _motion(self, scene: _Scene) -> set[str]:
-        """What has moved since the last look."""
-        moved = set()
-        for thing in scene.movable:
-            position = thing.position.tolist()
-            if math.dist(position, self._before.get(thing.name, position)) > _LEAST_MOTION:
-                moved.add(thing.name)
-            self._before[thing.name] = position
-        return moved
 
     def _regions(
         self, sights: Sequence[_Sight], shapes: Sequence[Sequence[float]], moved: set[str]

@@ -327,8 +327,8 @@ def silhouettes(
     rows: Rows,
     lenses: Floats,
     found: Floats,
-) -> None:
-    """What pinhole cameras see of some solids, which all of them, and parts of links, may hide.
+) -> bool:
+    """Find what pinhole cameras see of some solids, which all of them, and parts of links, may hide.
 
     Args:
         things: the solids, shape (k, 16).
@@ -345,8 +345,12 @@ def silhouettes(
         lenses: focal length, width and height of each camera's image, px, shape (c, 3).
         found: takes visible area, px; column and row of its centroid, px; and 1 where it touches
             the image's border; zeros where nothing is seen; shape (c, n, 4).
+
+    Returns:
+        Whether anything is seen.
     """
     found[:] = 0.0
+    seen = False
     solids = np.empty((len(things) + len(parts), WIDTH))
     solids[: len(things)] = things
     attached = False
@@ -369,3 +373,5 @@ def silhouettes(
             count = _relevant(solids, camera, target, window, views)
             patch = (patches[index, 0], patches[index, 1], patches[index, 2], patches[index, 3])
             _silhouette(views[:count], window, samples, patch, lens, found[which, index])
+            seen |= found[which, index, 0] > 0.0
+    return seen
