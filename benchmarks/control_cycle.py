@@ -123,7 +123,7 @@ def whole(cycle: Cycle, restarts: int) -> list[float]:
 STAGES: Stages = {
     "signals": [(Signals, "update")],
     "controllers": [(ControllerRun, "sense"), (Crew, "act")],
-    "law": [(Law, "compose")],
+    "law": [(Law, "advance")],
     "bounds": [(Actuation, "move")],
     "program": [(ProgramRun, "advance")],
 }

@@ -262,7 +262,7 @@ STAGES: Stages = {
     "kinematics": [(Kinematics, "update"), (Kinematics, "point"), (Kinematics, "curvature")],
     "signals": [(Signals, "update"), (Signals, "read"), (Tips, "manipulator")],
     "levels": [(Crew, "act"), (Task, "act")],
-    "law": [(Law, "compose")],
+    "law": [(Law, "advance")],
     "runtime": [(ControllerRun, "sense"), (Actuation, "move")],
 }
 

@@ -8,8 +8,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from cbdsl.control.composition import Booleans, compose
+from cbdsl.control.composition import Booleans, Integers, compose
 from cbdsl.control.level import Level
+from cbdsl.control.reference import move
 from cbdsl.control.signal import Floats, SignalError, require_finite
 from cbdsl.control.stack import Stack
 
@@ -149,9 +150,7 @@ class Law:
         Raises:
             SignalError: the posture or a level is not finite.
         """
-        step = self._step
-        if step is None or step.stack is not stack:
-            step = self._step = Step.of(stack)
+        step = self._room(stack)
         compose(
             stack.rows,
             stack.newest,
@@ -167,6 +166,49 @@ class Law:
         )
         if math.isnan(step.displacement.item(0)):
             _require_sound(stack, q)
+        return step
+
+    def advance(
+        self, stack: Stack, reference: Floats, positions: Floats, columns: Integers, lead: float
+    ) -> Step:
+        """Compose one tick's displacement and move joint references by it.
+
+        Args:
+            stack: the levels.
+            reference: of all joints, rad, shape (all,).
+            positions: measured, of all joints, rad, shape (all,).
+            columns: which joint each of the stack's n is, shape (n,).
+            lead: how far a reference may be from its joint's position, rad.
+
+        Raises:
+            SignalError: the posture or a level is not finite; nothing has moved.
+        """
+        step = self._room(stack)
+        moved = move(
+            reference,
+            positions,
+            columns,
+            lead,
+            stack.rows,
+            stack.newest,
+            stack.ages,
+            stack.wanted,
+            stack.ends,
+            self._limits,
+            *self._guards,
+            step.displacement,
+            step.locked,
+            step.singular_values,
+        )
+        if not moved:
+            _require_sound(stack, positions[columns])
+        return step
+
+    def _room(self, stack: Stack) -> Step:
+        """Room for the result, the same for the same stack."""
+        step = self._step
+        if step is None or step.stack is not stack:
+            step = self._step = Step.of(stack)
         return step
 
 

@@ -13,7 +13,6 @@ from cbdsl.control.crew import Crew
 from cbdsl.control.law import Law, LawSettings, Step
 from cbdsl.control.stack import Stack
 from cbdsl.documents.robot import RobotDocument
-from cbdsl.robot.compiled import compiled_once
 from cbdsl.robot.signals import Signals
 from cbdsl.runtime.controller_run import ControllerRun
 from cbdsl.runtime.program_run import Active
@@ -48,8 +47,6 @@ class _Composition(NamedTuple):
         runs: its controllers alone.
         columns: indices of its joints among all actuated ones, shape (n,).
         moved: the same for each controller, -1 for joints that it does not move, shape (runs, n).
-        lower: their lower limits with the margin, rad, shape (n,).
-        upper: their upper limits with the margin, rad, shape (n,).
         law: of these joints.
         stack: the levels of its controllers.
         crew: its controllers, as they act in one compiled call.
@@ -60,8 +57,6 @@ class _Composition(NamedTuple):
     runs: tuple[ControllerRun, ...]
     columns: Columns
     moved: Columns
-    lower: Floats
-    upper: Floats
     law: Law
     stack: Stack
     crew: Crew
@@ -72,33 +67,6 @@ class _Composition(NamedTuple):
         self.stack.forget()
         for place, run in enumerate(self.runs):
             run.join(self.stack, place, self.moved[place])
-
-
-@compiled_once
-def advance(
-    reference: Floats,
-    columns: Columns,
-    displacement: Floats,
-    here: Floats,
-    lead: float,
-    lower: Floats,
-    upper: Floats,
-) -> None:
-    """Move references (all,) of the joints ``columns`` (n,) by a displacement (n,), rad.
-
-    Args:
-        here: measured positions, shape (n,).
-        lead: how far a reference may be from them; else a blocked joint's would run away.
-        lower: lower limits with their margin, shape (n,). A joint that is past one comes back at
-            the law's pace, not at once.
-        upper: upper limits with their margin, shape (n,).
-    """
-    for place in range(len(columns)):
-        before = reference[columns[place]]
-        wanted = before + displacement[place]
-        wanted = min(max(wanted, here[place] - lead), here[place] + lead)
-        lowest, highest = min(lower[place], before), max(upper[place], before)
-        reference[columns[place]] = min(max(wanted, lowest), highest)
 
 
 class Actuation:
@@ -144,11 +112,9 @@ class Actuation:
         found.stack.turn()
         if not self._act(found):
             return
-        columns = found.columns
-        here = self._signals.positions[columns]
-        step = self.step = found.law.compose(found.stack, here)
+        positions, columns = self._signals.positions, found.columns
         lead = self._control.lead
-        advance(self.reference, columns, step.displacement, here, lead, found.lower, found.upper)
+        self.step = found.law.advance(found.stack, self.reference, positions, columns, lead)
 
     def _act(self, composition: _Composition) -> bool:
         """Write the levels of this tick; returns whether there are any."""
@@ -189,14 +155,12 @@ class Actuation:
         runs = tuple([item.run for item in active])
         joints = tuple(dict.fromkeys(joint for run in runs for joint in run.controller.joints))
         columns = self._signals.joints.pick(joints)
-        limits, margin = self._signals.kinematics, self.settings.limit_margin
-        lower, upper = limits.lower[columns], limits.upper[columns]
-        law = Law(lower, upper, self.settings)
+        limits = self._signals.kinematics
+        law = Law(limits.lower[columns], limits.upper[columns], self.settings)
         stack = Stack([(run.controller.name, run.size) for run in runs], len(columns))
         moved = np.array([np.where(np.isin(columns, run.own), columns, -1) for run in runs])
         crew = Crew([run.member for run in runs], stack, moved)
-        parts = columns, moved, lower + margin, upper - margin, law, stack, crew
-        return _Composition(active, runs, *parts, _shifts(active))
+        return _Composition(active, runs, columns, moved, law, stack, crew, _shifts(active))
 
 
 def _shifts(active: Sequence[Active]) -> tuple[_Shift, ...]:

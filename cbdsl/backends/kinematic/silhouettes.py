@@ -328,7 +328,7 @@ def silhouettes(
     lenses: Floats,
     found: Floats,
 ) -> bool:
-    """Find what pinhole cameras see of some solids, which all of them, and parts of links, may hide.
+    """Find what pinhole cameras see of solids, which all of them, and parts of links, may hide.
 
     Args:
         things: the solids, shape (k, 16).
