@@ -257,7 +257,7 @@ def _write(
     import json
 
     from cbdsl.reproduction.registry import EXPERIMENTS
-    from cbdsl.reproduction.report import heading, page, section
+    from cbdsl.reproduction.report import heading, page, picture_file, section
     from cbdsl.yaml_text.writer import write_text
 
     if out.suffix == ".json":
@@ -267,7 +267,7 @@ def _write(
     if outcome.charts:
         pictures.mkdir(exist_ok=True)
     for chart in outcome.charts:
-        write_text(chart.svg(), pictures / f"{chart.name}.svg")
+        write_text(chart.svg(), pictures / picture_file(chart, experiment, settings))
     before = out.read_text(encoding="utf-8") if out.exists() else ""
     new = {heading(experiment, settings): section(experiment, settings, outcome, pictures.name)}
     write_text(page(before, new, EXPERIMENTS), out)

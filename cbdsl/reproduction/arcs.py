@@ -9,10 +9,8 @@ from typing import NamedTuple
 
 from cbdsl.language.expression import SUBJECT_TO
 from cbdsl.learning.experience import Experience
+from cbdsl.program.drawing.policy_graph import ABOVE
 from cbdsl.runtime.policy import matches
-
-#: The source draws an arc where more than this share of what leaves its state takes it.
-LEAST = 0.2
 
 
 class Arc(NamedTuple):
@@ -66,7 +64,7 @@ def _parts(action: str) -> frozenset[str]:
     return frozenset(action.split(SUBJECT_TO))
 
 
-def diagram_of(experiences: Iterable[Experience], least: float = LEAST) -> dict[Arc, float]:
+def diagram_of(experiences: Iterable[Experience], least: float = ABOVE) -> dict[Arc, float]:
     """The arcs that are drawn, with the share of what leaves their state.
 
     Args:

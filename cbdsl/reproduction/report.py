@@ -6,7 +6,7 @@ import math
 import re
 from collections.abc import Iterable, Mapping
 
-from cbdsl.reproduction.experiment import Experiment, Outcome, Settings
+from cbdsl.reproduction.experiment import Experiment, Outcome, Picture, Settings
 from cbdsl.reproduction.quantity import Quantity
 
 _HEADER = """\
@@ -69,8 +69,14 @@ def section(experiment: Experiment, settings: Settings, outcome: Outcome, pictur
     for note in outcome.notes:
         lines += [note, ""]
     for chart in outcome.charts:
-        lines += [f"![{chart.title}]({pictures}/{chart.name}.svg)", ""]
+        lines += [f"![{chart.title}]({pictures}/{picture_file(chart, experiment, settings)})", ""]
     return "\n".join(lines)
+
+
+def picture_file(picture: Picture, experiment: Experiment, settings: Settings) -> str:
+    """Name of the file of a picture: no two sections share one."""
+    _, _, backend = heading(experiment, settings).partition(" on ")
+    return f"{picture.name}-{backend}.svg" if backend else f"{picture.name}.svg"
 
 
 def heading(experiment: Experiment, settings: Settings) -> str:

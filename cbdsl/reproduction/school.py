@@ -120,10 +120,16 @@ class School:
             BackendError, EpisodeError: the simulator cannot run them.
             OSError: they cannot be kept.
         """
-        file = shipped_file(self._library, ProgramDocument, lesson.program)
-        program = check_program(file, {}, self._library)
-        program = program._replace(actions=lesson.actions(program))
-        return [self._follow(lesson, program, file, n) for n in self.numbers(lesson)]
+        program = self.program(lesson)
+        return [self._follow(lesson, program, n) for n in self.numbers(lesson)]
+
+    def program(self, lesson: Lesson) -> CheckedProgram:
+        """What is learned in a lesson, with the actions that can be chosen from."""
+        program = check_program(self._file(lesson), {}, self._library)
+        return program._replace(actions=lesson.actions(program))
+
+    def _file(self, lesson: Lesson) -> Path:
+        return shipped_file(self._library, ProgramDocument, lesson.program)
 
     def greedy(
         self,
@@ -174,12 +180,12 @@ class School:
         self._advance(1)
         self._watcher.note(number, experience, seconds)
 
-    def _follow(self, lesson: Lesson, program: CheckedProgram, file: Path, number: int) -> Learned:
+    def _follow(self, lesson: Lesson, program: CheckedProgram, number: int) -> Learned:
         """One trial, from its beginning or from where it was interrupted."""
         settings, episodes = self._settings, self.episodes(lesson)
         stage = self._stage(lesson)
         setting = Setting(
-            program_sha256=program_digest(file, self._library),
+            program_sha256=program_digest(self._file(lesson), self._library),
             robot=self._robot,
             stage=stage,
             backend=settings.backend,

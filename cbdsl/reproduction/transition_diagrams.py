@@ -7,9 +7,11 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 from cbdsl.language.expression import SUBJECT_TO
-from cbdsl.reproduction.arcs import LEAST, Arc, DrawnArc, diagram_of
+from cbdsl.program.checked import CheckedProgram
+from cbdsl.program.drawing.policy_graph import ABOVE
+from cbdsl.reproduction.arcs import Arc, DrawnArc, diagram_of
 from cbdsl.reproduction.checks import Check, Schedule, checks, schedule
-from cbdsl.reproduction.diagram import Diagram
+from cbdsl.reproduction.diagram import Diagram, graph_of
 from cbdsl.reproduction.experiment import Outcome, Settings
 from cbdsl.reproduction.interval import exact_interval
 from cbdsl.reproduction.learned_in import learned_in_quantities
@@ -128,7 +130,8 @@ def run(settings: Settings, name: str) -> Outcome:
     diagrams: list[Diagram] = []
     with school(settings) as dexter:
         found = gather(dexter, settings, name)
-    for drawn, trials in zip(DRAWN[name], found, strict=True):
+        programs = [dexter.program(lesson) for lesson in lessons(name)]
+    for drawn, program, trials in zip(DRAWN[name], programs, found, strict=True):
         last = [each[-1] for each in trials]
         quantities += _quantities(drawn, last)
         quantities.append(_rewarded(drawn.lesson, last))
@@ -137,7 +140,7 @@ def run(settings: Settings, name: str) -> Outcome:
             quantities += learned_in_quantities(
                 drawn.lesson, trials, source, expected, settings.seed
             )
-        diagrams.append(_typical(name, drawn.lesson, last))
+        diagrams.append(_typical(name, drawn.lesson, program, last))
     return Outcome(tuple(quantities), tuple(diagrams), _notes(plan))
 
 
@@ -225,14 +228,14 @@ def _percent(hits: int, trials: int) -> Interval:
     return 100 * low, 100 * high
 
 
-def _typical(name: str, lesson: Lesson, found: Sequence[Check]) -> Diagram:
+def _typical(name: str, lesson: Lesson, program: CheckedProgram, found: Sequence[Check]) -> Diagram:
     """The diagram of the trial whose arcs have the most in common with those of all trials."""
     diagrams = [diagram_of(check.experiences) for check in found]
     likeness = [sum(_likeness(each, other) for other in diagrams) for each in diagrams]
     trial = likeness.index(max(likeness))
-    members = next(iter(diagrams[trial])).state
-    title = f"{lesson.label}: greedy policy of trial {trial}, arcs above {100 * LEAST:.0f} %"
-    return Diagram(f"{name}-{lesson.name}", title, "X" * len(members), diagrams[trial])
+    graph = graph_of(f"{lesson.name}_{trial}", program, found[trial].experiences)
+    title = f"{lesson.label}: greedy policy of trial {trial}, arcs above {100 * ABOVE:.0f} %"
+    return Diagram(f"{name}-{lesson.name}", title, graph)
 
 
 def _likeness(one: Mapping[Arc, float], other: Mapping[Arc, float]) -> float:
@@ -243,7 +246,7 @@ def _likeness(one: Mapping[Arc, float], other: Mapping[Arc, float]) -> float:
 def _notes(plan: Schedule) -> tuple[str, ...]:
     return (
         f"After a trial, its greedy policy runs {plan.held_out} episodes that it did not learn "
-        f"from. An arc is there if more than {100 * LEAST:.0f} % of what leaves its state takes "
+        f"from. An arc is there if more than {100 * ABOVE:.0f} % of what leaves its state takes "
         "it, and counts as reproduced if most trials have it; where a context of the stage is "
         "named, only episodes in it count. The picture shows the trial whose arcs have the most in "
         "common with those of the others.",

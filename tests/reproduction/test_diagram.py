@@ -1,41 +1,56 @@
-"""Transition diagrams are well-formed pictures of their states and arcs."""
+"""Transition diagrams show what followed what in the episodes of a greedy policy."""
 
 from __future__ import annotations
 
 import xml.etree.ElementTree as ET
 
+import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from cbdsl.reproduction.arcs import Arc
-from cbdsl.reproduction.diagram import Diagram
+from cbdsl.learning.experience import Experience
+from cbdsl.reproduction.arcs import Arc, diagram_of
+from cbdsl.reproduction.diagram import Diagram, graph_of
+from tests.conftest import Checked
 
-SVG = "{http://www.w3.org/2000/svg}"
-STATES = st.text("X01-", min_size=2, max_size=2)
-ARCS = st.builds(Arc, STATES, st.sampled_from(["a", "b ◁ a"]), STATES)
+from .lessons import experience
 
-
-@given(st.dictionaries(ARCS, st.floats(0.2, 1.0), min_size=1, max_size=8))
-def test_every_state_and_every_arc_is_shown_within_the_picture(arcs: dict[Arc, float]) -> None:
-    root = ET.fromstring(Diagram("name", "a < b", "XX", arcs).svg())
-    _, _, width, height = (float(each) for each in root.attrib["viewBox"].split())
-    circles = [(float(c.attrib["cx"]), float(c.attrib["cy"])) for c in root.iter(f"{SVG}circle")]
-    states = {"XX", *(arc.state for arc in arcs), *(arc.next_state for arc in arcs)}
-    assert len(circles) == len(set(circles)) == len(states)
-    assert all(0 < x < width and 0 < y < height for x, y in circles)
-    texts = [each.text or "" for each in root.iter(f"{SVG}text")]
-    for arc, share in arcs.items():
-        assert f"{arc.action} {100 * share:.0f} %" in texts
-    curves = [each for each in root.iter(f"{SVG}path") if "marker-end" in each.attrib]
-    assert len(curves) == len({(arc.state, arc.next_state) for arc in arcs})
+# Of a greedy policy: one action for each state.
+CHOSEN = {"XX": "search", "X0": "search ◁ track", "X-": "track"}
+STATES = st.sampled_from(list(CHOSEN))
 
 
-def test_states_stand_in_columns_by_how_soon_they_are_reached() -> None:
-    arcs = {Arc("XX", "a", "X0"): 1.0, Arc("X0", "a", "X1"): 1.0, Arc("11", "a", "X0"): 1.0}
-    root = ET.fromstring(Diagram("name", "title", "XX", arcs).svg())
-    across = {
-        each.text: float(each.attrib["x"])
-        for each in root.iter(f"{SVG}text")
-        if each.text in ("XX", "X0", "X1", "11")
+def walked(states: list[str], rewarded: bool) -> Experience:
+    """An episode from XX through states to the last one, which ends it."""
+    passed = zip(["XX", *states], [*states, "X1"], strict=True)
+    return experience(*((a, CHOSEN[a], b) for a, b in passed), reward=int(rewarded))
+
+
+@given(st.lists(st.tuples(st.lists(STATES, max_size=4), st.booleans()), min_size=1, max_size=6))
+def test_arcs_have_their_shares_of_what_left_their_states(
+    checked: Checked, episodes: list[tuple[list[str], bool]]
+) -> None:
+    experiences = [walked(*episode) for episode in episodes]
+    graph = graph_of("some", checked("searchtrack"), experiences)
+    expected = diagram_of(experiences)
+    drawn = {Arc(a.source, CHOSEN[a.source], a.target): a.share for a in graph.arcs}
+    # What cannot be reached by arcs that are drawn is left out of the picture.
+    assert drawn.keys() <= expected.keys()
+    assert drawn == pytest.approx({arc: expected[arc] for arc in drawn})
+    assert "XX" in {decision.state for decision in graph.decisions}
+    always = all(reward for _, reward in episodes)
+    assert graph.rewarded == ({"X1"} if always else set())
+
+
+def test_the_picture_is_that_of_the_policy(checked: Checked) -> None:
+    graph = graph_of("some_7", checked("searchtrack"), [walked(["X-", "X0"], rewarded=True)])
+    diagram = Diagram("fig", "a < b", graph)
+    told = " ".join(ET.fromstring(diagram.svg()).itertext())
+    assert all(action in told for action in CHOSEN.values())
+    assert diagram.data() == {
+        "arcs": [
+            ["XX", "search", "X-", 1.0],
+            ["X-", "track", "X0", 1.0],
+            ["X0", "search ◁ track", "X1", 1.0],
+        ]
     }
-    assert sorted(across, key=lambda state: across[str(state)]) == ["XX", "X0", "X1", "11"]

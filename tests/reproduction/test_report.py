@@ -1,0 +1,18 @@
+"""Sections of the page do not share their pictures."""
+
+from __future__ import annotations
+
+from cbdsl.reproduction.chart import Chart
+from cbdsl.reproduction.experiment import Outcome, Settings
+from cbdsl.reproduction.registry import EXPERIMENTS
+from cbdsl.reproduction.report import picture_file, section
+
+
+def test_each_section_has_pictures_of_its_own() -> None:
+    chart = Chart("fig-4.4", "Some", "x", "y", ())
+    learns, other = EXPERIMENTS["fig-4.4"], EXPERIMENTS["fig-3.4"]
+    kinematic, bullet = Settings(), Settings(backend="bullet")
+    assert picture_file(chart, learns, kinematic) == "fig-4.4.svg"
+    assert picture_file(chart, learns, bullet) == "fig-4.4-bullet.svg"
+    assert picture_file(chart, other, bullet) == "fig-4.4.svg"
+    assert "(page/fig-4.4-bullet.svg)" in section(learns, bullet, Outcome((), (chart,)), "page")
