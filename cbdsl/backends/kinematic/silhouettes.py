@@ -92,10 +92,13 @@ def _circumscribed(solid: Floats) -> float:
 
 
 @compiled
-def _frame(solid: Floats, centre: Floats, axes: Floats) -> tuple[float, float, float, float]:
+def _frame(solid: Floats, centre: Floats, view: Floats) -> tuple[float, float, float, float]:
     """Slopes within which a solid is seen: (left, right, bottom, top) as y / x and z / x.
 
-    ``centre`` and ``axes`` are the solid's in the camera's frame.
+    Args:
+        solid: shape (16,).
+        centre: the solid's in the camera's frame, m, shape (3,).
+        view: has the solid's axes in the camera's frame, see ``_view``.
     """
     radius = solid[1]
     if solid[0] != BALL:
@@ -111,9 +114,9 @@ def _frame(solid: Floats, centre: Floats, axes: Floats) -> tuple[float, float, f
         a = solid[1] if corner & 1 else -solid[1]
         b = solid[2] if corner & 2 else -solid[2]
         c = solid[3] if corner & 4 else -solid[3]
-        x = centre[0] + axes[0, 0] * a + axes[0, 1] * b + axes[0, 2] * c
-        y = (centre[1] + axes[1, 0] * a + axes[1, 1] * b + axes[1, 2] * c) / x
-        z = (centre[2] + axes[2, 0] * a + axes[2, 1] * b + axes[2, 2] * c) / x
+        x = centre[0] + view[7] * a + view[8] * b + view[9] * c
+        y = (centre[1] + view[10] * a + view[11] * b + view[12] * c) / x
+        z = (centre[2] + view[13] * a + view[14] * b + view[15] * c) / x
         left, right = min(left, y), max(right, y)
         bottom, top = min(bottom, z), max(top, z)
     return left, right, bottom, top
@@ -130,19 +133,20 @@ def _view(solid: Floats, camera: Floats, view: Floats) -> None:
             in the camera's frame; the slopes within which it is seen; and how far ahead it begins
             and ends, m; shape (22,).
     """
-    centre, axes = np.empty(3), view[7:16].reshape(3, 3)
+    centre = np.empty(3)
     x, y, z = solid[4] - camera[9], solid[5] - camera[10], solid[6] - camera[11]
     for i in range(3):
         centre[i] = camera[i] * x + camera[3 + i] * y + camera[6 + i] * z
         for j in range(3):
-            axes[i, j] = (
+            view[7 + 3 * i + j] = (
                 camera[i] * solid[7 + j]
                 + camera[3 + i] * solid[10 + j]
                 + camera[6 + i] * solid[13 + j]
             )
-    view[:4] = solid[:4]
+    for i in range(4):
+        view[i] = solid[i]
     view[4], view[5], view[6] = into(solid, -x, -y, -z)
-    view[16], view[17], view[18], view[19] = _frame(solid, centre, axes)
+    view[16], view[17], view[18], view[19] = _frame(solid, centre, view)
     radius = _circumscribed(solid)
     view[20], view[21] = centre[0] - radius, centre[0] + radius
 
@@ -349,10 +353,11 @@ def silhouettes(
     Returns:
         Whether anything is seen.
     """
-    found[:] = 0.0
     seen = False
     solids = np.empty((len(things) + len(parts), WIDTH))
-    solids[: len(things)] = things
+    for index in range(len(things)):
+        for i in range(WIDTH):
+            solids[index, i] = things[index, i]
     attached = False
     views = np.empty((len(solids), 22))
     for which in range(len(rows)):
@@ -361,6 +366,8 @@ def silhouettes(
         aside, above = 0.5 * lens[1] / lens[0], 0.5 * lens[2] / lens[0]
         for index in range(len(targets)):
             target, samples = targets[index, 0], targets[index, 1]
+            for i in range(4):
+                found[which, index, i] = 0.0
             _view(solids[target], camera, views[0])
             left, right = max(views[0, 16], -aside), min(views[0, 17], aside)
             bottom, top = max(views[0, 18], -above), min(views[0, 19], above)

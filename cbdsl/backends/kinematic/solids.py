@@ -52,7 +52,8 @@ def attach(parts: Floats, placements: Floats, carriers: Rows, solids: Floats) ->
     """
     for index in range(len(parts)):
         part, own, place = parts[index], solids[index], placements[carriers[index]]
-        own[:4] = part[:4]
+        for i in range(4):
+            own[i] = part[i]
         for i in range(3):
             own[4 + i] = place[9 + i]
             for k in range(3):

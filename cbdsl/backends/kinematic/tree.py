@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from cbdsl.backends.kinematic.links import numbers, origin
 from cbdsl.backends.pose import Pose
-from cbdsl.robot.compiled import compiled_once
+from cbdsl.robot.compiled import compiled, compiled_once
 from cbdsl.robot.joints import Joints
 
 Floats = NDArray[np.float64]
@@ -133,12 +133,7 @@ def _place(
             continue
         angles[joint] = angle
         parent, own = placed[follows[joint, 0]], placed[joint + 1]
-        x, y, z = local[12], local[13], local[14]
-        sine, cosine = math.sin(angle), math.cos(angle)
-        rest = 1.0 - cosine
-        turn[0] = cosine + rest * x * x, rest * x * y - sine * z, rest * x * z + sine * y
-        turn[1] = rest * x * y + sine * z, cosine + rest * y * y, rest * y * z - sine * x
-        turn[2] = rest * x * z - sine * y, rest * y * z + sine * x, cosine + rest * z * z
+        _rotate(local[12], local[13], local[14], angle, turn)
         for i in range(3):
             own[9 + i] = parent[9 + i]
             for k in range(3):
@@ -155,3 +150,18 @@ def _place(
                     + turned[i, 1] * turn[1, k]
                     + turned[i, 2] * turn[2, k]
                 )
+
+
+@compiled
+def _rotate(x: float, y: float, z: float, angle: float, turn: Floats) -> None:
+    """The rotation (3, 3) about a unit axis, entry by entry: rows would take long to compile."""
+    sine, cosine = math.sin(angle), math.cos(angle)
+    rest = 1.0 - cosine
+    turn[0, 0], turn[1, 1], turn[2, 2] = (
+        cosine + rest * x * x,
+        cosine + rest * y * y,
+        cosine + rest * z * z,
+    )
+    turn[0, 1], turn[1, 0] = rest * x * y - sine * z, rest * x * y + sine * z
+    turn[0, 2], turn[2, 0] = rest * x * z + sine * y, rest * x * z - sine * y
+    turn[1, 2], turn[2, 1] = rest * y * z - sine * x, rest * y * z + sine * x
