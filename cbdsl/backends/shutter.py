@@ -16,9 +16,6 @@ class Shutter:
 
     def opens(self, tick: int) -> bool:
         """Whether the time for an image came within the last tick; the first is at tick 0."""
-        return tick == 0 or self._images(tick) > self._images(tick - 1)
-
-    def _images(self, tick: int) -> int:
-        """How many are due by then."""
-        # The small share keeps rounding from putting an image off to the next tick.
-        return int(tick * self._per_tick + 1e-6)
+        # Images that are due by then, and a small share that keeps rounding from putting one off.
+        due = tick * self._per_tick + 1e-6
+        return tick == 0 or int(due) > int(due - self._per_tick)

@@ -69,7 +69,7 @@ class KinematicBackend:
         self._tree = Tree(urdf, self._joints, robot.base)
         self.control_period = 1 / rate_of(robot)
         self._shutter = Shutter(robot.vision.rate, self.control_period)
-        self._servos = Servos(kinematics, links, self.control_period)
+        self._servos = Servos(kinematics, links, self._tree, self.control_period)
         self._hands = Hands(robot, kinematics, self._tree, links)
         self._limbs = Limbs(robot, kinematics, self._tree, links)
         self._palette = Palette(robot.vision.channels)
@@ -123,7 +123,6 @@ class KinematicBackend:
         """Let one control period pass."""
         before = self._positions
         self._positions, self._velocities = self._servos.follow(before, self._reference)
-        self._tree.update(self._positions)
         self._experimenter.act(self._tick * self.control_period, touched=self._handling.touched)
         self._handling.move(self.control_period)
         if self._handling.touch():

@@ -96,12 +96,12 @@ class _Scene:
 
     def moved(self) -> set[str]:
         """What has moved since the last look."""
-        now, before = self.solids[:, POSITION], self._before[:, POSITION]
-        return {
-            thing.name
-            for row, thing in self._movable
-            if math.dist(now[row], before[row]) > _LEAST_MOTION
-        }
+        return {thing.name for row, thing in self._movable if self._shift(row) > _LEAST_MOTION}
+
+    def _shift(self, row: int) -> float:
+        """How far one of the solids has moved since then, m."""
+        now, before = self.solids[row, POSITION], self._before[row, POSITION]
+        return math.dist(now.tolist(), before.tolist())
 
 
 class Limbs:

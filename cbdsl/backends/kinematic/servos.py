@@ -1,4 +1,7 @@
-"""Ideal servos: joints are where their references are, as far as speeds and limits allow."""
+"""Ideal servos: joints are where their references are, as far as speeds and limits allow.
+
+Joints carry links: both move in one compiled call.
+"""
 
 from __future__ import annotations
 
@@ -6,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cbdsl.backends.kinematic.links import Links
+from cbdsl.backends.kinematic.tree import Booleans, Rows, Tree, place
 from cbdsl.robot.compiled import compiled_once
 from cbdsl.robot.kinematics import Kinematics
 
@@ -18,23 +22,28 @@ class Servos:
     Args:
         kinematics: knows the joints and their limits.
         links: knows their speed limits.
+        tree: of the links that they move.
         period: of a control tick, s.
     """
 
-    def __init__(self, kinematics: Kinematics, links: Links, period: float) -> None:
+    def __init__(self, kinematics: Kinematics, links: Links, tree: Tree, period: float) -> None:
         self._period = period
         speeds = np.array([links.speeds[name] for name in kinematics.joints.names])
+        self._chain = tree.chain
         self._limits = np.array((period * speeds, kinematics.lower, kinematics.upper))
 
     def follow(self, positions: Floats, reference: Floats) -> tuple[Floats, Floats]:
-        """Where the joints are a tick later, rad, and how fast they went, rad/s, shape (n,) each.
+        """Move to where the joints are a tick later, and take the links along.
 
         Args:
             positions: of the joints now, rad, shape (n,).
             reference: where they are to be, rad, shape (n,).
+
+        Returns:
+            Where they are, rad, and how fast they went, rad/s, shape (n,) each.
         """
         reached, velocities = np.empty_like(positions), np.empty_like(positions)
-        _follow(positions, reference, self._limits, self._period, reached, velocities)
+        _follow(positions, reference, self._limits, self._period, reached, velocities, *self._chain)
         return reached, velocities
 
 
@@ -46,11 +55,21 @@ def _follow(
     period: float,
     reached: Floats,
     velocities: Floats,
+    follows: Rows,
+    parts: Floats,
+    angles: Floats,
+    moved: Booleans,
+    placed: Floats,
 ) -> None:
-    """Fill the last two; ``limits`` has the largest step, the lower and the upper limit, (3, n)."""
+    """Fill in what is reached, and how fast, and place the links.
+
+    ``limits`` are the largest step, the lower and the upper limit, shape (3, n); what comes after
+    the velocities is a tree's chain.
+    """
     for joint in range(len(positions)):
         step, lower, upper = limits[0, joint], limits[1, joint], limits[2, joint]
         least, most = positions[joint] - step, positions[joint] + step
         wanted = min(max(reference[joint], least), most)
         reached[joint] = min(max(wanted, lower), upper)
         velocities[joint] = (reached[joint] - positions[joint]) / period
+    place(reached, follows, parts, angles, moved, placed)

@@ -31,6 +31,7 @@ class Tree:
         rows: the row of each link in ``placements``.
         placements: of all links in the world: rotation, row by row, then position, m, shape
             (links, 12); always the same array.
+        chain: all that ``place`` takes but the joints' positions.
     """
 
     def __init__(self, urdf: Path, joints: Joints, base: str) -> None:
@@ -45,9 +46,9 @@ class Tree:
         ratios = np.array([_ratios(joint.get("name", ""), joints) for joint in ordered])
         # A passive joint follows one actuated joint, and an actuated one itself.
         columns = np.argmax(np.abs(ratios), axis=1)
-        self._follows = np.column_stack((parents, columns))
+        follows = np.column_stack((parents, columns))
         poses = [origin(joint.find("origin")) for joint in ordered]
-        self._joints = np.array(
+        parts = np.array(
             [
                 [*pose.rotation.ravel(), *pose.position, *_axis(joint), ratio]
                 for joint, pose, ratio in zip(
@@ -56,16 +57,16 @@ class Tree:
             ]
         )
         # No joint is there yet.
-        self._angles = np.full(len(ordered), np.nan)
-        self._moved = np.zeros(len(self.rows), np.bool_)
+        angles, moved = np.full(len(ordered), np.nan), np.zeros(len(self.rows), np.bool_)
         self.placements: Floats = np.zeros((len(self.rows), 12))
+        self.chain = follows, parts, angles, moved, self.placements
         self.placements[0, [0, 4, 8]] = 1.0
         self._poses = {link: _pose(self.placements[row]) for link, row in self.rows.items()}
         self.update(np.zeros(len(joints)))
 
     def update(self, positions: Floats) -> None:
         """Set the actuated joints' positions, rad, shape (n,)."""
-        _place(self._follows, self._joints, positions, self._angles, self._moved, self.placements)
+        place(positions, *self.chain)
 
     def pose(self, link: str) -> Pose:
         """Where a link is, until the next update changes it."""
@@ -104,10 +105,10 @@ def _outwards(
 
 
 @compiled_once
-def _place(
+def place(
+    positions: Floats,
     follows: Rows,
     joints: Floats,
-    positions: Floats,
     angles: Floats,
     moved: Booleans,
     placed: Floats,
@@ -115,11 +116,11 @@ def _place(
     """Place all links beyond the base that something moves.
 
     Args:
+        positions: of the actuated joints, rad, shape (n,).
         follows: row of the link that each joint leaves from, and the actuated joint that it
             follows, shape (joints, 2).
         joints: origin of each joint in that link's frame, as a placement, the unit vector of its
             axis, and how far it follows, shape (joints, 16).
-        positions: of the actuated joints, rad, shape (n,).
         angles: of all joints when they were last placed, rad, shape (joints,).
         moved: takes whether each link moves, shape (1 + joints,); the base does not.
         placed: the placements of all links, shape (1 + joints, 12).
