@@ -143,10 +143,9 @@ class Vision:
 
     def _seen(self, observation: Observation) -> Mapping[str, Sequence[tuple[str, Region]]]:
         """The region of each wanted channel that has one, by camera."""
-        found: dict[str, Mapping[str, Region]] = {
+        found = observation.regions or {
             name: self._filters[name].regions(image) for name, image in observation.images.items()
         }
-        found.update(observation.regions)
         least = self._settings.least_area
         return {
             name: [

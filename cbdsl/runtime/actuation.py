@@ -105,10 +105,12 @@ class Actuation:
         if not active:
             self._last = None
             return
-        found = self._composition(active)
-        if found is not self._last:
-            self._last = found
-            found.begin()
+        found = self._last
+        if found is None or active is not found.active:
+            found = self._composition(active)
+            if found is not self._last:
+                self._last = found
+                found.begin()
         found.stack.turn()
         if not self._act(found):
             return
@@ -142,8 +144,6 @@ class Actuation:
 
     def _composition(self, active: Sequence[Active]) -> _Composition:
         """What acts, made when it acts for the first time."""
-        if self._last is not None and active is self._last.active:
-            return self._last
         key = tuple([(item.run, tuple(item.peers)) for item in active])
         found = self._compositions.get(key)
         if found is None:

@@ -42,6 +42,7 @@ from cbdsl.types.resource import (
 Floats = NDArray[np.float64]
 
 _SEEN = (Heading, Headings, StereoPosition)
+_FELT = (FingerForces, NetForces)
 _PROPRIOCEPTIVE = (Tip, EffectorConfiguration)
 _NOTHING = Reading(np.zeros(0), np.zeros((0, 0)), 0)
 
@@ -281,10 +282,11 @@ class ControllerRun:
         """
         if self._always_defined:
             return self._read(reference)
-        # Of a force, this takes less time than to read it.
-        if not self._signals.defined(self.controller.feedback):
+        source = self.controller.feedback.source
+        # Forces along normals can be read without contact, too.
+        if isinstance(source, _FELT) and not self._signals.defined(self.controller.feedback):
             return None
-        feedback, source = self._read(reference), self.controller.feedback.source
+        feedback = self._read(reference)
         if feedback is None:
             return None
         moves = self._moves or bool(feedback.jacobian.take(self.own, axis=1).any())

@@ -105,7 +105,7 @@ class Runner:
         seed: int,
         context: str | None = None,
         on_transition: TransitionListener = lambda transition: None,
-        on_tick: TickListener = lambda tick: None,
+        on_tick: TickListener | None = None,
     ) -> EpisodeResult:
         """Run one episode; the same seed gives the same episode.
 
@@ -140,7 +140,8 @@ class Runner:
                 run.advance()
             except (SensorError, SignalError, ConvergenceError) as error:
                 raise EpisodeError(f"seed {seed}, {observation.time:.2f} s: {error}") from error
-            on_tick(Tick(observation, self.signals, run, actuation))
+            if on_tick is not None:
+                on_tick(Tick(observation, self.signals, run, actuation))
             if run.predicate != "0":
                 break
             ticks += 1

@@ -40,7 +40,7 @@ class Handling:
         # What ``Hands.touch`` finds, now and a tick ago.
         shape = len(hands.cells), len(world.things), 7
         self._found, self._before = np.zeros(shape), np.zeros(shape)
-        self._wrenches = np.zeros((len(hands.cells), 6))
+        self._wrenches, self._nothing = np.zeros((2, len(hands.cells), 6))
 
     @property
     def contacts(self) -> list[Contact]:
@@ -104,6 +104,9 @@ class Handling:
             world frame, shape (cells, 6); until the next step.
         """
         wrenches, thing, grasp = self._wrenches, self._thing, self._grasp
+        if not self._touching and (grasp is None or not grasp.holders):
+            self.touched = False
+            return self._nothing
         wrenches.fill(0.0)
         if self._touching:
             _press(self._found, STIFFNESS, wrenches)
