@@ -96,6 +96,15 @@ TransitionTime = Annotated[
         "--transition-time", min=0.1, max=86400, help="Its longest action, s [the program's]."
     ),
 ]
+IdleTime = Annotated[
+    float | None,
+    typer.Option(
+        "--idle-time",
+        min=0.1,
+        max=86400,
+        help="Its longest action that none of its controllers is defined in, s [the program's].",
+    ),
+]
 
 
 def learn(
@@ -120,6 +129,7 @@ def learn(
     prior: Prior = 10.0,
     transitions: Transitions = None,
     transition_time: TransitionTime = None,
+    idle_time: IdleTime = None,
 ) -> None:
     """Learn what a program's actions are good for, from zero, by discovering affordances.
 
@@ -141,7 +151,7 @@ def learn(
     _require_one_place(workers, scheduler)
     order = read_order(program, stage, None, read_assignments(with_))
     _tell_of_no_reward(order)
-    lesson = _lesson(order.program, sequential, transitions, transition_time)
+    lesson = _lesson(order.program, sequential, transitions, transition_time, idle_time)
     with needing_simulation():
         constants = _constants(gamma, alpha, epsilon, density, bandwidth, prior)
         first = _assignment(order, lesson, constants, backend, seed, episodes, context, out)
@@ -200,12 +210,14 @@ def _lesson(
     sequential: bool,
     transitions: int | None,
     transition_time: float | None,
+    idle_time: float | None,
 ) -> CheckedProgram:
     """The program with the actions and limits of the trial."""
     return program._replace(
         actions=program.sequential_actions if sequential else program.actions,
         transitions=transitions or program.transitions,
         transition_time=transition_time or program.transition_time,
+        idle_time=idle_time or program.idle_time,
     )
 
 

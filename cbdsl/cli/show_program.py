@@ -72,6 +72,7 @@ def program_data(program: CheckedProgram) -> dict[str, object]:
         "limits": {
             "transitions": program.transitions,
             "transition_time": program.transition_time,
+            "idle_time": program.idle_time,
         },
         "resources": [
             {

@@ -68,6 +68,7 @@ EXAMPLES: Mapping[str, tuple[Any, ...]] = {
     "Obstacle.center": ("left_arm.position",),
     "Obstacle.radius": ("12 cm",),
     "Limits.transition_time": ("15 s",),
+    "Limits.idle_time": ("1 s",),
     "Ball.radius": ("5 cm", ["5 cm", "10 cm"]),
     "Box.size": (["10 cm", "10 cm", "10 cm"],),
     "Cylinder.radius": ("7 cm",),

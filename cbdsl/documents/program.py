@@ -173,6 +173,8 @@ class Limits(Section):
     """T of Algorithm 1, in state transitions."""
     transition_time: Duration = 20.0
     """Simulated time that one action may run without a change of state."""
+    idle_time: Duration | None = None
+    """The same while none of its controllers is defined, so that nothing moves, if that is less."""
 
 
 class ProgramDocument(Document):

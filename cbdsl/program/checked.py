@@ -37,6 +37,7 @@ class CheckedProgram(NamedTuple):
         background: what runs below every action.
         transitions: most state transitions in an episode.
         transition_time: longest time one action may run without a change of state, s.
+        idle_time: the same while none of its controllers is defined, s.
     """
 
     name: str
@@ -50,6 +51,7 @@ class CheckedProgram(NamedTuple):
     background: Composition | None
     transitions: int
     transition_time: float
+    idle_time: float
 
     @property
     def sequential_actions(self) -> tuple[Action, ...]:

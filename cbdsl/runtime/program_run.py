@@ -72,6 +72,8 @@ class ProgramRun:
         self._signals = signals
         self._period = period
         self._depth = depth
+        # Whether an action may last as long where nothing moves as anywhere else.
+        self._is_patient = program.idle_time >= program.transition_time
         self._written = WrittenPolicy(program.policy)
         self._actions = {action.name: action for action in program.actions}
         make = _ControllerRuns(signals, period)
@@ -143,7 +145,7 @@ class ProgramRun:
         self.rewarded = False
         self.transitions = 0
         self._action: Action | None = None
-        self._ticks = 0
+        self._ticks = self._idle_ticks = 0
 
     def activate(self) -> None:
         """Start anew unless it is running."""
@@ -195,13 +197,19 @@ class ProgramRun:
         state = self._read_state(self._action)
         # A program has transitions of its own to run out of. It may also end the way it ended
         # before, within one tick, and then it is over although the state has not changed.
-        overdue = (
-            self._ticks * self._period > self.program.transition_time
-            if child is None
-            else child.predicate != "0"
-        )
+        overdue = self._is_overdue(self._action) if child is None else child.predicate != "0"
         if state != self.state or overdue:
             self._transit(state)
+
+    def _is_overdue(self, action: Action) -> bool:
+        """Whether controllers have acted for as long as they may, or not acted for so long."""
+        if self._ticks * self._period > self.program.transition_time:
+            return True
+        if self._is_patient:
+            return False
+        acts = any(run.predicate != "-" or run.seeking for run in self._stacks[action.name])
+        self._idle_ticks = 0 if acts else self._idle_ticks + 1
+        return self._idle_ticks * self._period > self.program.idle_time
 
     def _read_state(self, action: Action) -> str:
         """The members' predicates while ``action`` runs."""
@@ -266,7 +274,7 @@ class ProgramRun:
             return
         before, self._action = self._action, self._actions[name]
         self._noted = b""
-        self._ticks = 0
+        self._ticks = self._idle_ticks = 0
         if before is not None:
             self._leave(before, self._action)
         if self._action.program is not None:

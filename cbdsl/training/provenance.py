@@ -47,6 +47,8 @@ def provenance_of(trial: Trial, setting: Setting, episodes: int, command: str) -
     """
     program = trial.program
     limits = {"transitions": program.transitions, "transition_time": program.transition_time}
+    if program.idle_time < program.transition_time:
+        limits["idle_time"] = program.idle_time
     return Provenance(
         command=command,
         program=Identity(name=program.name, sha256=setting.program_sha256),

@@ -42,7 +42,10 @@ def cb(monkeypatch: pytest.MonkeyPatch, *words: str) -> int:
 
 
 # Options with numbers that are not whole.
-MEASURED = ("--gamma", "--alpha", "--epsilon", "--bandwidth", "--prior", "--transition-time")
+MEASURED = (
+    *("--gamma", "--alpha", "--epsilon", "--bandwidth", "--prior"),
+    *("--transition-time", "--idle-time"),
+)
 
 # What is asked for, the exit code, and what the message has to name.
 MISTAKES = [

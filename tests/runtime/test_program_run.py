@@ -181,6 +181,24 @@ def test_an_action_that_changes_nothing_runs_out_of_time(written: Written, play:
     assert "changed nothing" in episode.result.ending
 
 
+@pytest.mark.parametrize(
+    ("action", "least", "most"),
+    [("track", 0.3, 0.4), ("search ◁ track", 0.4, 2.1), ("close", 2.0, 2.1)],
+)
+def test_an_action_that_moves_nothing_has_a_limit_of_its_own(
+    written: Written, play: Play, action: str, least: float, most: float
+) -> None:
+    """Not so one that moves although its state does not change, or seeks what would define it."""
+    program = written(
+        f"controllers: {{track: {LOOK}, search: {SEARCH}, close: {CLOSE}}}\n"
+        f"actions: [track, search, close, search ◁ track]\npolicy: {{'***': {action}}}\n"
+        "limits: {transitions: 3, transition_time: 2 s, idle_time: 0.3 s}\n"
+    )
+    found = play(program, nothing)
+    ticks = max(each.ticks for each in found.at(0))
+    assert least < ticks * found.backend.control_period <= most
+
+
 def test_a_policy_of_its_own_may_go_on_where_nothing_changed(written: Written, play: Play) -> None:
     program = written(
         f"controllers: {{track: {LOOK}, search: {SEARCH}}}\nactions: [track, search]\n"

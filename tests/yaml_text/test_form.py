@@ -21,7 +21,7 @@ from cbdsl.yaml_text.node import Node
         (RobotDocument, ("simulation", "no_contact"), "[[...], ...]"),
         (RobotDocument, ("effectors", "arm", "tip", "offset"), "[..., ..., ...]"),
         (RobotDocument, ("base",), None),
-        (ProgramDocument, ("limits",), "{transitions: ..., transition_time: ...}"),
+        (ProgramDocument, ("limits",), "{transitions: ..., transition_time: ..., idle_time: ...}"),
         (ProgramDocument, ("use",), "{NAME: {program: ...}}"),
         (StageDocument, ("contexts", "one", "nowhere"), None),
     ],
