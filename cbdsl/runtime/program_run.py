@@ -202,13 +202,13 @@ class ProgramRun:
             self._transit(state)
 
     def _is_overdue(self, action: Action) -> bool:
-        """Whether controllers have acted for as long as they may, or not acted for so long."""
+        """Whether an action has gone on for as long as it may, or moved nothing for so long."""
         if self._ticks * self._period > self.program.transition_time:
             return True
         if self._is_patient:
             return False
-        acts = any(run.predicate != "-" or run.seeking for run in self._stacks[action.name])
-        self._idle_ticks = 0 if acts else self._idle_ticks + 1
+        moves = any(run.predicate == "0" or run.seeking for run in self._stacks[action.name])
+        self._idle_ticks = 0 if moves else self._idle_ticks + 1
         return self._idle_ticks * self._period > self.program.idle_time
 
     def _read_state(self, action: Action) -> str:
