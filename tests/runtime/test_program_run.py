@@ -25,7 +25,7 @@ Written = Callable[..., CheckedProgram]
 
 LOOK = "{potential: spring, reference: [0 deg, 0 deg], feedback: cyclopean.sat_10, effector: head}"
 SEARCH = "{potential: spring, reference: head.uniform, feedback: head, effector: head}"
-TURN = "{potential: spring, reference: [0 rad, 1 rad], feedback: head, effector: head}"
+TURN = "{potential: spring, reference: [0 rad, 0.5 rad], feedback: head, effector: head}"
 CLOSE = (
     "{potential: spring, reference: 2 N along normals, feedback: right_hand.finger_forces, "
     "effector: right_hand, seek: {until: 1 rad}}"
@@ -189,13 +189,13 @@ def test_an_action_that_changes_nothing_runs_out_of_time(written: Written, play:
 def test_an_action_that_moves_nothing_has_a_limit_of_its_own(
     written: Written, play: Play, action: str, least: float, most: float
 ) -> None:
-    """What is undefined or at rest has; not so what is on its way, or seeks what would define it."""
+    """What is undefined or at rest has; not so what is on its way, or seeks to be defined."""
     program = written(
         f"controllers: {{track: {LOOK}, search: {SEARCH}, close: {CLOSE}, turn: {TURN}}}\n"
         f"actions: [track, search, close, turn, search ◁ track]\npolicy: {{'****': {action}}}\n"
         "limits: {transitions: 3, transition_time: 2 s, idle_time: 0.3 s}\n"
     )
-    found = play(program, nothing, joints={"tilt": 1.0})
+    found = play(program, nothing, joints={"tilt": 0.5})
     last = found.at(0)[-1]
     assert least < last.ticks * found.backend.control_period <= most
 
