@@ -195,7 +195,7 @@ def test_an_action_that_moves_nothing_has_a_limit_of_its_own(
         f"actions: [track, search, close, turn, search ◁ track]\npolicy: {{'****': {action}}}\n"
         "limits: {transitions: 3, transition_time: 2 s, idle_time: 0.3 s}\n"
     )
-    found = play(program, nothing, joints={"tilt": 0.5})
+    found = play(program, nothing, joints={"pan": 0.0, "tilt": 0.5})
     last = found.at(0)[-1]
     assert least < last.ticks * found.backend.control_period <= most
 
