@@ -48,7 +48,8 @@ class Skill:
     held_out: str = ""
 
 
-# Bottom up. Actions may take as long as in the source, or less where waiting teaches nothing.
+# Bottom up. Actions may take as long as in the source, or less where waiting teaches nothing, least
+# while nothing moves.
 SKILLS = (
     Skill("searchtrack", "searchtrack", "searchtrack_training", ("--episodes", "50")),
     Skill("searchtrack_table", "searchtrack", "table_training", ("--episodes", "50")),
@@ -58,15 +59,15 @@ SKILLS = (
     ),
     Skill(
         *("reachtouch", "reachtouch", "reachtouch_training"),
-        ("--episodes", "25", "--transition-time", "8"),
+        ("--episodes", "25", "--transition-time", "8", "--idle-time", "1"),
     ),
     Skill(
         *("visualinspect", "visualinspect", "spotted_right"),
-        ("--episodes", "50", "--transition-time", "5"),
+        ("--episodes", "50", "--transition-time", "5", "--idle-time", "1"),
     ),
     Skill(
         *("bimanualtouch", "bimanualtouch", "bimanualtouch_training"),
-        ("--episodes", "25", "--transition-time", "6"),
+        ("--episodes", "25", "--transition-time", "6", "--idle-time", "1"),
         held_out="table_right",
     ),
 )
