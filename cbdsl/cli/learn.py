@@ -102,7 +102,7 @@ IdleTime = Annotated[
         "--idle-time",
         min=0.1,
         max=86400,
-        help="Its longest action while no controller of it is on its way, s [the program's].",
+        help="Its longest action while no predicate is 0, s [the program's].",
     ),
 ]
 

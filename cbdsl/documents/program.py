@@ -174,7 +174,7 @@ class Limits(Section):
     transition_time: Duration = 20.0
     """Simulated time that one action may run without a change of state."""
     idle_time: Duration | None = None
-    """The same while none of its controllers is on its way, if that is less."""
+    """The same while no predicate of the state is 0 and nothing is sought, if that is less."""
 
 
 class ProgramDocument(Document):

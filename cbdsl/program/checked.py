@@ -37,7 +37,7 @@ class CheckedProgram(NamedTuple):
         background: what runs below every action.
         transitions: most state transitions in an episode.
         transition_time: longest time one action may run without a change of state, s.
-        idle_time: the same while none of its controllers is on its way, s.
+        idle_time: the same while no predicate is 0 and no controller seeks what defines it, s.
     """
 
     name: str

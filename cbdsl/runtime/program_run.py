@@ -197,18 +197,18 @@ class ProgramRun:
         state = self._read_state(self._action)
         # A program has transitions of its own to run out of. It may also end the way it ended
         # before, within one tick, and then it is over although the state has not changed.
-        overdue = self._is_overdue(self._action) if child is None else child.predicate != "0"
+        overdue = child.predicate != "0" if child else self._is_overdue(self._action, state)
         if state != self.state or overdue:
             self._transit(state)
 
-    def _is_overdue(self, action: Action) -> bool:
-        """Whether an action has gone on for as long as it may, or moved nothing for so long."""
+    def _is_overdue(self, action: Action, state: str) -> bool:
+        """Whether an action has gone on for as long as it may, in all or with nothing on its way."""
         if self._ticks * self._period > self.program.transition_time:
             return True
         if self._is_patient:
             return False
-        moves = any(run.predicate == "0" or run.seeking for run in self._stacks[action.name])
-        self._idle_ticks = 0 if moves else self._idle_ticks + 1
+        strives = "0" in state or any(run.seeking for run in self._stacks[action.name])
+        self._idle_ticks = 0 if strives else self._idle_ticks + 1
         return self._idle_ticks * self._period > self.program.idle_time
 
     def _read_state(self, action: Action) -> str:
