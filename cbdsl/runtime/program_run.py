@@ -202,7 +202,7 @@ class ProgramRun:
             self._transit(state)
 
     def _is_overdue(self, action: Action, state: str) -> bool:
-        """Whether an action has gone on for as long as it may, in all or with nothing on its way."""
+        """Whether an action has lasted as long as it may, in all or with nothing on its way."""
         if self._ticks * self._period > self.program.transition_time:
             return True
         if self._is_patient:
