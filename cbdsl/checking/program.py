@@ -176,7 +176,7 @@ class _ProgramCheck:
             background=background,
             transitions=document.limits.transitions,
             transition_time=document.limits.transition_time,
-            idle_time=document.limits.idle_time or document.limits.transition_time,
+            idle_time=document.limits.idle_time,
         )
 
     def _background(self) -> Composition | None:

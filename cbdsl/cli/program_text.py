@@ -49,7 +49,7 @@ def _used(program: CheckedProgram, seen: list[CheckedProgram]) -> list[CheckedPr
 def _program(program: CheckedProgram) -> Iterator[str]:
     parameters = ", ".join(f"{name} = {value}" for name, value in program.parameters.items())
     limit = f"{program.transition_time:g} s without a change of state"
-    if program.idle_time < program.transition_time:
+    if program.idle_time is not None:
         limit += f", {program.idle_time:g} s with nothing on its way"
     yield f"{program.name} on {program.robot}, stage {program.stage or 'none'}"
     yield from _item("parameters", parameters or "none")

@@ -33,12 +33,12 @@ _SLACK = 1e-12
 
 @compiled_once
 def compose(
+    positions: Floats,
     rows: Floats,
     newest: int,
     ages: Integers,
     wanted: Floats,
     ends: Integers,
-    positions: Floats,
     limits: Floats,
     step: float,
     damping: float,
@@ -50,6 +50,7 @@ def compose(
     """Compose the displacement of all levels.
 
     Args:
+        positions: of the joints, rad, shape (n,).
         rows: task coordinates per joint of all levels in three ticks, highest priority first,
             shape (3, k, n).
         newest: which of the three is this tick; the tick before is one less, modulo 3.
@@ -57,7 +58,6 @@ def compose(
             (levels,).
         wanted: displacement of the task coordinates, shape (k,).
         ends: index after the last row of each level, shape (levels,).
-        positions: of the joints, rad, shape (n,).
         limits: lower and upper limits, rad, shape (2, n); may be infinite.
         step: largest displacement of a joint.
         damping: largest damping.

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -138,32 +139,9 @@ class Law:
         Raises:
             SignalError: the posture or a level is not finite, or a level's shape does not fit.
         """
-        return self.compose(Stack.of(levels, len(q)), q)
-
-    def compose(self, stack: Stack, q: Floats) -> Step:
-        """One tick's displacement.
-
-        Args:
-            stack: the levels.
-            q: joint positions, rad, shape (n,).
-
-        Raises:
-            SignalError: the posture or a level is not finite.
-        """
-        step = self._room(stack)
-        compose(
-            stack.rows,
-            stack.newest,
-            stack.ages,
-            stack.wanted,
-            stack.ends,
-            q,
-            self._limits,
-            *self._guards,
-            step.displacement,
-            step.locked,
-            step.singular_values,
-        )
+        stack = Stack.of(levels, len(q))
+        step = Step.of(stack)
+        compose(q, *self._parts(stack, step))
         if math.isnan(step.displacement.item(0)):
             _require_sound(stack, q)
         return step
@@ -183,33 +161,18 @@ class Law:
         Raises:
             SignalError: the posture or a level is not finite; nothing has moved.
         """
-        step = self._room(stack)
-        moved = move(
-            reference,
-            positions,
-            columns,
-            lead,
-            stack.rows,
-            stack.newest,
-            stack.ages,
-            stack.wanted,
-            stack.ends,
-            self._limits,
-            *self._guards,
-            step.displacement,
-            step.locked,
-            step.singular_values,
-        )
-        if not moved:
-            _require_sound(stack, positions[columns])
-        return step
-
-    def _room(self, stack: Stack) -> Step:
-        """Room for the result, the same for the same stack."""
         step = self._step
         if step is None or step.stack is not stack:
             step = self._step = Step.of(stack)
+        if not move(reference, positions, columns, lead, *self._parts(stack, step)):
+            _require_sound(stack, positions[columns])
         return step
+
+    def _parts(self, stack: Stack, step: Step) -> tuple[Any, ...]:
+        """What is composed, within which bounds, and what it becomes, as ``compose`` takes it."""
+        levels = stack.rows, stack.newest, stack.ages, stack.wanted, stack.ends
+        found = step.displacement, step.locked, step.singular_values
+        return *levels, self._limits, *self._guards, *found
 
 
 def _require_sound(stack: Stack, q: Floats) -> None:

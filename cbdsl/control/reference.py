@@ -46,7 +46,7 @@ def move(
     for place in range(len(columns)):
         here[place] = positions[columns[place]]
     compose(
-        rows, newest, ages, wanted, ends, here, limits, step, damping, threshold,
+        here, rows, newest, ages, wanted, ends, limits, step, damping, threshold,
         total, locked, values,
     )  # fmt: skip
     if math.isnan(total[0]):

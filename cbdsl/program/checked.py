@@ -37,7 +37,8 @@ class CheckedProgram(NamedTuple):
         background: what runs below every action.
         transitions: most state transitions in an episode.
         transition_time: longest time one action may run without a change of state, s.
-        idle_time: the same while no predicate is 0 and no controller seeks what defines it, s.
+        idle_time: the same while no predicate is 0 and no controller seeks what defines it, s;
+            ``None`` for no limit but that.
     """
 
     name: str
@@ -51,7 +52,7 @@ class CheckedProgram(NamedTuple):
     background: Composition | None
     transitions: int
     transition_time: float
-    idle_time: float
+    idle_time: float | None
 
     @property
     def sequential_actions(self) -> tuple[Action, ...]:

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from collections import Counter
 from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 
 from cbdsl.documents.policy import PolicyDocument
 from cbdsl.learning.experience import Experience
+from cbdsl.learning.transition_counts import TransitionCounts
 from cbdsl.program.checked import CheckedProgram
 from cbdsl.program.drawing.policy_graph import PolicyGraph, policy_graph
 from cbdsl.program.drawing.policy_svg import policy_svg
@@ -50,10 +50,10 @@ def graph_of(name: str, program: CheckedProgram, experiences: Sequence[Experienc
         program: that it is for.
         experiences: the episodes.
     """
-    transitions: dict[str, dict[str, Counter[str]]] = {}
+    counts = TransitionCounts()
     for each in (step for experience in experiences for step in experience.transitions):
-        actions = transitions.setdefault(each.state, {})
-        actions.setdefault(each.action, Counter())[each.next_state] += 1
+        counts.add(each.state, each.action, each.next_state)
+    transitions = dict(counts.items())
     policy = PolicyDocument(
         cbdsl=1,
         kind="policy",

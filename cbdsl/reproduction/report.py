@@ -75,15 +75,19 @@ def section(experiment: Experiment, settings: Settings, outcome: Outcome, pictur
 
 def picture_file(picture: Picture, experiment: Experiment, settings: Settings) -> str:
     """Name of the file of a picture: no two sections share one."""
-    _, _, backend = heading(experiment, settings).partition(" on ")
+    backend = _other_backend(experiment, settings)
     return f"{picture.name}-{backend}.svg" if backend else f"{picture.name}.svg"
 
 
 def heading(experiment: Experiment, settings: Settings) -> str:
     """Whose section it is: an experiment has one for each backend on which it learned."""
-    if settings.backend == Settings.backend or not experiment.learns:
-        return experiment.name
-    return f"{experiment.name} on {settings.backend}"
+    backend = _other_backend(experiment, settings)
+    return f"{experiment.name} on {backend}" if backend else experiment.name
+
+
+def _other_backend(experiment: Experiment, settings: Settings) -> str:
+    """The backend on which an experiment learned, if that is not the usual one."""
+    return settings.backend if experiment.learns and settings.backend != Settings.backend else ""
 
 
 def _command(experiment: Experiment, settings: Settings) -> str:

@@ -72,8 +72,6 @@ class ProgramRun:
         self._signals = signals
         self._period = period
         self._depth = depth
-        # Whether an action may last as long where nothing moves as anywhere else.
-        self._is_patient = program.idle_time >= program.transition_time
         self._written = WrittenPolicy(program.policy)
         self._actions = {action.name: action for action in program.actions}
         make = _ControllerRuns(signals, period)
@@ -205,7 +203,7 @@ class ProgramRun:
         """Whether an action has lasted as long as it may, in all or with nothing on its way."""
         if self._ticks * self._period > self.program.transition_time:
             return True
-        if self._is_patient:
+        if self.program.idle_time is None:
             return False
         strives = "0" in state or any(run.seeking for run in self._stacks[action.name])
         self._idle_ticks = 0 if strives else self._idle_ticks + 1

@@ -47,7 +47,7 @@ def provenance_of(trial: Trial, setting: Setting, episodes: int, command: str) -
     """
     program = trial.program
     limits = {"transitions": program.transitions, "transition_time": program.transition_time}
-    if program.idle_time < program.transition_time:
+    if program.idle_time is not None:
         limits["idle_time"] = program.idle_time
     return Provenance(
         command=command,

@@ -93,4 +93,4 @@ def test_coverage_is_what_the_policy_does_in_every_state(patterns: list[str]) ->
 
 def program_of_policy(policy: dict[str, str]) -> CheckedProgram:
     """A program of three members with nothing in it but a policy."""
-    return CheckedProgram("p", "r", None, {}, ("a", "b", "c"), {}, (), policy, None, 1, 1.0, 1.0)
+    return CheckedProgram("p", "r", None, {}, ("a", "b", "c"), {}, (), policy, None, 1, 1.0, None)

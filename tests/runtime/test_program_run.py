@@ -182,6 +182,16 @@ def test_an_action_that_changes_nothing_runs_out_of_time(written: Written, play:
     assert "changed nothing" in episode.result.ending
 
 
+def test_a_longer_time_holds_for_an_idle_action_as_well(written: Written, play: Play) -> None:
+    """As long as nobody limits that by itself."""
+    program = written(
+        f"controllers: {{track: {LOOK}}}\nactions: [track]\npolicy: {{'*': track}}\n"
+        "limits: {transition_time: 0.5 s}\n"
+    )
+    found = play(program._replace(transition_time=1.0), nothing)
+    assert found.at(0)[-1].ticks * found.backend.control_period > 1.0
+
+
 @pytest.mark.parametrize(
     ("action", "least", "most"),
     [("track", 0.3, 0.4), ("turn", 0.3, 0.4), ("search ◁ track", 0.4, 2.1), ("close", 2.0, 2.1)],
