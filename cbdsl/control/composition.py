@@ -34,8 +34,8 @@ _SLACK = 1e-12
 @compiled_once
 def compose(
     positions: Floats,
-    rows: Floats,
     newest: int,
+    rows: Floats,
     ages: Integers,
     wanted: Floats,
     ends: Integers,
@@ -51,9 +51,9 @@ def compose(
 
     Args:
         positions: of the joints, rad, shape (n,).
-        rows: task coordinates per joint of all levels in three ticks, highest priority first,
+        newest: which of three ticks is this one; the tick before is one less, modulo 3.
+        rows: task coordinates per joint of all levels in these ticks, highest priority first,
             shape (3, k, n).
-        newest: which of the three is this tick; the tick before is one less, modulo 3.
         ages: for how many ticks each level has rows, up to 3; 0 for one that does not act, shape
             (levels,).
         wanted: displacement of the task coordinates, shape (k,).

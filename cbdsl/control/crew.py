@@ -34,9 +34,9 @@ class Crew:
 
     def __init__(self, members: Sequence[Member], stack: Stack, columns: Integers) -> None:
         rows = np.array([member.row for member in members])
+        levels = stack.rows, stack.wanted, stack.ages, stack.starts
         self._stack = stack
-        self._arrays = *members[0].arrays, rows, columns
-        self._levels = stack.rows, stack.wanted, stack.ages, stack.starts
+        self._arrays = *levels, *members[0].arrays, rows, columns
 
     def act(self, first: int, last: int, positions: Floats, posture: int) -> int:
         """Let members act, from the first up to the last.
@@ -52,7 +52,7 @@ class Crew:
             finite. Those after it have not acted yet.
         """
         newest = self._stack.newest
-        found: int = act_all(first, last, positions, posture, newest, *self._levels, *self._arrays)
+        found: int = act_all(first, last, positions, posture, newest, *self._arrays)
         return found
 
 

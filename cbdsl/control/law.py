@@ -128,6 +128,7 @@ class Law:
         self._limits = np.stack((lower + settings.limit_margin, upper - settings.limit_margin))
         self._guards = settings.joint_step, settings.damping, settings.singular_value
         self._step: Step | None = None
+        self._parts: tuple[Any, ...] = ()
 
     def solve(self, levels: Sequence[Level], q: Floats) -> Step:
         """One tick's displacement for levels that have no past.
@@ -141,7 +142,7 @@ class Law:
         """
         stack = Stack.of(levels, len(q))
         step = Step.of(stack)
-        compose(q, *self._parts(stack, step))
+        compose(q, stack.newest, *self._parts_of(stack, step))
         if math.isnan(step.displacement.item(0)):
             _require_sound(stack, q)
         return step
@@ -164,13 +165,14 @@ class Law:
         step = self._step
         if step is None or step.stack is not stack:
             step = self._step = Step.of(stack)
-        if not move(reference, positions, columns, lead, *self._parts(stack, step)):
+            self._parts = self._parts_of(stack, step)
+        if not move(reference, positions, columns, lead, stack.newest, *self._parts):
             _require_sound(stack, positions[columns])
         return step
 
-    def _parts(self, stack: Stack, step: Step) -> tuple[Any, ...]:
+    def _parts_of(self, stack: Stack, step: Step) -> tuple[Any, ...]:
         """What is composed, within which bounds, and what it becomes, as ``compose`` takes it."""
-        levels = stack.rows, stack.newest, stack.ages, stack.wanted, stack.ends
+        levels = stack.rows, stack.ages, stack.wanted, stack.ends
         found = step.displacement, step.locked, step.singular_values
         return *levels, self._limits, *self._guards, *found
 

@@ -17,8 +17,8 @@ def move(
     positions: Floats,
     columns: Integers,
     lead: float,
-    rows: Floats,
     newest: int,
+    rows: Floats,
     ages: Integers,
     wanted: Floats,
     ends: Integers,
@@ -46,7 +46,7 @@ def move(
     for place in range(len(columns)):
         here[place] = positions[columns[place]]
     compose(
-        here, rows, newest, ages, wanted, ends, limits, step, damping, threshold,
+        here, newest, rows, ages, wanted, ends, limits, step, damping, threshold,
         total, locked, values,
     )  # fmt: skip
     if math.isnan(total[0]):

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cbdsl.documents.robot import Camera
+from cbdsl.robot.compiled import compiled_once
 
 Floats = NDArray[np.float64]
 
@@ -61,12 +62,13 @@ def direction(angles: Floats) -> Floats:
     )
 
 
+@compiled_once
 def heading_jacobian(angles: Floats) -> Floats:
     """Change of a heading per rotation of the camera about its own axes, shape (2, 3).
 
     The point looked at is taken to be far away compared with the camera's own displacement.
     """
-    azimuth, elevation = angles.tolist()
+    azimuth, elevation = angles[0], angles[1]
     # The point turns by -omega in the camera frame: its direction d moves by -(omega x d).
     tan = math.tan(elevation)
     return np.array(

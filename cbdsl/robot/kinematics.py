@@ -54,8 +54,9 @@ class _Limb:
         data: Pinocchio's memory for the posture.
         joints: the limb's joints by their numbers in the robot's model.
         positions: of all actuated joints, of which ``data`` is, rad, shape (n,).
-        frames, points, turnings: what has been asked for in the posture of ``data``;
-        own_turnings: the same, in the links' own axes.
+        frames, points: what has been asked for in the posture of ``data``.
+        turnings: the same by the joint that carries a link, as every point of such links turns.
+        own_turnings: the same by link, in its own axes.
     """
 
     def __init__(self, model: Any, numbers: Sequence[int]) -> None:
@@ -79,7 +80,7 @@ class _Limb:
         self.positions: Floats | None = None
         self.frames: dict[str, Frame] = {}
         self.points: dict[tuple[str, Vector], Point] = {}
-        self.turnings: dict[str, Floats] = {}
+        self.turnings: dict[int, Floats] = {}
         self.own_turnings: dict[str, Floats] = {}
 
     def move(self, positions: Floats, turned: Floats) -> None:
@@ -117,12 +118,14 @@ class _Link(NamedTuple):
 
     Attributes:
         limb: what it is part of.
+        joint: number of the joint that carries it, in the robot's model; 0 for none.
         position: its origin in the world frame, m, shape (3,), and
         rotation: its axes as columns, shape (3, 3): memory that Pinocchio updates.
         support: what ``point_at`` wants to know of them, the axes in Pinocchio's memory as well.
     """
 
     limb: _Limb
+    joint: int
     position: Floats
     rotation: Floats
     support: tuple[Floats, Integers, Integers, Floats]
@@ -212,8 +215,7 @@ class Kinematics:
     def turning(self, link: str) -> Floats:
         """Angular velocity of a link, world axes, per joint velocity, shape (3, n)."""
         here = self._now.get(link) or self._link(link)
-        found = here.limb.turnings.get(link)
-        # Every point of a link turns as the link does.
+        found = here.limb.turnings.get(here.joint)
         return self.jacobian(link)[3:] if found is None else found
 
     def own_turning(self, link: str) -> Floats:
@@ -226,14 +228,14 @@ class Kinematics:
 
     def point(self, link: str, offset: Vector) -> Point:
         """A point of a link, ``offset`` from its origin in its own axes, m."""
-        limb, position, rotation, support = self._now.get(link) or self._link(link)
+        limb, joint, position, rotation, support = self._now.get(link) or self._link(link)
         found = limb.points.get((link, offset))
         if found is None:
             found = Point(np.empty(3), np.zeros((6, len(self.lower))))
             x, y, z = offset
             point_at(x, y, z, position, rotation, *support, *found)
             limb.points[link, offset] = found
-            limb.turnings[link] = found.jacobian[3:]
+            limb.turnings[joint] = found.jacobian[3:]
         return found
 
     def curvature(self, link: str, point: Floats, rows: int) -> Floats:
@@ -287,14 +289,15 @@ class Kinematics:
 
     def _found(self, name: str) -> _Link:
         numbers = self._support(name)
-        limb = self._limbs[numbers[0] if numbers else 0]
+        first, last = (numbers[0], numbers[-1]) if numbers else (0, 0)
+        limb = self._limbs[first]
         moved = [limb.joints[number].idx_v for number in numbers]
         own = self._expansion[moved]
         rows, columns = np.nonzero(own)
         velocities = np.array([limb.velocity(number) for number in numbers], dtype=np.intp)
         support = limb.data.J, velocities[rows], columns, own[rows, columns]
         placement = limb.placement(name)
-        return _Link(limb, placement.translation, placement.rotation, support)
+        return _Link(limb, last, placement.translation, placement.rotation, support)
 
     def _parted(self) -> dict[int, _Limb]:
         """The limbs by the numbers of their first joints; 0 for what no joint moves."""

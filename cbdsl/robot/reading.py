@@ -50,8 +50,9 @@ def mean(readings: Sequence[Reading]) -> Reading:
     value, jacobian = first.value, first.jacobian
     for reading in others:
         value, jacobian = value + reading.value, jacobian + reading.jacobian
-    number = len(readings)
-    return Reading(value / number, jacobian / number, max([each.stamp for each in readings]))
+    value /= len(readings)
+    jacobian /= len(readings)
+    return Reading(value, jacobian, max([each.stamp for each in readings]))
 
 
 def transform(rotation: Floats, position: Floats) -> Floats:

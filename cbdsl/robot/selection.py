@@ -30,3 +30,13 @@ def columns_of_both(curvature: Floats, columns: Integers) -> Floats:
                 if columns[i] >= 0 and columns[j] >= 0:
                     chosen[row, i, j] = curvature[row, columns[i], columns[j]]
     return chosen
+
+
+@compiled_once
+def responds(jacobian: Floats, columns: Integers) -> bool:
+    """Whether any of the chosen columns of a Jacobian (m, all) has an entry other than 0."""
+    for column in columns:
+        for row in range(len(jacobian)):
+            if jacobian[row, column] != 0.0:
+                return True
+    return False

@@ -65,6 +65,7 @@ class Touch:
         self._loads: Floats = np.zeros((len(self._cells), 6))
         self._feeling: Booleans = np.zeros(len(self._cells), dtype=np.bool_)
         self._felt = self._feeling.tolist()
+        self._touching = False
 
     def gathered(self, loads: Mapping[Cell, Floats]) -> Floats:
         """Wrenches in the order of the robot's document, shape (cells, 6)."""
@@ -78,12 +79,14 @@ class Touch:
         if self._tare is None:
             self._tare = wrenches.copy()
         self._loads = np.empty_like(wrenches)
-        _feel(wrenches, self._tare, self._threshold, self._loads, self._feeling)
-        self._felt = self._feeling.tolist()
+        before = self._touching
+        self._touching = _feel(wrenches, self._tare, self._threshold, self._loads, self._feeling)
+        if before or self._touching:
+            self._felt = self._feeling.tolist()
 
     def touching_anything(self) -> bool:
         """Whether any fingertip of any hand feels more than the contact threshold."""
-        return True in self._felt
+        return self._touching
 
     def touching(self, hand: str) -> bool:
         """Whether any fingertip of a hand feels more than the contact threshold."""
@@ -191,7 +194,7 @@ class Touch:
 @compiled_once
 def _feel(
     wrenches: Floats, tare: Floats, threshold: float, loads: Floats, feeling: Booleans
-) -> None:
+) -> bool:
     """Find the loads, and which cells feel more than a threshold.
 
     Args:
@@ -200,12 +203,18 @@ def _feel(
         threshold: of the force, N.
         loads: becomes their difference, shape (cells, 6).
         feeling: becomes whether each cell's force is more, shape (cells,).
+
+    Returns:
+        Whether any of them does.
     """
+    touching = False
     for cell in range(len(loads)):
         for part in range(6):
             loads[cell, part] = wrenches[cell, part] - tare[cell, part]
         x, y, z = loads[cell, 0], loads[cell, 1], loads[cell, 2]
         feeling[cell] = math.sqrt(x * x + y * y + z * z) > threshold
+        touching |= feeling[cell]
+    return touching
 
 
 def _carrier(robot: RobotDocument, kinematics: Kinematics, hand: str) -> str | None:

@@ -101,6 +101,7 @@ class Vision:
             memory.reset()
         for channel_filter in self._filters.values():
             channel_filter.reset()
+        self._expects = self._knows()
 
     def update(self, observation: Observation) -> None:
         """Take in what the cameras saw, if they saw anything; the kinematics must be up to date."""
@@ -117,10 +118,12 @@ class Vision:
         self.regions.clear()
         seen = self._seen(observation)
         self._looking = seen.keys()
-        if self._tells(seen):
+        # Most of a search shows nothing, with nothing known yet.
+        if self._expects or any(seen.values()):
             self._look(seen)
             for channel, memory in self.memories.items():
                 self._remember(time, channel, memory)
+            self._expects = self._knows()
 
     def touched(self) -> None:
         """Take everything remembered to stand still, since a hand is in contact."""
@@ -134,7 +137,7 @@ class Vision:
         would otherwise search on and never get hold of it.
         """
         found = self.headings.get((camera, channel))
-        if found is None and camera in self._looking:
+        if found is None and self._sights and camera in self._looking:
             seen = self._sights.get((camera, channel))
             if seen is not None:
                 angles = heading(self._frames[camera].rotation.T.dot(seen.ray.direction))
@@ -146,6 +149,8 @@ class Vision:
         found = observation.regions or {
             name: self._filters[name].regions(image) for name, image in observation.images.items()
         }
+        if not any(found.values()):
+            return dict.fromkeys(found, ())
         least = self._settings.least_area
         return {
             name: [
@@ -156,11 +161,10 @@ class Vision:
             for name, regions in found.items()
         }
 
-    def _tells(self, seen: Mapping[str, Sequence[tuple[str, Region]]]) -> bool:
-        """Whether images tell anything: most of a search shows nothing, with nothing known yet."""
+    def _knows(self) -> bool:
+        """Whether images tell something even if they show nothing."""
         return (
-            any(seen.values())
-            or bool(self._sights)
+            bool(self._sights)
             or "motion" in self._channels
             or any(memory.position is not None for memory in self.memories.values())
         )

@@ -24,7 +24,7 @@ from cbdsl.control.task import Task
 from cbdsl.program.controller import AlongNormals, Ball, Controller, Field, Funnel, Literal
 from cbdsl.robot.density import Sampler
 from cbdsl.robot.reading import Reading, transform
-from cbdsl.robot.selection import columns_of, columns_of_both
+from cbdsl.robot.selection import columns_of, columns_of_both, responds
 from cbdsl.robot.signals import Signals
 from cbdsl.types.resource import (
     EffectorConfiguration,
@@ -289,7 +289,7 @@ class ControllerRun:
         feedback = self._read(reference)
         if feedback is None:
             return None
-        moves = self._moves or bool(feedback.jacobian.take(self.own, axis=1).any())
+        moves = self._moves or responds(feedback.jacobian, self.own)
         self._moves = moves and not isinstance(source, _SEEN)
         self._always_defined = self._moves and isinstance(source, _PROPRIOCEPTIVE)
         return feedback if moves else None

@@ -19,7 +19,7 @@ def composed(blocks: list[Floats], wanted: list[Floats]) -> tuple[Floats, Floats
     rows = np.stack([np.vstack(blocks)] * 3)
     step, locked, values = np.empty(joints), np.empty(joints, dtype=bool), np.empty(ends[-1])
     compose(
-        *(np.zeros(joints), rows, 0, np.ones(len(blocks), dtype=int)),
+        *(np.zeros(joints), 0, rows, np.ones(len(blocks), dtype=int)),
         *(np.concatenate(wanted), ends, limits, FREE, 0.0, 1e-300, step, locked, values),
     )
     assert not locked.any()

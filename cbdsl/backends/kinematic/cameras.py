@@ -21,6 +21,7 @@ from cbdsl.backends.shape import Shape
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.documents.stage import Disturbance, Spot
 from cbdsl.robot.channels import Region
+from cbdsl.robot.compiled import compiled_once
 from cbdsl.robot.kinematics import Kinematics
 
 Floats = NDArray[np.float64]
@@ -74,7 +75,8 @@ class _Scene:
 
     def __init__(self, world: World, palette: Palette, cameras: int, sees_motion: bool) -> None:
         self.solids = world.solids
-        self._before = self.solids.copy()
+        self._before = self.solids[:, POSITION].copy()
+        self._shifts = np.zeros(len(self.solids))
         # What is no fixture, where the robot sees motion.
         things = enumerate(world.things.values())
         self._movable = [(row, thing) for row, thing in things if thing.mass and sees_motion]
@@ -90,18 +92,12 @@ class _Scene:
         self.patches = np.array([sight.patch for sight in self.sights]).reshape(count, 4)
         self.shapes = np.zeros((cameras, count, 4))
 
-    def remember(self) -> None:
-        """Keep where everything is, for the next look."""
-        self._before[:] = self.solids
-
     def moved(self) -> set[str]:
-        """What has moved since the last look."""
-        return {thing.name for row, thing in self._movable if self._shift(row) > _LEAST_MOTION}
-
-    def _shift(self, row: int) -> float:
-        """How far one of the solids has moved since then, m."""
-        now, before = self.solids[row, POSITION], self._before[row, POSITION]
-        return math.dist(now.tolist(), before.tolist())
+        """What has moved since this was asked before."""
+        if not _have_moved(self.solids, self._before, self._shifts):
+            return set()
+        shifts = self._shifts.tolist()
+        return {thing.name for row, thing in self._movable if shifts[row] > _LEAST_MOTION}
 
 
 class Limbs:
@@ -168,16 +164,14 @@ class Cameras:
         disturbed = disturbance.camera_position or disturbance.camera_rotation
         self._errors = {name: _error(disturbance, rng) for name in robot.cameras if disturbed}
         self._nothing: Mapping[str, Mapping[str, Region]] = {name: {} for name in robot.cameras}
-        self._scene = self._scene_of(World())
-
-    def _scene_of(self, world: World) -> _Scene:
-        return _Scene(world, self._palette, len(self._rows), self._sees_motion)
+        self._scene: _Scene | None = None
 
     def look(self, world: World) -> Mapping[str, Mapping[str, Region]]:
         """The largest region of each channel, by camera and channel."""
         scene = self._scene
-        if scene.solids is not world.solids:
-            scene = self._scene = self._scene_of(world)
+        if scene is None or scene.solids is not world.solids:
+            scene = _Scene(world, self._palette, len(self._rows), self._sees_motion)
+            self._scene = scene
         seen = silhouettes(
             scene.solids,
             self._limbs.parts,
@@ -190,8 +184,7 @@ class Cameras:
             self._lenses,
             scene.shapes,
         )
-        moved = scene.moved() if seen else set()
-        scene.remember()
+        moved = scene.moved()
         if not seen:
             return self._nothing
         return {
@@ -214,14 +207,37 @@ class Cameras:
     ) -> Mapping[str, Region]:
         found: dict[str, Region] = {}
         for sight, (area, column, row, clipped) in zip(sights, shapes, strict=True):
-            if round(area) == 0:
+            whole = round(area)
+            if whole == 0:
                 continue
-            region = Region(round(area), column, row, bool(clipped))
+            region = Region(whole, column, row, bool(clipped))
             motion = ("motion",) if sight.thing.name in moved else ()
             for channel in sight.channels + motion:
-                if channel not in found or found[channel].area < region.area:
+                largest = found.get(channel)
+                if largest is None or largest.area < whole:
                     found[channel] = region
         return found
+
+
+@compiled_once
+def _have_moved(solids: Floats, before: Floats, shifts: Floats) -> bool:
+    """Whether any solid has moved far enough to be seen to move.
+
+    Args:
+        solids: as ``solids`` has them, shape (k, 16).
+        before: where they were, m; becomes where they are, shape (k, 3).
+        shifts: becomes how far each has moved, m, shape (k,).
+    """
+    have_moved = False
+    for index in range(len(solids)):
+        square = 0.0
+        for part in range(3):
+            now = solids[index, POSITION.start + part]
+            square += (now - before[index, part]) ** 2
+            before[index, part] = now
+        shifts[index] = math.sqrt(square)
+        have_moved |= shifts[index] > _LEAST_MOTION
+    return have_moved
 
 
 def _sights(world: World, palette: Palette) -> list[_Sight]:

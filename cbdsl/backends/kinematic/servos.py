@@ -42,7 +42,7 @@ class Servos:
         Returns:
             Where they are, rad, and how fast they went, rad/s, shape (n,) each.
         """
-        reached, velocities = np.empty_like(positions), np.empty_like(positions)
+        reached, velocities = np.empty((2, len(positions)))
         _follow(positions, reference, self._limits, self._period, reached, velocities, *self._chain)
         return reached, velocities
 
