@@ -67,7 +67,7 @@ SKILLS = (
     ),
     Skill(
         *("bimanualtouch", "bimanualtouch", "bimanualtouch_training"),
-        ("--episodes", "25", "--transition-time", "6"),
+        ("--episodes", "25"),
         held_out="table_right",
     ),
 )

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from pathlib import Path
 
 from cbdsl.checking.actions import Actions
@@ -148,7 +148,7 @@ class _ProgramCheck:
         check_states(policy, members, context.source, context.findings)
         used = frozenset(context.used)
         self._compositions.check_all()
-        self._seek(_primitives(checked), are_complete and are_shown and None not in checked)
+        self._conditions(_primitives(checked), are_complete and are_shown and None not in checked)
         self._used.report_values(context.wrong_parameters)
         if context.findings.failed:
             return None
@@ -187,8 +187,8 @@ class _ProgramCheck:
         expression = self._context.parse(text, steps)
         return None if expression is None else self._compositions.composition(expression, steps)
 
-    def _seek(self, primitives: Mapping[str, Primitive], complete: bool) -> None:
-        """Controllers that others wait for have to run.
+    def _conditions(self, primitives: Mapping[str, Primitive], complete: bool) -> None:
+        """Controllers that others wait for or are conditioned on have to run.
 
         Args:
             primitives: what runs, by name.
@@ -196,18 +196,25 @@ class _ProgramCheck:
         """
         running = [c for primitive in primitives.values() for c in primitive.controllers]
         names = [controller.name for controller in running]
-        for key, document in self._context.document.controllers.items():
-            seek = None if isinstance(document, str) else document.seek
-            if seek is None or seek.once is None:
+        for steps, text in _named(self._document):
+            condition = self._context.parse(text, steps)
+            if condition is None or str(condition) in names:
                 continue
-            steps: Steps = ("controllers", key, "seek", "once")
-            once = self._context.parse(seek.once, steps)
-            if once is None or str(once) in names:
-                continue
-            missed = {term.name for term in once.terms} <= self._compositions.unknown
-            if complete or not (missed or self._actions.is_declared(once)):
+            missed = {term.name for term in condition.terms} <= self._compositions.unknown
+            if complete or not (missed or self._actions.is_declared(condition)):
                 place = self._context.source.place(*steps)
-                self._context.add("CB514", place, names=names, name=str(once))
+                self._context.add("CB514", place, names=names, name=str(condition))
+
+
+def _named(document: ProgramDocument) -> Iterator[tuple[Steps, str]]:
+    """Where controllers name others, and what is written there."""
+    for key, controller in document.controllers.items():
+        if isinstance(controller, str):
+            continue
+        if controller.seek is not None and controller.seek.once is not None:
+            yield ("controllers", key, "seek", "once"), controller.seek.once
+        if controller.given is not None:
+            yield ("controllers", key, "given"), controller.given
 
 
 def _primitives(actions: list[Action | None]) -> dict[str, Primitive]:

@@ -70,6 +70,9 @@ class _ControllerCheck:
         if controller.seek is not None and controller.seek.once == controller.name:
             place = source.place(*self._steps, "seek", "once")
             self._context.add("CB710", place, name=controller.name)
+        if controller.given == controller.name:
+            place = source.place(*self._steps, "given")
+            self._context.add("CB710", place, name=controller.name)
 
     def _zero_share(self) -> None:
         """A share of a reference of norm 0 is no residual that can be reached."""

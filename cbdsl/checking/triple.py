@@ -101,6 +101,7 @@ class _Triple:
             standoff=_standoff(document.standoff),
             funnel=_funnel(document.funnel),
             seek=self._seek(),
+            given=self._given(),
             field=self._field(potential, Wish(feedback, reference, joints)),
         )
 
@@ -146,6 +147,11 @@ class _Triple:
         steps: Steps = (*self._steps, "seek", "once")
         once = None if seek.once is None else self._context.parse(seek.once, steps)
         return Seek(None if once is None else str(once), seek.within, seek.until)
+
+    def _given(self) -> str | None:
+        given = self._document.given
+        parsed = None if given is None else self._context.parse(given, (*self._steps, "given"))
+        return None if parsed is None else str(parsed)
 
     def _place(self, *steps: str | int) -> Place:
         return self._context.source.place(*self._steps, *steps)

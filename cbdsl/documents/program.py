@@ -130,6 +130,9 @@ class Controller(Section):
     standoff: Standoff | None = None
     funnel: Funnel | None = None
     seek: Seek | None = None
+    given: Text | None = None
+    """Undefined without this controller, written as in ``actions``: acts from when that is defined,
+    until that neither is nor seeks to be. What is done with a thing needs a hand that holds it."""
     field: HarmonicField | None = None
 
     @field_validator("reference")

@@ -92,7 +92,7 @@ class ControllerRun:
         self._is_aimed = constant is not None and self.member.aim(constant)
         self._is_forgotten = False
         self.member.forget()
-        self.seeking = self.exhausted = False
+        self.seeking = self.exhausted = self._engaged = False
         self.no_path = ""
         self._sample: Reading | None = None
         self._task.reset()
@@ -145,7 +145,14 @@ class ControllerRun:
     @property
     def needs_nothing(self) -> bool:
         """Whether its reference is constant and its feedback the posture: nothing is to be read."""
+        if self.controller.given is not None:
+            return False
         return self._constant is not None and self._is_aimed and self._follows_joints
+
+    @property
+    def engaged(self) -> bool:
+        """Whether it is defined, or was and seeks to be again."""
+        return self._engaged or self.needs_nothing
 
     @property
     def asks(self) -> bool:
@@ -162,7 +169,7 @@ class ControllerRun:
             SignalError: a number that it would act on is not finite; the message names it.
         """
         # Its joints are read where it acts.
-        if self._is_aimed and self._follows_joints:
+        if self._is_aimed and self._follows_joints and self.controller.given is None:
             return True
         acts = self._sensed(peers)
         if not acts:
@@ -170,9 +177,10 @@ class ControllerRun:
         return acts
 
     def _sensed(self, peers: Mapping[str, ControllerRun]) -> bool:
-        reference = self._constant or self._reference()
+        reference = (self._constant or self._reference()) if self._is_given(peers) else None
         if reference is None:
             self._undefined()
+            self._engaged = False
             return False
         feedback = self._measured(reference)
         defined = feedback is not None
@@ -180,6 +188,7 @@ class ControllerRun:
             self._undefined()
             feedback = self._read(reference) if self._may_seek(peers) else None
         if feedback is None:
+            self._engaged = False
             return False
         return self._feel(feedback, reference, defined=defined)
 
@@ -307,6 +316,7 @@ class ControllerRun:
 
     def _defined(self, reference: Reading) -> None:
         self.seeking = self.exhausted = False
+        self._engaged = True
         self.no_path = ""
         self._against = reference
 
@@ -333,6 +343,14 @@ class ControllerRun:
         if can:
             member.follow_joints(joints)
         return can
+
+    def _is_given(self, peers: Mapping[str, ControllerRun]) -> bool:
+        """Whether the controller without which it is undefined is engaged, if there is one."""
+        given = self.controller.given
+        if given is None:
+            return True
+        condition = peers.get(given)
+        return condition is not None and condition.engaged
 
     def _may_seek(self, peers: Mapping[str, ControllerRun]) -> bool:
         """Whether to act although the feedback is undefined."""

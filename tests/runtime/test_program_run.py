@@ -413,6 +413,54 @@ def test_contact_ends_what_was_sought_in_vain(written: Written, play: Play) -> N
     assert "closed on nothing" not in episode.result.ending
 
 
+def test_what_is_given_a_hold_is_undefined_without_one(written: Written, play: Play) -> None:
+    """From the first contact on, through moments in which a finger seeks it, to its loss."""
+    turn = TURN.replace("{", "{given: hold, ", 1)
+    program = written(
+        f"controllers:\n  hold: {CLOSE}\n  turn: {turn}\n  carry: turn ◁ hold\n"
+        "actions: [carry]\npolicy: {'*': carry}\n"
+    )
+
+    def direct(world: World, time: float) -> None:
+        world.contact_angle = 0.5 if time < 3.0 else math.inf
+
+    seen: list[tuple[str, str]] = []
+
+    def watch(tick: Tick) -> None:
+        turning, hold = (
+            next(run for run in tick.run.runs if run.controller.name == name)
+            for name in ("turn", "hold")
+        )
+        held = "held" if hold.predicate in "01" else "sought" if hold.seeking else "lost"
+        seen.append((held, "acts" if turning.predicate in "01" else "waits"))
+        if not any(before[0] == "held" for before in seen):
+            assert tick.observation.positions[HEAD] == pytest.approx([-0.4, 1.0])
+
+    play(program, lambda rng: World(contact_angle=0.5), direct, watch=watch)
+    passed = [each for each, _ in groupby(seen)]
+    assert passed == [("sought", "waits"), ("held", "acts"), ("sought", "acts"), ("lost", "waits")]
+
+
+@pytest.mark.parametrize(("action", "acts"), [("both", True), ("shift", False)])
+def test_what_is_given_a_posture_acts_where_that_does(
+    written: Written, play: Play, action: str, acts: bool
+) -> None:
+    """A posture is never undefined, although nothing is read for it."""
+    shift = "potential: spring, reference: left_arm.home, feedback: left_arm, effector: left_arm"
+    program = written(
+        f"controllers:\n  turn: {TURN}\n  shift: {{given: turn, {shift}}}\n  both: shift ◁ turn\n"
+        f"actions: [both, shift]\npolicy: {{XX: {action}}}\n"
+    )
+    predicates: list[str] = []
+
+    def watch(tick: Tick) -> None:
+        predicates.extend(r.predicate for r in tick.run.runs if r.controller.name == "shift")
+
+    play(program, watch=watch)
+    assert predicates and set(predicates) <= ({"0", "1", "X"} if acts else {"-", "X"})
+    assert ("0" in predicates) == acts
+
+
 def test_what_is_lost_reads_undefined_and_what_comes_back_on_its_way(
     checked: Checked, play: Play
 ) -> None:

@@ -163,8 +163,8 @@ CONTROLLERS = (
         "CB514",
         "controller that never runs",
         "no action runs a controller '{name}'",
-        "`seek.once` names a controller of the same program that an action runs, with the "
-        "arguments that the action calls it with.",
+        "`seek.once` and `given` name a controller of the same program that an action runs, with "
+        "the arguments that the action calls it with.",
         controller(
             "potential: spring, reference: 1 N along normals, "
             "feedback: right_hand.finger_forces, effector: right_hand, "
