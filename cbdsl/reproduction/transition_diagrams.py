@@ -229,13 +229,22 @@ def _percent(hits: int, trials: int) -> Interval:
 
 
 def _typical(name: str, lesson: Lesson, program: CheckedProgram, found: Sequence[Check]) -> Diagram:
-    """The diagram of the trial whose arcs have the most in common with those of all trials."""
-    diagrams = [diagram_of(check.experiences) for check in found]
+    """The diagram of the trial whose arcs have the most in common with those of all trials.
+
+    Where nothing can be rewarded, a policy goes round in circles until its transitions are used
+    up, which outweighs all that it does elsewhere.
+    """
+    hopeful = [
+        [each for each in check.experiences if each.context not in lesson.hopeless]
+        for check in found
+    ]
+    diagrams = [diagram_of(experiences) for experiences in hopeful]
     likeness = [sum(_likeness(each, other) for other in diagrams) for each in diagrams]
     trial = likeness.index(max(likeness))
-    graph = graph_of(f"{lesson.name}_{trial}", program, found[trial].experiences)
+    graph = graph_of(f"{lesson.name}_{trial}", program, hopeful[trial])
     title = f"{lesson.label}: greedy policy of trial {trial}, arcs above {100 * ABOVE:.0f} %"
-    return Diagram(f"{name}-{lesson.name}", title, graph)
+    left_out = "".join(f", without the context {context}" for context in sorted(lesson.hopeless))
+    return Diagram(f"{name}-{lesson.name}", title + left_out, graph)
 
 
 def _likeness(one: Mapping[Arc, float], other: Mapping[Arc, float]) -> float:
