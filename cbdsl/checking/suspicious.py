@@ -67,12 +67,11 @@ class _ControllerCheck:
         if isinstance(reference, Resource) and _are_same(reference, controller.feedback):
             place = source.place(*self._steps, "reference")
             self._context.add("CB708", place, name=reference.name)
-        if controller.seek is not None and controller.seek.once == controller.name:
-            place = source.place(*self._steps, "seek", "once")
-            self._context.add("CB710", place, name=controller.name)
-        if controller.given == controller.name:
-            place = source.place(*self._steps, "given")
-            self._context.add("CB710", place, name=controller.name)
+        once = None if controller.seek is None else controller.seek.once
+        for steps, waited_for in ((("seek", "once"), once), (("given",), controller.given)):
+            if waited_for == controller.name:
+                place = source.place(*self._steps, *steps)
+                self._context.add("CB710", place, name=controller.name)
 
     def _zero_share(self) -> None:
         """A share of a reference of norm 0 is no residual that can be reached."""

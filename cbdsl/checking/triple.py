@@ -101,7 +101,7 @@ class _Triple:
             standoff=_standoff(document.standoff),
             funnel=_funnel(document.funnel),
             seek=self._seek(),
-            given=self._given(),
+            given=self._call(document.given, "given"),
             field=self._field(potential, Wish(feedback, reference, joints)),
         )
 
@@ -144,13 +144,11 @@ class _Triple:
         seek = self._document.seek
         if seek is None:
             return None
-        steps: Steps = (*self._steps, "seek", "once")
-        once = None if seek.once is None else self._context.parse(seek.once, steps)
-        return Seek(None if once is None else str(once), seek.within, seek.until)
+        return Seek(self._call(seek.once, "seek", "once"), seek.within, seek.until)
 
-    def _given(self) -> str | None:
-        given = self._document.given
-        parsed = None if given is None else self._context.parse(given, (*self._steps, "given"))
+    def _call(self, text: str | None, *steps: str) -> str | None:
+        """Another controller, called as the actions call it."""
+        parsed = None if text is None else self._context.parse(text, (*self._steps, *steps))
         return None if parsed is None else str(parsed)
 
     def _place(self, *steps: str | int) -> Place:

@@ -236,6 +236,7 @@ def _typical(name: str, lesson: Lesson, program: CheckedProgram, found: Sequence
     """
     hopeful = [
         [each for each in check.experiences if each.context not in lesson.hopeless]
+        or list(check.experiences)
         for check in found
     ]
     diagrams = [diagram_of(experiences) for experiences in hopeful]

@@ -75,7 +75,8 @@ class ControllerRun:
         self._tolerance = math.inf if quiescence.tolerance is None else quiescence.tolerance
         self.member = Member(self._potential, self._task, self._monitor, len(signals.joints))
         self._constant = _constant_reference(controller, signals)
-        self._follows_joints = self._can_follow_joints()
+        # What may be undefined is asked anew in every tick.
+        self._follows_joints = controller.given is None and self._can_follow_joints()
 
     def begin(self, rng: np.random.Generator) -> None:
         """Begin an episode, in which ``rng`` is for all that is drawn."""
@@ -145,8 +146,6 @@ class ControllerRun:
     @property
     def needs_nothing(self) -> bool:
         """Whether its reference is constant and its feedback the posture: nothing is to be read."""
-        if self.controller.given is not None:
-            return False
         return self._constant is not None and self._is_aimed and self._follows_joints
 
     @property
@@ -169,7 +168,7 @@ class ControllerRun:
             SignalError: a number that it would act on is not finite; the message names it.
         """
         # Its joints are read where it acts.
-        if self._is_aimed and self._follows_joints and self.controller.given is None:
+        if self._is_aimed and self._follows_joints:
             return True
         acts = self._sensed(peers)
         if not acts:
@@ -229,7 +228,7 @@ class ControllerRun:
             phi, error = self._acted(feedback, reference.value, raised)
         except NoPathError as failure:
             self._undefined()
-            self._is_forgotten = False
+            self._is_forgotten = self._engaged = False
             self.no_path = str(failure)
             return False
         self.member.duty = DONE
