@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Collection
 from importlib.metadata import entry_points
 from pathlib import Path
 from typing import Any, Protocol
@@ -35,7 +36,13 @@ class Backend(Protocol):
     renderer: str
     control_period: float
 
-    def reset(self, stage: StageDocument, context: str | None, rng: np.random.Generator) -> str:
+    def reset(
+        self,
+        stage: StageDocument,
+        context: str | None,
+        rng: np.random.Generator,
+        channels: Collection[str] | None = None,
+    ) -> str:
         """Begin an episode; everything that chance decides in it is drawn from ``rng``.
 
         Args:
@@ -43,6 +50,8 @@ class Backend(Protocol):
             context: one of the stage's contexts; drawn by their shares when ``None``.
             rng: the only source of chance. Equal generators give equal episodes, whatever ran
                 before.
+            channels: of vision, whose regions the robot looks for; all of them when ``None``. A
+                backend that reports regions may leave out the others.
 
         Returns:
             The name of the context.

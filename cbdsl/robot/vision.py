@@ -57,6 +57,7 @@ class Vision:
     """Sees the wanted channels with every camera.
 
     Attributes:
+        channels: that it looks for.
         headings: those that have been asked for since the newest images, by (camera, channel).
         regions: the regions in the newest images.
         memories: by channel, with two cameras.
@@ -69,9 +70,9 @@ class Vision:
         self._cameras: Mapping[str, Camera] = robot.cameras
         self._kinematics = kinematics
         self._settings = robot.vision.regions
-        self._channels = tuple(dict.fromkeys(channels))
+        self.channels = tuple(dict.fromkeys(channels))
         self._filters = {
-            name: ChannelFilter(robot.vision.channels, self._channels, self._settings.least_area)
+            name: ChannelFilter(robot.vision.channels, self.channels, self._settings.least_area)
             for name in robot.cameras
         }
         # Upper arms are thin and seldom in view; what hides things is the wrist and the hand.
@@ -82,7 +83,7 @@ class Vision:
         fingers = [cell for hand in robot.load_cells.values() for cell in hand.values()]
         self._hand_links = (*tips, *(cell.link for cell in fingers))
         stereo = len(robot.cameras) == 2
-        self.memories = {name: PositionMemory(self._settings) for name in self._channels if stereo}
+        self.memories = {name: PositionMemory(self._settings) for name in self.channels if stereo}
         self.reset()
 
     def reset(self) -> None:
@@ -155,7 +156,7 @@ class Vision:
         return {
             name: [
                 (channel, region)
-                for channel in self._channels
+                for channel in self.channels
                 if (region := regions.get(channel)) is not None and region.area >= least
             ]
             for name, regions in found.items()
@@ -165,7 +166,7 @@ class Vision:
         """Whether images tell something even if they show nothing."""
         return (
             bool(self._sights)
-            or "motion" in self._channels
+            or "motion" in self.channels
             or any(memory.position is not None for memory in self.memories.values())
         )
 

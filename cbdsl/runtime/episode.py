@@ -116,7 +116,7 @@ class Runner:
         """
         began = time.perf_counter()
         world_rng, own_rng = (np.random.default_rng([seed, stream]) for stream in (0, 1))
-        drawn = self._backend.reset(stage, context, world_rng)
+        drawn = self._backend.reset(stage, context, world_rng, self.signals.vision.channels)
         period = self._backend.control_period
         self.signals.reset()
         passed: list[Transition] = []

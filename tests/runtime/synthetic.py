@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Collection
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -76,7 +76,13 @@ class SyntheticBackend:
         #: All references of the last episode.
         self.applied: list[Floats] = []
 
-    def reset(self, stage: StageDocument, context: str | None, rng: np.random.Generator) -> str:
+    def reset(
+        self,
+        stage: StageDocument,
+        context: str | None,
+        rng: np.random.Generator,
+        channels: Collection[str] | None = None,
+    ) -> str:
         """The joints start as the stage says; of its things nothing is shown."""
         name = context or str(rng.choice(list(stage.contexts)))
         self._positions = np.clip(0.0, self._kinematics.lower, self._kinematics.upper)

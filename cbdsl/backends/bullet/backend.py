@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import sys
+from collections.abc import Collection
 from pathlib import Path
 
 import numpy as np
@@ -94,7 +95,13 @@ class BulletBackend:
         #: What only the simulator knows, for tests.
         self.truth = Truth(self._client, self._body, self._scene, self._fingertips)
 
-    def reset(self, stage: StageDocument, context: str | None, rng: np.random.Generator) -> str:
+    def reset(
+        self,
+        stage: StageDocument,
+        context: str | None,
+        rng: np.random.Generator,
+        channels: Collection[str] | None = None,
+    ) -> str:
         """Begin an episode; see ``Backend.reset``."""
         name = choose_context(stage, context, rng)
         chosen = stage.contexts[name]

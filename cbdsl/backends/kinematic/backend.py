@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Collection
 from pathlib import Path
 
 import numpy as np
@@ -25,6 +26,7 @@ from cbdsl.backends.shutter import Shutter
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.documents.stage import StageDocument
 from cbdsl.robot.chains import root
+from cbdsl.robot.channel_names import channel_names
 from cbdsl.robot.kinematics import Kinematics
 from cbdsl.robot.observation import Observation
 from cbdsl.robot.urdf import UrdfError, UrdfModel, read_urdf
@@ -75,7 +77,13 @@ class KinematicBackend:
         self._palette = Palette(robot.vision.channels)
         self._nearest_to_zero = np.clip(0.0, kinematics.lower, kinematics.upper)
 
-    def reset(self, stage: StageDocument, context: str | None, rng: np.random.Generator) -> str:
+    def reset(
+        self,
+        stage: StageDocument,
+        context: str | None,
+        rng: np.random.Generator,
+        channels: Collection[str] | None = None,
+    ) -> str:
         """Begin an episode; see ``Backend.reset``."""
         name = choose_context(stage, context, rng)
         chosen = stage.contexts[name]
@@ -96,7 +104,13 @@ class KinematicBackend:
         self.truth = Truth(self._world, self._tree, self._handling)
         self._cells = LoadCells(self._hands.cells, self._robot, self.control_period, noise)
         self._cameras = Cameras(
-            self._robot, self._tree, self._limbs, self._palette, stage.disturbance, rng
+            self._robot,
+            self._tree,
+            self._limbs,
+            self._palette,
+            tuple(channel_names(self._robot.vision.channels)) if channels is None else channels,
+            stage.disturbance,
+            rng,
         )
         self._observation = self._sense()
         return name

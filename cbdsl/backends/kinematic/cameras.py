@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -46,7 +46,7 @@ class _Sight(NamedTuple):
         thing: what it belongs to.
         target: its index among the world's things.
         patch: the part of its surface, as ``silhouettes`` has it.
-        channels: in which its colour is.
+        channels: in which its colour is, of those that are looked for.
     """
 
     thing: Thing
@@ -65,6 +65,12 @@ class _Sight(NamedTuple):
 class _Scene:
     """What there is to see until something comes or goes.
 
+    Args:
+        world: that it is in.
+        palette: knows in which channels colours are.
+        channels: that are looked for.
+        cameras: how many there are.
+
     Attributes:
         solids: the world's, which has new ones when something comes or goes.
         sights: of all things and spots that it can see.
@@ -73,17 +79,20 @@ class _Scene:
         shapes: what the cameras see of them, shape (cameras, sights, 4).
     """
 
-    def __init__(self, world: World, palette: Palette, cameras: int, sees_motion: bool) -> None:
+    def __init__(
+        self, world: World, palette: Palette, channels: Collection[str], cameras: int
+    ) -> None:
         self.solids = world.solids
         self._before = self.solids[:, POSITION].copy()
         self._shifts = np.zeros(len(self.solids))
-        # What is no fixture, where the robot sees motion.
+        sees_motion = "motion" in channels
+        # What is no fixture, where the robot looks for motion.
         things = enumerate(world.things.values())
         self._movable = [(row, thing) for row, thing in things if thing.mass and sees_motion]
-        # What has none of the colours that the robot knows is seen only by its motion.
+        # What has none of the colours that are looked for is seen only by its motion.
         self.sights = [
             sight
-            for sight in _sights(world, palette)
+            for sight in _sights(world, palette, channels)
             if sight.channels or (sight.target, sight.thing) in self._movable
         ]
         count = len(self.sights)
@@ -93,8 +102,8 @@ class _Scene:
         self.shapes = np.zeros((cameras, count, 4))
 
     def moved(self) -> set[str]:
-        """What has moved since this was asked before."""
-        if not _have_moved(self.solids, self._before, self._shifts):
+        """What has moved since this was asked before, where the robot looks for motion."""
+        if not self._movable or not _have_moved(self.solids, self._before, self._shifts):
             return set()
         shifts = self._shifts.tolist()
         return {thing.name for row, thing in self._movable if shifts[row] > _LEAST_MOTION}
@@ -136,6 +145,7 @@ class Cameras:
         tree: where the links are.
         limbs: what may hide things.
         palette: knows in which channels colours are.
+        channels: whose regions are looked for.
         disturbance: the sizes of the cameras' errors.
         rng: draws the errors.
     """
@@ -146,6 +156,7 @@ class Cameras:
         tree: Tree,
         limbs: Limbs,
         palette: Palette,
+        channels: Collection[str],
         disturbance: Disturbance,
         rng: np.random.Generator,
     ) -> None:
@@ -157,8 +168,8 @@ class Cameras:
                 for camera in robot.cameras.values()
             ]
         ).reshape(len(self._rows), 3)
-        self._sees_motion = robot.vision.channels.motion
         self._palette = palette
+        self._channels = channels
         self._tree = tree
         self._limbs = limbs
         disturbed = disturbance.camera_position or disturbance.camera_rotation
@@ -167,10 +178,10 @@ class Cameras:
         self._scene: _Scene | None = None
 
     def look(self, world: World) -> Mapping[str, Mapping[str, Region]]:
-        """The largest region of each channel, by camera and channel."""
+        """The largest region of each channel that is looked for, by camera and channel."""
         scene = self._scene
         if scene is None or scene.solids is not world.solids:
-            scene = _Scene(world, self._palette, len(self._rows), self._sees_motion)
+            scene = _Scene(world, self._palette, self._channels, len(self._rows))
             self._scene = scene
         seen = silhouettes(
             scene.solids,
@@ -240,15 +251,19 @@ def _have_moved(solids: Floats, before: Floats, shifts: Floats) -> bool:
     return have_moved
 
 
-def _sights(world: World, palette: Palette) -> list[_Sight]:
+def _sights(world: World, palette: Palette, channels: Collection[str]) -> list[_Sight]:
     """All things, then the spots on them, whose area counts as their thing's, too."""
+
+    def wanted(color: Sequence[float]) -> tuple[str, ...]:
+        return tuple([name for name in palette.channels(color) if name in channels])
+
     wholes, spots = [], []
     for index, thing in enumerate(world.things.values()):
         spot = thing.shape.spot
-        wholes.append(_Sight(thing, index, WHOLE, palette.channels(thing.surface.color)))
+        wholes.append(_Sight(thing, index, WHOLE, wanted(thing.surface.color)))
         if spot is not None:
             patch = _patch(thing.shape, spot)
-            spots.append(_Sight(thing, index, patch, palette.channels(spot.color)))
+            spots.append(_Sight(thing, index, patch, wanted(spot.color)))
     return wholes + spots
 
 
