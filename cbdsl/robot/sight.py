@@ -33,9 +33,9 @@ Floats = NDArray[np.float64]
 class Sight:
     """Reads headings and positions; what a hand holds moves with the hand, all else stands still.
 
-    A seen thing counts as held while hands feel contact and it is as near to them as its radius and
-    theirs allow. It then moves as if fixed to the one hand, or with the centroid of several hands'
-    tips (Eq 3.42 and 3.43).
+    A seen thing counts as held while all fingers of a hand feel contact, or several hands do, and
+    it is as near to them as its radius and theirs allow. It then moves as if fixed to the one hand,
+    or with the centroid of several hands' tips (Eq 3.42 and 3.43).
     """
 
     def __init__(
@@ -68,17 +68,19 @@ class Sight:
                 memory.carry(self._hold.moved(before, memory.position))
 
     def _found_hold(self) -> Hold | None:
-        """How the hands that feel contact hold, or ``None`` where none of them does."""
+        """How hands hold: one with all of its fingers, or several that feel contact."""
         if not self._touch.touching_anything():
             return None
-        carriers = self._touch.carriers.items()
-        arms = tuple([arm for hand, arm in carriers if self._touch.touching(hand)])
-        if not arms:
+        carriers = self._touch.carriers
+        hands = [hand for hand in carriers if self._touch.touching(hand)]
+        arms = tuple([carriers[hand] for hand in hands])
+        if len(hands) > 1:
+            centroid = mean([self._tips.position(arm) for arm in arms])
+            return Hold.of_several(arms, centroid)
+        # A finger that brushes against a thing pushes it away, and does not take it along.
+        if not hands or not self._touch.all_touching(hands[0]):
             return None
-        if len(arms) == 1:
-            return Hold.of_one(arms[0], self._tips.read(Tip(arms[0], "pose")))
-        centroid = mean([self._tips.position(arm) for arm in arms])
-        return Hold.of_several(arms, centroid)
+        return Hold.of_one(arms[0], self._tips.read(Tip(arms[0], "pose")))
 
     def heading(self, source: Heading) -> Reading | None:
         """The heading in one camera, or the mean over those that see the channel."""

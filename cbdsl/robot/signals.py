@@ -114,6 +114,8 @@ class Signals:
             self.vision.update(observation)
             if self.touch.touching_anything():
                 self.vision.touched()
+            else:
+                self.vision.untouched()
 
     def read(self, resource: Resource) -> Reading | None:
         """The resource's value now, or ``None`` while it is undefined."""

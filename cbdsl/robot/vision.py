@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 from collections.abc import Collection, Iterable, Mapping, Sequence
 from typing import NamedTuple
@@ -22,6 +23,9 @@ Floats = NDArray[np.float64]
 
 # A hidden thing lies at most this much behind the hand that hides it, m.
 _BEHIND_HAND = 0.1
+# Fingertips that touch a thing are about a radius from its middle; within this share of it, and
+# feeling nothing, they have closed on air.
+_INSIDE = 0.75
 
 
 class SeenHeading(NamedTuple):
@@ -80,8 +84,11 @@ class Vision:
             effector.joints[-1] for effector in robot.effectors.values() if effector.tip is not None
         )
         tips = [each.tip.link for each in robot.effectors.values() if each.tip is not None]
-        fingers = [cell for hand in robot.load_cells.values() for cell in hand.values()]
-        self._hand_links = (*tips, *(cell.link for cell in fingers))
+        fingers = [[cell.link for cell in hand.values()] for hand in robot.load_cells.values()]
+        self._hand_links = (*tips, *(link for hand in fingers for link in hand))
+        ends = np.cumsum([len(self._wrists) + len(tips), *map(len, fingers)]).tolist()
+        #: By hand, which of the points that may hide things are its fingertips.
+        self._fingers = [slice(start, end) for start, end in itertools.pairwise(ends)]
         stereo = len(robot.cameras) == 2
         self.memories = {name: PositionMemory(self._settings) for name in self.channels if stereo}
         self.reset()
@@ -130,6 +137,15 @@ class Vision:
         """Take everything remembered to stand still, since a hand is in contact."""
         for memory in self.memories.values():
             memory.rest()
+
+    def untouched(self) -> None:
+        """Forget what a hand has closed on, since no hand is in contact."""
+        # Only what is hidden may be somewhere else than it is remembered.
+        if self._hands is None:
+            return
+        for memory in self.memories.values():
+            if memory.position is not None and self._has_closed_on(memory.position, memory.radius):
+                memory.reset()
 
     def heading(self, camera: str, channel: str) -> SeenHeading | None:
         """The heading to what a camera sees, or saw a moment ago, in its newest image.
@@ -209,6 +225,12 @@ class Vision:
                 return
         explained = memory.position is not None and self._hidden_by_hand(memory.position)
         memory.miss(time, explained=explained)
+
+    def _has_closed_on(self, position: Floats, radius: float) -> bool:
+        """Whether all fingertips of a hand were inside of a ball when the cameras last looked."""
+        assert self._hands is not None
+        is_inside = np.linalg.norm(self._hands - position, axis=1) < _INSIDE * radius
+        return any([bool(is_inside[fingers].all()) for fingers in self._fingers])
 
     def _sighting(self, channel: str) -> tuple[Floats, Sequence[float]] | None:
         """A believable position and the apparent sizes, m^2, or ``None``."""

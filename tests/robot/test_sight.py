@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Container
+
 import numpy as np
 import pytest
 
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.robot.camera import heading
 from cbdsl.robot.kinematics import Kinematics
-from cbdsl.robot.observation import Observation
+from cbdsl.robot.observation import Cell, Observation
 from cbdsl.robot.resources import resources
 from cbdsl.robot.signals import Signals
 from cbdsl.robot.vision import SeenHeading
@@ -33,10 +35,16 @@ def facing(dexter: RobotDocument, signals: Signals) -> np.ndarray:
     return positions
 
 
-def feel(dexter: RobotDocument, signals: Signals, positions: np.ndarray, force: float) -> None:
-    """One tick in which every fingertip feels the same force."""
+def feel(
+    dexter: RobotDocument,
+    signals: Signals,
+    positions: np.ndarray,
+    force: float,
+    cells: Container[Cell] | None = None,
+) -> None:
+    """One tick in which every fingertip, or each of some, feels the same force."""
     loads = {
-        (hand, finger): np.array([force, 0, 0, 0, 0, 0], dtype=float)
+        (hand, finger): np.eye(6)[0] * (force if cells is None or (hand, finger) in cells else 0.0)
         for hand, fingers in dexter.load_cells.items()
         for finger in fingers
     }
@@ -113,6 +121,25 @@ def test_what_is_held_is_remembered_where_the_hands_have_taken_it(
     assert remembered is not None
     assert np.linalg.norm(between(dexter, signals) - start) > 0.01
     assert remembered == pytest.approx(between(dexter, signals) + aside)
+
+
+@pytest.mark.parametrize("fingers", [1, 2, 3])
+def test_one_hand_holds_with_all_of_its_fingers(
+    dexter: RobotDocument, signals: Signals, fingers: int
+) -> None:
+    positions = facing(dexter, signals)
+    touching = [("right_hand", f"finger_{number + 1}") for number in range(fingers)]
+    feel(dexter, signals, positions, 0.0)
+    feel(dexter, signals, positions, 5.0, touching)
+    tip = signals.tips.position("right_arm").value
+    see(dexter, signals, tip)
+    positions = positions.copy()
+    positions[signals.joints.of("right_arm")] += 0.05
+    feel(dexter, signals, positions, 5.0, touching)
+    taken = signals.tips.position("right_arm").value
+    assert np.linalg.norm(taken - tip) > 0.01
+    remembered = signals.vision.memories[CHANNEL].position
+    assert remembered == pytest.approx(taken if fingers == 3 else tip)
 
 
 def test_what_is_far_from_the_hands_is_not_held(dexter: RobotDocument, signals: Signals) -> None:

@@ -19,6 +19,7 @@ from tests.runtime.synthetic import RED, Ball, SyntheticBackend
 
 BALL = np.array([0.75, -0.25, -0.35])
 GREEN = (0, 255, 0)
+FINGERTIPS = tuple(f"right_finger_{number}_tip" for number in (1, 2, 3))
 
 
 @pytest.fixture(scope="module")
@@ -39,6 +40,18 @@ def look(backend: SyntheticBackend, signals: Signals, seconds: float = 0.1) -> N
         signals.update(backend.observe())
         backend.apply(signals.positions)
         backend.step()
+
+
+def look_towards(
+    point: NDArray[np.float64], backend: SyntheticBackend, signals: Signals, **joints: float
+) -> None:
+    """Begin anew with the head turned to a point, and these joints, rad."""
+    head = signals.kinematics.frame("left_camera").position
+    turn = np.arctan2(point[1], point[0])
+    down = np.arctan2(head[2] - point[2], np.hypot(*(point - head)[:2]))
+    backend.reset(made_stage({"pan": turn, "tilt": down, **joints}), None, np.random.default_rng(0))
+    signals.reset()
+    signals.update(backend.observe())
 
 
 def position(signals: Signals, channel: str) -> NDArray[np.float64] | None:
@@ -93,17 +106,34 @@ def test_what_a_hand_may_hide_is_remembered(
     palm = signals.kinematics.frame("right_palm").position
     head = signals.kinematics.frame("left_camera").position
     behind = palm + 0.05 * (palm - head) / np.linalg.norm(palm - head)
-    turn = np.arctan2(behind[1], behind[0])
-    down = np.arctan2(head[2] - behind[2], np.hypot(*(behind - head)[:2]))
-    stage = made_stage({"pan": turn, "tilt": down})
-    backend.reset(stage, None, np.random.default_rng(0))
-    signals.reset()
+    look_towards(behind, backend, signals)
     backend.world.ball = Ball(behind, 0.04)
     look(backend, signals)
     assert position(signals, "hue_1") == pytest.approx(behind, abs=0.01)
     backend.world.ball = None
     look(backend, signals, 10 * dexter.vision.regions.hold)
     assert position(signals, "hue_1") == pytest.approx(behind, abs=0.01)
+
+
+@pytest.mark.parametrize(
+    ("share", "force", "is_there"), [(0.7, 0.0, False), (0.8, 0.0, True), (0.7, 1.0, True)]
+)
+def test_what_a_hand_closes_on_is_forgotten_unless_it_is_felt(
+    backend: SyntheticBackend, signals: Signals, share: float, force: float, is_there: bool
+) -> None:
+    closed = {f"right_finger_{number}": 1.6 for number in (1, 2, 3)}
+    look_towards(BALL, backend, signals, **closed)
+    tips = signals.kinematics.origins((), FINGERTIPS)
+    middle = tips.mean(axis=0)
+    look_towards(middle, backend, signals, **closed)
+    radius = np.linalg.norm(tips - middle, axis=1).max() / share
+    backend.world.ball = Ball(middle, radius)
+    look(backend, signals)
+    assert position(signals, "hue_1") == pytest.approx(middle, abs=0.01)
+    backend.world.ball = None
+    backend.world.broken["right_hand", "finger_1"] = np.array([0.0, 0, force, 0, 0, 0])
+    look(backend, signals)
+    assert (position(signals, "hue_1") is not None) == is_there
 
 
 def test_a_ball_that_is_cut_off_by_the_border_has_a_heading_but_no_position(
