@@ -63,7 +63,7 @@ SKILLS = (
     ),
     Skill(
         *("visualinspect", "visualinspect", "spotted_right"),
-        ("--episodes", "50", "--transition-time", "5", "--idle-time", "1"),
+        ("--episodes", "50", "--transition-time", "5"),
     ),
     Skill(
         *("bimanualtouch", "bimanualtouch", "bimanualtouch_training"),
