@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
+    from cbdsl.documents.document import Document
     from cbdsl.documents.robot import RobotDocument
     from cbdsl.documents.stage import StageDocument
     from cbdsl.program.checked import CheckedProgram
@@ -36,14 +37,14 @@ class Order:
 
 
 def read_order(
-    program: str, stage: str | None, policy: Path | None, values: Mapping[str, str]
+    program: str, stage: str | None, policy: str | None, values: Mapping[str, str]
 ) -> Order:
     """Read and check what a user asks for.
 
     Args:
         program: a file or a name.
         stage: a file or a name; without it the program's own.
-        policy: file of a policy that takes the place of the program's.
+        policy: a file or a name; without it the program's own.
         values: of the program's parameters.
 
     Raises:
@@ -62,7 +63,7 @@ def read_order(
     assert robot_file is not None, "a checked program has a robot"
     robot = library.read(robot_file, RobotDocument).document
     return Order(
-        program=checked if policy is None else _under_policy(checked, policy, library),
+        program=checked if policy is None else _under_policy(checked, policy, path, library),
         program_file=path,
         robot=robot,
         urdf=robot_file.parent / robot.model,
@@ -81,8 +82,7 @@ def _read_stage(
     if wanted is None:
         known = _stages_for(program.robot, program_file, library)
         raise UsageError(f"{program.name} names no stage; give one with --stage (known: {known})")
-    file = library.find(StageDocument, wanted, program_file)
-    file = file or library.locate(StageDocument, wanted)
+    file = _meant(StageDocument, wanted, program_file, library)
     _require_clean(file, library)
     stage = library.read(file, StageDocument).document
     if stage.robot != program.robot:
@@ -91,6 +91,11 @@ def _read_stage(
             f"but program '{program.name}' is for '{program.robot}'"
         )
     return stage
+
+
+def _meant(kind: type[Document], name: str, program_file: Path, library: Library) -> Path:
+    """The file that is meant by a path, or by a name beside the program or here."""
+    return library.find(kind, name, program_file) or library.locate(kind, name)
 
 
 def _stages_for(robot: str, program_file: Path, library: Library) -> str:
@@ -102,11 +107,14 @@ def _stages_for(robot: str, program_file: Path, library: Library) -> str:
     return ", ".join(names) or f"none; cb new stage NAME --robot {robot} writes one"
 
 
-def _under_policy(program: CheckedProgram, file: Path, library: Library) -> CheckedProgram:
+def _under_policy(
+    program: CheckedProgram, name: str, program_file: Path, library: Library
+) -> CheckedProgram:
     from cbdsl.checking.learned import with_policy
     from cbdsl.documents.policy import PolicyDocument
     from cbdsl.errors.errors import UsageError
 
+    file = _meant(PolicyDocument, name, program_file, library)
     if _is_recording(file):
         raise UsageError(f"{file}: this is no policy document; it looks like a recording")
     _require_clean(file, library)

@@ -36,9 +36,9 @@ Episodes = Annotated[
     int, typer.Option("--episodes", min=1, help="How many, with successive seeds.")
 ]
 BackendName = Annotated[str, typer.Option("--backend", help="What embodies the robot.")]
-PolicyFile = Annotated[
-    Path | None,
-    typer.Option("--policy", help="File of a policy document, instead of the program's policy."),
+Policy = Annotated[
+    str | None,
+    typer.Option("--policy", help="A policy: its file, or its name [the program's own]."),
 ]
 With = Annotated[
     list[str],
@@ -80,7 +80,7 @@ def run(
     seed: Seed = 0,
     episodes: Episodes = 1,
     backend: BackendName = "bullet",
-    policy: PolicyFile = None,
+    policy: Policy = None,
     with_: With = [],  # noqa: B006 (typer)
     gui: Gui = False,
     record: Record = None,

@@ -92,6 +92,8 @@ MISTAKES = [
     (["searchtrack", "--with", "feature"], 2, ["name=value"]),
     (["searchtrack", "--with", "feature=hue_99"], 1, ["CB501", "hue_99"]),
     (["searchtrack", "--policy", "touching.yaml"], 2, ["touching.yaml", "reachtouch"]),
+    (["searchtrack", "--policy", "reachtouch"], 2, ["policies/reachtouch.yaml", "'reachtouch'"]),
+    (["searchtrack", "--policy", "serchtrack"], 2, ["did you mean 'searchtrack'"]),
     (["searchtrack", "--policy", "none.yaml"], 1, ["none.yaml:1:1"]),
     (["searchtrack", "--policy", "episode_1.json"], 2, ["no policy document", "recording"]),
     (["searchtrack", "--record", "file"], 2, ["--record file"]),
