@@ -62,8 +62,9 @@ SKILLS = (
         ("--episodes", "25", "--transition-time", "8", "--idle-time", "1"),
     ),
     Skill(
-        *("visualinspect", "visualinspect", "spotted_right"),
+        *("visualinspect", "visualinspect", "visualinspect_training"),
         ("--episodes", "50", "--transition-time", "5"),
+        held_out="spotted_right",
     ),
     Skill(
         *("bimanualtouch", "bimanualtouch", "bimanualtouch_training"),

@@ -94,7 +94,7 @@ VISUALINSPECT = Lesson(
     name="visualinspect",
     label="VISUALINSPECT",
     program="visualinspect",
-    stage="spotted_right",
+    stage="visualinspect_training",
     episodes=50,
     trials=1,
 )
