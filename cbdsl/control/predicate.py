@@ -79,6 +79,12 @@ class QuiescenceMonitor:
         """Note that the potential cannot be computed in this tick, and forget all values."""
         self.notes[:_STAMP] = _UNDEFINED, 0, 0, 0
 
+    def restart(self) -> None:
+        """Begin the window anew: what was at rest is not until it has rested for another one."""
+        self.notes[_OLDEST] = self.notes[_KEPT] = 0
+        if self.notes[PREDICATE] == _QUIESCENT:
+            self.notes[PREDICATE] = _TRANSIENT
+
     def update(self, phi: float, stamp: int) -> str:
         """Note the potential in one tick.
 

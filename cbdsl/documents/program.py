@@ -57,7 +57,8 @@ class Seek(Section):
     """When a controller acts although its feedback is undefined, as to find contact."""
 
     once: Text | None = None
-    """Only after this controller, written as in ``actions``, came ``within`` of its reference."""
+    """Only after this controller, written as in ``actions``, came ``within`` of its reference. What
+    it is a part of is not at rest meanwhile, and judged anew when the search has ended."""
     within: Length = 0.02
     """How near ``once`` has to be."""
     until: Angle | None = None

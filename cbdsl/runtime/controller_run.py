@@ -106,6 +106,10 @@ class ControllerRun:
             self.deactivate()
             self.predicate = "0"
 
+    def unsettle(self) -> None:
+        """Judge rest anew, by what the potential does from now on."""
+        self._monitor.restart()
+
     @property
     def predicate(self) -> str:
         """X - 0 1 (Eq 4.1)."""

@@ -80,6 +80,15 @@ class ProgramRun:
             for action in program.actions
             if action.composition is not None
         }
+        self._seekers = {
+            name: [run for run in runs if run.controller.seek is not None]
+            for name, runs in self._stacks.items()
+        }
+        self._waiting = {
+            action.name: list(make.waiting(action.composition))
+            for action in program.actions
+            if action.composition is not None
+        }
         self._background = make.stack(program.background) if program.background else ()
         self._acting = {
             name: self._above_background(_together(runs)) for name, runs in self._stacks.items()
@@ -205,18 +214,19 @@ class ProgramRun:
             return True
         if self.program.idle_time is None:
             return False
-        strives = "0" in state or any(run.seeking for run in self._stacks[action.name])
+        strives = "0" in state or any(run.seeking for run in self._seekers[action.name])
         self._idle_ticks = 0 if strives else self._idle_ticks + 1
         return self._idle_ticks * self._period > self.program.idle_time
 
     def _read_state(self, action: Action) -> str:
         """The members' predicates while ``action`` runs."""
+        for seeker, waiting in self._waiting.get(action.name, ()):
+            if seeker.seeking:
+                for run in waiting:
+                    run.unsettle()
         noted = self._predicates.tobytes()
         if noted != self._noted or action.program is not None:
             self._noted, self._reading = noted, self._read_members(action)
-        # Nothing is at rest while another part of the composition still seeks contact.
-        if "1" in self._reading and any(run.seeking for run in self._stacks.get(action.name, ())):
-            return self._reading.replace("1", "0")
         return self._reading
 
     def _read_members(self, action: Action) -> str:
@@ -335,6 +345,20 @@ class _ControllerRuns:
             for primitive in reversed(composition.primitives)
             for controller in reversed(primitive.controllers)
         )
+
+    def waiting(
+        self, composition: Composition
+    ) -> Iterator[tuple[ControllerRun, Sequence[ControllerRun]]]:
+        """What seeks once another controller has arrived, and what waits there meanwhile.
+
+        That is the whole primitive that the other is a part of. Whether it has come to rest is
+        judged from the end of the search, since what is found may set it in motion again.
+        """
+        for seeker in self.stack(composition):
+            seek = seeker.controller.seek
+            for primitive in composition.primitives:
+                if seek and seek.once in [each.name for each in primitive.controllers]:
+                    yield seeker, [self.run(each) for each in primitive.controllers]
 
     def lead(self, primitive: Primitive, place: int) -> _Lead:
         """What gives the predicate of a primitive at this place of the state."""

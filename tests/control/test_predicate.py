@@ -55,6 +55,21 @@ def test_a_decaying_potential_comes_to_rest_once() -> None:
     assert states.endswith("1")
 
 
+def test_a_restart_asks_for_another_window() -> None:
+    monitor = QuiescenceMonitor(rate=1e-4, window=0.25, period=TICK)
+    watch(monitor, [2.0] * 40, every_tick)
+    monitor.restart()
+    assert monitor.predicate == "0"
+    assert watch(monitor, [2.0] * 40, every_tick) == "0" * 30 + "1" * 10
+
+
+def test_a_restart_leaves_what_is_undefined_so() -> None:
+    monitor = QuiescenceMonitor(rate=1e-4, window=0.25, period=TICK)
+    monitor.undefined()
+    monitor.restart()
+    assert monitor.predicate == "-"
+
+
 def test_a_disturbance_ends_the_rest() -> None:
     monitor = QuiescenceMonitor(rate=1e-3, window=0.1, period=TICK)
     states = watch(monitor, [0.0] * 20 + [0.5] * 20, every_tick)
