@@ -229,8 +229,10 @@ class Vision:
     def _has_closed_on(self, position: Floats, radius: float) -> bool:
         """Whether all fingertips of a hand were inside of a ball when the cameras last looked."""
         assert self._hands is not None
-        is_inside = np.linalg.norm(self._hands - position, axis=1) < _INSIDE * radius
-        return any([bool(is_inside[fingers].all()) for fingers in self._fingers])
+        return any(
+            _are_within(self._hands[fingers], position, _INSIDE * radius)
+            for fingers in self._fingers
+        )
 
     def _sighting(self, channel: str) -> tuple[Floats, Sequence[float]] | None:
         """A believable position and the apparent sizes, m^2, or ``None``."""
@@ -257,6 +259,16 @@ class Vision:
         if self._hands is None:
             self._hands = self._kinematics.origins(self._wrists, self._hand_links)
         return _is_beside(self._hands, self._eyes, position, self._settings.hand_radius)
+
+
+@compiled_once
+def _are_within(points: Floats, center: Floats, radius: float) -> bool:
+    """Whether all points, shape (n, 3), are nearer to a center, shape (3,), than a radius, m."""
+    for point in points:
+        x, y, z = point[0] - center[0], point[1] - center[1], point[2] - center[2]
+        if x * x + y * y + z * z >= radius * radius:
+            return False
+    return True
 
 
 @compiled_once
