@@ -79,7 +79,7 @@ class QuiescenceMonitor:
         """Note that the potential cannot be computed in this tick, and forget all values."""
         self.notes[:_STAMP] = _UNDEFINED, 0, 0, 0
 
-    def restart(self) -> None:
+    def unsettle(self) -> None:
         """Begin the window anew: what was at rest is not until it has rested for another one."""
         self.notes[_OLDEST] = self.notes[_KEPT] = 0
         if self.notes[PREDICATE] == _QUIESCENT:

@@ -108,7 +108,7 @@ class ControllerRun:
 
     def unsettle(self) -> None:
         """Judge rest anew, by what the potential does from now on."""
-        self._monitor.restart()
+        self._monitor.unsettle()
 
     @property
     def predicate(self) -> str:

@@ -80,10 +80,6 @@ class ProgramRun:
             for action in program.actions
             if action.composition is not None
         }
-        self._seekers = {
-            name: [run for run in runs if run.controller.seek is not None]
-            for name, runs in self._stacks.items()
-        }
         self._waiting = {
             action.name: list(make.waiting(action.composition))
             for action in program.actions
@@ -201,6 +197,7 @@ class ProgramRun:
         if child is not None:
             child.advance()
         self._ticks += 1
+        self._unsettle(self._action)
         state = self._read_state(self._action)
         # A program has transitions of its own to run out of. It may also end the way it ended
         # before, within one tick, and then it is over although the state has not changed.
@@ -214,16 +211,19 @@ class ProgramRun:
             return True
         if self.program.idle_time is None:
             return False
-        strives = "0" in state or any(run.seeking for run in self._seekers[action.name])
+        strives = "0" in state or any(run.seeking for run in self._stacks[action.name])
         self._idle_ticks = 0 if strives else self._idle_ticks + 1
         return self._idle_ticks * self._period > self.program.idle_time
 
-    def _read_state(self, action: Action) -> str:
-        """The members' predicates while ``action`` runs."""
+    def _unsettle(self, action: Action) -> None:
+        """Judge anew whether what waits for a search is at rest, as long as the search goes on."""
         for seeker, waiting in self._waiting.get(action.name, ()):
             if seeker.seeking:
                 for run in waiting:
                     run.unsettle()
+
+    def _read_state(self, action: Action) -> str:
+        """The members' predicates while ``action`` runs."""
         noted = self._predicates.tobytes()
         if noted != self._noted or action.program is not None:
             self._noted, self._reading = noted, self._read_members(action)

@@ -55,18 +55,18 @@ def test_a_decaying_potential_comes_to_rest_once() -> None:
     assert states.endswith("1")
 
 
-def test_a_restart_asks_for_another_window() -> None:
+def test_what_is_unsettled_rests_after_another_window() -> None:
     monitor = QuiescenceMonitor(rate=1e-4, window=0.25, period=TICK)
     watch(monitor, [2.0] * 40, every_tick)
-    monitor.restart()
+    monitor.unsettle()
     assert monitor.predicate == "0"
     assert watch(monitor, [2.0] * 40, every_tick) == "0" * 30 + "1" * 10
 
 
-def test_a_restart_leaves_what_is_undefined_so() -> None:
+def test_what_is_unsettled_while_undefined_stays_so() -> None:
     monitor = QuiescenceMonitor(rate=1e-4, window=0.25, period=TICK)
     monitor.undefined()
-    monitor.restart()
+    monitor.unsettle()
     assert monitor.predicate == "-"
 
 

@@ -350,7 +350,7 @@ def test_rest_is_judged_from_when_nothing_is_sought(checked: Checked, play: Play
     def watch(tick: Tick) -> None:
         runs = {run.controller.name: run for run in tick.run.runs}
         if runs["touch"].seeking:
-            assert tick.run.state[1:] in ("0-", "XX")
+            assert tick.run.state == "X0-"
             sought.append(tick.observation.time)
         elif sought and runs["approach"].predicate == "1":
             rested.append(tick.observation.time)
@@ -363,6 +363,10 @@ def test_rest_is_judged_from_when_nothing_is_sought(checked: Checked, play: Play
     assert sought[-1] - sought[0] > 1.0
     assert rested[0] - sought[-1] == pytest.approx(0.5, abs=0.02)
     assert episode.result.rewarded
+    # What is done while the touch alone is not at rest yet has time to matter.
+    assert episode.result.predicates[-3:] == ("X00", "X10", "X11")
+    last = episode.at(0)[-1]
+    assert last.ticks * episode.backend.control_period > 0.4
 
 
 def test_what_nothing_waits_for_rests_while_a_hand_seeks(written: Written, play: Play) -> None:
