@@ -74,6 +74,14 @@ Alpha = Annotated[float, typer.Option("--alpha", min=1e-6, max=1, help="Learning
 Epsilon = Annotated[
     float, typer.Option("--epsilon", min=0, max=1, help="Share of actions chosen at random.")
 ]
+ExploringEpisodes = Annotated[
+    int | None,
+    typer.Option(
+        "--exploring-episodes",
+        min=0,
+        help="Episodes with --epsilon; later ones do what is best, and learn from it [all].",
+    ),
+]
 Density = Annotated[
     str, typer.Option("--density", help="Form of the internal models: kernel or gaussian.")
 ]
@@ -124,6 +132,7 @@ def learn(
     gamma: Gamma = 0.8,
     alpha: Alpha = 0.1,
     epsilon: Epsilon = 0.2,
+    exploring_episodes: ExploringEpisodes = None,
     density: Density = "kernel",
     bandwidth: Bandwidth = 0.1,
     prior: Prior = 10.0,
@@ -146,6 +155,7 @@ def learn(
     from cbdsl.cli.quiet import shown_on_failure
     from cbdsl.cli.simulation import needing_simulation
     from cbdsl.cli.termination import termination_interrupts
+    from cbdsl.learning.accommodate import Constants
 
     _require_name(out)
     _require_one_place(workers, scheduler)
@@ -153,7 +163,15 @@ def learn(
     _tell_of_no_reward(order)
     lesson = _lesson(order.program, sequential, transitions, transition_time, idle_time)
     with needing_simulation():
-        constants = _constants(gamma, alpha, epsilon, density, bandwidth, prior)
+        constants = Constants(
+            gamma=gamma,
+            alpha=alpha,
+            epsilon=epsilon,
+            exploring_episodes=exploring_episodes,
+            density=_form(density),
+            bandwidth=bandwidth,
+            prior=prior,
+        )
         first = _assignment(order, lesson, constants, backend, seed, episodes, context, out)
         assignments = _numbered(first, trials)
         _require_ready(assignments, resume)
@@ -193,16 +211,12 @@ def _require_one_place(workers: int, scheduler: str | None) -> None:
         raise UsageError("--workers are processes of this machine, --scheduler has its own: choose")
 
 
-def _constants(
-    gamma: float, alpha: float, epsilon: float, density: str, bandwidth: float, prior: float
-) -> Constants:
+def _form(density: str) -> Form:
     from cbdsl.errors.errors import UsageError
-    from cbdsl.learning.accommodate import Constants
 
     if density not in ("kernel", "gaussian"):
         raise UsageError(f"--density {density}: it is kernel or gaussian")
-    form: Form = "kernel" if density == "kernel" else "gaussian"
-    return Constants(gamma, alpha, epsilon, form, bandwidth, prior)
+    return "kernel" if density == "kernel" else "gaussian"
 
 
 def _lesson(

@@ -25,6 +25,8 @@ class Constants:
         gamma: discount.
         alpha: learning rate.
         epsilon: share of the actions that are chosen at random.
+        exploring_episodes: in how many episodes they are; in those after them every action is the
+            best one that is known, and is learned from all the same. ``None``: in all of them.
         density: form of the internal models.
         bandwidth: standard deviation of their kernels, smallest one of their Gaussians, rad.
         prior: as how many samples the uniform density counts that they start as.
@@ -33,6 +35,7 @@ class Constants:
     gamma: float = 0.8
     alpha: float = 0.1
     epsilon: float = 0.2
+    exploring_episodes: int | None = None
     density: Form = "kernel"
     bandwidth: float = 0.1
     prior: float = 10.0
@@ -66,6 +69,7 @@ class Accommodate:
         self.values = QLearning(actions, constants.gamma, constants.alpha)
         self.counts = TransitionCounts()
         self._samples: dict[str, list[tuple[float, ...]]] = {}
+        self._episodes = 0
         # Where the action began that runs, or the last one that ran.
         self._origin = ""
 
@@ -81,6 +85,7 @@ class Accommodate:
 
     def remember(self, experience: Experience) -> None:
         """Take in what a finished episode found rewarded (line 19), besides its transitions."""
+        self._episodes += 1
         for effector, configuration in experience.rewarded.items():
             self._samples.setdefault(effector, []).append(configuration)
 
@@ -101,8 +106,11 @@ class Accommodate:
         }
 
     def explorer(self, rng: np.random.Generator) -> Explorer:
-        """Chooses the actions of an episode by what is known then."""
-        return Explorer(self.values, self._constants.epsilon, rng, self._running)
+        """Chooses the actions of the next episode by what is known then."""
+        exploring = self._constants.exploring_episodes
+        over = exploring is not None and self._episodes >= exploring
+        epsilon = 0.0 if over else self._constants.epsilon
+        return Explorer(self.values, epsilon, rng, self._running)
 
     def greedy(self) -> dict[str, str]:
         """The best action of every state in which one was tried, and of all others in one line.

@@ -46,9 +46,12 @@ def provenance_of(trial: Trial, setting: Setting, episodes: int, command: str) -
         command: what learns it again.
     """
     program = trial.program
-    limits = {"transitions": program.transitions, "transition_time": program.transition_time}
-    if program.idle_time is not None:
-        limits["idle_time"] = program.idle_time
+    limits = {
+        "transitions": program.transitions,
+        "transition_time": program.transition_time,
+        "idle_time": program.idle_time,
+    }
+    constants = asdict(trial.constants) | limits
     return Provenance(
         command=command,
         program=Identity(name=program.name, sha256=setting.program_sha256),
@@ -57,7 +60,7 @@ def provenance_of(trial: Trial, setting: Setting, episodes: int, command: str) -
         robot=_identity(setting.robot),
         stage=_identity(setting.stage),
         algorithm="accommodate",
-        constants=asdict(trial.constants) | limits,
+        constants={name: value for name, value in constants.items() if value is not None},
         seed=trial.seed,
         trial=trial.number,
         episodes=episodes,

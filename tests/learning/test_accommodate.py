@@ -68,6 +68,21 @@ def test_it_learns_to_search_where_nothing_is_seen_and_to_track_where_something_
     }
 
 
+@pytest.mark.parametrize(("finished", "explores"), [(0, True), (1, True), (2, False), (3, False)])
+def test_it_explores_in_as_many_episodes_as_it_is_told_to(
+    finished: int, explores: bool, made: Made
+) -> None:
+    rewarded = (made("XX", "track", "X1"),)
+    learner = Accommodate(ACTIONS, Constants(epsilon=1.0, exploring_episodes=2))
+    for transition in rewarded:
+        learner.see(transition)
+    for _ in range(finished):
+        learner.remember(experience(rewarded, (0.1, 0.2)))
+    explorer = learner.explorer(np.random.default_rng(0))
+    chosen = {explorer.choose("XX", changed=True) for _ in range(50)}
+    assert chosen == (set(ACTIONS) if explores else {"track"})
+
+
 def test_a_program_among_the_actions_is_one_action_until_it_ends(made: Made) -> None:
     learner = Accommodate(("find", "track"), Constants(alpha=1.0), {0: "find"})
     explorer = learner.explorer(np.random.default_rng(0))
