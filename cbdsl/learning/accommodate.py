@@ -9,6 +9,7 @@ from types import MappingProxyType
 import numpy as np
 
 from cbdsl.documents.model import Gaussian, Kernel
+from cbdsl.learning.decisions import Decisions
 from cbdsl.learning.epsilon_greedy import choose
 from cbdsl.learning.experience import Experience
 from cbdsl.learning.prior import Form, learned_density
@@ -46,8 +47,8 @@ class Accommodate:
 
     Equal experience in equal order leaves equal knowledge, to the last bit.
 
-    A program among the actions is one temporally extended action: it is not left before it ends,
-    and the states that it passes meanwhile are worth nothing of their own (Section 4.3).
+    The states that a program among the actions passes are worth nothing of their own: see
+    ``Decisions``.
 
     Args:
         actions: what can be chosen.
@@ -65,23 +66,20 @@ class Accommodate:
         constants: Constants,
         programs: Mapping[int, str] = MappingProxyType({}),
     ) -> None:
-        self._constants, self._programs = constants, programs
+        self._constants = constants
+        self._decisions = Decisions(programs)
         self.values = QLearning(actions, constants.gamma, constants.alpha)
         self.counts = TransitionCounts()
         self._samples: dict[str, list[tuple[float, ...]]] = {}
         self._episodes = 0
-        # Where the action began that runs, or the last one that ran.
-        self._origin = ""
 
     def see(self, transition: Transition) -> None:
         """Take in one transition; a rewarded one ends its episode (line 7)."""
-        state, action, after = transition.state, transition.action, transition.next_state
-        self.counts.add(state, action, after)
-        if self._running(state) is None:
-            self._origin = state
-        if self._running(after) is None:
-            ended = transition.reward > 0
-            self.values.update(self._origin, action, transition.reward, after, ended=ended)
+        self.counts.add(transition.state, transition.action, transition.next_state)
+        over = self._decisions.over(transition)
+        if over is not None:
+            ended = over.reward > 0
+            self.values.update(over.state, over.action, over.reward, over.next_state, ended=ended)
 
     def remember(self, experience: Experience) -> None:
         """Take in what a finished episode found rewarded (line 19), besides its transitions."""
@@ -110,7 +108,7 @@ class Accommodate:
         exploring = self._constants.exploring_episodes
         over = exploring is not None and self._episodes >= exploring
         epsilon = 0.0 if over else self._constants.epsilon
-        return Explorer(self.values, epsilon, rng, self._running)
+        return Explorer(self.values, epsilon, rng, self._decisions.running)
 
     def greedy(self) -> dict[str, str]:
         """The best action of every state in which one was tried, and of all others in one line.
@@ -119,14 +117,10 @@ class Accommodate:
         are in a state that was never met. Where a program runs, it is that program.
         """
         known = {
-            state: self._running(state) or self.values.best(state)[0]
+            state: self._decisions.running(state) or self.values.best(state)[0]
             for state, _ in self.counts.items()
         }
         return known | {"*" * len(state): self.values.actions[0] for state in known}
-
-    def _running(self, state: str) -> str | None:
-        """The program that runs in a state, ``None`` where an action can be chosen."""
-        return next((name for place, name in self._programs.items() if state[place] == "0"), None)
 
 
 class Explorer:

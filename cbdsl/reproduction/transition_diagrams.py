@@ -26,6 +26,9 @@ from cbdsl.reproduction.lesson import (
 )
 from cbdsl.reproduction.quantity import Interval, Quantity, above, at_least, at_most
 from cbdsl.reproduction.school import School, school
+from cbdsl.reproduction.worth import worth_quantities
+from cbdsl.runtime.policy import WILDCARD
+from cbdsl.training.trial import Trial
 
 _REACH, _INSPECT, _BRING = (
     "reach ◁ touch",
@@ -47,6 +50,19 @@ class DrawnPolicy:
     lesson: Lesson
     arcs: tuple[DrawnArc, ...]
     learned_in: int | None = None
+
+    def choices(self) -> list[tuple[str, str]]:
+        """States and what is chosen there, where the source's arcs leave a single state."""
+        single = [(arc.state, arc.action) for arc in self.arcs if WILDCARD not in arc.state]
+        return list(dict.fromkeys(single))
+
+
+@dataclass(frozen=True)
+class Examined:
+    """A trial at its end, and the checks of what it had learned on the way."""
+
+    trial: Trial
+    checks: tuple[Check, ...]
 
 
 def _probing(search: str, sense: str) -> tuple[DrawnArc, ...]:
@@ -131,14 +147,16 @@ def run(settings: Settings, name: str) -> Outcome:
     with school(settings) as dexter:
         found = gather(dexter, settings, name)
         programs = [dexter.program(lesson) for lesson in lessons(name)]
-    for drawn, program, trials in zip(DRAWN[name], programs, found, strict=True):
-        last = [each[-1] for each in trials]
+    for drawn, program, examined in zip(DRAWN[name], programs, found, strict=True):
+        trials, checked = [each.trial for each in examined], [each.checks for each in examined]
+        last = [each[-1] for each in checked]
         quantities += _quantities(drawn, last)
+        quantities += worth_quantities(drawn.lesson, trials, drawn.choices(), settings.seed)
         quantities.append(_rewarded(drawn.lesson, last))
         if drawn.learned_in is not None:
             source, expected = f"within {drawn.learned_in}", at_most(drawn.learned_in)
             quantities += learned_in_quantities(
-                drawn.lesson, trials, source, expected, settings.seed
+                drawn.lesson, checked, source, expected, settings.seed
             )
         diagrams.append(_typical(name, drawn.lesson, program, last))
     return Outcome(tuple(quantities), tuple(diagrams), _notes(plan))
@@ -149,14 +167,14 @@ def lessons(name: str) -> tuple[Lesson, ...]:
     return tuple(drawn.lesson for drawn in DRAWN[name])
 
 
-def gather(dexter: School, settings: Settings, name: str) -> list[list[tuple[Check, ...]]]:
-    """Run all episodes; the checks of each trial of each policy that the source draws."""
+def gather(dexter: School, settings: Settings, name: str) -> list[list[Examined]]:
+    """Run all episodes, those of each trial of each policy that the source draws."""
     plan = schedule(settings)
     for drawn in DRAWN[name]:
         episodes = dexter.episodes(drawn.lesson)
         each = episodes + plan.held_out * len(_when(drawn, episodes, plan))
         dexter.expect(len(dexter.numbers(drawn.lesson)) * each)
-    return [_checks(dexter, drawn, plan) for drawn in DRAWN[name]]
+    return [_examined(dexter, drawn, plan) for drawn in DRAWN[name]]
 
 
 def _when(drawn: DrawnPolicy, episodes: int, plan: Schedule) -> Sequence[int]:
@@ -164,10 +182,13 @@ def _when(drawn: DrawnPolicy, episodes: int, plan: Schedule) -> Sequence[int]:
     return [episodes] if drawn.learned_in is None else plan.after(episodes)
 
 
-def _checks(dexter: School, drawn: DrawnPolicy, plan: Schedule) -> list[tuple[Check, ...]]:
-    """The checks of each trial."""
+def _examined(dexter: School, drawn: DrawnPolicy, plan: Schedule) -> list[Examined]:
+    """Each trial with its checks."""
     when = _when(drawn, dexter.episodes(drawn.lesson), plan)
-    return [checks(dexter, learned, plan, when) for learned in dexter.learn(drawn.lesson)]
+    return [
+        Examined(learned.trial, checks(dexter, learned, plan, when))
+        for learned in dexter.learn(drawn.lesson)
+    ]
 
 
 def _quantities(drawn: DrawnPolicy, found: Sequence[Check]) -> Iterator[Quantity]:
@@ -264,4 +285,8 @@ def _notes(plan: Schedule) -> tuple[str, ...]:
         "left after its first tick, as all are in the state of an episode's beginning, has hardly "
         "moved anything: then both orders of a composition earn the same, and which of them a "
         "policy names there is chance. So the arcs are counted whichever part leads, too.",
+        "What an action is worth: what followed each action in all trials together is a model, of "
+        "which value iteration gives the discounted reward of each action if all later ones are "
+        "the best. Where others are worth as much as the source's, which of them a trial learns "
+        "is chance. The interval is that of trials drawn anew.",
     )

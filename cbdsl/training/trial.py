@@ -36,7 +36,7 @@ class Trial:
         self.program, self.constants = program, constants
         self.seed, self.number = seed, number
         self.learner = Accommodate(
-            [action.name for action in program.actions], constants, _programs(program)
+            [action.name for action in program.actions], constants, used_programs(program)
         )
         self.experiences: list[Experience] = []
 
@@ -83,7 +83,7 @@ class Trial:
         return int(entropy.generate_state(1)[0])
 
 
-def _programs(program: CheckedProgram) -> dict[int, str]:
+def used_programs(program: CheckedProgram) -> dict[int, str]:
     """The actions that are programs, by the place of their predicates in a state."""
     return {
         program.members.index(action.name): action.name

@@ -1,0 +1,39 @@
+"""Decisions: what is learned of, where programs are among the actions (Section 4.3)."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+
+from cbdsl.program.transition import Transition
+
+
+class Decisions:
+    """Takes the transitions of a program one by one, and tells the decisions that they make up.
+
+    A program among the actions is one temporally extended action: it is not left before it ends,
+    and the states that it passes meanwhile are no decisions.
+
+    Args:
+        programs: the actions that are programs, by the place of their predicates in a state.
+    """
+
+    def __init__(self, programs: Mapping[int, str]) -> None:
+        self._programs = programs
+        # Where the action began that runs, or the last one that ran.
+        self._origin = ""
+
+    def running(self, state: str) -> str | None:
+        """The program that runs in a state, ``None`` where an action can be chosen."""
+        return next((name for place, name in self._programs.items() if state[place] == "0"), None)
+
+    def over(self, transition: Transition) -> Transition | None:
+        """The decision that is over with a transition, from the state that it was made in.
+
+        ``None`` while a program runs.
+        """
+        if self.running(transition.state) is None:
+            self._origin = transition.state
+        if self.running(transition.next_state) is not None:
+            return None
+        return replace(transition, state=self._origin)
