@@ -59,7 +59,10 @@ SKILLS = (
     ),
     Skill(
         *("reachtouch", "reachtouch", "reachtouch_training"),
-        ("--episodes", "25", "--transition-time", "8", "--idle-time", "1"),
+        (
+            *("--episodes", "25", "--exploring-episodes", "15"),
+            *("--transition-time", "8", "--idle-time", "1"),
+        ),
     ),
     Skill(
         *("visualinspect", "visualinspect", "visualinspect_training"),

@@ -288,5 +288,6 @@ def _notes(plan: Schedule) -> tuple[str, ...]:
         "What an action is worth: what followed each action in all trials together is a model, of "
         "which value iteration gives the discounted reward of each action if all later ones are "
         "the best. Where others are worth as much as the source's, which of them a trial learns "
-        "is chance. The interval is that of trials drawn anew.",
+        "is chance. The interval is that of trials drawn anew; of fewer than five trials it is not "
+        "told.",
     )

@@ -19,8 +19,9 @@ Floats = NDArray[np.float64]
 
 # Less than this share of the best action's worth is not as good as it, %.
 _AS_GOOD = 95
-# What was chosen less often than this says nothing.
-_LEAST = 5
+# What was chosen less often than this says nothing, nor do trials so few that each of them has
+# hardly tried anything but what it found first.
+_LEAST, _LEAST_TRIALS = 5, 5
 _DRAWS, _SWEEPS = 400, 200
 
 
@@ -90,13 +91,15 @@ def worth_quantities(
 
     Args:
         lesson: that was learned.
-        trials: of it, at least one.
+        trials: of it; there are no quantities of fewer than five.
         choices: states, and the actions that the source's policy chooses there.
         seed: of the interval's resampling of trials.
     """
+    if len(trials) < _LEAST_TRIALS:
+        return
     found, gamma = met(trials), trials[0].constants.gamma
     rng, count = np.random.default_rng(seed), len(trials)
-    times = rng.multinomial(count, np.full(count, 1 / count), size=_DRAWS if count > 1 else 0)
+    times = rng.multinomial(count, np.full(count, 1 / count), size=_DRAWS)
     whole, drawn = found.worth(gamma), [found.worth(gamma, each) for each in times]
     for state, action in choices:
         here = {a: place for place, (s, a) in enumerate(found.pairs) if s == state}
@@ -124,10 +127,12 @@ def _decided(trial: Trial) -> Iterator[Transition]:
 
 
 def _shares(worth: Floats, here: Mapping[str, int]) -> dict[str, float]:
-    """Of each action of a state that was met often enough, its worth in % of the best one's."""
+    """Of each action of a state that was chosen often enough, its worth in % of the best one's."""
     known = {action: worth[place] for action, place in here.items() if worth[place] >= 0}
     best = max(known.values(), default=0.0)
-    return {action: float(100 * value / best) for action, value in known.items() if best > 0}
+    if len(known) < 2 or best == 0.0:  # there is nothing to compare with
+        return {}
+    return {action: float(100 * value / best) for action, value in known.items()}
 
 
 def _spread(shares: Sequence[float]) -> Interval | None:

@@ -76,7 +76,7 @@ def test_trials_count_as_often_as_they_are_told_to() -> None:
 
 
 def test_a_quantity_is_a_share_of_the_best_choice() -> None:
-    trials = [trial_of(toy_trial(), *[DIRECT, DETOUR] * 6) for _ in range(3)]
+    trials = [trial_of(toy_trial(), *[DIRECT, DETOUR] * 6) for _ in range(5)]
     choices = [("XX", "search"), ("XX", "track"), ("1X", "track")]
     detour, direct, never = worth_quantities(SEQUENTIAL, trials, choices, seed=0)
     assert detour.ours == pytest.approx(80) and detour.verdict == "missed"
@@ -86,13 +86,15 @@ def test_a_quantity_is_a_share_of_the_best_choice() -> None:
     assert math.isnan(never.ours) and never.interval is None and never.note == ""
 
 
-def test_a_single_trial_has_no_interval() -> None:
-    one = [trial_of(toy_trial(), *[DIRECT] * 6)]
-    (found,) = worth_quantities(REACHTOUCH, one, [("XX", "track")], seed=0)
-    assert found.ours == pytest.approx(100) and found.interval is None
+def test_few_trials_say_nothing() -> None:
+    few = [trial_of(toy_trial(), *[DIRECT, DETOUR] * 6) for _ in range(4)]
+    assert not list(worth_quantities(REACHTOUCH, few, [("XX", "track")], seed=0))
 
 
-def test_where_nothing_was_rewarded_nothing_is_worth_more_than_the_rest() -> None:
-    none = [trial_of(toy_trial(), *[NOTHING] * 6)]
-    (found,) = worth_quantities(SEQUENTIAL, none, [("XX", "track")], seed=0)
-    assert math.isnan(found.ours)
+@pytest.mark.parametrize("met_by_all", [(DIRECT,), (NOTHING, NOTHING)])
+def test_where_there_is_nothing_to_compare_with_nothing_is_claimed(
+    met_by_all: tuple[Experience, ...],
+) -> None:
+    trials = [trial_of(toy_trial(), *met_by_all * 6) for _ in range(5)]
+    (found,) = worth_quantities(SEQUENTIAL, trials, [("XX", "track")], seed=0)
+    assert math.isnan(found.ours) and found.interval is None and found.note == ""
