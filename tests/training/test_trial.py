@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import pytest
+
+from cbdsl.learning.accommodate import Constants
 from cbdsl.program.binding import internal_models
 from cbdsl.program.checked import CheckedProgram
 from cbdsl.training.trial import Trial
@@ -44,8 +47,10 @@ def test_every_part_of_a_program_draws_from_the_same_density() -> None:
     assert len(references) == 1
 
 
-def test_a_replayed_trial_is_the_same_trial() -> None:
-    lived, told = toy_trial(), toy_trial()
+@pytest.mark.parametrize("exploring", [None, 3, 5, 6])
+def test_a_replayed_trial_is_the_same_trial(exploring: int | None) -> None:
+    constants = Constants(exploring_episodes=exploring)
+    lived, told = (Trial(toy_trial().program, constants, 1) for _ in range(2))
     for _ in range(5):
         told.replay(lived.run(ToyClassroom()))
     assert told.run(ToyClassroom()) == lived.run(ToyClassroom())
