@@ -106,8 +106,8 @@ class Accommodate:
     def explorer(self, rng: np.random.Generator) -> Explorer:
         """Chooses the actions of the next episode by what is known then."""
         exploring = self._constants.exploring_episodes
-        over = exploring is not None and self._episodes >= exploring
-        epsilon = 0.0 if over else self._constants.epsilon
+        explores = exploring is None or self._episodes < exploring
+        epsilon = self._constants.epsilon if explores else 0.0
         return Explorer(self.values, epsilon, rng, self._decisions.running)
 
     def greedy(self) -> dict[str, str]:
