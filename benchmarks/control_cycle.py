@@ -24,13 +24,13 @@ from cbdsl.control.law import Law
 from cbdsl.control.signal import Floats
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.program.checked import CheckedProgram
-from cbdsl.robot.kinematics import Kinematics
-from cbdsl.robot.observation import Observation
-from cbdsl.robot.signals import Signals
 from cbdsl.runtime.actuation import Actuation
 from cbdsl.runtime.controller_run import ControllerRun
 from cbdsl.runtime.episode import resources_of
 from cbdsl.runtime.program_run import ProgramRun
+from cbdsl.sensing.kinematics import Kinematics
+from cbdsl.sensing.observation import Observation
+from cbdsl.sensing.signals import Signals
 from cbdsl.yaml_text.library import Library
 
 ROOT = Path(__file__).parents[1]

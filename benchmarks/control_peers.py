@@ -44,13 +44,13 @@ from cbdsl.control.law import Law
 from cbdsl.control.signal import Floats
 from cbdsl.control.task import Task
 from cbdsl.documents.robot import RobotDocument
-from cbdsl.robot.kinematics import Kinematics
-from cbdsl.robot.observation import Observation
-from cbdsl.robot.signals import Signals
-from cbdsl.robot.tips import Tips
 from cbdsl.runtime.actuation import Actuation
 from cbdsl.runtime.controller_run import ControllerRun
 from cbdsl.runtime.program_run import ProgramRun
+from cbdsl.sensing.kinematics import Kinematics
+from cbdsl.sensing.observation import Observation
+from cbdsl.sensing.signals import Signals
+from cbdsl.sensing.tips import Tips
 from cbdsl.yaml_text.library import Library
 
 ROOT = Path(__file__).parents[1]

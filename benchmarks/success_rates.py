@@ -53,8 +53,8 @@ def run_episodes(condition: Condition, seeds: Iterable[int]) -> list[dict[str, A
     from cbdsl.checking.program import check_program
     from cbdsl.documents.robot import RobotDocument
     from cbdsl.documents.stage import StageDocument
-    from cbdsl.robot.kinematics import Kinematics
     from cbdsl.runtime.episode import Runner
+    from cbdsl.sensing.kinematics import Kinematics
     from cbdsl.yaml_text.library import Library
 
     library = Library()

@@ -27,8 +27,8 @@ from cbdsl.checking.program import check_program
 from cbdsl.documents.robot import Camera, RobotDocument
 from cbdsl.documents.stage import StageDocument
 from cbdsl.reproduction.shipped import shipped_robot
-from cbdsl.robot.kinematics import Kinematics
 from cbdsl.runtime.episode import Runner, Tick
+from cbdsl.sensing.kinematics import Kinematics
 from cbdsl.yaml_text.library import Library, shipped
 
 Floats = NDArray[np.float64]

@@ -13,7 +13,7 @@ from cbdsl.checking.program import check_program
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.documents.stage import StageDocument
 from cbdsl.program.checked import CheckedProgram
-from cbdsl.robot.kinematics import Kinematics
+from cbdsl.sensing.kinematics import Kinematics
 from cbdsl.yaml_text.library import Library
 
 ROOT = Path(__file__).parents[1]

@@ -18,10 +18,10 @@ from cbdsl.backends.kinematic.backend import KinematicBackend
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.documents.stage import StageDocument
 from cbdsl.robot.channel_names import channel_names
-from cbdsl.robot.channels import Region
-from cbdsl.robot.kinematics import Kinematics
-from cbdsl.robot.observation import Observation
 from cbdsl.runtime.episode import Runner
+from cbdsl.sensing.channels import Region
+from cbdsl.sensing.kinematics import Kinematics
+from cbdsl.sensing.observation import Observation
 from tests.conftest import Checked
 
 SENSORS = {"time", "positions", "velocities", "loads", "images", "regions"}

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.documents.stage import StageDocument
 from cbdsl.errors.errors import UsageError
-from cbdsl.robot.observation import Observation
+from cbdsl.sensing.observation import Observation
 
 Floats = NDArray[np.float64]
 

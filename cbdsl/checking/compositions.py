@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 
 from cbdsl.checking.context import Context, Steps
-from cbdsl.checking.triple import check_triple
+from cbdsl.checking.controller.triple import check_triple
 from cbdsl.documents import program as written
 from cbdsl.errors.counting import count
 from cbdsl.errors.diagnostic import Place

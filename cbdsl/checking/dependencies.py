@@ -8,7 +8,7 @@ from pathlib import Path
 from cbdsl.checking.body import Body
 from cbdsl.checking.context import Steps
 from cbdsl.checking.findings import Findings
-from cbdsl.checking.model import model_resource
+from cbdsl.checking.knowledge.model import model_resource
 from cbdsl.checking.session import Session
 from cbdsl.checking.unknown import first_stage, for_robot, report_unknown
 from cbdsl.documents.document import Document

@@ -7,7 +7,7 @@ from pathlib import Path
 
 from cbdsl.checking.causes import causes_first
 from cbdsl.checking.findings import Findings
-from cbdsl.checking.model import examine_model
+from cbdsl.checking.knowledge.model import examine_model
 from cbdsl.checking.policy import examine_policy
 from cbdsl.checking.program import examine_program
 from cbdsl.checking.session import Session

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from cbdsl.checking.findings import Findings
-from cbdsl.checking.learned import check_policy
+from cbdsl.checking.knowledge.learned import check_policy
 from cbdsl.checking.program import examine_program
 from cbdsl.checking.session import Session
 from cbdsl.checking.unknown import report_unknown

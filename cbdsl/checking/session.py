@@ -8,7 +8,7 @@ from typing import TypeVar
 
 from cbdsl.checking.body import Body
 from cbdsl.checking.findings import Findings
-from cbdsl.checking.robot import examine_robot
+from cbdsl.checking.robot.robot import examine_robot
 from cbdsl.checking.uses import Uses
 from cbdsl.documents.document import Document
 from cbdsl.documents.robot import RobotDocument

@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Collection, Iterator
 
 from cbdsl.checking.body import Body
+from cbdsl.checking.controller.reach import farthest_tip
 from cbdsl.checking.findings import Findings
 from cbdsl.checking.limits import limits_told
-from cbdsl.checking.reach import farthest_tip
 from cbdsl.checking.session import Session
 from cbdsl.checking.unknown import report_unknown
 from cbdsl.documents.robot import RobotDocument

@@ -8,7 +8,7 @@ from pathlib import Path
 from cbdsl.checking.context import Steps
 from cbdsl.checking.dependencies import Dependencies
 from cbdsl.checking.findings import Findings
-from cbdsl.checking.learned import check_policy, with_policy
+from cbdsl.checking.knowledge.learned import check_policy, with_policy
 from cbdsl.checking.scope import Scope
 from cbdsl.checking.session import Session
 from cbdsl.checking.unknown import report_unknown

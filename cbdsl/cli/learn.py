@@ -259,7 +259,7 @@ def _assignment(
     context: typer.Context,
     out: Path,
 ) -> Assignment:
-    from cbdsl.checking.digest import program_digest
+    from cbdsl.checking.knowledge.digest import program_digest
     from cbdsl.training.assignment import Assignment
 
     return Assignment(

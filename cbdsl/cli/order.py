@@ -110,7 +110,7 @@ def _stages_for(robot: str, program_file: Path, library: Library) -> str:
 def _under_policy(
     program: CheckedProgram, name: str, program_file: Path, library: Library
 ) -> CheckedProgram:
-    from cbdsl.checking.learned import with_policy
+    from cbdsl.checking.knowledge.learned import with_policy
     from cbdsl.documents.policy import PolicyDocument
     from cbdsl.errors.errors import UsageError
 

@@ -7,9 +7,9 @@ from textwrap import wrap
 
 from cbdsl.documents.policy import PolicyDocument
 from cbdsl.errors.counting import count
-from cbdsl.program.drawing.pictogram import LETTERS
-from cbdsl.program.drawing.policy_graph import Arc, Decision, PolicyGraph, decisions
-from cbdsl.program.drawing.policy_words import ending, percent, title
+from cbdsl.reporting.drawing.pictogram import LETTERS
+from cbdsl.reporting.drawing.policy_graph import Arc, Decision, PolicyGraph, decisions
+from cbdsl.reporting.drawing.policy_words import ending, percent, title
 
 _WIDTH = 80
 

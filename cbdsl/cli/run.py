@@ -13,7 +13,6 @@ if TYPE_CHECKING:
     from cbdsl.cli.order import Order
     from cbdsl.documents.stage import StageDocument
     from cbdsl.program.transition import Transition
-    from cbdsl.robot.kinematics import Kinematics
     from cbdsl.runtime.episode import (
         EpisodeResult,
         Runner,
@@ -22,6 +21,7 @@ if TYPE_CHECKING:
         TransitionListener,
     )
     from cbdsl.runtime.recording import Recording
+    from cbdsl.sensing.kinematics import Kinematics
 
 Program = Annotated[str, typer.Argument(help="A program: its file, or its name.")]
 Stage = Annotated[
@@ -175,7 +175,7 @@ def _episode(
 
 
 def _recording(body: Backend, order: Order) -> Recording:
-    from cbdsl.backends.scenery import Witness
+    from cbdsl.backends.staging.scenery import Witness
     from cbdsl.runtime.recording import Recording
 
     # What a backend knows of its world is in the recording only: people look at that.

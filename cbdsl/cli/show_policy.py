@@ -12,7 +12,7 @@ from cbdsl.cli.show_program import Json
 
 if TYPE_CHECKING:
     from cbdsl.documents.policy import PolicyDocument
-    from cbdsl.program.drawing.policy_graph import Decision, PolicyGraph
+    from cbdsl.reporting.drawing.policy_graph import Decision, PolicyGraph
 
 Policy = Annotated[
     str,
@@ -43,7 +43,7 @@ def show_policy(
     """
     from cbdsl.cli.policy_text import policy_text
     from cbdsl.cli.terminal import print_json
-    from cbdsl.program.drawing.policy_graph import policy_graph
+    from cbdsl.reporting.drawing.policy_graph import policy_graph
 
     form = read_format(format_, as_json)
     policy, programs = _read(name)
@@ -65,7 +65,7 @@ def _read(name: str) -> tuple[PolicyDocument, frozenset[str]]:
     from cbdsl.documents.policy import PolicyDocument
     from cbdsl.documents.program import ProgramDocument
     from cbdsl.errors.errors import UsageError
-    from cbdsl.program.drawing.policy_graph import require_legible
+    from cbdsl.reporting.drawing.policy_graph import require_legible
     from cbdsl.yaml_text.library import Library
     from cbdsl.yaml_text.reader import read_document
 
@@ -104,9 +104,9 @@ def _written(document: object, path: Path) -> PolicyDocument:
 
 
 def _drawing(graph: PolicyGraph, form: Format) -> str:
-    from cbdsl.program.drawing.policy_dot import policy_dot
-    from cbdsl.program.drawing.policy_mermaid import policy_mermaid
-    from cbdsl.program.drawing.policy_svg import policy_svg
+    from cbdsl.reporting.drawing.policy_dot import policy_dot
+    from cbdsl.reporting.drawing.policy_mermaid import policy_mermaid
+    from cbdsl.reporting.drawing.policy_svg import policy_svg
 
     draw = {Format.DOT: policy_dot, Format.MERMAID: policy_mermaid, Format.SVG: policy_svg}
     return draw[form](graph)
@@ -114,7 +114,7 @@ def _drawing(graph: PolicyGraph, form: Format) -> str:
 
 def policy_data(policy: PolicyDocument, graph: PolicyGraph) -> dict[str, object]:
     """A policy as JSON has it: every state that is known, and the arcs that would be drawn."""
-    from cbdsl.program.drawing.policy_graph import decisions
+    from cbdsl.reporting.drawing.policy_graph import decisions
 
     return {
         "name": policy.name,

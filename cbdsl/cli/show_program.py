@@ -49,10 +49,10 @@ def show_program(
 
 
 def _drawing(program: CheckedProgram, form: Format) -> str:
-    from cbdsl.program.drawing.dot import dot
-    from cbdsl.program.drawing.graph import graph
-    from cbdsl.program.drawing.mermaid import mermaid
-    from cbdsl.program.drawing.svg import svg
+    from cbdsl.reporting.drawing.dot import dot
+    from cbdsl.reporting.drawing.graph import graph
+    from cbdsl.reporting.drawing.mermaid import mermaid
+    from cbdsl.reporting.drawing.svg import svg
 
     draw = {Format.DOT: dot, Format.MERMAID: mermaid, Format.SVG: svg}[form]
     return draw(graph(program))

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from cbdsl.backends.backend import Backend
     from cbdsl.cli.order import Order
-    from cbdsl.robot.kinematics import Kinematics
+    from cbdsl.sensing.kinematics import Kinematics
 
 
 @contextmanager
@@ -49,7 +49,7 @@ def simulation(
     with needing_simulation():
         from cbdsl.backends.backend import find_backend
         from cbdsl.cli.compilation import told_of_compilation
-        from cbdsl.robot.kinematics import Kinematics
+        from cbdsl.sensing.kinematics import Kinematics
 
         with quiet_stderr():
             factory = find_backend(backend)

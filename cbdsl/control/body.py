@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from cbdsl.control.signal import Floats
-from cbdsl.robot.kinematics import Frame
+from cbdsl.sensing.kinematics import Frame
 
 
 @dataclass(frozen=True)

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cbdsl.control.signal import Floats
-from cbdsl.robot.compiled import compiled, compiled_once, compiled_sum
+from cbdsl.numeric.compiled import compiled, compiled_once, compiled_sum
 
 Booleans = NDArray[np.bool_]
 Integers = NDArray[np.int64]

@@ -18,7 +18,7 @@ from cbdsl.control.rate import displace, norm
 from cbdsl.control.signal import Floats
 from cbdsl.control.spring import aim, subtract
 from cbdsl.control.stack import TICKS
-from cbdsl.robot.compiled import compiled, compiled_once
+from cbdsl.numeric.compiled import compiled, compiled_once
 
 #: What a member does in a tick: nothing; follow its reference; the same while its predicate stays
 #: undefined; nothing more, since it was evaluated by itself.

@@ -10,9 +10,9 @@ from cbdsl.control.body import Body
 from cbdsl.control.potential import Evaluation, newton
 from cbdsl.control.signal import Floats, Signal, SignalError
 from cbdsl.program.controller import Controller
-from cbdsl.robot.camera import direction
-from cbdsl.robot.kinematics import Frame
-from cbdsl.robot.stereo import Ray, triangulate
+from cbdsl.sensing.camera import direction
+from cbdsl.sensing.kinematics import Frame
+from cbdsl.sensing.stereo import Ray, triangulate
 
 # Heights above the baseline, in baselines, that are none: there phi has no bound and no gradient.
 _NO_HEIGHT = 1e-6

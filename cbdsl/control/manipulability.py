@@ -10,8 +10,8 @@ from cbdsl.control.body import Body
 from cbdsl.control.composition import Integers
 from cbdsl.control.potential import MANIPULABILITY, Compiled, Evaluation, gradient_descent
 from cbdsl.control.signal import Floats, Signal, SignalError
+from cbdsl.numeric.compiled import compiled, compiled_once
 from cbdsl.program.controller import Controller
-from cbdsl.robot.compiled import compiled, compiled_once
 
 # The determinant of J J^T above which, as part of its trace to the m-th power, J is so far from a
 # singularity that squaring its condition costs no more than 1e-7 of the gradient.

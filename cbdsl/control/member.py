@@ -13,7 +13,7 @@ from cbdsl.control.kernel import DUTY, IS_POSTURE, RAISED, REST, STAMP
 from cbdsl.control.potential import ALIGNMENT, MANIPULABILITY, Potential
 from cbdsl.control.predicate import QuiescenceMonitor
 from cbdsl.control.task import Task
-from cbdsl.robot.reading import Reading
+from cbdsl.sensing.reading import Reading
 
 
 class Member:

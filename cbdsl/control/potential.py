@@ -7,7 +7,7 @@ from typing import NamedTuple, Protocol
 import numpy as np
 
 from cbdsl.control.signal import Floats, Signal
-from cbdsl.robot.compiled import compiled_once
+from cbdsl.numeric.compiled import compiled_once
 
 
 class Evaluation(NamedTuple):

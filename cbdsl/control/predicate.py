@@ -8,7 +8,7 @@ from enum import StrEnum
 import numpy as np
 from numpy.typing import NDArray
 
-from cbdsl.robot.compiled import compiled, compiled_once
+from cbdsl.numeric.compiled import compiled, compiled_once
 
 Floats = NDArray[np.float64]
 Integers = NDArray[np.int64]

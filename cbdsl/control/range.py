@@ -9,8 +9,8 @@ import numpy as np
 from cbdsl.control.body import Body
 from cbdsl.control.potential import RANGE, Compiled, Evaluation, half_square
 from cbdsl.control.signal import Floats, Signal, SignalError
+from cbdsl.numeric.compiled import compiled_once
 from cbdsl.program.controller import Controller
-from cbdsl.robot.compiled import compiled_once
 
 
 class Range:

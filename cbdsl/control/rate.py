@@ -8,8 +8,8 @@ from typing import NamedTuple
 import numpy as np
 
 from cbdsl.control.signal import Floats
+from cbdsl.numeric.compiled import compiled, compiled_once
 from cbdsl.program.controller import Controller
-from cbdsl.robot.compiled import compiled, compiled_once
 from cbdsl.types.potential import POTENTIALS
 
 # What a speed bounds.

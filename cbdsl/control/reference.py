@@ -8,7 +8,7 @@ import numpy as np
 
 from cbdsl.control.composition import Booleans, Integers, compose
 from cbdsl.control.signal import Floats
-from cbdsl.robot.compiled import compiled, compiled_once
+from cbdsl.numeric.compiled import compiled, compiled_once
 
 
 @compiled_once

@@ -7,7 +7,7 @@ import math
 import numpy as np
 
 from cbdsl.control.signal import Floats
-from cbdsl.robot.compiled import compiled_once
+from cbdsl.numeric.compiled import compiled_once
 
 
 def exp(vector: Floats) -> Floats:

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cbdsl.control.obstacle import Obstacle
-from cbdsl.robot.compiled import compiled_once
+from cbdsl.numeric.compiled import compiled_once
 
 Floats = NDArray[np.float64]
 

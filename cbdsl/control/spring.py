@@ -11,8 +11,8 @@ from cbdsl.control.body import Body
 from cbdsl.control.potential import ALIGNMENT, SPRING, Compiled, Evaluation, half_square
 from cbdsl.control.rotation import align, log
 from cbdsl.control.signal import Floats, Signal, SignalError, require_finite
+from cbdsl.numeric.compiled import compiled, compiled_once
 from cbdsl.program.controller import AlongNormals, Controller
-from cbdsl.robot.compiled import compiled, compiled_once
 from cbdsl.types.resource_type import ORIENTATION, POSE, ResourceType
 
 Coordinates = tuple[Floats, Floats]

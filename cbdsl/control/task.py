@@ -13,9 +13,9 @@ from cbdsl.control.potential import Evaluation, Potential
 from cbdsl.control.rate import bounds_of, displace, norm
 from cbdsl.control.signal import Floats, require_finite
 from cbdsl.control.stack import Stack
+from cbdsl.numeric.compiled import compiled_once
 from cbdsl.program.controller import Controller
-from cbdsl.robot.compiled import compiled_once
-from cbdsl.robot.reading import Reading
+from cbdsl.sensing.reading import Reading
 from cbdsl.types.potential import POTENTIALS
 
 _NOTHING = np.zeros((0, 0, 0))

@@ -12,12 +12,12 @@ import numpy as np
 
 from cbdsl.documents.policy import Provenance
 from cbdsl.errors.counting import count
-from cbdsl.program.drawing.pictogram import LETTERS
-from cbdsl.program.drawing.policy_graph import Decision, PolicyGraph, decisions, policy_graph
-from cbdsl.program.drawing.policy_svg import policy_svg
-from cbdsl.program.drawing.policy_words import percent
 from cbdsl.reporting.bundle import Bundle
 from cbdsl.reporting.density_svg import density_svgs
+from cbdsl.reporting.drawing.pictogram import LETTERS
+from cbdsl.reporting.drawing.policy_graph import Decision, PolicyGraph, decisions, policy_graph
+from cbdsl.reporting.drawing.policy_svg import policy_svg
+from cbdsl.reporting.drawing.policy_words import percent
 from cbdsl.reporting.interquartile import Band
 from cbdsl.reporting.landscape import Landscape
 from cbdsl.reporting.learned import Learned, Model

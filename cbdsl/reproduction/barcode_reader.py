@@ -9,8 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cbdsl.reproduction.barcode import Barcode
-from cbdsl.robot.channels import bin_mask
-from cbdsl.robot.observation import Image
+from cbdsl.sensing.channels import bin_mask
+from cbdsl.sensing.observation import Image
 
 Floats = NDArray[np.float64]
 

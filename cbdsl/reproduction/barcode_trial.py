@@ -9,7 +9,7 @@ import numpy as np
 from cbdsl.reproduction.barcode import Barcode
 from cbdsl.reproduction.barcode_reader import classify
 from cbdsl.reproduction.lens import Lens
-from cbdsl.robot.observation import Image
+from cbdsl.sensing.observation import Image
 
 #: Focal length of the source's cameras, px at 640 x 480.
 FOCAL_LENGTH = 837.0

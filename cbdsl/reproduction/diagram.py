@@ -9,8 +9,8 @@ from cbdsl.documents.policy import PolicyDocument
 from cbdsl.learning.experience import Experience
 from cbdsl.learning.transition_counts import TransitionCounts
 from cbdsl.program.checked import CheckedProgram
-from cbdsl.program.drawing.policy_graph import PolicyGraph, policy_graph
-from cbdsl.program.drawing.policy_svg import policy_svg
+from cbdsl.reporting.drawing.policy_graph import PolicyGraph, policy_graph
+from cbdsl.reporting.drawing.policy_svg import policy_svg
 
 
 @dataclass(frozen=True)

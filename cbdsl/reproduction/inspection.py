@@ -14,9 +14,9 @@ from cbdsl.control.signal import Floats, Signal
 from cbdsl.documents.stage import Box
 from cbdsl.reproduction.barcode import Barcode
 from cbdsl.reproduction.laboratory import Laboratory, laboratory
-from cbdsl.robot.observation import Image
-from cbdsl.robot.signals import Signals
 from cbdsl.runtime.episode import Tick
+from cbdsl.sensing.observation import Image
+from cbdsl.sensing.signals import Signals
 from cbdsl.types.resource import Centroid, Headings, NetForces
 
 #: How many times as many pixels as 640 x 480 the pictures have, each way.

@@ -16,7 +16,7 @@ from cbdsl.reproduction.lesson import COARTICULATED, TACTILEPROBE, Lesson
 from cbdsl.reproduction.quantity import Quantity, above, below, clearly_above, clearly_below
 from cbdsl.reproduction.school import Learned, School, school
 from cbdsl.reproduction.shipped import shipped_robot
-from cbdsl.robot.kinematics import Kinematics
+from cbdsl.sensing.kinematics import Kinematics
 
 Floats = NDArray[np.float64]
 

@@ -23,8 +23,8 @@ from cbdsl.reproduction.experiment import Outcome, Settings
 from cbdsl.reproduction.interval import bootstrap_interval, exact_interval
 from cbdsl.reproduction.quantity import Quantity, above, at_least, at_most
 from cbdsl.reproduction.shipped import shipped_robot
-from cbdsl.robot.kinematics import Kinematics
-from cbdsl.robot.tips import Tips
+from cbdsl.sensing.kinematics import Kinematics
+from cbdsl.sensing.tips import Tips
 from cbdsl.types.resource_type import POSITION
 
 # A planar arm of three links, m.

@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 
 from cbdsl.backends.backend import Backend, find_backend
-from cbdsl.checking.digest import program_digest
+from cbdsl.checking.knowledge.digest import program_digest
 from cbdsl.checking.program import check_program
 from cbdsl.documents.policy import Provenance
 from cbdsl.documents.program import ProgramDocument
@@ -24,8 +24,8 @@ from cbdsl.program.transition import Transition
 from cbdsl.reproduction.experiment import Settings
 from cbdsl.reproduction.lesson import Lesson
 from cbdsl.reproduction.shipped import shipped_file, shipped_robot
-from cbdsl.robot.kinematics import Kinematics
 from cbdsl.runtime.policy import Policy, WrittenPolicy
+from cbdsl.sensing.kinematics import Kinematics
 from cbdsl.training.classroom import BackendClassroom
 from cbdsl.training.course import Nobody, Watcher, follow, identity_of, open_journal
 from cbdsl.training.journal import Journal

@@ -13,7 +13,7 @@ from cbdsl.backends.backend import Backend
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.reproduction.experiment import Experiment, Settings
 from cbdsl.reproduction.school import School, shipped_dexter, trials
-from cbdsl.robot.kinematics import Kinematics
+from cbdsl.sensing.kinematics import Kinematics
 from cbdsl.training.course import Watcher
 from cbdsl.yaml_text.writer import write_text
 

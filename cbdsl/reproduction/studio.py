@@ -14,7 +14,7 @@ from cbdsl.documents.robot import RobotDocument
 from cbdsl.documents.stage import StageDocument
 from cbdsl.reproduction.barcode import SIZE
 from cbdsl.reproduction.barcode_trial import FOCAL_LENGTH
-from cbdsl.robot.observation import Image
+from cbdsl.sensing.observation import Image
 from cbdsl.yaml_text.library import Library, shipped
 
 #: How many times as many pixels as the source's cameras have, each way, a picture has.

@@ -15,9 +15,9 @@ from cbdsl.reproduction.chart import Chart, Line
 from cbdsl.reproduction.experiment import Outcome, Settings
 from cbdsl.reproduction.quantity import Quantity, near
 from cbdsl.reproduction.studio import FINENESS, Placement, Studio, studio
-from cbdsl.robot.camera import heading
-from cbdsl.robot.kinematics import Frame
-from cbdsl.robot.observation import Image
+from cbdsl.sensing.camera import heading
+from cbdsl.sensing.kinematics import Frame
+from cbdsl.sensing.observation import Image
 
 Floats = NDArray[np.float64]
 

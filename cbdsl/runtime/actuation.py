@@ -13,9 +13,9 @@ from cbdsl.control.crew import Crew
 from cbdsl.control.law import Law, LawSettings, Step
 from cbdsl.control.stack import Stack
 from cbdsl.documents.robot import RobotDocument
-from cbdsl.robot.signals import Signals
 from cbdsl.runtime.controller_run import ControllerRun
 from cbdsl.runtime.program_run import Active
+from cbdsl.sensing.signals import Signals
 
 Floats = NDArray[np.float64]
 Columns = NDArray[np.intp]

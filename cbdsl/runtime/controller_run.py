@@ -22,10 +22,10 @@ from cbdsl.control.signal import Signal
 from cbdsl.control.stack import Stack
 from cbdsl.control.task import Task
 from cbdsl.program.controller import AlongNormals, Ball, Controller, Field, Funnel, Literal
-from cbdsl.robot.density import Sampler
-from cbdsl.robot.reading import Reading, transform
-from cbdsl.robot.selection import columns_of, columns_of_both, responds
-from cbdsl.robot.signals import Signals
+from cbdsl.sensing.density import Sampler
+from cbdsl.sensing.reading import Reading, transform
+from cbdsl.sensing.selection import columns_of, columns_of_both, responds
+from cbdsl.sensing.signals import Signals
 from cbdsl.types.resource import (
     EffectorConfiguration,
     FingerForces,

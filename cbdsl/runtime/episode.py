@@ -17,13 +17,13 @@ from cbdsl.documents.stage import StageDocument
 from cbdsl.errors.errors import UsageError
 from cbdsl.program.checked import CheckedProgram
 from cbdsl.program.transition import Transition
-from cbdsl.robot.kinematics import Kinematics
-from cbdsl.robot.observation import Observation
-from cbdsl.robot.signals import SensorError, Signals
 from cbdsl.runtime.actuation import Actuation
 from cbdsl.runtime.ending import describe
 from cbdsl.runtime.policy import Policy
 from cbdsl.runtime.program_run import ProgramRun
+from cbdsl.sensing.kinematics import Kinematics
+from cbdsl.sensing.observation import Observation
+from cbdsl.sensing.signals import SensorError, Signals
 from cbdsl.types.resource import Resource
 
 

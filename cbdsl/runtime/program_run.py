@@ -11,9 +11,9 @@ from cbdsl.control.crew import gather, predicates_of
 from cbdsl.program.checked import Action, CheckedProgram
 from cbdsl.program.controller import Composition, Controller, Primitive
 from cbdsl.program.transition import Transition
-from cbdsl.robot.signals import Signals
 from cbdsl.runtime.controller_run import ControllerRun
 from cbdsl.runtime.policy import Policy, WrittenPolicy
+from cbdsl.sensing.signals import Signals
 
 Listener = Callable[[Transition], None]
 

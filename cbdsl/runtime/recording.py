@@ -14,15 +14,15 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from cbdsl.backends.scenery import Part, Scenery
+from cbdsl.backends.staging.scenery import Part, Scenery
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.program.checked import CheckedProgram
 from cbdsl.program.controller import AlongNormals, Controller, Literal
 from cbdsl.program.transition import Transition
 from cbdsl.robot.joints import Joints
-from cbdsl.robot.signals import Signals
 from cbdsl.runtime.episode import EpisodeResult, Tick, resources_of
 from cbdsl.runtime.explanation import LIMITS, Explanation, LevelExplanation, named_runs
+from cbdsl.sensing.signals import Signals
 from cbdsl.types.resource import Centroid, Origin, Resource, StereoPosition, Tip
 
 #: Of the files; raised where a reader of older ones would be misled.

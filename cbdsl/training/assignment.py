@@ -11,7 +11,7 @@ from cbdsl.documents.robot import RobotDocument
 from cbdsl.documents.stage import StageDocument
 from cbdsl.learning.accommodate import Constants
 from cbdsl.program.checked import CheckedProgram
-from cbdsl.robot.kinematics import Kinematics
+from cbdsl.sensing.kinematics import Kinematics
 from cbdsl.training.classroom import BackendClassroom
 from cbdsl.training.course import (
     Nobody,

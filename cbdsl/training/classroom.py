@@ -12,9 +12,9 @@ from cbdsl.learning.experience import Experience
 from cbdsl.program.checked import CheckedProgram
 from cbdsl.program.controller import Controller
 from cbdsl.program.transition import Transition
-from cbdsl.robot.kinematics import Kinematics
 from cbdsl.runtime.episode import Runner, Tick
 from cbdsl.runtime.policy import Policy
+from cbdsl.sensing.kinematics import Kinematics
 from cbdsl.types.resource import Centroid, EffectorConfiguration, Separation, Tip
 
 

@@ -16,7 +16,7 @@ from cbdsl.documents.digest import digest
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.errors.errors import UsageError
 from cbdsl.learning.experience import Experience
-from cbdsl.robot.kinematics import Kinematics
+from cbdsl.sensing.kinematics import Kinematics
 from cbdsl.training.course import Watcher
 from cbdsl.training.provenance import versions
 

@@ -30,8 +30,8 @@ from cbdsl.yaml_text.node import Node
 from cbdsl.yaml_text.scalar import ScalarError, resolve
 
 if TYPE_CHECKING:
-    from cbdsl.yaml_text.comma import Stray
-    from cbdsl.yaml_text.syntax import Slip
+    from cbdsl.yaml_text.repair.comma import Stray
+    from cbdsl.yaml_text.repair.syntax import Slip
 
 DEEPEST = 64
 # Far more than any person writes; without bounds a few lines can keep the checker busy for ever.
@@ -107,7 +107,7 @@ def _legible(text: str, file: str) -> tuple[str, list[Diagnostic]]:
         found.append(_unseen("CB118", invisible, file))
         text = without_invisible(text)
     if any(mark in text for mark in _MARKS):
-        from cbdsl.yaml_text.conflict import conflicts, one_side  # only a fault needs it
+        from cbdsl.yaml_text.repair.conflict import conflicts, one_side  # only a fault needs it
 
         lines = lines_of(text)
         found += islice(conflicts(lines, file), _MOST_SLIPS)
@@ -153,7 +153,7 @@ class _Composer:
         try:
             return self._loader.get_event()
         except yaml.MarkedYAMLError as error:
-            from cbdsl.yaml_text.syntax import find_slip  # only a fault needs it
+            from cbdsl.yaml_text.repair.syntax import find_slip  # only a fault needs it
 
             raise _SlipError(find_slip(error, self._lines)) from None
 
@@ -256,14 +256,17 @@ class _Composer:
 
     def _stray(self, key: str, place: Place) -> Stray | None:
         """What stands where a key should be, if a comma cut it off the value in front of it."""
-        from cbdsl.yaml_text.comma import Stray, is_stray  # only a key without a value needs it
+        from cbdsl.yaml_text.repair.comma import (  # only a key without a value needs it
+            Stray,
+            is_stray,
+        )
 
         behind = self._lines[place.line - 1][place.end_column - 1 :]
         return Stray(key, place) if is_stray(key, behind) else None
 
     def _join(self, key: str, value: Node, strays: list[Stray]) -> None:
         """Put a value together that commas cut in pieces, where it is certain what it was."""
-        from cbdsl.yaml_text.comma import explain  # only a fault needs it
+        from cbdsl.yaml_text.repair.comma import explain  # only a fault needs it
 
         cut = explain(key, value, strays)
         self._find("CB205", value.place, problem=cut.problem)

@@ -106,7 +106,7 @@ def read_sound_parts(path: Path, kind: type[D], text: str | None = None) -> Load
             return Loaded(model.model_validate(source.root.plain()), source)
         except ValidationError:
             pass  # it is read again, part by part
-    from cbdsl.yaml_text.salvage import salvage  # only a fault needs it
+    from cbdsl.yaml_text.repair.salvage import salvage  # only a fault needs it
 
     document, faults, broken = salvage(source, model, found)
     return Loaded(document, source._replace(broken=broken), faults)
@@ -157,7 +157,7 @@ def _model(
     """The kind of document that a text is, and what was found with what it says of that."""
     root = source.root
     if not isinstance(root.value, dict):
-        from cbdsl.yaml_text.fault import describe  # only a fault needs it
+        from cbdsl.yaml_text.repair.fault import describe  # only a fault needs it
 
         described = describe(root.value)
         raise _error("CB204", root.place, found, expected="a mapping", found=described)
@@ -179,7 +179,7 @@ def _contradicted(keys: Iterable[str], said: str | None) -> str | None:
     """The kind that the keys of a document are those of, where it says that it is another."""
     if said in KINDS and KINDS[said].model_fields.keys() >= set(keys):
         return None
-    from cbdsl.yaml_text.kind import kind_by_keys  # only a fault needs it
+    from cbdsl.yaml_text.repair.kind import kind_by_keys  # only a fault needs it
 
     return kind_by_keys(keys, said, KINDS)
 
@@ -192,7 +192,7 @@ def _wrong_kind(source: SourceMap, said: str | None, meant: str | None) -> Diagn
     place = source.place("kind")
     if said not in KINDS:
         return diagnostic("CB206", place, names=list(KINDS), name=said)
-    from cbdsl.yaml_text.kind import telling_keys  # only a fault needs it
+    from cbdsl.yaml_text.repair.kind import telling_keys  # only a fault needs it
 
     assert meant is not None, "nothing is wrong with it otherwise"
     keys = ", ".join(telling_keys(source.root.keys, meant, said, KINDS))

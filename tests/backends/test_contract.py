@@ -9,10 +9,10 @@ import numpy as np
 import pytest
 
 from cbdsl.backends.backend import BackendError
-from cbdsl.backends.scenery import Witness
+from cbdsl.backends.staging.scenery import Witness
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.documents.stage import StageDocument
-from cbdsl.robot.observation import Observation
+from cbdsl.sensing.observation import Observation
 from tests.backends.conftest import (
     LIBRARY,
     URDF,

@@ -19,9 +19,9 @@ from cbdsl.backends.kinematic.backend import KinematicBackend
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.documents.stage import StageDocument
 from cbdsl.robot.channel_names import channel_names
-from cbdsl.robot.channels import ChannelFilter
-from cbdsl.robot.kinematics import Kinematics
 from cbdsl.runtime.episode import EpisodeResult, Runner
+from cbdsl.sensing.channels import ChannelFilter
+from cbdsl.sensing.kinematics import Kinematics
 from tests.conftest import Checked
 
 StageNamed = Callable[[str], StageDocument]

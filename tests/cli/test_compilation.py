@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from cbdsl.cli.compilation import NOTICE, told_of_compilation
-from cbdsl.robot.compiled import compiled
+from cbdsl.numeric.compiled import compiled
 
 
 def test_the_first_function_that_is_compiled_is_told(capsys: pytest.CaptureFixture[str]) -> None:

@@ -140,7 +140,7 @@ def test_without_the_simulator_it_says_what_to_install(
     more: list[str],
 ) -> None:
     for name in [*sys.modules]:
-        if name == package or name.startswith(("cbdsl.backends", "cbdsl.robot", "cbdsl.runtime")):
+        if name == package or name.startswith(("cbdsl.backends", "cbdsl.sensing", "cbdsl.runtime")):
             monkeypatch.delitem(sys.modules, name)
     monkeypatch.setitem(sys.modules, package, None)
     assert cb(monkeypatch, "searchtrack", *more) == 2

@@ -11,7 +11,7 @@ import pytest
 from cbdsl.documents.policy import PolicyDocument
 from cbdsl.yaml_text.writer import write
 from tests.cli.test_main import cb
-from tests.program.drawing.policies import learned
+from tests.reporting.drawing.policies import learned
 
 #: Two of three episodes ended at once; the third came back from where it lost what it saw.
 WALKS = [

@@ -14,7 +14,7 @@ from cbdsl.control.predicate import QuiescenceMonitor
 from cbdsl.control.signal import Floats
 from cbdsl.control.stack import Stack
 from cbdsl.control.task import Task
-from cbdsl.robot.reading import Reading
+from cbdsl.sensing.reading import Reading
 from tests.control.test_kernel import CASES, JOINTS, drawn, readings
 from tests.control.test_task import TICK
 

@@ -18,8 +18,8 @@ from cbdsl.control.spring import Spring
 from cbdsl.control.stack import Stack
 from cbdsl.control.task import Task
 from cbdsl.program.controller import Controller
-from cbdsl.robot.reading import Reading
-from cbdsl.robot.selection import columns_of, columns_of_both
+from cbdsl.sensing.reading import Reading
+from cbdsl.sensing.selection import columns_of, columns_of_both
 from cbdsl.types.resource_type import FORCE, ORIENTATION, POSITION, ResourceType, configuration
 from tests.control.test_task import TICK, controller
 

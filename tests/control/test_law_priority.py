@@ -9,7 +9,7 @@ from cbdsl.control.law import Law, LawSettings
 from cbdsl.control.level import Level
 from cbdsl.control.signal import Floats
 from cbdsl.documents.robot import RobotDocument
-from cbdsl.robot.kinematics import Kinematics
+from cbdsl.sensing.kinematics import Kinematics
 from cbdsl.yaml_text.library import Library, shipped
 
 STACKS = 10_000

@@ -12,8 +12,8 @@ from cbdsl.control.localizability import Localizability
 from cbdsl.control.potential import Evaluation
 from cbdsl.control.rotation import exp
 from cbdsl.control.signal import Floats, Signal, SignalError
-from cbdsl.robot.camera import heading, sighting_jacobian
-from cbdsl.robot.kinematics import Frame
+from cbdsl.sensing.camera import heading, sighting_jacobian
+from cbdsl.sensing.kinematics import Frame
 
 # phi at 100, 75 and 50 cm; its scale is not given, so that only the two ratios can be compared.
 TABLE_3_2 = {1.0: 0.95, 0.75: 0.43, 0.5: 0.14}

@@ -12,10 +12,10 @@ from cbdsl.control.body import Body
 from cbdsl.control.registry import build
 from cbdsl.control.signal import Floats, Signal
 from cbdsl.documents.robot import RobotDocument
-from cbdsl.robot.camera import heading, sighting_jacobian
-from cbdsl.robot.kinematics import Frame, Kinematics
-from cbdsl.robot.reading import Reading, mean
-from cbdsl.robot.tips import Tips
+from cbdsl.sensing.camera import heading, sighting_jacobian
+from cbdsl.sensing.kinematics import Frame, Kinematics
+from cbdsl.sensing.reading import Reading, mean
+from cbdsl.sensing.tips import Tips
 from cbdsl.types.potential import POTENTIALS
 from cbdsl.types.resource import Tip
 from cbdsl.types.resource_type import HEADING, TYPES, ResourceType, configuration

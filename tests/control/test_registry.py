@@ -12,8 +12,8 @@ from cbdsl.control.potential import Evaluation
 from cbdsl.control.registry import IMPLEMENTATIONS, build
 from cbdsl.control.signal import Floats, Signal, SignalError
 from cbdsl.program.controller import Controller, Quiescence
-from cbdsl.robot.camera import heading, sighting_jacobian
-from cbdsl.robot.kinematics import Frame
+from cbdsl.sensing.camera import heading, sighting_jacobian
+from cbdsl.sensing.kinematics import Frame
 from cbdsl.types.potential import POTENTIALS, PotentialType
 from cbdsl.types.resource import EffectorConfiguration, Origin, Resource
 from cbdsl.types.resource_type import TYPES, ResourceType, configuration

@@ -12,14 +12,14 @@ from cbdsl.backends.backend import Backend
 from cbdsl.backends.bullet.backend import BulletBackend
 from cbdsl.backends.kinematic.backend import KinematicBackend
 from cbdsl.checking.document import check_document
-from cbdsl.checking.learned import with_policy
+from cbdsl.checking.knowledge.learned import with_policy
 from cbdsl.checking.session import Session
 from cbdsl.documents.model import ModelDocument
 from cbdsl.documents.policy import PolicyDocument
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.documents.stage import StageDocument
-from cbdsl.robot.kinematics import Kinematics
 from cbdsl.runtime.episode import EpisodeResult, Runner
+from cbdsl.sensing.kinematics import Kinematics
 from cbdsl.yaml_text.library import FOLDERS, Library
 from tests.conftest import ROOT, Checked
 

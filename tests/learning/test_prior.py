@@ -8,7 +8,7 @@ import pytest
 from cbdsl.documents.model import Gaussian, Kernel
 from cbdsl.learning.prior import Form, learned_density
 from cbdsl.program.binding import density_source
-from cbdsl.robot.density import DensitySampler
+from cbdsl.sensing.density import DensitySampler
 
 FORMS: tuple[Form, ...] = ("kernel", "gaussian")
 LOWER, UPPER = np.array([-1.7, -1.0]), np.array([1.7, 1.5])

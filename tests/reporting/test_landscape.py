@@ -12,7 +12,7 @@ from cbdsl.program.binding import density_source
 from cbdsl.reporting.density_svg import density_svgs
 from cbdsl.reporting.landscape import Landscape
 from cbdsl.reporting.learned import Joint, Model
-from cbdsl.robot.density import DensitySampler
+from cbdsl.sensing.density import DensitySampler
 
 # Some beyond the limits, none so far that only a steep tail is left within them.
 ANGLES = st.floats(-0.7, 1.2)

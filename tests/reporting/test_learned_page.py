@@ -12,9 +12,9 @@ from xml.etree import ElementTree
 
 import pytest
 
-from cbdsl.program.drawing.policy_graph import decisions, policy_graph
-from cbdsl.program.drawing.policy_svg import policy_svg
 from cbdsl.reporting.density_svg import density_svgs
+from cbdsl.reporting.drawing.policy_graph import decisions, policy_graph
+from cbdsl.reporting.drawing.policy_svg import policy_svg
 from cbdsl.reporting.learned import Learned, read_learned
 from cbdsl.reporting.learned_page import learned_page
 from tests.reporting.test_page import Loads

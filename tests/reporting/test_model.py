@@ -8,10 +8,10 @@ import numpy as np
 import pybullet_data
 import pytest
 
-from cbdsl.backends.pose import rotations
+from cbdsl.backends.staging.pose import rotations
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.reporting.model import Link, read_links
-from cbdsl.robot.kinematics import Kinematics
+from cbdsl.sensing.kinematics import Kinematics
 from cbdsl.yaml_text.library import Library
 from tests.conftest import ROOT
 

@@ -17,9 +17,9 @@ from cbdsl.documents.robot import RobotDocument
 from cbdsl.documents.stage import StageDocument
 from cbdsl.reporting.page import page
 from cbdsl.reporting.recorded import Recorded, read_recording
-from cbdsl.robot.kinematics import Kinematics
 from cbdsl.runtime.episode import Runner
 from cbdsl.runtime.recording import Recording
+from cbdsl.sensing.kinematics import Kinematics
 from cbdsl.yaml_text.library import Library
 from tests.conftest import ROOT
 from tests.reporting.browser import CHROMIUM, Page, browser

@@ -11,7 +11,7 @@ from cbdsl.documents.document import Document
 from cbdsl.documents.model import Gaussian, Kernel, ModelDocument
 from cbdsl.documents.policy import Identity, PolicyDocument, Provenance
 from cbdsl.yaml_text.writer import write
-from tests.program.drawing.policies import ACTIONS, Walk, learned
+from tests.reporting.drawing.policies import ACTIONS, Walk, learned
 
 _AFTER = {"XX": ("X0", "0X"), "X0": ("X1", "X-"), "0X": ("X0", "0X"), "X-": ("0X", "X0")}
 _LONGEST = 12

@@ -14,7 +14,7 @@ from cbdsl.reproduction.experiment import Settings
 from cbdsl.reproduction.internal_models import Expectation, marginal
 from cbdsl.reproduction.lesson import COARTICULATED
 from cbdsl.reproduction.school import Learned, school, shipped_dexter
-from cbdsl.robot.kinematics import Kinematics
+from cbdsl.sensing.kinematics import Kinematics
 
 KERNEL = Kernel(
     form="kernel", samples=((-0.5, 0.1), (0.8, 0.2)), bandwidth=(0.1, 0.05), uniform=0.25

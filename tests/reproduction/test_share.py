@@ -13,7 +13,7 @@ from cbdsl.reproduction.registry import EXPERIMENTS
 from cbdsl.reproduction.report import data
 from cbdsl.reproduction.school import shipped_dexter
 from cbdsl.reproduction.share import shared_out
-from cbdsl.robot.kinematics import Kinematics
+from cbdsl.sensing.kinematics import Kinematics
 from cbdsl.training.classroom import BackendClassroom
 from cbdsl.training.course import Nobody
 

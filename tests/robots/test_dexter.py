@@ -11,7 +11,7 @@ import pytest
 
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.robot.joints import Joints
-from cbdsl.robot.kinematics import Kinematics
+from cbdsl.sensing.kinematics import Kinematics
 from cbdsl.yaml_text.library import Library
 
 ROOT = Path(__file__).parents[2]

@@ -15,10 +15,10 @@ from cbdsl.documents.robot import RobotDocument
 from cbdsl.documents.stage import StageDocument
 from cbdsl.program.checked import CheckedProgram
 from cbdsl.program.transition import Transition
-from cbdsl.robot.kinematics import Kinematics
-from cbdsl.robot.observation import Observation
 from cbdsl.runtime.episode import EpisodeResult, Runner, Tick
 from cbdsl.runtime.policy import Policy
+from cbdsl.sensing.kinematics import Kinematics
+from cbdsl.sensing.observation import Observation
 from cbdsl.yaml_text.library import Library
 from tests.runtime.synthetic import Ball, SyntheticBackend, World
 

@@ -13,9 +13,9 @@ from numpy.typing import NDArray
 
 from cbdsl.documents.robot import Camera, RobotDocument
 from cbdsl.documents.stage import StageDocument
-from cbdsl.robot.camera import sight
-from cbdsl.robot.kinematics import Kinematics
-from cbdsl.robot.observation import Image, Observation
+from cbdsl.sensing.camera import sight
+from cbdsl.sensing.kinematics import Kinematics
+from cbdsl.sensing.observation import Image, Observation
 
 Floats = NDArray[np.float64]
 

@@ -10,12 +10,12 @@ import pytest
 
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.program.checked import CheckedProgram
-from cbdsl.robot.kinematics import Kinematics
-from cbdsl.robot.observation import Observation
-from cbdsl.robot.signals import Signals
 from cbdsl.runtime.actuation import Actuation
 from cbdsl.runtime.episode import Tick, resources_of
 from cbdsl.runtime.program_run import ProgramRun
+from cbdsl.sensing.kinematics import Kinematics
+from cbdsl.sensing.observation import Observation
+from cbdsl.sensing.signals import Signals
 from cbdsl.types.resource import Tip as TipSource
 from tests.conftest import Checked
 from tests.runtime.conftest import Play, Played, on_table

@@ -16,8 +16,8 @@ from cbdsl.backends.bullet.backend import BulletBackend
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.documents.stage import StageDocument
 from cbdsl.program.transition import Transition
-from cbdsl.robot.kinematics import Kinematics
 from cbdsl.runtime.episode import EpisodeResult, Runner, Tick
+from cbdsl.sensing.kinematics import Kinematics
 from cbdsl.types.resource import Centroid
 from tests.conftest import Checked
 

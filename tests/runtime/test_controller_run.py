@@ -17,11 +17,11 @@ from cbdsl.control.stack import Stack
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.program.checked import CheckedProgram
 from cbdsl.program.controller import Controller, Literal
-from cbdsl.robot.kinematics import Kinematics
 from cbdsl.robot.resources import resources
-from cbdsl.robot.signals import Signals
 from cbdsl.runtime.controller_run import ControllerRun
 from cbdsl.runtime.episode import resources_of
+from cbdsl.sensing.kinematics import Kinematics
+from cbdsl.sensing.signals import Signals
 from cbdsl.types.resource import NetForces, Tip
 from tests.conftest import Checked
 from tests.runtime.conftest import TABLE_BALL, made_stage

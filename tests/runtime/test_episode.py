@@ -14,9 +14,9 @@ import pytest
 
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.program.checked import CheckedProgram
-from cbdsl.robot.kinematics import Kinematics
-from cbdsl.robot.observation import Observation
 from cbdsl.runtime.episode import EpisodeError, EpisodeResult, Runner, Tick, resources_of
+from cbdsl.sensing.kinematics import Kinematics
+from cbdsl.sensing.observation import Observation
 from cbdsl.types.resource import Resource
 from tests.conftest import Checked
 from tests.runtime.conftest import GRIP, TABLE_BALL, Play, Played, made_stage, on_table

@@ -9,12 +9,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from cbdsl.backends.scenery import Part
+from cbdsl.backends.staging.scenery import Part
 from cbdsl.documents.robot import RobotDocument
-from cbdsl.robot.reading import Reading
 from cbdsl.runtime.episode import Tick, resources_of
 from cbdsl.runtime.explanation import LIMITS, Explanation
 from cbdsl.runtime.recording import Recording, require_writable
+from cbdsl.sensing.reading import Reading
 from cbdsl.types.resource import Origin
 from tests.conftest import Checked
 from tests.runtime.conftest import Play, Played

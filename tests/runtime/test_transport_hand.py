@@ -14,8 +14,8 @@ from cbdsl.documents.robot import RobotDocument
 from cbdsl.documents.stage import StageDocument
 from cbdsl.program.checked import CheckedProgram
 from cbdsl.program.controller import Box, Controller, Field
-from cbdsl.robot.kinematics import Kinematics
 from cbdsl.runtime.episode import Runner, Tick
+from cbdsl.sensing.kinematics import Kinematics
 from cbdsl.types.resource import Resource
 from tests.conftest import Checked
 from tests.runtime.conftest import Play

@@ -7,13 +7,13 @@ from dataclasses import replace
 from pathlib import Path
 
 from cbdsl.backends.backend import find_backend
-from cbdsl.checking.digest import program_digest
+from cbdsl.checking.knowledge.digest import program_digest
 from cbdsl.checking.program import check_program
 from cbdsl.documents.program import ProgramDocument
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.documents.stage import StageDocument
 from cbdsl.learning.accommodate import Constants
-from cbdsl.robot.kinematics import Kinematics
+from cbdsl.sensing.kinematics import Kinematics
 from cbdsl.training.assignment import Assignment
 from cbdsl.yaml_text.library import Library
 from tests.conftest import ROOT

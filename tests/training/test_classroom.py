@@ -9,8 +9,8 @@ import pytest
 
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.program.transition import Transition
-from cbdsl.robot.kinematics import Kinematics
 from cbdsl.runtime.policy import WrittenPolicy
+from cbdsl.sensing.kinematics import Kinematics
 from cbdsl.training.classroom import BackendClassroom, moved
 from tests.conftest import Checked
 from tests.runtime.conftest import made_stage, on_table

@@ -20,13 +20,13 @@ from cbdsl.backends.bullet.renderer import NoRenderer, Renderer, make_renderer
 from cbdsl.backends.bullet.scene import Scene
 from cbdsl.backends.bullet.touch import Fingertips
 from cbdsl.backends.bullet.truth import Truth
-from cbdsl.backends.context import choose_context, starting_posture
-from cbdsl.backends.presentation import GRAVITY, Presenter
-from cbdsl.backends.shutter import Shutter
+from cbdsl.backends.staging.context import choose_context, starting_posture
+from cbdsl.backends.staging.presentation import GRAVITY, Presenter
+from cbdsl.backends.staging.shutter import Shutter
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.documents.stage import StageDocument
 from cbdsl.robot.joints import Joints
-from cbdsl.robot.observation import Observation
+from cbdsl.sensing.observation import Observation
 
 Floats = NDArray[np.float64]
 

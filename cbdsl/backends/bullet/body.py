@@ -13,7 +13,7 @@ import pybullet as p
 from numpy.typing import NDArray
 
 from cbdsl.backends.backend import BackendError
-from cbdsl.backends.pose import Pose
+from cbdsl.backends.staging.pose import Pose
 from cbdsl.documents.robot import RobotDocument, Simulation
 from cbdsl.robot.joints import Joints
 

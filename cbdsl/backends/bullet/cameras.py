@@ -10,10 +10,10 @@ from numpy.typing import NDArray
 from cbdsl.backends.bullet.body import Body
 from cbdsl.backends.bullet.renderer import Renderer
 from cbdsl.backends.bullet.view import View
-from cbdsl.backends.pose import Pose
+from cbdsl.backends.staging.pose import Pose
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.documents.stage import Disturbance
-from cbdsl.robot.observation import Image
+from cbdsl.sensing.observation import Image
 
 Floats = NDArray[np.float64]
 

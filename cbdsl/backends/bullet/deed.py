@@ -9,9 +9,9 @@ import pybullet as p
 from numpy.typing import NDArray
 
 from cbdsl.backends.bullet.truth import Truth
-from cbdsl.backends.fall import Fall
-from cbdsl.backends.pose import Pose
-from cbdsl.backends.presentation import Movement
+from cbdsl.backends.staging.fall import Fall
+from cbdsl.backends.staging.pose import Pose
+from cbdsl.backends.staging.presentation import Movement
 
 Floats = NDArray[np.float64]
 

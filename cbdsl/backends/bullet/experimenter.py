@@ -5,7 +5,7 @@ from __future__ import annotations
 from cbdsl.backends.bullet.deed import Carry, Deed, Hold, Return, Throw
 from cbdsl.backends.bullet.scene import Scene
 from cbdsl.backends.bullet.truth import Truth
-from cbdsl.backends.presentation import Movement, Presentation
+from cbdsl.backends.staging.presentation import Movement, Presentation
 
 
 class Experimenter:

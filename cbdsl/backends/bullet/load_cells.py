@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from cbdsl.backends.bullet.touch import Fingertips
 from cbdsl.documents.robot import Contact
-from cbdsl.robot.observation import Loads
+from cbdsl.sensing.observation import Loads
 
 Floats = NDArray[np.float64]
 

@@ -13,8 +13,8 @@ from numpy.typing import NDArray
 
 from cbdsl.backends.bullet import light, mesh
 from cbdsl.backends.bullet.view import View
-from cbdsl.backends.pose import rotations
-from cbdsl.robot.observation import Image
+from cbdsl.backends.staging.pose import rotations
+from cbdsl.sensing.observation import Image
 
 Floats = NDArray[np.float64]
 

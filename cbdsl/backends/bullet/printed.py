@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 import pybullet as p
 
-from cbdsl.backends.shape import Shape
+from cbdsl.backends.staging.shape import Shape
 from cbdsl.documents.stage import Pattern, Spot
 
 Triple = Sequence[float]

@@ -9,7 +9,7 @@ from cbdsl.backends.backend import BackendError
 from cbdsl.backends.bullet.opengl import OpenGLRenderer
 from cbdsl.backends.bullet.tiny import TinyRenderer
 from cbdsl.backends.bullet.view import View
-from cbdsl.robot.observation import Image
+from cbdsl.sensing.observation import Image
 
 
 class Renderer(Protocol):

@@ -8,8 +8,8 @@ from typing import Any
 import pybullet as p
 
 from cbdsl.backends.bullet.printed import create_printed
-from cbdsl.backends.pose import Pose
-from cbdsl.backends.shape import Shape
+from cbdsl.backends.staging.pose import Pose
+from cbdsl.backends.staging.shape import Shape
 from cbdsl.documents.stage import Surface
 
 _KINDS = {"ball": p.GEOM_SPHERE, "box": p.GEOM_BOX, "cylinder": p.GEOM_CYLINDER}

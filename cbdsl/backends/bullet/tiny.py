@@ -9,7 +9,7 @@ import pybullet as p
 
 from cbdsl.backends.bullet import light
 from cbdsl.backends.bullet.view import View
-from cbdsl.robot.observation import Image
+from cbdsl.sensing.observation import Image
 
 _BACKGROUND = 199
 

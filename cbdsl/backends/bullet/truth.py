@@ -9,8 +9,8 @@ from numpy.typing import NDArray
 from cbdsl.backends.bullet.body import Body
 from cbdsl.backends.bullet.scene import Scene
 from cbdsl.backends.bullet.touch import Fingertips, Touch
-from cbdsl.backends.pose import Pose
-from cbdsl.backends.scenery import Part
+from cbdsl.backends.staging.pose import Pose
+from cbdsl.backends.staging.scenery import Part
 
 Floats = NDArray[np.float64]
 

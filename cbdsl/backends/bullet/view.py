@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from cbdsl.backends.pose import Pose
+from cbdsl.backends.staging.pose import Pose
 from cbdsl.documents.robot import Camera
 
 Floats = NDArray[np.float64]

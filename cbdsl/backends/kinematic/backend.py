@@ -9,27 +9,27 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cbdsl.backends.backend import BackendError
-from cbdsl.backends.context import choose_context, starting_posture
-from cbdsl.backends.kinematic.cameras import Cameras, Limbs
+from cbdsl.backends.ideal_cameras.cameras import Cameras, Limbs
+from cbdsl.backends.ideal_cameras.links import Links
+from cbdsl.backends.ideal_cameras.paint import Palette
+from cbdsl.backends.ideal_cameras.tree import Tree
 from cbdsl.backends.kinematic.experimenter import Experimenter
 from cbdsl.backends.kinematic.handling import Handling
 from cbdsl.backends.kinematic.hands import Hands
-from cbdsl.backends.kinematic.links import Links
 from cbdsl.backends.kinematic.load_cells import LoadCells
-from cbdsl.backends.kinematic.paint import Palette
 from cbdsl.backends.kinematic.servos import Servos
-from cbdsl.backends.kinematic.tree import Tree
 from cbdsl.backends.kinematic.truth import Truth
 from cbdsl.backends.kinematic.world import World
-from cbdsl.backends.presentation import Presenter
-from cbdsl.backends.shutter import Shutter
+from cbdsl.backends.staging.context import choose_context, starting_posture
+from cbdsl.backends.staging.presentation import Presenter
+from cbdsl.backends.staging.shutter import Shutter
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.documents.stage import StageDocument
 from cbdsl.robot.chains import root
 from cbdsl.robot.channel_names import channel_names
-from cbdsl.robot.kinematics import Kinematics
-from cbdsl.robot.observation import Observation
 from cbdsl.robot.urdf import UrdfError, UrdfModel, read_urdf
+from cbdsl.sensing.kinematics import Kinematics
+from cbdsl.sensing.observation import Observation
 
 Floats = NDArray[np.float64]
 

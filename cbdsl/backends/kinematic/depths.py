@@ -7,8 +7,8 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from cbdsl.backends.kinematic.solids import BALL, CYLINDER, into
-from cbdsl.robot.compiled import compiled, compiled_once
+from cbdsl.backends.ideal_cameras.solids import BALL, CYLINDER, into
+from cbdsl.numeric.compiled import compiled, compiled_once
 
 Floats = NDArray[np.float64]
 Rows = NDArray[np.intp]

@@ -6,10 +6,10 @@ import math
 
 import numpy as np
 
-from cbdsl.backends.fall import Fall
 from cbdsl.backends.kinematic.thing import Thing
 from cbdsl.backends.kinematic.world import World
-from cbdsl.backends.presentation import Movement, Presentation
+from cbdsl.backends.staging.fall import Fall
+from cbdsl.backends.staging.presentation import Movement, Presentation
 
 
 class Experimenter:

@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 
 from cbdsl.backends.kinematic.hands import Contact, Hands
 from cbdsl.backends.kinematic.thing import Thing
-from cbdsl.backends.pose import Pose
-from cbdsl.backends.presentation import GRAVITY
+from cbdsl.backends.staging.pose import Pose
+from cbdsl.backends.staging.presentation import GRAVITY
 
 Floats = NDArray[np.float64]
 

@@ -11,8 +11,8 @@ from cbdsl.backends.kinematic.grasp import STIFFNESS, Grasp
 from cbdsl.backends.kinematic.hands import Contact, Hands
 from cbdsl.backends.kinematic.thing import Thing
 from cbdsl.backends.kinematic.world import World
-from cbdsl.backends.presentation import GRAVITY
-from cbdsl.robot.compiled import compiled_once
+from cbdsl.backends.staging.presentation import GRAVITY
+from cbdsl.numeric.compiled import compiled_once
 
 Floats = NDArray[np.float64]
 Booleans = NDArray[np.bool_]

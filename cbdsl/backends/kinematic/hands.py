@@ -10,14 +10,14 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from cbdsl.backends.ideal_cameras.links import Links, Solid
+from cbdsl.backends.ideal_cameras.tree import Tree
 from cbdsl.backends.kinematic.depths import depths
-from cbdsl.backends.kinematic.links import Links, Solid
 from cbdsl.backends.kinematic.thing import Thing
-from cbdsl.backends.kinematic.tree import Tree
 from cbdsl.backends.kinematic.world import World
-from cbdsl.backends.pose import Pose
+from cbdsl.backends.staging.pose import Pose
 from cbdsl.documents.robot import RobotDocument
-from cbdsl.robot.kinematics import Kinematics
+from cbdsl.sensing.kinematics import Kinematics
 
 Floats = NDArray[np.float64]
 Columns = NDArray[np.intp]

@@ -8,8 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cbdsl.documents.robot import RobotDocument
-from cbdsl.robot.compiled import compiled_once
-from cbdsl.robot.observation import Cell, Loads
+from cbdsl.numeric.compiled import compiled_once
+from cbdsl.sensing.observation import Cell, Loads
 
 Floats = NDArray[np.float64]
 

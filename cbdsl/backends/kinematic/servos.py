@@ -8,10 +8,10 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from cbdsl.backends.kinematic.links import Links
-from cbdsl.backends.kinematic.tree import Booleans, Rows, Tree, place
-from cbdsl.robot.compiled import compiled_once
-from cbdsl.robot.kinematics import Kinematics
+from cbdsl.backends.ideal_cameras.links import Links
+from cbdsl.backends.ideal_cameras.tree import Booleans, Rows, Tree, place
+from cbdsl.numeric.compiled import compiled_once
+from cbdsl.sensing.kinematics import Kinematics
 
 Floats = NDArray[np.float64]
 

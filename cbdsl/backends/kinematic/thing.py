@@ -5,10 +5,10 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from cbdsl.backends.kinematic.solids import POSITION, ROTATION, placed
-from cbdsl.backends.pose import Pose
-from cbdsl.backends.presentation import GRAVITY
-from cbdsl.backends.shape import Shape
+from cbdsl.backends.ideal_cameras.solids import POSITION, ROTATION, placed
+from cbdsl.backends.staging.pose import Pose
+from cbdsl.backends.staging.presentation import GRAVITY
+from cbdsl.backends.staging.shape import Shape
 from cbdsl.documents.stage import Surface
 
 Floats = NDArray[np.float64]

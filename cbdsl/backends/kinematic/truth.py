@@ -5,13 +5,13 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from cbdsl.backends.ideal_cameras.tree import Tree
 from cbdsl.backends.kinematic.handling import Handling
 from cbdsl.backends.kinematic.hands import Contact
-from cbdsl.backends.kinematic.tree import Tree
 from cbdsl.backends.kinematic.world import World
-from cbdsl.backends.pose import Pose
-from cbdsl.backends.scenery import Part
-from cbdsl.backends.shape import Shape
+from cbdsl.backends.staging.pose import Pose
+from cbdsl.backends.staging.scenery import Part
+from cbdsl.backends.staging.shape import Shape
 
 Floats = NDArray[np.float64]
 

@@ -7,11 +7,11 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from cbdsl.backends.kinematic.solids import WIDTH
+from cbdsl.backends.ideal_cameras.solids import WIDTH
 from cbdsl.backends.kinematic.thing import Thing
-from cbdsl.backends.pose import Pose
-from cbdsl.backends.presentation import GRAVITY
-from cbdsl.backends.shape import Shape
+from cbdsl.backends.staging.pose import Pose
+from cbdsl.backends.staging.presentation import GRAVITY
+from cbdsl.backends.staging.shape import Shape
 from cbdsl.documents.stage import Surface
 
 Floats = NDArray[np.float64]

@@ -8,7 +8,7 @@ import pytest
 from cbdsl.backends.backend import BackendError
 from cbdsl.backends.bullet.backend import BulletBackend
 from cbdsl.documents.robot import RobotDocument
-from cbdsl.robot.observation import Observation
+from cbdsl.sensing.observation import Observation
 from tests.backends.conftest import URDF, made_stage, stage_named
 
 

@@ -13,7 +13,7 @@ from cbdsl.backends.backend import BackendError
 from cbdsl.backends.bullet.body import Body
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.robot.joints import Joints
-from cbdsl.robot.kinematics import Kinematics
+from cbdsl.sensing.kinematics import Kinematics
 from tests.backends.conftest import URDF
 
 

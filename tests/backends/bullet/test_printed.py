@@ -10,7 +10,7 @@ import pytest
 
 from cbdsl.backends.bullet.backend import BulletBackend
 from cbdsl.backends.bullet.view import View
-from cbdsl.backends.pose import Pose
+from cbdsl.backends.staging.pose import Pose
 from cbdsl.documents.robot import Camera
 from cbdsl.documents.stage import StageDocument
 from tests.backends.conftest import made_stage

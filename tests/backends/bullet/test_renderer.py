@@ -12,7 +12,7 @@ from cbdsl.backends.bullet.opengl import OpenGLRenderer
 from cbdsl.backends.bullet.renderer import make_renderer
 from cbdsl.backends.bullet.tiny import TinyRenderer
 from cbdsl.backends.bullet.view import View
-from cbdsl.backends.pose import Pose
+from cbdsl.backends.staging.pose import Pose
 from cbdsl.documents.robot import Camera
 from cbdsl.documents.stage import StageDocument
 from tests.backends.conftest import made_stage

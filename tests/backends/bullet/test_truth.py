@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from cbdsl.backends.bullet.backend import BulletBackend
-from cbdsl.backends.scenery import Witness
+from cbdsl.backends.staging.scenery import Witness
 from cbdsl.documents.stage import Box, StageDocument
 
 

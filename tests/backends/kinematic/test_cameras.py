@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from cbdsl.backends.kinematic.backend import KinematicBackend
-from cbdsl.robot.channels import Region
+from cbdsl.sensing.channels import Region
 from tests.backends.conftest import stage_named
 
 Reported = Mapping[str, Mapping[str, Region]]

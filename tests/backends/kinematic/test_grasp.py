@@ -12,9 +12,9 @@ import pytest
 from cbdsl.backends.kinematic.grasp import STIFFNESS, Grasp
 from cbdsl.backends.kinematic.hands import Contact, Fingertip
 from cbdsl.backends.kinematic.thing import Thing
-from cbdsl.backends.pose import Pose
-from cbdsl.backends.presentation import GRAVITY
-from cbdsl.backends.shape import Shape
+from cbdsl.backends.staging.pose import Pose
+from cbdsl.backends.staging.presentation import GRAVITY
+from cbdsl.backends.staging.shape import Shape
 from cbdsl.documents.stage import Surface
 
 RADIUS, MASS, FRICTION = 0.05, 0.3, 0.8

@@ -7,9 +7,9 @@ import pytest
 
 from cbdsl.backends.kinematic.thing import Thing
 from cbdsl.backends.kinematic.world import World
-from cbdsl.backends.pose import Pose
-from cbdsl.backends.presentation import GRAVITY
-from cbdsl.backends.shape import Shape
+from cbdsl.backends.staging.pose import Pose
+from cbdsl.backends.staging.presentation import GRAVITY
+from cbdsl.backends.staging.shape import Shape
 from cbdsl.documents.stage import Surface
 
 PERIOD = 1 / 60

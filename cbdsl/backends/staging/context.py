@@ -1,0 +1,62 @@
+"""How an episode begins: in which of a stage's contexts, and with which posture."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cbdsl.backends.backend import BackendError
+from cbdsl.backends.staging.span import draw
+from cbdsl.documents.robot import RobotDocument
+from cbdsl.documents.stage import Context, StageDocument
+from cbdsl.robot.joints import Joints
+
+Floats = NDArray[np.float64]
+
+
+def choose_context(stage: StageDocument, context: str | None, rng: np.random.Generator) -> str:
+    """The name of the context, drawn by the shares of all when it is ``None``.
+
+    Raises:
+        BackendError: the stage has no such context.
+    """
+    if context is None:
+        shares = np.array([each.share for each in stage.contexts.values()])
+        return list(stage.contexts)[int(rng.choice(len(shares), p=shares / shares.sum()))]
+    if context not in stage.contexts:
+        known = ", ".join(stage.contexts)
+        raise BackendError(f"stage '{stage.name}' has no context '{context}'; it has: {known}")
+    return context
+
+
+def starting_posture(
+    context: Context,
+    robot: RobotDocument,
+    joints: Joints,
+    elsewhere: Floats,
+    rng: np.random.Generator,
+) -> Floats:
+    """Where the actuated joints start, rad, shape (n,).
+
+    Args:
+        context: has the first word.
+        robot: its effectors' start postures are next.
+        joints: their order.
+        elsewhere: where joints are that neither mentions, rad, shape (n,).
+        rng: draws what the context leaves to chance.
+
+    Raises:
+        BackendError: the context names a joint that the robot does not have.
+    """
+    unknown = set(context.joints) - set(joints.names)
+    if unknown:
+        raise BackendError(
+            f"robot '{robot.name}' has no actuated joint " + ", ".join(map(repr, sorted(unknown)))
+        )
+    start: Floats = elsewhere.copy()
+    for name, effector in robot.effectors.items():
+        if effector.start is not None:
+            start[joints.of(name)] = effector.postures[effector.start]
+    for joint, span in context.joints.items():
+        start[joints.index[joint]] = draw(span, rng)
+    return start

@@ -1,0 +1,187 @@
+"""Whether the parts of a controller agree with each other, and which of them is the odd one."""
+
+from __future__ import annotations
+
+from cbdsl.checking.context import Context, Steps
+from cbdsl.checking.controller.comparison import Comparison, compare
+from cbdsl.checking.controller.influence import is_measured, movers, moves
+from cbdsl.checking.controller.options import check_options, misplaced
+from cbdsl.checking.findings import Findings
+from cbdsl.documents import program as written
+from cbdsl.errors.counting import count
+from cbdsl.errors.diagnostic import Place
+from cbdsl.program.controller import Reference
+from cbdsl.types.potential import POTENTIALS, PotentialType
+from cbdsl.types.resource import Resource
+
+
+class Agreement:
+    """Holds the parts of one controller against its feedback.
+
+    Each of them that does not suit the feedback is a finding; where several do not, the feedback
+    itself is, and nothing else.
+
+    Args:
+        context: the program.
+        steps: path of the controller.
+        document: the controller.
+        potential: its potential, if there is such a one.
+        comparison: its reference, which is empty where the potential takes none.
+        effector: what it moves, if that is known.
+
+    Attributes:
+        holds: whether all parts agree, once they were checked.
+    """
+
+    def __init__(
+        self,
+        context: Context,
+        steps: Steps,
+        document: written.Controller,
+        potential: PotentialType | None,
+        comparison: Comparison,
+        effector: Resource | None,
+    ) -> None:
+        self._context, self._steps, self._document = context, steps, document
+        self._potential, self._comparison, self._effector = potential, comparison, effector
+        self.holds = False
+
+    def check_without_feedback(self) -> None:
+        """Check what can be said although nobody knows the feedback."""
+        self._wants_reference(self._context.findings)
+
+    def check(self, feedback: Resource) -> Reference | None:
+        """Check everything against the feedback.
+
+        Returns:
+            The reference, where it can be compared with the feedback.
+        """
+        if self._is_exchanged(feedback):
+            return None
+        context, document, effector = self._context, self._document, self._effector
+        of = {part: Findings() for part in ("potential", "reference", "effector", "options")}
+        if self._potential is None or self._accepts(self._potential, feedback, of["potential"]):
+            self._wants_reference(of["potential"])
+        reference = compare(context, self._steps, self._comparison, feedback, of["reference"])
+        if effector is not None:
+            self._moves(effector, feedback, of["effector"])
+        check_options(context, self._steps, document, feedback, of["options"])
+        self._conclude(feedback, of)
+        wanted = self._potential is not None and self._potential.reference
+        self.holds &= wanted == (reference is not None)
+        return reference
+
+    def _conclude(self, feedback: Resource, of: dict[str, Findings]) -> None:
+        against = [part for part, found in of.items() if found.failed]
+        self.holds = not against
+        if self.holds:  # no part warns of anything
+            return
+        suitable = self._suitable() if len(against) > 1 else []
+        if len(against) < 2 or feedback.name in suitable:
+            for found in of.values():
+                self._context.findings.extend(found.sorted())
+            return
+        told = [(found.place, found.message) for part in against for found in of[part].sorted()]
+        details = {"feedback": feedback.type, "number": count(len(told), "part")}
+        place = self._place("feedback")
+        self._context.add(
+            "CB530", place, names=suitable, related=told, name=feedback.name, **details
+        )
+
+    def _suitable(self) -> list[str]:
+        """The signals that would be in agreement with all other parts."""
+        body = self._context.body
+        known = (resource for resource in body.resources.values() if is_measured(resource))
+        return [resource.name for resource in known if self._suits(resource)]
+
+    def _suits(self, feedback: Resource) -> bool:
+        return (
+            (self._potential is None or accepts(self._potential, feedback))
+            and self._comparison.suits(feedback)
+            and (self._effector is None or moves(self._context.body, self._effector, feedback))
+            and not any(misplaced(self._document, feedback))
+        )
+
+    def _place(self, *steps: str) -> Place:
+        return self._context.source.place(*self._steps, *steps)
+
+    def _is_exchanged(self, feedback: Resource) -> bool:
+        """Report an effector that can only be a feedback, beside a feedback that is an effector."""
+        effector = self._effector
+        if effector is None or effector.movable or not is_measured(effector):
+            return False
+        if not (moves(self._context.body, feedback, effector) and self._comparison.suits(effector)):
+            return False
+        told = f"'{feedback.name}' moves it: are feedback and effector exchanged?"
+        related = [(self._place("feedback"), told)]
+        self._context.add("CB507", self._place("effector"), related=related, name=effector.name)
+        return True
+
+    def _accepts(self, potential: PotentialType, feedback: Resource, findings: Findings) -> bool:
+        if accepts(potential, feedback):
+            return True
+        times = f" x {potential.factors}" if (potential.factors or 1) > 1 else ""
+        details = {
+            "potential": potential.name,
+            "feedback": feedback.type,
+            "wanted": " or ".join(f"{kind}{times}" for kind in sorted(potential.accepts)),
+        }
+        if potential.reference == (self._document.reference is not None):
+            related = [(self._place("potential"), "the potential")]
+            place, names = self._place("feedback"), self._suitable()
+            findings.add(
+                "CB503", place, names=names, related=related, name=feedback.name, **details
+            )
+            return False
+        # It takes no reference and there is one, or the other way round: it was another that was
+        # meant.
+        related = [(self._place("feedback"), f"the feedback, {feedback.type}")]
+        place, names = self._place("potential"), self._potentials(feedback)
+        given = {"given": potential.name, "name": feedback.name}
+        findings.add("CB503", place, names=names, related=related, **given, **details)
+        return False
+
+    def _potentials(self, feedback: Resource) -> list[str]:
+        """The potentials of a feedback, with or without a reference as there is one."""
+        given = self._document.reference is not None
+        known = (potential for potential in POTENTIALS.values() if potential.reference == given)
+        return [potential.name for potential in known if accepts(potential, feedback)]
+
+    def _wants_reference(self, findings: Findings) -> None:
+        potential, given = self._potential, self._document.reference is not None
+        if potential is None or potential.reference == given:
+            return
+        if potential.reference:
+            key = self._context.source.key(*self._steps)
+            findings.add("CB509", key, potential=potential.name)
+        else:
+            findings.add("CB510", self._place("reference"), potential=potential.name)
+
+    def _moves(self, effector: Resource, feedback: Resource, findings: Findings) -> None:
+        """Check that the effector can be moved, and moves the feedback."""
+        body = self._context.body
+        if moves(body, effector, feedback):
+            return
+        place, names = self._place("effector"), movers(body, feedback)
+        if not effector.movable:
+            findings.add("CB507", place, names=names, name=effector.name)
+            return
+        details = {"feedback": feedback.name, "why": "" if names else _why_nothing(feedback)}
+        related = [(self._place("feedback"), f"the feedback, {feedback.type}")]
+        reference = self._comparison.resource
+        if reference is not None and reference.type == feedback.type and reference.movable:
+            told = f"'{reference.name}' is measured: are reference and feedback exchanged?"
+            related = [(self._place("reference"), told)]
+        findings.add("CB508", place, names=names, related=related, name=effector.name, **details)
+
+
+def accepts(potential: PotentialType, feedback: Resource) -> bool:
+    """Whether a potential is a function of signals of a feedback's type."""
+    factors = potential.factors or feedback.type.factors
+    return feedback.type.name in potential.accepts and feedback.type.factors == factors
+
+
+def _why_nothing(feedback: Resource) -> str:
+    if not is_measured(feedback):
+        return f", and nothing does: it is no signal ({feedback.origin.value})"
+    return ", and nothing does"

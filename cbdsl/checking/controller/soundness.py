@@ -1,0 +1,105 @@
+"""Controllers whose types fit, and which cannot work all the same."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+
+from cbdsl.checking.context import Context, Steps
+from cbdsl.checking.controller.reach import check_reach
+from cbdsl.checking.limits import limits_told
+from cbdsl.checking.robot.constants import check_signs
+from cbdsl.documents import program as written
+from cbdsl.errors.counting import count
+from cbdsl.program.controller import AlongNormals, Literal, Reference
+from cbdsl.types.resource import EffectorConfiguration, Resource
+
+_POSITIVE: list[Steps] = [("standoff", "most"), ("funnel", "height"), ("seek", "within")]
+_NOT_NEGATIVE: list[Steps] = [
+    ("standoff", "clearance"),
+    ("standoff", "least"),
+    ("funnel", "within"),
+]
+
+
+def check_numbers(context: Context, steps: Steps, document: written.Controller) -> None:
+    """Check the distances that a controller keeps or waits for."""
+    source = context.source
+    if document.standoff is None and document.funnel is None and document.seek is None:
+        return  # most controllers
+    check_signs(document, source, steps, _POSITIVE, _NOT_NEGATIVE, context.findings)
+    standoff = document.standoff
+    if standoff is not None and standoff.least > standoff.most:
+        place = source.place(*steps, "standoff", "least")
+        ends = {"least": f"{standoff.least:g}", "most": f"{standoff.most:g}"}
+        context.add("CB518", place, **ends)
+
+
+def check_reference(
+    context: Context, steps: Steps, reference: Reference | None, feedback: Resource
+) -> None:
+    """Check a constant reference against what the feedback can be."""
+    steps = (*steps, "reference")
+    if isinstance(reference, AlongNormals) and reference.force < 0:
+        place = context.source.place(*steps)
+        context.add("CB208", place, problem="a finger can press along its normal, and cannot pull")
+    if isinstance(reference, Literal):
+        check_reach(context, steps, reference, feedback)
+    if isinstance(reference, Literal) and isinstance(feedback.source, EffectorConfiguration):
+        joints = context.body.document.joints(feedback.source.effector)
+        limits = context.body.limits(joints)
+        for i, (joint, angle, span) in enumerate(
+            zip(joints, reference.values, limits, strict=True)
+        ):
+            if span is not None and not span[0] <= angle <= span[1]:
+                node = context.source.node((*steps, i))
+                told = limits_told(node.value, angle, span)
+                context.add("CB517", node.place, joint=joint, **told)
+
+
+def suits_body(
+    context: Context,
+    steps: Steps,
+    document: written.Controller,
+    feedback: Resource,
+    effector: Resource,
+) -> bool:
+    """Whether the body gives a potential what it needs; what it lacks is reported."""
+    place = context.source.place(*steps, "feedback")
+    problems = list(_problems(context, document, feedback, effector))
+    for problem in problems:
+        context.add("CB519", place, potential=document.potential, problem=problem)
+    return not problems
+
+
+def _problems(
+    context: Context, document: written.Controller, feedback: Resource, effector: Resource
+) -> Iterator[str]:
+    if document.potential == "localizability":
+        yield from _sight(context)
+    if not isinstance(feedback.source, EffectorConfiguration):
+        return
+    moved = context.body.effector_joints(effector)
+    if document.potential == "range":
+        yield from _ranges(context, feedback.source.effector, moved)
+    if document.potential == "manipulability":
+        members = context.body.document.members(feedback.source.effector)
+        rows = len(members) * (6 if document.manipulator == "pose" else 3)
+        if rows > len(moved):
+            tip = f"{count(len(moved), 'joint')} cannot move {count(rows, 'component')} of a tip"
+            yield f"{tip}: it is 0 everywhere"
+
+
+def _ranges(context: Context, effector: str, moved: tuple[str, ...]) -> Iterator[str]:
+    joints = context.body.document.joints(effector)
+    if joints != moved:
+        yield f"it has the joints of '{effector}', and others are moved"
+    for joint, span in zip(joints, context.body.limits(joints), strict=True):
+        if span is not None and not (math.isfinite(span[1] - span[0]) and span[0] < span[1]):
+            yield f"joint '{joint}' has no limits with a middle between them"
+
+
+def _sight(context: Context) -> Iterator[str]:
+    links = [camera.link for camera in context.body.document.cameras.values()]
+    if len(set(links)) < len(links):
+        yield "both cameras are in the same place"

@@ -1,0 +1,187 @@
+"""One controller: from the texts of a document to a typed triple c(phi, sigma, tau)."""
+
+from __future__ import annotations
+
+from cbdsl.checking.context import Context, Steps
+from cbdsl.checking.controller.agreement import Agreement
+from cbdsl.checking.controller.comparison import read_comparison
+from cbdsl.checking.controller.field import Wish, check_field
+from cbdsl.checking.controller.options import MANIPULABILITY, Settings, settings_of
+from cbdsl.checking.controller.soundness import check_numbers, check_reference, suits_body
+from cbdsl.checking.scope import Scope
+from cbdsl.documents import program as written
+from cbdsl.errors.diagnostic import Place
+from cbdsl.program.controller import Controller, Field, Funnel, Reference, Seek, Standoff
+from cbdsl.types.casts import Cast, chains, held_chain
+from cbdsl.types.potential import POTENTIALS, PotentialType
+from cbdsl.types.resource import Headings, Origin, Resource
+
+
+def check_triple(
+    context: Context, key: str, name: str, document: written.Controller, scope: Scope
+) -> Controller | None:
+    """Check one controller.
+
+    Args:
+        context: the program.
+        key: the controller's key in the document.
+        name: what it is called, with its arguments.
+        document: its fields.
+        scope: values of the program's and the controller's parameters.
+
+    Returns:
+        ``None`` where it has faults.
+    """
+    return _Triple(context, key, name, document, scope).check()
+
+
+class _Triple:
+    def __init__(
+        self, context: Context, key: str, name: str, document: written.Controller, scope: Scope
+    ) -> None:
+        self._context = context
+        self._steps: Steps = ("controllers", key)
+        self._name = name
+        self._document = document
+        self._scope = scope
+
+    def check(self) -> Controller | None:
+        document = self._document
+        potential = self._potential()
+        if not self._context.has_body:
+            return None
+        feedback = self._resource(document.feedback, "feedback")
+        effector = self._resource(document.effector, "effector")
+        steps = (*self._steps, "reference")
+        # What a potential does not read is wrong whatever it names.
+        is_read = potential is None or potential.reference
+        value = document.reference if is_read else None
+        comparison = read_comparison(self._context, steps, value, self._scope)
+        agreement = Agreement(self._context, self._steps, document, potential, comparison, effector)
+        if feedback is None:
+            agreement.check_without_feedback()
+            return None
+        reference = agreement.check(feedback)
+        check_numbers(self._context, self._steps, document)
+        check_reference(self._context, self._steps, reference, feedback)
+        if not self._has_tip(feedback) or not self._has_rigid_cameras(feedback):
+            return None
+        settings = settings_of(self._context, self._steps, document, feedback)
+        if potential is None or effector is None or settings is None or not agreement.holds:
+            return None
+        if not suits_body(self._context, self._steps, document, feedback, effector):
+            return None
+        return self._controller(potential, feedback, reference, effector, settings)
+
+    def _controller(
+        self,
+        potential: PotentialType,
+        feedback: Resource,
+        reference: Reference | None,
+        effector: Resource,
+        settings: Settings,
+    ) -> Controller:
+        document = self._document
+        joints = self._context.body.effector_joints(effector)
+        return Controller(
+            name=self._name,
+            potential=potential.name,
+            feedback=feedback,
+            reference=reference,
+            effector=effector,
+            joints=joints,
+            chain=self._chain(feedback, effector),
+            rewarded=feedback.origin is Origin.ENVIRONMENT,
+            gain=settings.gain,
+            speed=settings.speed,
+            acceleration=settings.acceleration,
+            quiescence=settings.quiescence,
+            free_axis=document.free_axis,
+            manipulator=self._manipulator(),
+            standoff=_standoff(document.standoff),
+            funnel=_funnel(document.funnel),
+            seek=self._seek(),
+            given=self._call(document.given, "given"),
+            field=self._field(potential, Wish(feedback, reference, joints)),
+        )
+
+    def _field(self, potential: PotentialType, wish: Wish) -> Field | None:
+        field, source = self._document.field, self._context.source
+        if potential.field and self._document.funnel is not None:
+            details = {"potential": potential.name, "setting": "funnel"}
+            self._context.add("CB521", source.key(*self._steps, "funnel"), **details)
+        return check_field(self._context, self._steps, potential, field, wish, self._scope)
+
+    def _chain(self, feedback: Resource, effector: Resource) -> tuple[str, ...]:
+        """How a displacement of the feedback becomes one of the effector, for people."""
+        body = self._context.body
+        sensed = body.sensing(feedback)
+        if sensed is not None and sensed.isdisjoint(body.effector_joints(effector)):
+            return _spelled(held_chain(feedback.type, effector.type), feedback, effector)
+        return _spelled(chains(feedback.type, effector.type)[0], feedback, effector)
+
+    def _manipulator(self) -> str | None:
+        is_manipulability = self._document.potential == MANIPULABILITY
+        return self._document.manipulator or "position" if is_manipulability else None
+
+    def _has_tip(self, feedback: Resource) -> bool:
+        """Whether there is a manipulator Jacobian that a manipulability can be of."""
+        if self._document.potential != MANIPULABILITY or feedback.type.name != "configuration":
+            return True
+        if self._context.body.has_tip(feedback):
+            return True
+        self._context.add("CB515", self._place("feedback"), name=feedback.name)
+        return False
+
+    def _has_rigid_cameras(self, feedback: Resource) -> bool:
+        """Whether two headings tell where something is, with no joint between the cameras."""
+        if not isinstance(feedback.source, Headings) or self._context.body.has_rigid_cameras():
+            return True
+        self._context.add("CB516", self._place("feedback"), robot=self._context.body.document.name)
+        return False
+
+    def _seek(self) -> Seek | None:
+        seek = self._document.seek
+        if seek is None:
+            return None
+        return Seek(self._call(seek.once, "seek", "once"), seek.within, seek.until)
+
+    def _call(self, text: str | None, *steps: str) -> str | None:
+        """Another controller, called as the actions call it."""
+        parsed = None if text is None else self._context.parse(text, (*self._steps, *steps))
+        return None if parsed is None else str(parsed)
+
+    def _place(self, *steps: str | int) -> Place:
+        return self._context.source.place(*self._steps, *steps)
+
+    def _potential(self) -> PotentialType | None:
+        name = self._document.potential
+        potential = POTENTIALS.get(name)
+        if potential is None:
+            place = self._place("potential")
+            self._context.add("CB502", place, names=list(POTENTIALS), name=name)
+        return potential
+
+    def _resource(self, text: str, key: str) -> Resource | None:
+        return self._context.resource(text, (*self._steps, key), self._scope)
+
+
+def _spelled(chain: tuple[Cast, ...], feedback: Resource, effector: Resource) -> tuple[str, ...]:
+    """Types and casts in turn, from the feedback's type to the effector's."""
+    steps = [str(feedback.type)]
+    for cast in chain:
+        is_last = cast is chain[-1]
+        steps += [str(cast), str(effector.type) if is_last else cast.target]
+    return tuple(steps)
+
+
+def _standoff(document: written.Standoff | None) -> Standoff | None:
+    if document is None:
+        return None
+    return Standoff(document.clearance, document.least, document.most)
+
+
+def _funnel(document: written.Funnel | None) -> Funnel | None:
+    if document is None:
+        return None
+    return Funnel(document.height, document.within, document.slope)

@@ -1,0 +1,159 @@
+"""Policies apart from their programs: whether they fit, and programs that run under them."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from cbdsl.checking.findings import Findings
+from cbdsl.checking.impossible import check_possible
+from cbdsl.checking.knowledge.model import examine_model
+from cbdsl.checking.session import Session
+from cbdsl.checking.states import check_states
+from cbdsl.checking.unknown import report_unknown
+from cbdsl.documents.model import ModelDocument
+from cbdsl.documents.policy import PolicyDocument
+from cbdsl.errors.counting import count
+from cbdsl.language.parser import CompositionError, parse
+from cbdsl.program.binding import bind, density_source, internal_models
+from cbdsl.program.checked import CheckedProgram
+from cbdsl.types.resource import Resource
+from cbdsl.yaml_text.library import Library
+from cbdsl.yaml_text.reader import Loaded
+from cbdsl.yaml_text.source_map import Step
+
+
+def with_policy(
+    program: CheckedProgram, loaded: Loaded[PolicyDocument], library: Library
+) -> CheckedProgram:
+    """A program under another policy, drawing from the internal models that belong to that.
+
+    Args:
+        program: the program that the policy serves.
+        loaded: a policy without findings.
+        library: where its models are found by name.
+    """
+    sources = {}
+    for name, model in loaded.document.models.items():
+        path = library.find(ModelDocument, model, loaded.path)
+        assert path is not None, "a policy without findings names models that are there"
+        document = library.read(path, ModelDocument).document
+        sources[name] = density_source(document.effector, document.density)
+    return bind(program._replace(policy=loaded.document.policy), sources)
+
+
+def check_policy(
+    loaded: Loaded[PolicyDocument],
+    program: CheckedProgram,
+    program_file: Path,
+    session: Session,
+    findings: Findings,
+) -> None:
+    """Check a policy against the program that it serves; findings gather in ``findings``."""
+    _PolicyCheck(loaded, program, session, findings).check(program_file)
+
+
+class _PolicyCheck:
+    def __init__(
+        self,
+        loaded: Loaded[PolicyDocument],
+        program: CheckedProgram,
+        session: Session,
+        findings: Findings,
+    ) -> None:
+        self._loaded, self._document, self._source = loaded, loaded.document, loaded.source
+        self._program, self._session, self._findings = program, session, findings
+        self._actions = [action.name for action in program.actions]
+
+    def check(self, program_file: Path) -> None:
+        self._unchanged(program_file)
+        self._predicates()
+        for pattern, text in self._document.policy.items():
+            self._action(text, ("policy", pattern))
+        is_known = self._source.is_whole("predicates")
+        members = self._document.predicates if is_known else None
+        check_states(self._document.policy, members, self._source, self._findings)
+        if members == self._program.members and not self._findings.holds(("CB611", "CB612")):
+            policy = self._document.policy
+            check_possible(policy, self._program, self._source, self._findings)
+        self._observed()
+        known = internal_models(self._program)
+        for name, model in self._document.models.items():
+            self._model(name, model, known)
+
+    def _unchanged(self, program_file: Path) -> None:
+        """What was learned of a program says nothing about another."""
+        from cbdsl.checking.knowledge.digest import program_digest  # only what was learned needs it
+
+        provenance = self._document.provenance
+        if provenance is None:
+            return
+        learned, now = provenance.program, program_digest(program_file, self._session.library)
+        if (learned.name, learned.sha256) != (self._program.name, now):
+            place = self._source.place("provenance", "program", "sha256")
+            details = {"program": self._program.name, "command": provenance.command}
+            self._findings.add("CB622", place, **details)
+
+    def _predicates(self) -> None:
+        document, program = self._document, self._program
+        is_known = self._source.is_whole("predicates")
+        if is_known and document.predicates != program.members:
+            found, wanted = ", ".join(document.predicates), ", ".join(program.members)
+            details = {"found": found, "wanted": wanted, "program": program.name}
+            self._findings.add("CB621", self._source.key("predicates"), **details)
+
+    def _action(self, text: str, steps: tuple[Step, ...]) -> None:
+        try:
+            action = str(parse(text))
+        except CompositionError as error:
+            place = self._source.inside(steps, error.span.start, error.span.end)
+            self._findings.add("CB401", place, problem=str(error))
+            return
+        if action not in self._actions:
+            place = self._source.place(*steps)
+            self._findings.add("CB613", place, names=self._actions, name=action)
+
+    def _observed(self) -> None:
+        """The states and actions of what was learned on the way."""
+        for key, by_state in (
+            ("values", self._document.values),
+            ("transitions", self._document.transitions),
+        ):
+            for state, by_action in by_state.items():
+                self._state(state, (key, state))
+                for action in by_action:
+                    if action not in self._actions:
+                        place = self._source.key(key, state, action)
+                        self._findings.add("CB613", place, names=self._actions, name=action)
+        for state, counts in self._document.transitions.items():
+            for action, after in counts.items():
+                for reached in after:
+                    self._state(reached, ("transitions", state, action, reached))
+
+    def _state(self, state: str, steps: tuple[Step, ...]) -> None:
+        members = self._document.predicates
+        if len(state) != len(members) and self._source.is_whole("predicates"):
+            found, wanted = count(len(state), "letter"), count(len(members), "predicate")
+            place, names = self._source.key(*steps), ", ".join(members)
+            self._findings.add("CB611", place, found=found, wanted=wanted, members=names)
+
+    def _model(self, name: str, model: str, known: dict[str, Resource]) -> None:
+        source, library = self._source, self._session.library
+        if name not in known:
+            details = {"program": self._program.name, "name": name}
+            self._findings.add("CB623", source.key("models", name), names=list(known), **details)
+            return
+        place = source.place("models", name)
+        path = library.find(ModelDocument, model, self._loaded.path)
+        if path is None:
+            report_unknown(
+                ModelDocument, model, place, library, self._findings, self._program.robot
+            )
+            return
+        loaded = self._session.read(path, ModelDocument, self._findings)
+        if loaded is None:
+            return
+        examine_model(loaded, self._session, self._findings)
+        effector = name.partition(".")[0]
+        if loaded.document.effector != effector:
+            details = {"model": model, "other": loaded.document.effector, "name": name}
+            self._findings.add("CB624", place, effector=effector, **details)

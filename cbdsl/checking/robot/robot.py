@@ -1,0 +1,340 @@
+"""Robot documents against themselves and against their URDF models."""
+
+from __future__ import annotations
+
+import math
+import os
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from pathlib import Path
+
+from cbdsl.checking.body import Body
+from cbdsl.checking.findings import Findings
+from cbdsl.checking.limits import limits_told
+from cbdsl.checking.robot.constants import check_constants, check_margins
+from cbdsl.checking.robot.names import check_names
+from cbdsl.checking.settings import check_settings
+from cbdsl.documents.robot import Effector, RobotDocument
+from cbdsl.errors.counting import count
+from cbdsl.errors.diagnostic import Place
+from cbdsl.robot.chains import root
+from cbdsl.robot.channel_names import channel_names
+from cbdsl.robot.hindrance import Hindrance, hindrance
+from cbdsl.robot.resources import resources
+from cbdsl.robot.urdf import UrdfError, UrdfJoint, UrdfModel, read_urdf
+from cbdsl.types.resource_type import TYPES
+from cbdsl.yaml_text.reader import Loaded
+from cbdsl.yaml_text.source_map import Step
+
+Steps = tuple[Step, ...]
+
+
+def examine_robot(loaded: Loaded[RobotDocument], findings: Findings) -> Body:
+    """Check a robot's document; programs can be checked on it even where it has faults."""
+    robot = loaded.document
+    try:
+        model: UrdfModel | None = read_urdf(loaded.path.parent / robot.model)
+    except UrdfError as error:
+        model = None
+        if loaded.source.is_whole("model"):
+            folder = loaded.path.parent
+            names = [] if (folder / robot.model).is_file() else _models_near(folder)
+            place = loaded.source.place("model")
+            findings.add("CB301", place, names=names, given=robot.model, problem=str(error))
+    body = Body(loaded, resources(robot), model)
+    _RobotCheck(loaded, findings, _unclaimed(robot, model), _unmovable(model)).all()
+    check_names(loaded, findings)
+    check_constants(loaded, findings)
+    if model is not None:
+        _ModelCheck(body, findings, model).all()
+        check_margins(loaded, model, findings)
+    return body
+
+
+def _models_near(folder: Path) -> list[str]:
+    """URDF files in a folder, beside it, and one level below, as a robot's document names them."""
+    patterns = ("*.urdf", "*/*.urdf", "../*.urdf", "../*/*.urdf")
+    found = {os.path.relpath(file, folder) for each in patterns for file in folder.glob(each)}
+    return sorted(Path(file).as_posix() for file in found)
+
+
+def _unclaimed(robot: RobotDocument, model: UrdfModel | None) -> frozenset[str]:
+    """Joints that an effector may have had in mind where it names one that is not there."""
+    named = {joint for effector in robot.effectors.values() for joint in effector.joints}
+    if model is None or named.issubset(model.revolute):
+        return frozenset()
+    return frozenset(model.revolute) - named
+
+
+def _unmovable(model: UrdfModel | None) -> frozenset[str]:
+    """Joints that are to be left out of effectors, which is reported for them."""
+    joints = {} if model is None else model.joints
+    return frozenset(name for name, joint in joints.items() if hindrance(joint) is not None)
+
+
+class _RobotCheck:
+    """What can be said without the model.
+
+    Args:
+        loaded: the robot.
+        findings: where findings go.
+        unclaimed: names of joints that are not missed.
+        unmovable: names of joints that will have to go from effectors.
+    """
+
+    def __init__(
+        self,
+        loaded: Loaded[RobotDocument],
+        findings: Findings,
+        unclaimed: frozenset[str],
+        unmovable: frozenset[str],
+    ) -> None:
+        self._unclaimed = unclaimed
+        self._unmovable = unmovable
+        self._robot = loaded.document
+        self._source = loaded.source
+        self._findings = findings
+
+    def all(self) -> None:
+        for name, effector in self._robot.effectors.items():
+            self._effector(name, effector)
+        self._groups()
+        self._masters()
+        self._couplings()
+        self._load_cells()
+        self._aliases()
+        self._tasks()
+
+    def _effector(self, name: str, effector: Effector) -> None:
+        steps: Steps = ("effectors", name)
+        movable = [joint for joint in effector.joints if joint not in self._unmovable]
+        for posture, angles in effector.postures.items():
+            if len(angles) not in (len(effector.joints), len(movable)):
+                place = self._source.place(*steps, "postures", posture)
+                counts = {
+                    "found": count(len(angles), "angle"),
+                    "wanted": count(len(effector.joints), "joint"),
+                }
+                self._findings.add("CB304", place, name=posture, **counts)
+        if effector.start is not None and effector.start not in effector.postures:
+            place = self._source.place(*steps, "start")
+            postures = list(effector.postures)
+            self._findings.add("CB306", place, names=postures, name=effector.start, effector=name)
+
+    def _groups(self) -> None:
+        for name, group in self._robot.groups.items():
+            if name in self._robot.effectors:
+                self._findings.add("CB311", self._source.key("groups", name), name=name)
+            for i, member in enumerate(group.members):
+                steps: Steps = ("groups", name, "members", i)
+                if self._source.is_whole("effectors", member):
+                    self._known(member, self._robot.effectors, steps, "effector")
+                if member in group.members[:i]:
+                    self._findings.add("CB312", self._source.place(*steps), name=member, group=name)
+
+    def _masters(self) -> None:
+        masters: dict[str, str] = {}
+        for name, effector in self._robot.effectors.items():
+            for i, joint in enumerate(effector.joints):
+                if joint in masters:
+                    place = self._source.place("effectors", name, "joints", i)
+                    self._findings.add("CB307", place, name=joint, other=masters[joint])
+                if joint not in self._unmovable:
+                    masters.setdefault(joint, f"effector '{name}'")
+        for joint in self._robot.couplings:
+            if joint in masters:
+                place = self._source.key("couplings", joint)
+                self._findings.add("CB307", place, name=joint, other=masters[joint])
+
+    def _couplings(self) -> None:
+        actuated = [j for e in self._robot.effectors.values() for j in e.joints]
+        for joint, coupling in self._robot.couplings.items():
+            steps: Steps = ("couplings", joint, "follows")
+            if self._source.is_whole("effectors") and coupling.follows not in self._unclaimed:
+                self._known(coupling.follows, actuated, steps, "actuated joint")
+
+    def _load_cells(self) -> None:
+        for hand, cells in self._robot.load_cells.items():
+            effector = self._robot.effectors.get(hand)
+            if effector is None and not self._source.is_whole("effectors", hand):
+                continue
+            if effector is None:
+                place = self._source.key("load_cells", hand)
+                names = list(self._robot.effectors)
+                self._findings.add("CB308", place, names=names, name=hand, what="effector")
+                continue
+            for finger, cell in cells.items():
+                steps = ("load_cells", hand, finger, "joint")
+                if cell.joint not in self._unclaimed:
+                    self._known(cell.joint, effector.joints, steps, f"joint of '{hand}'")
+
+    def _aliases(self) -> None:
+        if not self._source.is_whole("vision", "channels"):
+            return
+        channels = self._robot.vision.channels
+        for alias, channel in channels.aliases.items():
+            steps = ("vision", "channels", "aliases", alias)
+            self._known(channel, channel_names(channels), steps, "channel")
+
+    def _tasks(self) -> None:
+        for name in self._robot.control.tasks:
+            steps = ("control", "tasks", name)
+            if name not in TYPES:
+                self._findings.add("CB309", self._source.key(*steps), names=list(TYPES), name=name)
+            else:
+                check_settings(name, self._source, steps, self._findings)
+
+    def _known(self, name: str, names: Iterable[str], steps: Steps, what: str) -> None:
+        known = list(names)
+        if name not in known:
+            place = self._source.place(*steps)
+            self._findings.add("CB308", place, names=known, name=name, what=what)
+
+
+class _ModelCheck:
+    """What the model says."""
+
+    def __init__(self, body: Body, findings: Findings, model: UrdfModel) -> None:
+        self._body = body
+        self._robot = body.document
+        self._source = body.loaded.source
+        self._findings = findings
+        self._model = model
+        named = {joint for effector in self._robot.effectors.values() for joint in effector.joints}
+        self._free = [joint for joint in model.revolute if joint not in named]
+        #: The joint that moves a link, by the link's name, where that is no joint's name as well.
+        self._movers = {
+            joint.child: joint.name
+            for joint in model.joints.values()
+            if joint.child not in model.joints
+        }
+
+    def all(self) -> None:
+        for name, effector in self._robot.effectors.items():
+            self._effector(name, effector)
+        self._turning(("couplings",), self._robot.couplings, self._free)
+        self._named_links()
+        efforts: Steps = ("simulation", "efforts")
+        self._turning(efforts, self._robot.simulation.efforts, self._model.revolute)
+        self._base()
+
+    def _effector(self, name: str, effector: Effector) -> None:
+        steps: Steps = ("effectors", name, "joints")
+        places = {joint: self._source.place(*steps, i) for i, joint in enumerate(effector.joints)}
+        movable = [name for name in self._free if hindrance(self._model.joints[name]) is None]
+        self._joints(places, hindrance, movable)
+        self._postures(name, effector)
+        if effector.tip is not None and self._body.has_idle_tip(name):
+            self._idle_tip(name, effector.tip.link)
+
+    def _turning(self, steps: Steps, joints: Iterable[str], names: Sequence[str]) -> None:
+        """Joints that are passive, or have a torque, turn."""
+        places = {joint: self._source.key(*steps, joint) for joint in joints}
+        self._joints(places, lambda joint: None if joint.revolute else hindrance(joint), names)
+
+    def _joints(
+        self,
+        places: Mapping[str, Place],
+        obstacle: Callable[[UrdfJoint], Hindrance | None],
+        names: Sequence[str],
+    ) -> None:
+        """Joints of a list are there and can be moved; what several of them share is told once."""
+        hindered: dict[Hindrance, list[str]] = {}
+        self._links_for_joints({n: at for n, at in places.items() if n in self._movers})
+        for name, place in places.items():
+            joint = self._model.joints.get(name)
+            why = None if joint is None else obstacle(joint)
+            if joint is None and name not in self._movers:
+                self._missing("CB302", name, place, names)
+            elif why is not None:
+                hindered.setdefault(why, []).append(name)
+        for why, same in hindered.items():
+            first, *others = [places[name] for name in same]
+            related = [(place, "and here") for place in others]
+            problem = why.told(same, self._model.path.name)
+            self._findings.add("CB317", first, names=names, related=related, problem=problem)
+
+    def _links_for_joints(self, places: Mapping[str, Place]) -> None:
+        """Where joints belong there are links: one mistake, however many there are."""
+        if not places:
+            return
+        (name, place), *others = places.items()
+        related = [(there, f"here '{self._movers[link]}'") for link, there in others]
+        details = {"joint": self._movers[name], "name": name, "given": ""}
+        self._findings.add("CB319", place, related=related, **details)
+
+    def _idle_tip(self, effector: str, link: str) -> None:
+        """A tip that stays where it is whatever its effector does."""
+        place = self._source.place("effectors", effector, "tip", "link")
+        links = self._body.moved_links(effector)
+        self._findings.add("CB318", place, names=links, name=link, effector=effector)
+
+    def _named_links(self) -> None:
+        links = sorted(self._model.links)
+        for steps, link in self._links():
+            if link not in self._model.links:
+                would_do = [root(self._model)] if steps == ("base",) else links
+                self._missing("CB303", link, self._source.place(*steps), would_do)
+        for steps, pattern in self._patterns():
+            if not self._matches(pattern):
+                self._missing("CB303", pattern, self._source.place(*steps), links)
+
+    def _base(self) -> None:
+        """The simulator puts the root of the model at the world's origin."""
+        base = self._robot.base
+        for joint in self._model.joints.values():
+            if joint.child == base:
+                place = self._source.place("base")
+                names = [root(self._model)]
+                details = {"name": base, "joint": joint.name, "given": ""}
+                self._findings.add("CB310", place, names=names, **details)
+
+    def _links(self) -> Iterator[tuple[Steps, str]]:
+        if self._source.is_whole("base"):
+            yield ("base",), self._robot.base
+        for name, effector in self._robot.effectors.items():
+            if effector.tip is not None:
+                yield ("effectors", name, "tip", "link"), effector.tip.link
+        for hand, cells in self._robot.load_cells.items():
+            for finger, cell in cells.items():
+                yield ("load_cells", hand, finger, "link"), cell.link
+        for name, camera in self._robot.cameras.items():
+            yield ("cameras", name, "link"), camera.link
+
+    def _patterns(self) -> Iterator[tuple[Steps, str]]:
+        """Where links are named of which a trailing * matches any ending."""
+        simulation = self._robot.simulation
+        for i, surface in enumerate(simulation.surfaces):
+            for j, pattern in enumerate(surface.links):
+                yield ("simulation", "surfaces", i, "links", j), pattern
+        for i, group in enumerate(simulation.no_contact):
+            for j, pattern in enumerate(group):
+                yield ("simulation", "no_contact", i, j), pattern
+
+    def _matches(self, pattern: str) -> bool:
+        if not pattern.endswith("*"):
+            return pattern in self._model.links
+        return any(link.startswith(pattern[:-1]) for link in self._model.links)
+
+    def _missing(self, code: str, name: str, place: Place, names: Sequence[str]) -> None:
+        everything = [*self._model.joints] if code == "CB302" else names
+        joint = self._model.joints.get(name)
+        # Whoever names a joint where a link belongs means the link that it moves.
+        given = name if joint is None else joint.child
+        hints = {"names": names, "candidates": names or everything, "given": given}
+        self._findings.add(code, place, **hints, name=name, model=self._model.path.name)
+
+    def _postures(self, name: str, effector: Effector) -> None:
+        for posture, angles in effector.postures.items():
+            for i, (joint, angle) in enumerate(zip(effector.joints, angles, strict=False)):
+                limits = self._model.joints.get(joint)
+                if limits is not None and not limits.lower <= angle <= limits.upper:
+                    node = self._source.node(("effectors", name, "postures", posture, i))
+                    told = limits_told(node.value, angle, (limits.lower, limits.upper))
+                    hint = _degrees_meant(angle, limits) if told["unit"] == "rad" else ""
+                    self._findings.add("CB305", node.place, joint=joint, hint=hint, **told)
+
+
+def _degrees_meant(angle: float, limits: UrdfJoint) -> str:
+    """What to write where an angle fits if it is taken for degrees."""
+    fits = limits.lower <= math.radians(angle) <= limits.upper
+    return f"; write {angle:g} deg if degrees are meant" if fits and abs(angle) > 3.15 else ""

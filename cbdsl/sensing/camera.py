@@ -1,0 +1,106 @@
+"""The pinhole camera: pixels, lines of sight and headings."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cbdsl.documents.robot import Camera
+from cbdsl.numeric.compiled import compiled_once
+
+Floats = NDArray[np.float64]
+
+
+def sight(camera: Camera, column: float, row: float) -> Floats:
+    """Direction of a pixel in the camera frame (x forward, y left, z up), with x = 1, shape (3,).
+
+    Args:
+        column: px from the left edge; the centre of the first pixel is at 0.5.
+        row: px from the top edge.
+    """
+    return np.array(
+        [
+            1.0,
+            (camera.width / 2 - column) / camera.focal_length,
+            (camera.height / 2 - row) / camera.focal_length,
+        ]
+    )
+
+
+def within_view(camera: Camera, centre: Floats, radius: float) -> bool:
+    """Whether the whole image of a ball is in the camera's.
+
+    Args:
+        centre: in the camera frame, m, shape (3,).
+        radius: m.
+    """
+    x, y, z = centre.tolist()
+    largest = x / (2 * camera.focal_length)
+    return x > 0.0 and all(
+        abs(across) + radius <= largest * pixels
+        for across, pixels in ((y, camera.width), (z, camera.height))
+    )
+
+
+def heading(direction: Floats) -> Floats:
+    """Azimuth (left positive) and elevation (up positive) of a direction, rad, shape (2,)."""
+    x, y, z = direction.tolist()
+    return np.array([math.atan2(y, x), math.atan2(z, math.hypot(x, y))])
+
+
+def direction(angles: Floats) -> Floats:
+    """Unit vector with the given heading, shape (3,)."""
+    azimuth, elevation = angles.tolist()
+    return np.array(
+        [
+            math.cos(elevation) * math.cos(azimuth),
+            math.cos(elevation) * math.sin(azimuth),
+            math.sin(elevation),
+        ]
+    )
+
+
+@compiled_once
+def heading_jacobian(angles: Floats) -> Floats:
+    """Change of a heading per rotation of the camera about its own axes, shape (2, 3).
+
+    The point looked at is taken to be far away compared with the camera's own displacement.
+    """
+    azimuth, elevation = angles[0], angles[1]
+    # The point turns by -omega in the camera frame: its direction d moves by -(omega x d).
+    tan = math.tan(elevation)
+    return np.array(
+        [
+            [tan * math.cos(azimuth), tan * math.sin(azimuth), -1.0],
+            [-math.sin(azimuth), math.cos(azimuth), 0.0],
+        ]
+    )
+
+
+def sighting_jacobian(point: Floats) -> Floats:
+    """Change of the heading to a point per displacement of the point, rad/m, shape (2, 3).
+
+    Args:
+        point: in the camera frame, m, shape (3,).
+    """
+    x, y, z = point.tolist()
+    level = x * x + y * y
+    across, square = math.sqrt(level), level + z * z
+    return np.array(
+        [
+            [-y / level, x / level, 0.0],
+            [-x * z / (across * square), -y * z / (across * square), across / square],
+        ]
+    )
+
+
+def focal_scale(line: Floats) -> float:
+    """Cosine cubed of the angle of a line of sight, shape (3,) in the camera frame, off its axis.
+
+    That is how much a pinhole enlarges areas there.
+    """
+    x, y, z = line.tolist()
+    cosine: float = (1 + (y * y + z * z) / (x * x)) ** -1.5
+    return cosine

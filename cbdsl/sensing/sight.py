@@ -1,0 +1,177 @@
+"""Sight: headings to what the cameras see, and where it is (Eq 3.10, 3.14 and 3.15)."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cbdsl.documents.robot import RobotDocument
+from cbdsl.robot.resources import CYCLOPEAN
+from cbdsl.sensing.camera import (
+    direction,
+    heading,
+    heading_jacobian,
+    sighting_jacobian,
+    within_view,
+)
+from cbdsl.sensing.hold import Hold
+from cbdsl.sensing.kinematics import Frame, Kinematics
+from cbdsl.sensing.memory import PositionMemory
+from cbdsl.sensing.reading import Reading, mean, stacked
+from cbdsl.sensing.stereo import Ray, triangulate
+from cbdsl.sensing.tips import Tips
+from cbdsl.sensing.touch import Touch
+from cbdsl.sensing.vision import SeenHeading, Vision
+from cbdsl.types.resource import Heading, Headings, StereoPosition, Tip
+
+Floats = NDArray[np.float64]
+
+
+class Sight:
+    """Reads headings and positions; what a hand holds moves with the hand, all else stands still.
+
+    A seen thing counts as held while all fingers of a hand feel contact, or several hands do, and
+    it is as near to them as its radius and theirs allow. It then moves as if fixed to the one hand,
+    or with the centroid of several hands' tips (Eq 3.42 and 3.43).
+    """
+
+    def __init__(
+        self,
+        robot: RobotDocument,
+        kinematics: Kinematics,
+        vision: Vision,
+        tips: Tips,
+        touch: Touch,
+    ) -> None:
+        self._robot = robot
+        self._kinematics = kinematics
+        self._vision = vision
+        self._tips = tips
+        self._touch = touch
+        self._still = np.zeros((3, len(kinematics.joints)))
+        self.reset()
+
+    def reset(self) -> None:
+        """Forget the episode before."""
+        self._hold: Hold | None = None
+
+    def update(self) -> None:
+        """Carry what is held along with the hands; tips and touch must be up to date."""
+        before, self._hold = self._hold, self._found_hold()
+        if before is None or self._hold is None or before.arms != self._hold.arms:
+            return
+        for memory in self._vision.memories.values():
+            if memory.position is not None and self._holds(memory):
+                memory.carry(self._hold.moved(before, memory.position))
+
+    def _found_hold(self) -> Hold | None:
+        """How hands hold: one with all of its fingers, or several that feel contact."""
+        if not self._touch.touching_anything():
+            return None
+        carriers = self._touch.carriers
+        hands = [hand for hand in carriers if self._touch.touching(hand)]
+        arms = tuple([carriers[hand] for hand in hands])
+        if len(hands) > 1:
+            centroid = mean([self._tips.position(arm) for arm in arms])
+            return Hold.of_several(arms, centroid)
+        # A finger that brushes against a thing pushes it away, and does not take it along.
+        if not hands or not self._touch.all_touching(hands[0]):
+            return None
+        return Hold.of_one(arms[0], self._tips.read(Tip(arms[0], "pose")))
+
+    def heading(self, source: Heading) -> Reading | None:
+        """The heading in one camera, or the mean over those that see the channel."""
+        names = self._robot.cameras if source.camera == CYCLOPEAN else (source.camera,)
+        channel, seen = source.channel, []
+        for name in names:
+            found = self._vision.heading(name, channel)
+            if found is not None:
+                seen.append(self._moving_heading(name, channel, found))
+        return mean(seen) if seen else None
+
+    def headings(self, source: Headings) -> Reading | None:
+        """The headings in both cameras, or ``None`` unless both see the same whole region.
+
+        Where the arm that holds a thing hides it from a camera, the heading to where it is held.
+        """
+        found = []
+        for camera in self._robot.cameras:
+            region = self._vision.regions.get((camera, source.channel))
+            seen = self._vision.heading(camera, source.channel)
+            if seen is None:
+                seen = self._hidden_heading(camera, source.channel)
+            if seen is None or (region is not None and region.clipped):
+                return None
+            found.append(self._moving_heading(camera, source.channel, seen))
+        return stacked(found) if self._meet(found) else None
+
+    def position(self, source: StereoPosition) -> Reading | None:
+        """The remembered position of a channel's region."""
+        memory = self._vision.memories[source.channel]
+        if memory.position is None:
+            return None
+        motion = self._motion(source.channel)
+        jacobian = self._still if motion is None else motion
+        return Reading(memory.position, jacobian, self._vision.images, memory.radius)
+
+    def cameras(self) -> tuple[Frame, ...]:
+        """The cameras' frames in that of the first, which moves with them."""
+        frames = [self._kinematics.frame(camera.link) for camera in self._robot.cameras.values()]
+        first = frames[0]
+        return tuple(
+            Frame(
+                first.rotation.T.dot(frame.position - first.position),
+                first.rotation.T.dot(frame.rotation),
+            )
+            for frame in frames
+        )
+
+    def _meet(self, headings: Sequence[Reading]) -> bool:
+        """Whether the lines of sight meet in front of the cameras."""
+        left, right = (
+            Ray(frame.position, frame.rotation.dot(direction(reading.value)))
+            for frame, reading in zip(self.cameras(), headings, strict=True)
+        )
+        return triangulate(left, right) is not None
+
+    def _hidden_heading(self, camera: str, channel: str) -> SeenHeading | None:
+        """The heading to what is held, where a camera would see it if nothing were in the way."""
+        memory = self._vision.memories[channel]
+        if memory.position is None or not self._holds(memory):
+            return None
+        eye = self._robot.cameras[camera]
+        frame = self._kinematics.frame(eye.link)
+        point = frame.rotation.T.dot(memory.position - frame.position)
+        if not within_view(eye, point, memory.radius):
+            return None
+        return SeenHeading(heading(point), self._vision.images)
+
+    def _moving_heading(self, camera: str, channel: str, seen: SeenHeading) -> Reading:
+        """A heading as the head moves it, and the hands that hold what it leads to."""
+        link = self._robot.cameras[camera].link
+        jacobian = heading_jacobian(seen.angles).dot(self._kinematics.own_turning(link))
+        motion = self._motion(channel)
+        if motion is not None:
+            frame = self._kinematics.frame(link)
+            position = self._vision.memories[channel].position
+            assert position is not None
+            point = frame.rotation.T.dot(position - frame.position)
+            jacobian = jacobian + sighting_jacobian(point).dot(frame.rotation.T.dot(motion))
+        return Reading(seen.angles, jacobian, seen.stamp)
+
+    def _motion(self, channel: str) -> Floats | None:
+        """Displacement of a held thing per joint, shape (3, n); ``None`` for what is not held."""
+        memory = self._vision.memories.get(channel)
+        if self._hold is None or memory is None or memory.position is None:
+            return None
+        return self._hold.jacobian(memory.position) if self._holds(memory) else None
+
+    def _holds(self, memory: PositionMemory) -> bool:
+        """Whether a remembered thing is where the touching hands are."""
+        if memory.position is None or self._hold is None:
+            return False
+        reach = memory.radius + self._robot.vision.regions.hand_radius
+        return math.dist(memory.position, self._hold.position) <= reach

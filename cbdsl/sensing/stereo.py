@@ -1,0 +1,79 @@
+"""Stereo triangulation (Eq 3.14): two lines of sight meet in a position."""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cbdsl.numeric.compiled import compiled_once
+
+Floats = NDArray[np.float64]
+
+
+class Ray(NamedTuple):
+    """A line of sight in the world frame.
+
+    Attributes:
+        origin: the camera's optical centre, m, shape (3,).
+        direction: shape (3,).
+        length: of the direction.
+    """
+
+    origin: Floats
+    direction: Floats
+    length: float = 1.0
+
+
+class Crossing(NamedTuple):
+    """Where two lines of sight come nearest to each other.
+
+    Attributes:
+        position: the middle between the nearest points, m, shape (3,).
+        gap: the distance between the nearest points, m.
+    """
+
+    position: Floats
+    gap: float
+
+
+def triangulate(left: Ray, right: Ray) -> Crossing | None:
+    """Cross two lines of sight; ``None`` where they are parallel or cross behind a camera."""
+    position = np.empty(3)
+    gap = _cross(*left, *right, position)
+    return None if math.isnan(gap) else Crossing(position, gap)
+
+
+@compiled_once
+def _cross(
+    left: Floats,
+    left_direction: Floats,
+    left_length: float,
+    right: Floats,
+    right_direction: Floats,
+    right_length: float,
+    position: Floats,
+) -> float:
+    """Fill in the position of a crossing; returns its gap, NaN where there is no crossing."""
+    cosine = along_left = along_right = 0.0
+    for i in range(3):
+        left_unit, right_unit = left_direction[i] / left_length, right_direction[i] / right_length
+        cosine += left_unit * right_unit
+        along_left += (right[i] - left[i]) * left_unit
+        along_right += (right[i] - left[i]) * right_unit
+    determinant = 1.0 - cosine * cosine
+    if determinant < 1e-9:
+        return math.nan
+    left_range = (along_left - cosine * along_right) / determinant
+    right_range = (cosine * along_left - along_right) / determinant
+    if left_range <= 0.0 or right_range <= 0.0:
+        return math.nan
+    square = 0.0
+    for i in range(3):
+        left_point = left[i] + left_range * (left_direction[i] / left_length)
+        right_point = right[i] + right_range * (right_direction[i] / right_length)
+        position[i] = (left_point + right_point) / 2.0
+        square += (left_point - right_point) ** 2
+    return math.sqrt(square)

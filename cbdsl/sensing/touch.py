@@ -1,0 +1,231 @@
+"""Touch: what the load cells of the hands say, and how the joints change it (Eq 3.9)."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cbdsl.documents.robot import LoadCell, RobotDocument
+from cbdsl.numeric.compiled import compiled_once
+from cbdsl.sensing.kinematics import Kinematics
+from cbdsl.sensing.observation import Cell, Loads
+from cbdsl.sensing.reading import Reading, stacked
+from cbdsl.sensing.tips import Tips
+from cbdsl.types.resource import FingerForces, FingerLoad, NetForces, NetLoad
+
+Floats = NDArray[np.float64]
+Booleans = NDArray[np.bool_]
+
+_PARTS = {"force": slice(0, 3), "torque": slice(3, 6), "wrench": slice(0, 6)}
+
+
+class Touch:
+    """Reads the load cells; their first values are taken as zero, since they carry weight.
+
+    Where a signal's Jacobian is asked for, it is the cast force -> displacement (Eq 3.37 to 3.39):
+    what is touched is taken to be a spring of the stiffness that the robot's document states.
+    """
+
+    def __init__(self, robot: RobotDocument, kinematics: Kinematics, tips: Tips) -> None:
+        self._robot = robot
+        self._kinematics = kinematics
+        self._tips = tips
+        self._cells = tuple(
+            (hand, finger) for hand, fingers in robot.load_cells.items() for finger in fingers
+        )
+        self._threshold = robot.contact.threshold
+        #: By hand, which of the cells are its own.
+        self._own = {hand: self._span(hand) for hand in robot.load_cells}
+        #: By hand, indices of the joints that flex its fingers.
+        self.flexing = {
+            hand: kinematics.joints.pick([cell.joint for cell in fingers.values()])
+            for hand, fingers in robot.load_cells.items()
+        }
+        self._flexions = {hand: self._flexion(hand) for hand in robot.load_cells}
+        #: By link, the normal of its load cell in its own frame, of unit length.
+        self._normals = {
+            cell.link: np.array(cell.normal) / math.hypot(*cell.normal)
+            for fingers in robot.load_cells.values()
+            for cell in fingers.values()
+        }
+        #: By hand, the effector whose tip carries it.
+        self.carriers = {
+            hand: carrier
+            for hand in robot.load_cells
+            if (carrier := _carrier(robot, kinematics, hand)) is not None
+        }
+        self.reset()
+
+    def reset(self) -> None:
+        """Forget the episode before."""
+        self._tare: Floats | None = None
+        self._loads: Floats = np.zeros((len(self._cells), 6))
+        self._feeling: Booleans = np.zeros(len(self._cells), dtype=np.bool_)
+        self._felt = self._feeling.tolist()
+        self._touching = False
+
+    def gathered(self, loads: Mapping[Cell, Floats]) -> Floats:
+        """Wrenches in the order of the robot's document, shape (cells, 6)."""
+        if isinstance(loads, Loads) and loads.cells == self._cells:
+            return loads.wrenches
+        wrenches = [loads[cell] for cell in self._cells]
+        return np.array(wrenches).reshape(len(wrenches), 6)
+
+    def update(self, wrenches: Floats) -> None:
+        """Take in one tick's wrenches, as ``gathered`` has them, N and N m in the world frame."""
+        if self._tare is None:
+            self._tare = wrenches.copy()
+        self._loads = np.empty_like(wrenches)
+        before = self._touching
+        self._touching = _feel(wrenches, self._tare, self._threshold, self._loads, self._feeling)
+        if before or self._touching:
+            self._felt = self._feeling.tolist()
+
+    def touching_anything(self) -> bool:
+        """Whether any fingertip of any hand feels more than the contact threshold."""
+        return self._touching
+
+    def touching(self, hand: str) -> bool:
+        """Whether any fingertip of a hand feels more than the contact threshold."""
+        return True in self._felt[self._own[hand]]
+
+    def all_touching(self, hand: str) -> bool:
+        """Whether every fingertip of a hand feels more than the contact threshold."""
+        return False not in self._felt[self._own[hand]]
+
+    def hands(self, name: str) -> tuple[str, ...]:
+        """The hands of a group, or the one that is named itself."""
+        return self._robot.members(name)
+
+    def shares(self, hand: str) -> Floats:
+        """Each finger's share of a force reference, shape (fingers,)."""
+        return np.array([cell.share for cell in self._fingers(hand).values()])
+
+    def finger_load(self, source: FingerLoad) -> Reading | None:
+        """The load of one finger, or ``None`` without contact."""
+        if not self._felt[self._cells.index((source.hand, source.finger))]:
+            return None
+        return self._load(source.hand, source.finger, source.part)
+
+    def net_load(self, source: NetLoad) -> Reading | None:
+        """The sum over a hand's fingers, or ``None`` without any contact."""
+        if not self.touching(source.hand):
+            return None
+        return self._net(source.hand, source.part)
+
+    def net_forces(self, source: NetForces) -> Reading | None:
+        """The net force of each hand, or ``None`` unless all of them touch something."""
+        if not all(self.touching(hand) for hand in self.hands(source.group)):
+            return None
+        return stacked([self._net(hand, "force") for hand in self.hands(source.group)])
+
+    def finger_forces(self, source: FingerForces) -> Reading | None:
+        """The force of every finger, or ``None`` unless all of them touch something."""
+        if not self.all_touching(source.hand):
+            return None
+        forces = self._loads[self._own[source.hand], :3]
+        normals = [self._normal(cell) for cell in self._fingers(source.hand).values()]
+        jacobian = np.vstack(
+            [np.outer(n, row) for n, row in zip(normals, self._flexions[source.hand], strict=True)]
+        )
+        return Reading(forces.ravel(), jacobian, self._tips.stamp)
+
+    def normal_forces(self, source: FingerForces | NetForces) -> Reading:
+        """Forces along normals, N: of each finger along its own, of each hand along its palm's.
+
+        Defined without contact too, as a measured zero, so that a hand can close on something.
+        A finger's force follows the joint that flexes it, a hand's follows all of its arm.
+        """
+        if isinstance(source, FingerForces):
+            return self._finger_normal_forces(source.hand)
+        return stacked([self._palm_force(hand) for hand in self.hands(source.group)])
+
+    def _finger_normal_forces(self, hand: str) -> Reading:
+        cells, forces = self._fingers(hand).values(), self._loads[self._own[hand], :3]
+        value = [
+            self._kinematics.component(cell.link, self._normals[cell.link], force)
+            for cell, force in zip(cells, forces, strict=True)
+        ]
+        return Reading(np.array(value), self._flexions[hand], self._tips.stamp)
+
+    def _palm_force(self, hand: str) -> Reading:
+        """The part of a hand's net force along its palm's normal, shape (1,)."""
+        normal, net = self._tips.normal(self.carriers[hand]), self._net(hand, "force")
+        return Reading(
+            normal[None].dot(net.value), normal[None].dot(net.jacobian), self._tips.stamp
+        )
+
+    def _net(self, hand: str, part: str) -> Reading:
+        loads = [self._load(hand, finger, part) for finger in self._fingers(hand)]
+        return Reading(
+            np.sum([load.value for load in loads], axis=0),
+            np.sum([load.jacobian for load in loads], axis=0),
+            self._tips.stamp,
+        )
+
+    def _load(self, hand: str, finger: str, part: str) -> Reading:
+        jacobian = self._kinematics.jacobian(self._fingers(hand)[finger].link)
+        control = self._robot.control
+        yielding = np.repeat((control.contact_stiffness, control.contact_torsion), 3)[:, None]
+        where = _PARTS[part]
+        value = self._loads[self._cells.index((hand, finger)), where]
+        return Reading(value, (yielding * jacobian)[where], self._tips.stamp)
+
+    def _flexion(self, hand: str) -> Floats:
+        """Forces along the fingers' normals per joint, N/rad, shape (fingers, n)."""
+        rows = np.zeros((len(self._fingers(hand)), len(self._kinematics.joints)))
+        rows[np.arange(len(rows)), self.flexing[hand]] = 1.0
+        return rows * self._robot.control.stiffness
+
+    def _fingers(self, hand: str) -> Mapping[str, LoadCell]:
+        return self._robot.load_cells[hand]
+
+    def _span(self, hand: str) -> slice:
+        first = next(row for row, (owner, _) in enumerate(self._cells) if owner == hand)
+        return slice(first, first + len(self._fingers(hand)))
+
+    def _normal(self, cell: LoadCell) -> Floats:
+        return self._kinematics.direction(cell.link, self._normals[cell.link])
+
+
+@compiled_once
+def _feel(
+    wrenches: Floats, tare: Floats, threshold: float, loads: Floats, feeling: Booleans
+) -> bool:
+    """Find the loads, and which cells feel more than a threshold.
+
+    Args:
+        wrenches: as measured, N and N m, shape (cells, 6).
+        tare: what they are where nothing is touched, shape (cells, 6).
+        threshold: of the force, N.
+        loads: becomes their difference, shape (cells, 6).
+        feeling: becomes whether each cell's force is more, shape (cells,).
+
+    Returns:
+        Whether any of them does.
+    """
+    touching = False
+    for cell in range(len(loads)):
+        for part in range(6):
+            loads[cell, part] = wrenches[cell, part] - tare[cell, part]
+        x, y, z = loads[cell, 0], loads[cell, 1], loads[cell, 2]
+        feeling[cell] = math.sqrt(x * x + y * y + z * z) > threshold
+        touching |= feeling[cell]
+    return touching
+
+
+def _carrier(robot: RobotDocument, kinematics: Kinematics, hand: str) -> str | None:
+    """The effector whose tip carries a hand: all of its joints move the fingertips."""
+    cell = next(iter(robot.load_cells[hand].values()))
+    moving = kinematics.moving(cell.link)
+    return next(
+        (
+            name
+            for name, effector in robot.effectors.items()
+            if effector.tip is not None and moving.issuperset(effector.joints)
+        ),
+        None,
+    )

@@ -1,0 +1,193 @@
+"""One of pydantic's errors, and what is to be said of it."""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+from pydantic import BaseModel
+from pydantic_core import ErrorDetails
+
+from cbdsl.errors.counting import count
+from cbdsl.errors.diagnostic import Diagnostic
+from cbdsl.errors.wording import diagnostic
+from cbdsl.types.quantity_slip import told
+from cbdsl.types.unit import QuantityError
+from cbdsl.yaml_text.repair.comma import decimal_comma
+from cbdsl.yaml_text.repair.entry_slip import left_out, named_instead, slip_in_key, slip_in_text
+from cbdsl.yaml_text.repair.form import form
+from cbdsl.yaml_text.repair.row import meant_row
+from cbdsl.yaml_text.repair.shape import Shape
+from cbdsl.yaml_text.source_map import SourceMap, Step
+
+_EXPECTED = {
+    "model_type": "a mapping",
+    "dict_type": "a mapping",
+    "tuple_type": "a list",
+    "string_type": "text",
+    "int_type": "an integer",
+    "int_parsing": "an integer",
+    "int_from_float": "an integer",
+    "float_type": "a number",
+    "float_parsing": "a number",
+    "bool_type": "true or false",
+    "bool_parsing": "true or false",
+}
+_PROBLEMS = {
+    "greater_than": "it has to be greater than {gt:g}",
+    "greater_than_equal": "it has to be at least {ge:g}",
+    "less_than": "it has to be less than {lt:g}",
+    "less_than_equal": "it has to be at most {le:g}",
+    "too_short": "{actual_length} given, at least {min_length} needed",
+    "too_long": "{actual_length} given, at most {max_length} possible",
+}
+#: What the values of a list are that always has as many.
+_PARTS = {
+    "offset": "x, y, z",
+    "position": "x, y, z",
+    "size": "x, y, z",
+    "color": "red, green, blue",
+}
+_MANY = (dict, list)
+_OF_KEYS = ("extra_forbidden", "string_pattern_mismatch")
+
+
+class Fault(NamedTuple):
+    """One of pydantic's errors at the path that the text really has."""
+
+    path: tuple[Step, ...]
+    error: ErrorDetails
+
+    @property
+    def is_wrong_kind(self) -> bool:
+        """Whether it is that the value is none of the kind that is wanted."""
+        return self.error["type"] in (*_EXPECTED, "not_named")
+
+    @property
+    def expected(self) -> str:
+        """What a value of the right kind is."""
+        kind, context = self.error["type"], self.error.get("ctx", {})
+        return str(context["expected"]) if kind == "not_named" else _EXPECTED[kind]
+
+    @property
+    def is_of_parts(self) -> bool:
+        """Whether it may be there only because of a fault inside, which says more."""
+        is_whole = self.error["type"] == "value_error" and isinstance(self.error["input"], _MANY)
+        return self.is_wrong_kind or is_whole or self.error["type"] == "too_short"
+
+
+def diagnose(
+    path: tuple[Step, ...], same: list[Fault], source: SourceMap, model: type[BaseModel]
+) -> Diagnostic:
+    """What is to be said of a value.
+
+    Args:
+        path: where it is.
+        same: its faults; several where it failed several ways of a union.
+        source: the text.
+        model: the kind of document.
+    """
+    if row := _row(path, same, source, model):
+        return row
+    if all(fault.is_wrong_kind for fault in same):
+        expected = " or ".join(dict.fromkeys(fault.expected for fault in same))
+        value = source.node(path).value
+        if "a mapping" in expected and (slip := slip_in_text(value)):
+            return diagnostic("CB205", source.place(*path), problem=slip)
+        if example := form(model, path, source.node(path)):
+            expected += f", as in {example}"
+        found = describe(value) + left_out(value, expected)
+        return diagnostic("CB204", source.place(*path), expected=expected, found=found)
+    return _special(path, same, source, model)
+
+
+def _row(
+    path: tuple[Step, ...], same: list[Fault], source: SourceMap, model: type[BaseModel]
+) -> Diagnostic | None:
+    """What is to be said of what should be a list, or a list less, where its values are there."""
+    steps = path[:-1] if path and path[-1] == 0 else path
+    is_inner = steps != path and isinstance(source.node(path).value, list)
+    if not is_inner and all(fault.error["type"] != "tuple_type" for fault in same):
+        return None
+    node = source.node(steps if is_inner else path)
+    row = meant_row(node, source)
+    places = (form(model, path) or "").count("...")
+    if row is None or (isinstance(node.value, str) and row.count(",") + 1 < places):
+        return None
+    found = "a list within a list" if is_inner else describe(node.value)
+    return diagnostic("CB204", node.place, expected="a list", found=f"{found}; write {row}")
+
+
+def _too_few(path: tuple[Step, ...], same: list[Fault], source: SourceMap) -> Diagnostic:
+    """What is to be said of a list that ends before its last value."""
+    missing = [fault.error["loc"][-1] for fault in same if fault.error["type"] == "missing"]
+    wanted = max(index for index in missing if isinstance(index, int)) + 1
+    given = source.node(path)
+    found = count(len(given.value) if isinstance(given.value, list) else 1, "value")
+    parts = _PARTS.get(str(path[-1]))
+    names = f": {parts}" if parts else ""
+    problem = f"{found} where {wanted} are wanted{names}"
+    return diagnostic("CB208", given.place, problem=problem)
+
+
+def _special(
+    path: tuple[Step, ...], same: list[Fault], source: SourceMap, model: type[BaseModel]
+) -> Diagnostic:
+    """What is to be said of a value of the right kind that cannot be used."""
+    error = next(fault.error for fault in same if not fault.is_wrong_kind)
+    name = str(path[-1]) if path else ""
+    context: dict[str, Any] = error.get("ctx", {})
+    if error["type"] in _OF_KEYS and (slip := slip_in_key(path, source)):
+        return diagnostic("CB205", source.key(*path), problem=slip)
+    match error["type"]:
+        case "missing" if isinstance(error["loc"][-1], int):
+            return _too_few(path, same, source)
+        case "missing":
+            # A missing key has no place of its own: its parent's key stands for it.
+            place = source.key(*path[:-1])
+            said = [(place, text) for text in _said_of(path, model)]
+            return diagnostic("CB203", place, key=name, related=said)
+        case "extra_forbidden":
+            keys = sorted(Shape((model,)).located(error["loc"][:-1]).keys)
+            return diagnostic("CB202", source.key(*path), names=keys, key=name)
+        case "literal_error" | "union_tag_invalid":
+            expected = str(context.get("expected") or context.get("expected_tags"))
+            names = [text.strip(" '") for text in expected.replace(" or ", ",").split(",")]
+            steps = path if error["type"] == "literal_error" else (*path, "shape")
+            value = str(source.node(steps).value)
+            return diagnostic("CB206", source.place(*steps), names=names, name=value)
+        case "string_pattern_mismatch":
+            at = source.key(*path) if "[key]" in error["loc"] else source.place(*path)
+            return diagnostic("CB207", at, name=error["input"], hint=named_instead(error["input"]))
+        case "value_error":
+            problem = _problem(context["error"], error["input"])
+            return diagnostic("CB205", source.place(*path), problem=problem)
+    if error["type"] == "too_long" and (comma := decimal_comma(source.node(path))):
+        return diagnostic("CB205", source.place(*path), problem=comma)
+    problem = _PROBLEMS.get(error["type"], error["msg"]).format(**context)
+    return diagnostic("CB208", source.place(*path), problem=problem)
+
+
+def _problem(error: ValueError, value: object) -> str:
+    return told(value, error) if isinstance(error, QuantityError) else str(error)
+
+
+def _said_of(path: tuple[Step, ...], model: type[BaseModel]) -> set[str]:
+    """What the documentation says of a key."""
+    from cbdsl.documents.json_schema import docstrings  # only a missing key needs it
+
+    return {
+        f"{path[-1]}: {text}"
+        for section in Shape((model,)).at(path[:-1]).sections
+        if (text := docstrings(section).get(str(path[-1])))
+    }
+
+
+def describe(value: object) -> str:
+    """What a value is, as messages say it."""
+    if isinstance(value, dict):
+        return "a mapping"
+    if isinstance(value, list):
+        return "a list"
+    if isinstance(value, bool):
+        return f"'{value}'".lower()
+    return "nothing" if value is None else f"'{value}'"

@@ -1,0 +1,110 @@
+"""From what pydantic finds in a document to located diagnostics, one for each mistake."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Mapping
+
+from pydantic import BaseModel
+from pydantic_core import ErrorDetails
+
+from cbdsl.errors.diagnostic import Diagnostic
+from cbdsl.errors.nearest import nearest_name
+from cbdsl.errors.wording import diagnostic
+from cbdsl.yaml_text.repair.fault import Fault, diagnose
+from cbdsl.yaml_text.repair.form import form
+from cbdsl.yaml_text.repair.shape import Shape
+from cbdsl.yaml_text.source_map import SourceMap, Step, child_of
+
+
+def faults(
+    errors: Iterable[ErrorDetails],
+    source: SourceMap,
+    model: type[BaseModel],
+    follows: Callable[[tuple[Step, ...], str], bool],
+) -> list[Diagnostic]:
+    """One diagnostic for each value that is wrong, however many ways of a union it failed.
+
+    Args:
+        errors: what pydantic found.
+        source: the text.
+        model: the kind of document.
+        follows: whether an error of a type at a path is there only because of another one.
+    """
+    found = [Fault(path_of(error, source), error) for error in errors]
+    enclosing = {fault.path[:depth] for fault in found for depth in range(len(fault.path))}
+    by_path: dict[tuple[Step, ...], list[Fault]] = {}
+    for fault in found:
+        is_known = follows(fault.path, fault.error["type"])
+        if not (is_known or (fault.is_of_parts and fault.path in enclosing)):
+            by_path.setdefault(fault.path, []).append(fault)
+    nameless = {path[:-1] for path in by_path if _is_nameless(path[:-1], source, model)}
+    explained = _misspelt(by_path) | {p for p in by_path if _is_below(p, nameless)}
+    explained |= _numbered_again(by_path)
+    return [
+        *(_without_a_name(path, source, model) for path in sorted(nameless)),
+        *(diagnose(p, same, source, model) for p, same in by_path.items() if p not in explained),
+    ]
+
+
+def _numbered_again(by_path: Mapping[tuple[Step, ...], list[Fault]]) -> set[tuple[Step, ...]]:
+    """Further items of lists in which something else than a name was reported already."""
+    seen: set[tuple[Step, ...]] = set()
+    again: set[tuple[Step, ...]] = set()
+    for path, same in by_path.items():
+        if path and isinstance(path[-1], int) and same[0].error["type"] == "not_named":
+            if path[:-1] in seen:
+                again.add(path)
+            seen.add(path[:-1])
+    return again
+
+
+def _is_nameless(path: tuple[Step, ...], source: SourceMap, model: type[BaseModel]) -> bool:
+    """Whether where names are wanted there is what should be below one of them."""
+    found, shape = source.node(path).value, Shape((model,)).at(path)
+    keys = shape.child("").keys
+    if not (shape.is_of_names and keys and isinstance(found, dict)):
+        return False
+    # A section may well be named like one of the keys below it.
+    are_sections = all(isinstance(node.value, dict) for node in found.values())
+    return keys.keys() >= found.keys() and not are_sections
+
+
+def _is_below(path: tuple[Step, ...], above: set[tuple[Step, ...]]) -> bool:
+    return any(path[:depth] in above for depth in range(len(path)))
+
+
+def _without_a_name(
+    path: tuple[Step, ...], source: SourceMap, model: type[BaseModel]
+) -> Diagnostic:
+    """What is to be said of a section that stands where it should have a name."""
+    found = source.node(path).value
+    keys = ", ".join(f"'{key}'" for key in found) if isinstance(found, dict) else ""
+    expected = f"names, as in {form(model, path)}"
+    return diagnostic("CB204", source.key(*path), expected=expected, found=f"{keys} without a name")
+
+
+def _misspelt(by_path: Mapping[tuple[Step, ...], list[Fault]]) -> set[tuple[Step, ...]]:
+    """Keys that are missing because they are there under names that are nearly right."""
+    unknown: dict[tuple[Step, ...], list[str]] = {}
+    for path, same in by_path.items():
+        if any(fault.error["type"] == "extra_forbidden" for fault in same):
+            unknown.setdefault(path[:-1], []).append(str(path[-1]))
+    return {
+        path
+        for path, same in by_path.items()
+        if path and same[0].error["type"] == "missing"
+        if nearest_name(str(path[-1]), unknown.get(path[:-1], ()))
+    }
+
+
+def path_of(error: ErrorDetails, source: SourceMap) -> tuple[Step, ...]:
+    """The steps of an error's ``loc`` that the text has, and the missing key at its end."""
+    node, path = source.root, []
+    for step in error["loc"]:
+        child = child_of(node, step)
+        if child is not None:
+            node = child
+            path.append(step)
+    if error["type"] == "missing" and isinstance(node.value, dict):
+        path.append(error["loc"][-1])
+    return tuple(path)

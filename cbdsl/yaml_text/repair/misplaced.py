@@ -1,0 +1,238 @@
+"""Keys that are one level too high or too low, and where they belong.
+
+A section that was written flat, or at the level of its parent, leaves keys behind that their
+mapping does not know, while a section in it, or one around it, does. They are put there, so that
+one slip is one finding and the rest is checked as it was meant.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+from itertools import islice, takewhile
+from typing import NamedTuple
+
+from pydantic import BaseModel
+
+from cbdsl.errors.diagnostic import Diagnostic, Place
+from cbdsl.errors.wording import diagnostic
+from cbdsl.yaml_text.node import Node
+from cbdsl.yaml_text.repair.shape import Shape
+from cbdsl.yaml_text.source_map import SourceMap, Step
+
+Steps = tuple[Step, ...]
+
+# More names are summed up.
+_MOST_NAMES = 4
+
+
+class Move(NamedTuple):
+    """Keys that belong elsewhere.
+
+    Attributes:
+        keys: their names, in order.
+        start: path of the mapping that they are in.
+        goal: path of the mapping that they belong to.
+        followers: keys behind them that belong below the last of them.
+    """
+
+    keys: tuple[str, ...]
+    start: Steps
+    goal: Steps
+    followers: tuple[str, ...] = ()
+
+
+def find_moves(source: SourceMap, model: type[BaseModel], wrong: Iterable[Steps]) -> list[Move]:
+    """The keys that belong elsewhere; one move for each mapping.
+
+    Args:
+        source: the text.
+        model: the kind of document.
+        wrong: paths of values with faults.
+    """
+    at_or_above = {path[:depth] for path in wrong for depth in range(len(path) + 1)}
+    finder = _Finder(at_or_above)
+    return list(finder.below(source.root, Shape((model,)), (), ()))
+
+
+def move(source: SourceMap, moved: Move) -> Diagnostic:
+    """Put keys where they belong, and say so."""
+    said = diagnostic(
+        "CB209", source.key(*moved.start, moved.keys[0]), problem=_said(source, moved)
+    )
+    start = source.node(moved.start)
+    _put(start, moved.keys, _mapping(source, moved.goal, start.keys[moved.keys[0]]))
+    if moved.followers:
+        goal = (*moved.goal, moved.keys[-1])
+        _put(start, moved.followers, _mapping(source, goal, source.key(*goal)))
+    return said
+
+
+def _mapping(source: SourceMap, path: Steps, place: Place) -> Node:
+    """The mapping at a path; a new one where there is nothing yet."""
+    if source.holds(*path) and isinstance(source.node(path).value, dict):
+        return source.node(path)
+    parent, key = source.node(path[:-1]), str(path[-1])
+    assert isinstance(parent.value, dict)
+    parent.value[key] = Node(parent.keys.setdefault(key, place), {})
+    return parent.value[key]
+
+
+def _put(start: Node, keys: Iterable[str], goal: Node) -> None:
+    assert isinstance(start.value, dict) and isinstance(goal.value, dict)
+    for key in keys:
+        goal.value[key], goal.keys[key] = start.value.pop(key), start.keys.pop(key)
+
+
+def _said(source: SourceMap, moved: Move) -> str:
+    names = [f"'{key}'" for key in moved.keys[:_MOST_NAMES]]
+    if len(moved.keys) > _MOST_NAMES:
+        names[-1] = f"{len(moved.keys) - len(names) + 1} more keys"
+    them, belong = ("it", "belongs") if len(names) == 1 else ("them", "belong")
+    what = f"{', '.join(names[:-1])} and {names[-1]}" if len(names) > 1 else names[0]
+    if not moved.goal:
+        return f"{what} {belong} to the document itself; do not indent {them}"
+    section = str(moved.goal[-1])
+    if source.holds(*moved.goal):
+        return f"{what} {belong} to '{section}'; indent {them} below that key"
+    start = source.node(moved.start)
+    assert isinstance(start.value, dict)
+    values = (f"{key}: {source.written(start.value[key])}" for key in moved.keys)
+    own = "its own" if them == "it" else "their own"
+    return f"{what} {belong} below a key of {own}; write '{section}: {{{', '.join(values)}}}'"
+
+
+class _Level(NamedTuple):
+    """A mapping on the way to a value."""
+
+    path: Steps
+    node: Node
+    shape: Shape
+
+    def lacks(self, key: str) -> bool:
+        """Whether it may have a key, and does not."""
+        value = self.node.value
+        return key in self.shape.keys and isinstance(value, dict) and key not in value
+
+
+#: The mappings around a value, from the outermost on.
+Around = tuple[_Level, ...]
+
+
+class _Fit(NamedTuple):
+    """How well unknown keys fit into a section.
+
+    Attributes:
+        section: its key.
+        keys: those that it knows.
+        is_lacking: whether it is there, and incomplete without them.
+    """
+
+    section: str
+    keys: tuple[str, ...]
+    is_lacking: bool
+
+    @property
+    def rank(self) -> tuple[int, bool]:
+        return len(self.keys), self.is_lacking
+
+
+class _Finder:
+    def __init__(self, wrong: set[Steps]) -> None:
+        self._wrong = wrong
+
+    def below(self, node: Node, shape: Shape, path: Steps, around: Around) -> Iterator[Move]:
+        """The moves of a value and of what is in it."""
+        if path not in self._wrong and not isinstance(node.value, dict):
+            return
+        here = (*around, _Level(path, node, shape))
+        if isinstance(node.value, dict):
+            found = (
+                self._names(node, shape, path)
+                if shape.is_of_names
+                else self._keys(node, shape, path)
+            )
+            found = found or self._upwards(node, shape, path, around)
+            if found is not None:
+                yield found
+                return
+        for step, child in node.steps():
+            inner = shape.child(step)
+            # An entry named like a key of entries is no entry: its own name is missing.
+            if not (shape.is_of_names and step in inner.keys):
+                yield from self.below(child, inner, (*path, step), here)
+
+    def _keys(self, node: Node, shape: Shape, path: Steps) -> Move | None:
+        """Keys that a section does not know, and a section in it does."""
+        assert isinstance(node.value, dict)
+        unknown = [key for key in node.value if key not in shape.keys]
+        if not shape.keys or not unknown:
+            return None
+        for parent in list(node.value)[:-1]:
+            is_empty = parent in shape.keys and node.value[parent].value is None
+            if is_empty and (keys := self._children(node, shape, parent)):
+                return Move(keys, path, (*path, parent))
+        fits = [self._fit(node, shape, section, unknown) for section in shape.keys]
+        best = max((fit.rank for fit in fits), default=(0, False))
+        chosen = [fit for fit in fits if fit.keys and fit.rank == best]
+        return Move(chosen[0].keys, path, (*path, chosen[0].section)) if len(chosen) == 1 else None
+
+    def _children(self, node: Node, shape: Shape, parent: str) -> tuple[str, ...]:
+        """The keys behind an empty one that belong to it."""
+        assert isinstance(node.value, dict)
+        inner, keys = shape.child(parent), list(node.value)
+        behind = keys[keys.index(parent) + 1 :]
+        if inner.is_of_names:
+            return tuple(takewhile(lambda key: key not in shape.keys, behind))
+        return tuple(takewhile(lambda key: key in inner.keys, behind))
+
+    def _fit(self, node: Node, shape: Shape, section: str, unknown: list[str]) -> _Fit:
+        """The unknown keys that a section of this one lacks, where they make it complete."""
+        assert isinstance(node.value, dict)
+        inner, child = shape.child(section), node.value.get(section)
+        has = child.value if child is not None else {}
+        if not isinstance(has, dict) or inner.is_of_names:
+            return _Fit(section, (), False)
+        keys = tuple(key for key in unknown if key in inner.keys and key not in has)
+        if not inner.is_complete({*has, *keys}):
+            return _Fit(section, (), False)
+        return _Fit(section, keys, child is not None and not inner.is_complete(set(has)))
+
+    def _names(self, node: Node, shape: Shape, path: Steps) -> Move | None:
+        """Keys of a section that stand beside its name."""
+        assert isinstance(node.value, dict)
+        known = shape.child("").keys
+        keys = list(node.value)
+        for index, name in enumerate(keys[:-1], 1):
+            run = tuple(takewhile(lambda key: key in known, islice(keys, index, None)))
+            if name not in known and run and self._belong(node.value[name], run, path):
+                return Move(run, path, (*path, name))
+        return None
+
+    def _belong(self, above: Node, run: tuple[str, ...], path: Steps) -> bool:
+        """Whether keys behind an entry are of it: it is empty, or they are wrong beside it."""
+        if above.value is None or not isinstance(above.value, dict):
+            return above.value is None
+        return all((*path, key) in self._wrong and key not in above.value for key in run)
+
+    def _upwards(
+        self,
+        node: Node,
+        shape: Shape,
+        path: Steps,
+        around: Around,
+    ) -> Move | None:
+        """A key that belongs to a section around this one, with what is behind it."""
+        assert isinstance(node.value, dict)
+        for key, child in node.value.items():
+            is_wrong = (*path, key) in self._wrong and (shape.is_of_names or key not in shape.keys)
+            goal = _around(key, around) if is_wrong else None
+            if goal is not None:
+                keys = list(node.value)
+                behind = keys[keys.index(key) + 1 :] if child.value is None else []
+                return Move((key,), path, goal, tuple(behind))
+        return None
+
+
+def _around(key: str, around: Around) -> Steps | None:
+    """The nearest section around that has this key, and lacks it."""
+    return next((level.path for level in around[::-1] if level.lacks(key)), None)

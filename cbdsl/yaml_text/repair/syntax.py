@@ -1,0 +1,384 @@
+"""What YAML's syntax errors mean: libyaml says where it gave up, and people slipped before."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping, Sequence
+from typing import NamedTuple
+
+import yaml
+
+from cbdsl.yaml_text import characters
+from cbdsl.yaml_text.repair.layout import find_shift
+
+_NO_COLON = "could not find expected ':'"
+_NO_MAPPING = "mapping values are not allowed in this context"
+_NO_KEY = "did not find expected key"
+_NO_ITEM = "did not find expected '-' indicator"
+_NO_CONTENT = "did not find expected node content"
+_NO_START = "did not find expected <document start>"
+_NO_DIRECTIVE = "could not find expected directive name"
+_NO_TOKEN = "found character that cannot start any token"
+_ALIAS = "while scanning an alias"
+# What libyaml says where it noticed too late.
+_OPEN = "found unexpected end of stream"
+_LATE = (_NO_COLON, _OPEN)
+_OPENED = {
+    "did not find expected ',' or ']'": ("[", "]"),
+    "did not find expected ',' or '}'": ("{", "}"),
+}
+
+_KEY = re.compile(r"\s*(?:- +)*(?P<key>[^\s:#][^:#]*):\s")
+_TIGHT = re.compile(r"\s*(?:- +)*(?P<key>\w+):(?P<value>[^\s:/].*)")
+_FIRST = re.compile(r"\s*(?:- +)*(?P<key>\S+)")
+_LONE_KEY = re.compile(r"\s*(?:- +)*(?P<key>\w+):\s*")
+_OPENS = re.compile(r"\s*(?:- +)*\w+:? *(?:&\w+ +)?[{\[]")
+_EQUALS = re.compile(r"\s*(?:- +)*(?P<key>[\w*-]+)\s*(?P<sign>:=|=>|->|=|;)\s*(?P<value>.*)")
+_COMMENT = re.compile(r"\s*(?P<sign>//|--|;|%)\s*(?P<text>.*)")
+_STATE_IN_BRACKETS = re.compile(r"\s*(?P<state>[\[({][X01*,\s-]+[\])}])\s*:(?=\s)")
+_UNQUOTED_KEY = re.compile(r"(?P<text>[^\s:#]+)(?=\s*:(?:\s|$))")
+_UNQUOTED = re.compile(r"(?P<text>[^,\[\]{}#]*[^,\[\]{}#\s])")
+_FENCE = re.compile(r"\s*(?:```|~~~)\w*\s*\Z")
+# Words of a line that may be a key and its value.
+_LONGEST_ENTRY = 7
+_NO_PROSE = re.compile(r"[\[{◁]|<\|")
+
+
+class Slip(NamedTuple):
+    """What somebody probably did.
+
+    Attributes:
+        problem: as a clause.
+        line: where it is, from 1.
+        column: of its first character, from 1.
+        code: in the catalogue.
+        lines: what the lines should be, where that is certain, by number from 1.
+    """
+
+    problem: str
+    line: int
+    column: int
+    code: str = "CB104"
+    lines: Mapping[int, str] = {}
+
+    def mended(self, lines: Sequence[str]) -> list[str]:
+        """All lines of the text without it."""
+        return [self.lines.get(number, line) for number, line in enumerate(lines, 1)]
+
+
+class _Trouble(NamedTuple):
+    """Where libyaml gave up.
+
+    Attributes:
+        problem: in its words.
+        context: what it was doing.
+        lines: of the text.
+        line: from 1.
+        column: from 1.
+        opened: line and column of what it was in.
+    """
+
+    problem: str
+    context: str
+    lines: Sequence[str]
+    line: int
+    column: int
+    opened: tuple[int, int]
+
+    @property
+    def text(self) -> str:
+        """The line."""
+        return self.lines[self.line - 1]
+
+    @property
+    def before(self) -> str:
+        """What is in front of the place in its line."""
+        return self.text[: self.column - 1]
+
+    @property
+    def rest(self) -> str:
+        """What stands at the place, and behind it."""
+        return self.text[self.column - 1 :]
+
+    @property
+    def above(self) -> int:
+        """The line above that is neither empty nor a comment, or 0."""
+        numbers = range(self.line - 1, 0, -1)
+        return next((n for n in numbers if not re.match(r"\s*(#|$)", self.lines[n - 1])), 0)
+
+    def instead(self, line: str) -> Mapping[int, str]:
+        """Another line in place of this one."""
+        return {self.line: line}
+
+
+def find_slip(error: yaml.MarkedYAMLError, lines: Sequence[str]) -> Slip:
+    """The slip behind a syntax error, or libyaml's words where nobody can tell.
+
+    Args:
+        error: what libyaml says.
+        lines: of the text.
+    """
+    trouble = _trouble(error, lines)
+    found = (explain(trouble) for explain in _EXPLANATIONS) if trouble.line <= len(lines) else ()
+    slip = next((slip for slip in found if slip is not None), None)
+    return slip or Slip(trouble.problem, trouble.line, trouble.column)
+
+
+def _trouble(error: yaml.MarkedYAMLError, lines: Sequence[str]) -> _Trouble:
+    problem = error.problem or error.context or "no YAML"
+    start = error.context_mark or error.problem_mark
+    # A key that lacks its colon is noticed only on the next line, an open quote at the end.
+    mark = start if problem in _LATE else error.problem_mark or start
+    place = (mark.line + 1, mark.column + 1) if mark else (1, 1)
+    opened = (start.line + 1, start.column + 1) if start else place
+    return _Trouble(problem, error.context or "", lines, *place, opened)
+
+
+def _tab(trouble: _Trouble) -> Slip | None:
+    if trouble.rest[:1] != "\t":
+        return None
+    return Slip("a tab", trouble.line, trouble.column, "CB117")
+
+
+def _look_alike(trouble: _Trouble) -> Slip | None:
+    """A space, a bullet or a colon that is none, here or in the line above."""
+    for number in (trouble.line, trouble.above):
+        line = trouble.lines[number - 1]
+        meant = characters.meant_line(line) if number else None
+        if meant is not None:
+            problem = characters.said_of(line, meant)
+            column = characters.first_look_alike(line) + 1
+            return Slip(problem, number, column, "CB123", {number: meant})
+    return None
+
+
+def _fence(trouble: _Trouble) -> Slip | None:
+    if not _FENCE.match(trouble.text):
+        return None
+    problem = "this line marks a block of code in a text, and is no part of it; delete it"
+    fences = (n for n, line in enumerate(trouble.lines, 1) if _FENCE.match(line))
+    return Slip(problem, trouble.line, 1, lines=dict.fromkeys(fences, ""))
+
+
+def _unquoted(trouble: _Trouble) -> Slip | None:
+    """A text that begins with a sign that has a meaning of its own."""
+    if trouble.context == _ALIAS:
+        line, column = trouble.opened
+    elif trouble.problem == _NO_TOKEN:
+        line, column = trouble.line, trouble.column
+    else:
+        return None
+    text = trouble.lines[line - 1]
+    before, rest = text[: column - 1], text[column - 1 :]
+    if state := _STATE_IN_BRACKETS.match(text):
+        return _state_in_brackets(state, line)
+    key = _UNQUOTED_KEY.match(rest)
+    match = key or _UNQUOTED.match(rest)
+    if match is None:
+        return None
+    quoted = f"'{match['text'].strip('`')}'"
+    problem = f"text that begins with '{rest[0]}' has to be quoted; write {quoted}"
+    # Whether a value may begin with such a sign nobody knows yet.
+    is_certain = key is not None or rest[0] == "`"
+    mended = {line: before + quoted + rest[match.end() :]} if is_certain else {}
+    return Slip(problem, line, column, "CB124", mended)
+
+
+def _state_in_brackets(state: re.Match[str], line: int) -> Slip:
+    letters = re.sub(r"[^X01*-]", "", state["state"])
+    text = f"{state.string[: state.start('state')]}'{letters}'{state.string[state.end('state') :]}"
+    problem = f"a state has no brackets and no commas; write '{letters}'"
+    return Slip(problem, line, state.start("state") + 1, "CB124", {line: text})
+
+
+def _after_the_end(trouble: _Trouble) -> Slip | None:
+    """Something behind a bracket or a quote that closes a value."""
+    before, rest = trouble.before.rstrip(), trouble.rest.rstrip()
+    if trouble.problem not in (_NO_KEY, _NO_ITEM) or before[-1:] not in ("]", "}", "'", '"'):
+        return None
+    if rest in (",", ";"):
+        problem = f"leave out the '{rest}' at the end of the line"
+        return Slip(problem, trouble.line, trouble.column, lines=trouble.instead(before))
+    if set(rest) <= {"]", "}"}:
+        problem = f"this '{rest}' closes nothing; leave it out"
+        return Slip(problem, trouble.line, trouble.column, lines=trouble.instead(before))
+    problem = (
+        f"'{rest}' cannot follow the '{before[-1]}', which ends the value; a unit stands behind "
+        "each number, and a comment behind ' #'"
+    )
+    return Slip(problem, trouble.line, trouble.column)
+
+
+def _within_brackets(trouble: _Trouble) -> Slip | None:
+    """A bracket that is not closed, or a comma that is missing in brackets."""
+    if trouble.problem not in _OPENED:
+        return None
+    opening, closing = _OPENED[trouble.problem]
+    line, column = trouble.opened
+    at, begins = trouble.rest[:1], re.fullmatch(r"\s*[\w'\"-]*", trouble.before)
+    if at in ("]", "}"):
+        problem = f"this '{at}' does not close the '{opening}' in line {line}; write '{closing}'"
+        return Slip(problem, trouble.line, trouble.column)
+    if trouble.before.endswith("$"):
+        problem = "a parameter is written without braces, as $name"
+        return Slip(problem, trouble.line, trouble.column)
+    if at == ":" and begins and line < trouble.line:
+        problem = f"this '{opening}' is never closed; a '{closing}' is missing"
+        return Slip(problem, line, column)
+    problem = "a ',' is missing before this"
+    if at == ":":
+        problem += " key, or the text before it holds ': ' and needs quotes"
+    if ";" in trouble.before:
+        problem = "in brackets values are parted by ',', not by ';'"
+    return Slip(problem, trouble.line, trouble.column)
+
+
+def _open_quote(trouble: _Trouble) -> Slip | None:
+    if trouble.problem != _OPEN:
+        return None
+    return Slip("this quote is never closed", trouble.line, trouble.column)
+
+
+def _directive(trouble: _Trouble) -> Slip | None:
+    return _comment(trouble) if trouble.problem == _NO_DIRECTIVE else None
+
+
+def _comment(trouble: _Trouble) -> Slip | None:
+    """A line that is a comment in other languages."""
+    match = _COMMENT.match(trouble.text)
+    if match is None:
+        return None
+    problem = f"comments begin with '#', not with '{match['sign']}'; write '# {match['text']}'"
+    return Slip(problem, trouble.line, match.start("sign") + 1, lines=trouble.instead(""))
+
+
+def _colon(trouble: _Trouble) -> Slip | None:
+    """A key without its colon, or a colon without its space."""
+    if trouble.problem == _NO_COLON:
+        return _comment(trouble) or _no_colon(trouble.lines, trouble.line)
+    if trouble.problem != _NO_KEY:
+        return None
+    rows = [n for n in (trouble.line, trouble.line - 1) if n and _OPENS.match(trouble.lines[n - 1])]
+    return next((slip for n in rows if (slip := _no_colon(trouble.lines, n))), None)
+
+
+def _no_colon(lines: Sequence[str], line: int) -> Slip | None:
+    """A line that should have a key, and has no colon after it, or no space after that."""
+    return _sign_of_key(lines[line - 1], line) or _bare_word(lines, line)
+
+
+def _sign_of_key(text: str, line: int) -> Slip | None:
+    """A colon without its space, or another sign in its place."""
+    if tight := _TIGHT.match(text):
+        key, value = tight["key"], tight["value"].strip()
+        problem = f"a space is missing after the ':' of '{key}'; write '{key}: {value}'"
+        return Slip(problem, line, tight.end("key") + 1)
+    if equals := _EQUALS.match(text):
+        key, sign, value = equals["key"], equals["sign"], equals["value"].strip()
+        problem = f"a ':' is missing after '{key}'; write '{key}: {value}', without '{sign}'"
+        return Slip(problem, line, equals.end("key") + 1)
+    return None
+
+
+def _bare_word(lines: Sequence[str], line: int) -> Slip | None:
+    """A word without any sign behind it: a key, an item, or more of a text."""
+    text = lines[line - 1]
+    first = _FIRST.match(text)
+    if first is None or first["key"].endswith(":"):
+        return None
+    word, start = first["key"], first.start("key") + 1
+    if re.match(r"-\w", word):
+        return Slip(f"a space is missing after the '-'; write '- {word[1:]}'", line, start)
+    if _is_prose(text):
+        problem = "a text over several lines begins with '>-' behind its key, and is indented below"
+        return Slip(problem, line, start)
+    above = _LONE_KEY.fullmatch(lines[line - 2]) if line > 1 else None
+    value = f", or '{text.strip()}' belongs behind '{above['key']}:'" if above else ""
+    return Slip(f"a ':' is missing after '{word}'{value}", line, first.end("key") + 1)
+
+
+def _is_prose(line: str) -> bool:
+    """Whether a line goes on with a text: only a key that begins its line has as many words."""
+    words = line.partition(" #")[0].split()
+    return line[:1] == " " and len(words) > _LONGEST_ENTRY and not _NO_PROSE.search(line)
+
+
+def _second_colon(trouble: _Trouble) -> Slip | None:
+    """A text on the line of its key that holds a colon and a space."""
+    if trouble.problem != _NO_MAPPING:
+        return None
+    line, text = trouble.line, trouble.text
+    key = _KEY.match(trouble.before)
+    if key is None:
+        return _no_colon(trouble.lines, line) if _TIGHT.match(text) else None
+    first, _, rest = key["key"].partition(" ")
+    if re.match(r"(&\w+ +)?[{\[]", rest):
+        return Slip(f"a ':' is missing after '{first}'", line, key.start("key") + len(first) + 1)
+    if re.match(r"= *[{\[]", rest):
+        return _no_colon(trouble.lines, line)
+    value = text[key.end() :].strip()
+    if value.startswith("(") and value.endswith(")"):
+        problem = f"a mapping is written in braces; write '{key['key']}: {{{value[1:-1]}}}'"
+        return Slip(problem, line, key.end() + 1)
+    return _two_keys(trouble, key, value)
+
+
+def _two_keys(trouble: _Trouble, key: re.Match[str], value: str) -> Slip:
+    problem = f"a text that holds ': ' needs quotes; write '{key['key']}: \"{value}\"'"
+    if second := re.fullmatch(r"\s*\S+?,?\s+(?P<key>[a-z_]+)", trouble.before[key.end() :]):
+        name = second["key"]
+        problem = f"two keys are in one line: '{name}' begins a line of its own, or {problem[2:]}"
+    return Slip(problem, trouble.line, trouble.column)
+
+
+def _indentation(trouble: _Trouble) -> Slip | None:
+    """A line that is indented unlike its neighbours."""
+    if trouble.problem not in (_NO_KEY, _NO_ITEM, _NO_MAPPING):
+        return None
+    shift = find_shift(trouble.lines, trouble.line)
+    return shift and Slip(shift.problem, shift.line, shift.column, "CB121", shift.lines)
+
+
+def _colon_above(trouble: _Trouble) -> Slip | None:
+    """A line that lacks its colon, and is taken for more of the text above it."""
+    number = trouble.above
+    is_no_key = number and not _KEY.match(f"{trouble.lines[number - 1]} ")
+    is_text = trouble.problem == _NO_MAPPING and is_no_key
+    return _no_colon(trouble.lines, number) if is_text else None
+
+
+def _missing_value(trouble: _Trouble) -> Slip | None:
+    if trouble.problem != _NO_CONTENT:
+        return None
+    at = trouble.rest[:1]
+    problem = f"a value is missing before this '{at}', or the '{at}' is one too many"
+    return Slip(problem, trouble.line, trouble.column)
+
+
+def _before_the_document(trouble: _Trouble) -> Slip | None:
+    """A line in front of the document that makes a document of its own."""
+    if trouble.problem != _NO_START:
+        return None
+    number = trouble.above or trouble.line
+    if trouble.lines[number - 1].startswith("..."):
+        return Slip("'...' ends the document; leave it out", number, 1)
+    problem = "only a comment can stand before or behind the keys of a document; delete this line"
+    return Slip(problem, number, 1)
+
+
+_EXPLANATIONS = (
+    _tab,
+    _look_alike,
+    _fence,
+    _unquoted,
+    _directive,
+    _colon,
+    _after_the_end,
+    _within_brackets,
+    _open_quote,
+    _second_colon,
+    _colon_above,
+    _indentation,
+    _missing_value,
+    _before_the_document,
+)

@@ -1,0 +1,54 @@
+"""An episode begins in a context that is drawn or named, and in the posture that it says."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from cbdsl.backends.backend import BackendError
+from cbdsl.backends.staging.context import choose_context, starting_posture
+from cbdsl.documents.robot import RobotDocument
+from cbdsl.documents.stage import Context, StageDocument
+from cbdsl.robot.joints import Joints
+from tests.backends.conftest import Either, made_stage
+
+
+def test_contexts_are_drawn_by_their_shares() -> None:
+    stage = StageDocument.model_validate(
+        {**made_stage({}).model_dump(), "contexts": {"often": {"share": 3}, "seldom": {"share": 1}}}
+    )
+    rng = np.random.default_rng(0)
+    drawn = [choose_context(stage, None, rng) for _ in range(400)]
+    assert 265 <= drawn.count("often") <= 335
+
+
+def test_joints_start_in_their_postures_or_where_the_context_says(
+    either: Either, dexter: RobotDocument
+) -> None:
+    either.reset(made_stage({"joints": {"pan": [0.2, 0.3]}}), None, np.random.default_rng(0))
+    start = either.observe().positions
+    joints = Joints(dexter)
+    assert 0.2 <= start[joints.index["pan"]] <= 0.3
+    for name, effector in dexter.effectors.items():
+        assert effector.start is not None
+        for joint, angle in zip(effector.joints, effector.postures[effector.start], strict=True):
+            if joint != "pan":
+                assert start[joints.index[joint]] == pytest.approx(angle), name
+
+
+def test_where_joints_start_otherwise_is_not_changed(dexter: RobotDocument) -> None:
+    joints, rng = Joints(dexter), np.random.default_rng(0)
+    head = dexter.effectors["head"].model_copy(update={"start": None})
+    robot = dexter.model_copy(update={"effectors": {**dexter.effectors, "head": head}})
+    elsewhere = np.full(len(joints), 0.25)
+    start = starting_posture(Context(), robot, joints, elsewhere, rng)
+    assert (start[joints.of("head")] == 0.25).all()
+    assert (elsewhere == 0.25).all()
+
+
+def test_unknown_names_are_told_with_the_known_ones(either: Either) -> None:
+    rng = np.random.default_rng(0)
+    with pytest.raises(BackendError, match=r"'nowhere'.*only"):
+        either.reset(made_stage({}), "nowhere", rng)
+    with pytest.raises(BackendError, match="no actuated joint 'elbow'"):
+        either.reset(made_stage({"joints": {"elbow": 0}}), None, rng)

@@ -1,0 +1,124 @@
+"""Drawings of policies, in every notation."""
+
+from __future__ import annotations
+
+import re
+import shutil
+import subprocess
+from collections.abc import Callable
+from html import unescape
+from xml.etree import ElementTree
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from cbdsl.documents.policy import PolicyDocument
+from cbdsl.reporting.drawing.pictogram import LETTERS, symbols
+from cbdsl.reporting.drawing.policy_dot import policy_dot
+from cbdsl.reporting.drawing.policy_graph import PolicyGraph, policy_graph
+from cbdsl.reporting.drawing.policy_mermaid import policy_mermaid
+from cbdsl.reporting.drawing.policy_svg import policy_svg
+from cbdsl.reporting.drawing.policy_words import percent, sentence, title
+from tests.reporting.drawing.policies import MEMBERS, POLICIES, learned
+
+SVG = "{http://www.w3.org/2000/svg}"
+GRAPHS = st.builds(
+    policy_graph, POLICIES, st.floats(0, 0.9), st.booleans(), st.just(frozenset(MEMBERS[:1]))
+)
+
+
+def read(drawing: str) -> str:
+    """A drawing's labels as a reader sees them."""
+    return unescape(re.sub(r"#(\d+);", lambda match: chr(int(match[1])), drawing))
+
+
+@pytest.mark.parametrize("draw", [policy_dot, policy_mermaid, policy_svg])
+@given(graph=GRAPHS)
+@settings(max_examples=25)
+def test_every_state_action_and_share_is_drawn(
+    draw: Callable[[PolicyGraph], str], graph: PolicyGraph
+) -> None:
+    drawing = read(draw(graph))
+    if draw is policy_dot:
+        drawing = re.sub(r"</FONT></TD><TD[^>]*><FONT[^>]*>", " ", drawing)
+    for decision in graph.decisions:
+        wanted = decision.state if draw is policy_svg else symbols(decision.state)
+        assert wanted in drawing
+        assert decision.action is None or decision.action in drawing
+    for arc in graph.arcs:
+        assert percent(arc.share) in drawing
+    arrows = {policy_dot: " -> ", policy_mermaid: " -->|", policy_svg: 'class="arc"'}[draw]
+    began = sum(bool(each.started) for each in graph.decisions)
+    besides = 0 if draw is policy_mermaid else began
+    assert drawing.count(arrows) == len(graph.arcs) + besides
+
+
+@given(GRAPHS)
+@settings(max_examples=50)
+def test_svg_holds_its_states_apart_and_with_their_pictograms(graph: PolicyGraph) -> None:
+    root = ElementTree.fromstring(policy_svg(graph))
+    width, height = float(root.attrib["width"]), float(root.attrib["height"])
+    nodes = [each for each in root.iter(f"{SVG}rect") if each.attrib.get("class") == "node"]
+    assert len(nodes) == len(graph.decisions)
+    boxes = [tuple(float(each.attrib[key]) for key in ("x", "y", "width", "height"))
+             for each in nodes]  # fmt: skip
+    for place, (x, y, w, h) in enumerate(boxes):
+        assert 0 <= w <= width and 0 <= h <= height
+        assert not any(
+            x < x2 + w2 and x2 < x + w and y < y2 + h2 and y2 < y + h
+            for x2, y2, w2, h2 in boxes[place + 1 :]
+        )
+    papers = [each.attrib["fill"] for each in root.iter(f"{SVG}rect") if "fill" in each.attrib]
+    for letter, look in LETTERS.items():
+        drawn = sum(
+            (2 if member in graph.programs else 1)
+            for decision in graph.decisions
+            for member, own in zip(graph.members, decision.state, strict=True)
+            if own == letter
+        )
+        assert papers.count(look.paper) == drawn + (letter != "*")
+
+
+def test_a_learned_policy_of_its_programs_name_is_not_said_to_be_written_in_it() -> None:
+    policy = learned([[("reach", "1X")]]).model_copy(update={"name": "walking"})
+    written = policy.model_copy(update={"values": {}, "transitions": {}, "curve": None})
+    assert title(policy_graph(policy)) == "walking, a policy of walking"
+    assert title(policy_graph(written)) == "walking, the policy written in it"
+
+
+def test_names_stay_text() -> None:
+    hostile = 'a"<b>&\\'
+    policy = PolicyDocument(
+        cbdsl=1,
+        kind="policy",
+        name="walked",
+        program="p",
+        predicates=(hostile,),
+        policy={"X": hostile},
+    )
+    graph = policy_graph(policy)
+    texts = {each.text for each in ElementTree.fromstring(policy_svg(graph)).iter(f"{SVG}text")}
+    assert hostile in texts
+    assert hostile in read(policy_mermaid(graph)) and hostile not in policy_mermaid(graph)
+    assert '<B>a"&lt;b&gt;&amp;\\</B>' in policy_dot(graph)
+
+
+@given(GRAPHS)
+@settings(max_examples=25)
+def test_words_say_what_the_arcs_do(graph: PolicyGraph) -> None:
+    for decision in graph.decisions:
+        own = [arc for arc in graph.arcs if arc.source == decision.state]
+        told = sentence(graph, decision)
+        assert re.findall(r"(\d+ %) to (\S+)[;.]", told) == [
+            (percent(arc.share), arc.target) for arc in own
+        ]
+
+
+@pytest.mark.skipif(shutil.which("dot") is None, reason="needs Graphviz")
+@given(GRAPHS)
+@settings(max_examples=5, deadline=None)
+def test_graphviz_reads_dot(graph: PolicyGraph) -> None:
+    run = subprocess.run(["dot", "-Tsvg"], input=policy_dot(graph), capture_output=True, text=True)
+    assert (run.returncode, run.stderr) == (0, "")
+    assert run.stdout.count('class="edge"') == policy_dot(graph).count(" -> ")

@@ -1,0 +1,145 @@
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from cbdsl.documents.robot import RobotDocument
+from cbdsl.robot.urdf import UrdfError
+from cbdsl.sensing.kinematics import Kinematics
+
+LINKS = ["right_palm", "left_palm", "left_camera", "right_finger_1_tip", "left_finger_2_tip"]
+STEP = 1e-6
+
+
+def test_dexter_has_24_actuated_joints_in_five_synergies(
+    dexter: RobotDocument, kinematics: Kinematics
+) -> None:
+    assert len(kinematics.joints) == 24
+    assert [len(effector.joints) for effector in dexter.effectors.values()] == [2, 7, 7, 4, 4]
+    assert (kinematics.lower < kinematics.upper).all()
+
+
+@pytest.mark.parametrize("link", LINKS)
+def test_jacobians_by_finite_differences(
+    kinematics: Kinematics, posture: np.ndarray, link: str
+) -> None:
+    kinematics.update(posture)
+    jacobian, frame = kinematics.jacobian(link).copy(), kinematics.frame(link)
+    for column in range(len(posture)):
+        kinematics.update(posture + STEP * np.eye(len(posture))[column])
+        moved = kinematics.frame(link)
+        linear = (moved.position - frame.position) / STEP
+        turn = (moved.rotation @ frame.rotation.T - np.eye(3)) / STEP
+        angular = np.array([turn[2, 1], turn[0, 2], turn[1, 0]])
+        assert jacobian[:, column] == pytest.approx(np.r_[linear, angular], abs=1e-4)
+
+
+def test_limbs_that_rest_or_that_nobody_asks_about_are_where_they_would_be_anyway(
+    dexter: RobotDocument, urdf: Path, kinematics: Kinematics, posture: np.ndarray
+) -> None:
+    rng = np.random.default_rng(0)
+    for _ in range(40):
+        moved = kinematics.joints.of(rng.choice(list(dexter.effectors)))
+        posture = posture.copy()
+        posture[moved] += rng.normal(0.0, 0.1, len(moved)) * rng.integers(2)
+        kinematics.update(posture)
+        link = rng.choice(LINKS)
+        anew = Kinematics(dexter, urdf)
+        anew.update(posture)
+        assert (kinematics.frame(link).rotation == anew.frame(link).rotation).all()
+        for found, wanted in zip(
+            kinematics.point(link, (0.1, 0, 0)), anew.point(link, (0.1, 0, 0)), strict=True
+        ):
+            assert (found == wanted).all()
+
+
+@pytest.mark.parametrize("link", LINKS)
+def test_every_point_of_a_link_turns_as_the_link(
+    kinematics: Kinematics, posture: np.ndarray, link: str
+) -> None:
+    kinematics.update(posture)
+    angular = kinematics.jacobian(link)[3:]
+    for offset in ((0.0, 0.0, 0.0), (0.1, -0.2, 0.3)):
+        kinematics.update(posture)
+        assert np.array_equal(kinematics.point(link, offset).jacobian[3:], angular)
+        assert np.array_equal(kinematics.turning(link), angular)
+
+
+def test_a_posture_stays_what_it_was_when_it_was_set(
+    kinematics: Kinematics, posture: np.ndarray
+) -> None:
+    kinematics.update(posture)
+    before = kinematics.frame(LINKS[0]).position
+    given = posture.copy()
+    kinematics.update(given)
+    given += 0.1
+    assert np.array_equal(kinematics.frame(LINKS[0]).position, before)
+    kinematics.update(given)
+    assert not np.allclose(kinematics.frame(LINKS[0]).position, before)
+
+
+def test_origins_are_those_of_the_links(kinematics: Kinematics, posture: np.ndarray) -> None:
+    """The link that a joint turns begins where the joint is."""
+    for change in (0.0, 0.1):
+        kinematics.update(posture + change)
+        *joints, first, second = kinematics.origins(("right_arm_3",), tuple(LINKS[:2]))
+        assert np.array_equal(joints, [kinematics.frame("right_link_3").position])
+        for link, origin in zip(LINKS[:2], (first, second), strict=True):
+            assert np.array_equal(origin, kinematics.frame(link).position)
+    assert kinematics.origins((), ()).shape == (0, 3)
+
+
+def test_a_component_is_that_along_the_axis_as_the_link_turns_it(
+    kinematics: Kinematics, posture: np.ndarray
+) -> None:
+    kinematics.update(posture)
+    axis, vector = np.array([0.6, 0.0, 0.8]), np.array([1.0, -2.0, 3.0])
+    turned = kinematics.direction("right_palm", axis)
+    assert kinematics.component("right_palm", axis, vector) == pytest.approx(turned @ vector)
+
+
+def test_a_wheel_that_the_robot_file_does_not_name_stays_where_it_is(
+    dexter: RobotDocument, urdf: Path, kinematics: Kinematics, posture: np.ndarray, tmp_path: Path
+) -> None:
+    wheel = (
+        '<link name="wheel"/><joint name="axle" type="continuous"><parent link="torso"/>'
+        '<child link="wheel"/><axis xyz="0 0 1"/></joint></robot>'
+    )
+    model = tmp_path / "wheeled.urdf"
+    model.write_text(urdf.read_text("utf-8").replace("</robot>", wheel), encoding="utf-8")
+    wheeled = Kinematics(dexter, model)
+    assert np.array_equal(wheeled.lower, kinematics.lower)
+    wheeled.update(posture)
+    kinematics.update(posture)
+    for link in LINKS:
+        assert wheeled.frame(link).position == pytest.approx(kinematics.frame(link).position)
+        assert wheeled.jacobian(link) == pytest.approx(kinematics.jacobian(link))
+
+
+def test_passive_joints_follow(kinematics: Kinematics, posture: np.ndarray) -> None:
+    joints = kinematics.joints
+    every = joints.expand(posture)
+    proximal, distal = joints.pick(["right_finger_2", "right_finger_2_distal"])
+    spread, other = joints.pick(["left_spread", "left_spread_2"])
+    assert every[distal] == pytest.approx(every[proximal] / 3, rel=1e-6)
+    assert every[other] == every[spread]
+
+
+def test_the_arms_mirror_each_other(dexter: RobotDocument, kinematics: Kinematics) -> None:
+    posture = np.zeros(len(kinematics.joints))
+    for arm in ("left_arm", "right_arm"):
+        posture[kinematics.joints.of(arm)] = dexter.effectors[arm].postures["home"]
+    kinematics.update(posture)
+    left, right = (kinematics.frame(f"{side}_palm").position for side in ("left", "right"))
+    assert left == pytest.approx(right * [1, -1, 1], abs=1e-3)
+
+
+def test_an_unknown_link_is_named(kinematics: Kinematics) -> None:
+    with pytest.raises(KeyError, match="no_such_link"):
+        kinematics.frame("no_such_link")
+
+
+def test_a_model_that_cannot_be_read_says_so(dexter: RobotDocument, tmp_path: Path) -> None:
+    (tmp_path / "no.urdf").write_text("<robot name='no'><joint/></robot>", encoding="utf-8")
+    with pytest.raises(UrdfError, match=r"no\.urdf"):
+        Kinematics(dexter, tmp_path / "no.urdf")

@@ -1,0 +1,192 @@
+"""What is seen, and how it moves with the hands that hold it."""
+
+from __future__ import annotations
+
+from collections.abc import Container
+
+import numpy as np
+import pytest
+
+from cbdsl.documents.robot import RobotDocument
+from cbdsl.robot.resources import resources
+from cbdsl.sensing.camera import heading
+from cbdsl.sensing.kinematics import Kinematics
+from cbdsl.sensing.observation import Cell, Observation
+from cbdsl.sensing.signals import Signals
+from cbdsl.sensing.vision import SeenHeading
+
+CHANNEL = "int_10"
+STEP = 1e-6
+SIZES = np.full(2, 0.01)  # m^2
+
+
+@pytest.fixture
+def signals(dexter: RobotDocument, kinematics: Kinematics) -> Signals:
+    return Signals(dexter, kinematics, resources(dexter).values())
+
+
+def facing(dexter: RobotDocument, signals: Signals) -> np.ndarray:
+    """Both hands face each other in front of the head."""
+    positions = np.zeros(len(signals.joints))
+    for name, effector in dexter.effectors.items():
+        posture = "facing" if "facing" in effector.postures else effector.start
+        if posture is not None:
+            positions[signals.joints.of(name)] = effector.postures[posture]
+    return positions
+
+
+def feel(
+    dexter: RobotDocument,
+    signals: Signals,
+    positions: np.ndarray,
+    force: float,
+    cells: Container[Cell] | None = None,
+) -> None:
+    """One tick in which every fingertip, or each of some, feels the same force."""
+    loads = {
+        (hand, finger): np.eye(6)[0] * (force if cells is None or (hand, finger) in cells else 0.0)
+        for hand, fingers in dexter.load_cells.items()
+        for finger in fingers
+    }
+    signals.update(Observation(0.0, positions, np.zeros_like(positions), loads, {}))
+
+
+def see(dexter: RobotDocument, signals: Signals, position: np.ndarray) -> None:
+    """Both cameras see something at a position."""
+    signals.vision.memories[CHANNEL].position = position
+    signals.vision.memories[CHANNEL].radius = 0.1
+    for name, camera in dexter.cameras.items():
+        frame = signals.kinematics.frame(camera.link)
+        angles = heading(frame.rotation.T @ (position - frame.position))
+        signals.vision.headings[name, CHANNEL] = SeenHeading(angles, 1)
+
+
+def between(dexter: RobotDocument, signals: Signals) -> np.ndarray:
+    centroid = signals.read(resources(dexter)["arms.centroid"])
+    assert centroid is not None
+    return centroid.value
+
+
+def test_what_is_not_held_moves_with_no_arm(dexter: RobotDocument, signals: Signals) -> None:
+    feel(dexter, signals, facing(dexter, signals), 0.0)
+    see(dexter, signals, between(dexter, signals))
+    pair = signals.read(resources(dexter)[f"cameras.{CHANNEL}"])
+    assert pair is not None
+    head = signals.joints.of("head")
+    assert np.any(pair.jacobian[:, head])
+    assert not np.any(np.delete(pair.jacobian, head, axis=1))
+
+
+def test_what_is_held_moves_with_the_centroid_of_the_hands(
+    dexter: RobotDocument, signals: Signals
+) -> None:
+    """The Jacobian of the headings through the arms, by finite differences (Eq 3.42)."""
+    positions, named = facing(dexter, signals), resources(dexter)
+    arms = signals.joints.of("arms")
+
+    def headings(at: np.ndarray) -> np.ndarray:
+        feel(dexter, signals, at, 5.0)
+        see(dexter, signals, between(dexter, signals))
+        reading = signals.read(named[f"cameras.{CHANNEL}"])
+        assert reading is not None
+        return reading.value
+
+    feel(dexter, signals, positions, 0.0)
+    here = headings(positions)
+    held = signals.read(named[f"cameras.{CHANNEL}"])
+    seen = signals.read(named[f"stereo.{CHANNEL}"])
+    centroid = signals.read(named["arms.centroid"])
+    assert held is not None and seen is not None and centroid is not None
+    assert seen.jacobian == pytest.approx(centroid.jacobian)
+    jacobian = held.jacobian.copy()
+    for column in arms:
+        moved = positions.copy()
+        moved[column] += STEP
+        assert jacobian[:, column] == pytest.approx((headings(moved) - here) / STEP, abs=1e-4)
+
+
+def test_what_is_held_is_remembered_where_the_hands_have_taken_it(
+    dexter: RobotDocument, signals: Signals
+) -> None:
+    positions = facing(dexter, signals)
+    feel(dexter, signals, positions, 0.0)
+    feel(dexter, signals, positions, 5.0)
+    start = between(dexter, signals)
+    aside = np.array([0.0, 0.0, 0.02])
+    see(dexter, signals, start + aside)
+    positions = positions.copy()
+    positions[signals.joints.of("arms")] += 0.05
+    feel(dexter, signals, positions, 5.0)
+    remembered = signals.vision.memories[CHANNEL].position
+    assert remembered is not None
+    assert np.linalg.norm(between(dexter, signals) - start) > 0.01
+    assert remembered == pytest.approx(between(dexter, signals) + aside)
+
+
+@pytest.mark.parametrize("fingers", [1, 2, 3])
+def test_one_hand_holds_with_all_of_its_fingers(
+    dexter: RobotDocument, signals: Signals, fingers: int
+) -> None:
+    positions = facing(dexter, signals)
+    touching = [("right_hand", f"finger_{number + 1}") for number in range(fingers)]
+    feel(dexter, signals, positions, 0.0)
+    feel(dexter, signals, positions, 5.0, touching)
+    tip = signals.tips.position("right_arm").value
+    see(dexter, signals, tip)
+    positions = positions.copy()
+    positions[signals.joints.of("right_arm")] += 0.05
+    feel(dexter, signals, positions, 5.0, touching)
+    taken = signals.tips.position("right_arm").value
+    assert np.linalg.norm(taken - tip) > 0.01
+    remembered = signals.vision.memories[CHANNEL].position
+    assert remembered == pytest.approx(taken if fingers == 3 else tip)
+
+
+def test_what_is_far_from_the_hands_is_not_held(dexter: RobotDocument, signals: Signals) -> None:
+    positions, far = facing(dexter, signals), np.array([0.6, 0.0, -0.42])
+    feel(dexter, signals, positions, 0.0)
+    feel(dexter, signals, positions, 5.0)
+    see(dexter, signals, far)
+    seen = signals.read(resources(dexter)[f"stereo.{CHANNEL}"])
+    assert seen is not None
+    assert not np.any(seen.jacobian)
+
+
+@pytest.mark.parametrize("hidden_from", [("left",), ("right",), ("left", "right")])
+def test_what_is_held_has_headings_while_an_arm_hides_it(
+    dexter: RobotDocument, signals: Signals, hidden_from: tuple[str, ...]
+) -> None:
+    """The same headings and Jacobians as where it is seen; without the hold there are none."""
+    positions, pair = facing(dexter, signals), resources(dexter)[f"cameras.{CHANNEL}"]
+    feel(dexter, signals, positions, 0.0)
+    feel(dexter, signals, positions, 5.0)
+    see(dexter, signals, between(dexter, signals))
+    seen = signals.read(pair)
+    for name in hidden_from:
+        del signals.vision.headings[name, CHANNEL]
+    hidden = signals.read(pair)
+    assert seen is not None and hidden is not None
+    assert hidden.value == pytest.approx(seen.value)
+    assert hidden.jacobian == pytest.approx(seen.jacobian)
+    feel(dexter, signals, positions, 0.0)
+    assert signals.read(pair) is None
+
+
+def test_what_is_held_out_of_view_has_no_headings(dexter: RobotDocument, signals: Signals) -> None:
+    positions = facing(dexter, signals)
+    positions[signals.joints.of("head")] += 0.8
+    feel(dexter, signals, positions, 0.0)
+    feel(dexter, signals, positions, 5.0)
+    signals.vision.memories[CHANNEL].position = between(dexter, signals)
+    assert signals.read(resources(dexter)[f"cameras.{CHANNEL}"]) is None
+
+
+def test_lines_of_sight_that_do_not_meet_are_no_pair(
+    dexter: RobotDocument, signals: Signals
+) -> None:
+    feel(dexter, signals, facing(dexter, signals), 0.0)
+    see(dexter, signals, np.array([0.9, 0.0, 0.0]))
+    for name, outwards in (("left", 0.8), ("right", -0.8)):
+        angles = np.array([outwards, 0.0])
+        signals.vision.headings[name, CHANNEL] = SeenHeading(angles, 1)
+    assert signals.read(resources(dexter)[f"cameras.{CHANNEL}"]) is None

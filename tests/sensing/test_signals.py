@@ -1,0 +1,191 @@
+import numpy as np
+import pytest
+
+from cbdsl.documents.robot import RobotDocument
+from cbdsl.robot.resources import resources
+from cbdsl.sensing.kinematics import Kinematics
+from cbdsl.sensing.observation import Observation
+from cbdsl.sensing.signals import SensorError, Signals
+from cbdsl.types.resource import NetForces, Origin, Tip
+
+STEP = 1e-6
+
+
+def observe(dexter: RobotDocument, positions: np.ndarray, force: float = 0.0) -> Observation:
+    """An observation with the same downward force on every fingertip and no image."""
+    loads = {
+        (hand, finger): np.array([0, 0, -force, 0, 0, 0], dtype=float)
+        for hand, fingers in dexter.load_cells.items()
+        for finger in fingers
+    }
+    return Observation(0.0, positions, np.zeros_like(positions), loads, {})
+
+
+@pytest.fixture
+def signals(dexter: RobotDocument, kinematics: Kinematics) -> Signals:
+    return Signals(dexter, kinematics, resources(dexter).values())
+
+
+def test_every_resource_can_be_read_and_fits_its_type(
+    dexter: RobotDocument, signals: Signals, posture: np.ndarray
+) -> None:
+    signals.update(observe(dexter, posture))
+    signals.update(observe(dexter, posture, force=3.0))
+    defined = 0
+    for resource in resources(dexter).values():
+        if resource.origin is Origin.MODEL:
+            sample = signals.sampler(resource, np.random.default_rng(0)).draw()
+            assert sample.shape == (resource.type.size,)
+            continue
+        reading = signals.read(resource)
+        if reading is not None:
+            defined += 1
+            shape = {"orientation": (3, 3), "pose": (4, 4)}.get(
+                resource.type.name, (resource.type.size,)
+            )
+            assert reading.value.shape == shape
+            assert reading.jacobian.shape == (resource.type.size, len(signals.joints))
+    # Everything but what needs an image.
+    assert defined > 40
+
+
+@pytest.mark.parametrize(
+    "name",
+    [
+        "right_arm",
+        "left_hand",
+        "right_arm.position",
+        "head",
+        "arms",
+        "arms.position",
+        "arms.centroid",
+        "arms.separation",
+    ],
+)
+def test_jacobians_of_moved_resources_by_finite_differences(
+    dexter: RobotDocument, signals: Signals, posture: np.ndarray, name: str
+) -> None:
+    resource = resources(dexter)[name]
+    signals.update(observe(dexter, posture))
+    here = signals.read(resource)
+    assert here is not None
+    for column in range(len(posture)):
+        signals.update(observe(dexter, posture + STEP * np.eye(len(posture))[column]))
+        there = signals.read(resource)
+        assert there is not None
+        slope = (there.value - here.value) / STEP
+        assert here.jacobian[:, column] == pytest.approx(slope, abs=1e-4)
+
+
+@pytest.mark.parametrize("effector", ["left_arm", "right_arm", "arms"])
+@pytest.mark.parametrize("part", ["position", "pose"])
+def test_curvature_by_finite_differences(
+    dexter: RobotDocument, signals: Signals, posture: np.ndarray, effector: str, part: str
+) -> None:
+    signals.update(observe(dexter, posture))
+    here = signals.tips.manipulator(effector, part)
+    assert here.curvature is not None
+    for column in range(len(posture)):
+        signals.update(observe(dexter, posture + STEP * np.eye(len(posture))[column]))
+        there = signals.tips.manipulator(effector, part)
+        slope = (there.jacobian - here.jacobian) / STEP
+        assert here.curvature[:, :, column] == pytest.approx(slope, abs=1e-4)
+
+
+def test_a_load_follows_the_displacement_of_what_feels_it(
+    dexter: RobotDocument, signals: Signals, posture: np.ndarray
+) -> None:
+    """Force -> displacement (Eq 3.37): the contact is a spring between link and world."""
+    named = resources(dexter)
+    signals.update(observe(dexter, posture))
+    signals.update(observe(dexter, posture, force=2.0))
+    finger = signals.read(named["left_hand.finger_1.wrench"])
+    assert finger is not None
+    moved = signals.kinematics.jacobian(dexter.load_cells["left_hand"]["finger_1"].link)
+    stiffness = dexter.control.contact_stiffness
+    assert finger.jacobian[:3] == pytest.approx(stiffness * moved[:3])
+    assert finger.jacobian[3:] == pytest.approx(dexter.control.contact_torsion * moved[3:])
+    net = signals.read(named["left_hand.net.force"])
+    fingers = [signals.read(named[f"left_hand.finger_{i}.force"]) for i in (1, 2, 3)]
+    assert net is not None
+    assert net.jacobian == pytest.approx(sum(f.jacobian for f in fingers if f is not None))
+    both = signals.read(named["hands.net_forces"])
+    assert both is not None
+    assert both.value[:3] == pytest.approx(net.value)
+
+
+def test_hands_know_the_arms_that_carry_them(signals: Signals) -> None:
+    assert signals.touch.carriers == {"left_hand": "left_arm", "right_hand": "right_arm"}
+
+
+def test_a_hand_presses_along_its_palms_normal(
+    dexter: RobotDocument, signals: Signals, posture: np.ndarray
+) -> None:
+    source = resources(dexter)["hands.net_forces"].source
+    assert isinstance(source, NetForces)
+    signals.update(observe(dexter, posture))
+    assert signals.touch.normal_forces(source).value == pytest.approx([0, 0])
+    signals.update(observe(dexter, posture, force=1.0))
+    down = [float(-signals.tips.normal(arm)[2]) for arm in ("left_arm", "right_arm")]
+    assert signals.touch.normal_forces(source).value == pytest.approx(3.0 * np.array(down))
+
+
+def test_a_standoff_moves_the_control_point_along_the_tips_normal(
+    dexter: RobotDocument, signals: Signals, posture: np.ndarray
+) -> None:
+    source = resources(dexter)["left_arm.position"].source
+    assert isinstance(source, Tip)
+    signals.update(observe(dexter, posture))
+    near, far = signals.tips.tip(source, 0.0), signals.tips.tip(source, 0.1)
+    normal = signals.kinematics.frame("left_palm").rotation[:, 2]
+    assert far.value - near.value == pytest.approx(0.1 * normal)
+
+
+def test_without_contact_force_signals_are_undefined(
+    dexter: RobotDocument, signals: Signals, posture: np.ndarray
+) -> None:
+    named = resources(dexter)
+    signals.update(observe(dexter, posture))
+    for name in ("right_hand.finger_1.force", "right_hand.finger_forces", "right_hand.net.force"):
+        assert signals.read(named[name]) is None
+    signals.update(observe(dexter, posture, force=2.0))
+    net = signals.read(named["right_hand.net.force"])
+    assert net is not None
+    assert net.value == pytest.approx([0, 0, -6])
+
+
+def test_what_load_cells_read_at_first_is_zero(
+    dexter: RobotDocument, signals: Signals, posture: np.ndarray
+) -> None:
+    signals.update(observe(dexter, posture, force=0.5))
+    assert not signals.touch.touching("right_hand")
+    signals.update(observe(dexter, posture, force=2.5))
+    force = signals.read(resources(dexter)["right_hand.finger_2.force"])
+    assert force is not None
+    assert force.value == pytest.approx([0, 0, -2.0])
+
+
+@pytest.mark.parametrize("value", [np.nan, np.inf])
+def test_a_broken_sensor_is_named(
+    dexter: RobotDocument, signals: Signals, posture: np.ndarray, value: float
+) -> None:
+    with pytest.raises(SensorError, match=r"right_hand\.finger_1"):
+        observation = observe(dexter, posture)
+        observation.loads["right_hand", "finger_1"][1] = value
+        signals.update(observation)
+    with pytest.raises(SensorError, match=r"joint \w+ of \w+ is not finite"):
+        signals.update(observe(dexter, posture * value))
+
+
+def test_a_pose_is_its_position_and_its_orientation(
+    dexter: RobotDocument, signals: Signals, posture: np.ndarray
+) -> None:
+    named = resources(dexter)
+    signals.update(observe(dexter, posture))
+    parts = (
+        signals.read(named[f"left_arm.{part}"]) for part in ("pose", "position", "orientation")
+    )
+    pose, position, orientation = (part for part in parts if part is not None)
+    assert pose.value[:3, 3] == pytest.approx(position.value)
+    assert pose.value[:3, :3] == pytest.approx(orientation.value)
+    assert pose.jacobian == pytest.approx(np.vstack([position.jacobian, orientation.jacobian]))

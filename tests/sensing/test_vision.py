@@ -1,0 +1,196 @@
+"""Vision: what both cameras see has a position, and what they lose is forgotten unless hidden."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from cbdsl.documents.robot import RobotDocument
+from cbdsl.robot.resources import resources
+from cbdsl.sensing.channels import ChannelFilter
+from cbdsl.sensing.kinematics import Kinematics
+from cbdsl.sensing.signals import Signals
+from tests.runtime.conftest import made_stage
+from tests.runtime.synthetic import RED, Ball, SyntheticBackend
+
+BALL = np.array([0.75, -0.25, -0.35])
+GREEN = (0, 255, 0)
+FINGERTIPS = tuple(f"right_finger_{number}_tip" for number in (1, 2, 3))
+
+
+@pytest.fixture(scope="module")
+def backend(dexter: RobotDocument, urdf: Path) -> SyntheticBackend:
+    return SyntheticBackend(dexter, urdf)
+
+
+@pytest.fixture
+def signals(dexter: RobotDocument, kinematics: Kinematics, backend: SyntheticBackend) -> Signals:
+    """Looks for red and for green things."""
+    named = resources(dexter)
+    backend.reset(made_stage({"pan": -0.35, "tilt": 0.9}), None, np.random.default_rng(0))
+    return Signals(dexter, kinematics, [named["stereo.red"], named["stereo.green"]])
+
+
+def look(backend: SyntheticBackend, signals: Signals, seconds: float = 0.1) -> None:
+    for _ in range(round(seconds / backend.control_period)):
+        signals.update(backend.observe())
+        backend.apply(signals.positions)
+        backend.step()
+
+
+def look_towards(
+    point: NDArray[np.float64], backend: SyntheticBackend, signals: Signals, **joints: float
+) -> None:
+    """Begin anew with the head turned to a point, and these joints, rad."""
+    head = signals.kinematics.frame("left_camera").position
+    turn = np.arctan2(point[1], point[0])
+    down = np.arctan2(head[2] - point[2], np.hypot(*(point - head)[:2]))
+    backend.reset(made_stage({"pan": turn, "tilt": down, **joints}), None, np.random.default_rng(0))
+    signals.reset()
+    signals.update(backend.observe())
+
+
+def position(signals: Signals, channel: str) -> NDArray[np.float64] | None:
+    return signals.vision.memories[channel].position
+
+
+def headings(signals: Signals) -> list[list[float]]:
+    """To red in both cameras."""
+    seen = [signals.vision.heading(camera, "hue_1") for camera in ("left", "right")]
+    return [each.angles.tolist() for each in seen if each is not None]
+
+
+@pytest.mark.parametrize("radius", [0.03, 0.06, 0.09])
+@pytest.mark.parametrize("shift", [(0, 0, 0), (0.1, -0.05, 0), (-0.05, 0.08, 0.1)])
+def test_a_ball_is_where_it_is(
+    backend: SyntheticBackend, signals: Signals, radius: float, shift: tuple[float, float, float]
+) -> None:
+    centre = BALL + shift
+    backend.world.ball = Ball(centre, radius)
+    look(backend, signals)
+    assert position(signals, "hue_1") == pytest.approx(centre, abs=0.01)
+    assert signals.vision.memories["hue_1"].radius == pytest.approx(radius, rel=0.05)
+    assert position(signals, "hue_4") is None
+
+
+def test_each_colour_has_a_memory_of_its_own(backend: SyntheticBackend, signals: Signals) -> None:
+    other = BALL + np.array([0.1, 0.05, 0])
+    for color, centre in ((RED, BALL), (GREEN, other)):
+        backend.world.ball = Ball(centre, 0.05, color)
+        look(backend, signals)
+    assert position(signals, "hue_1") == pytest.approx(BALL, abs=0.01)
+    assert position(signals, "hue_4") == pytest.approx(other, abs=0.01)
+
+
+def test_what_vanishes_in_plain_view_is_forgotten(
+    backend: SyntheticBackend, signals: Signals, dexter: RobotDocument
+) -> None:
+    backend.world.ball = Ball(BALL)
+    look(backend, signals)
+    backend.world.ball = None
+    look(backend, signals, dexter.vision.regions.hold - 0.1)
+    assert position(signals, "hue_1") == pytest.approx(BALL, abs=0.01)
+    look(backend, signals, 0.3)
+    assert position(signals, "hue_1") is None
+
+
+def test_what_a_hand_may_hide_is_remembered(
+    backend: SyntheticBackend, signals: Signals, dexter: RobotDocument
+) -> None:
+    """The palm is on the line of sight."""
+    signals.update(backend.observe())
+    palm = signals.kinematics.frame("right_palm").position
+    head = signals.kinematics.frame("left_camera").position
+    behind = palm + 0.05 * (palm - head) / np.linalg.norm(palm - head)
+    look_towards(behind, backend, signals)
+    backend.world.ball = Ball(behind, 0.04)
+    look(backend, signals)
+    assert position(signals, "hue_1") == pytest.approx(behind, abs=0.01)
+    backend.world.ball = None
+    look(backend, signals, 10 * dexter.vision.regions.hold)
+    assert position(signals, "hue_1") == pytest.approx(behind, abs=0.01)
+
+
+@pytest.mark.parametrize(
+    ("share", "force", "is_there"), [(0.7, 0.0, False), (0.8, 0.0, True), (0.7, 1.0, True)]
+)
+def test_what_a_hand_closes_on_is_forgotten_unless_it_is_felt(
+    backend: SyntheticBackend, signals: Signals, share: float, force: float, is_there: bool
+) -> None:
+    closed = {f"right_finger_{number}": 1.6 for number in (1, 2, 3)}
+    look_towards(BALL, backend, signals, **closed)
+    tips = signals.kinematics.origins((), FINGERTIPS)
+    middle = tips.mean(axis=0)
+    look_towards(middle, backend, signals, **closed)
+    radius = np.linalg.norm(tips - middle, axis=1).max() / share
+    backend.world.ball = Ball(middle, radius)
+    look(backend, signals)
+    assert position(signals, "hue_1") == pytest.approx(middle, abs=0.01)
+    backend.world.ball = None
+    backend.world.broken["right_hand", "finger_1"] = np.array([0.0, 0, force, 0, 0, 0])
+    look(backend, signals)
+    assert (position(signals, "hue_1") is not None) == is_there
+
+
+def test_a_ball_that_is_cut_off_by_the_border_has_a_heading_but_no_position(
+    backend: SyntheticBackend, signals: Signals
+) -> None:
+    signals.update(backend.observe())
+    camera = signals.kinematics.frame("left_camera")
+    half_width = 160 / 418.5
+    edge = camera.position + camera.rotation @ np.array([1.0, half_width, 0.0])
+    backend.world.ball = Ball(edge, 0.08)
+    look(backend, signals)
+    assert signals.vision.heading("left", "hue_1") is not None
+    assert signals.vision.regions["left", "hue_1"].clipped
+    assert position(signals, "hue_1") is None
+
+
+def test_a_heading_outlives_its_region_for_a_moment_and_is_not_measured_anew(
+    backend: SyntheticBackend, signals: Signals, dexter: RobotDocument
+) -> None:
+    heading = resources(dexter)["left.hue_1"]
+    backend.world.ball = Ball(BALL)
+    look(backend, signals)
+    seen = signals.read(heading)
+    assert seen is not None
+    backend.world.ball = None
+    look(backend, signals, dexter.vision.regions.linger / 2)
+    kept = signals.read(heading)
+    assert kept is not None
+    assert kept.value == pytest.approx(seen.value, abs=1e-3)
+    assert kept.stamp == seen.stamp < signals.vision.images
+    look(backend, signals, dexter.vision.regions.linger)
+    assert signals.read(heading) is None
+
+
+def test_what_ideal_cameras_see_counts_as_images_do(
+    backend: SyntheticBackend, signals: Signals, dexter: RobotDocument
+) -> None:
+    """And what is too small, or wanted by nobody, counts for nothing."""
+    backend.world.ball = Ball(BALL)
+    observation = backend.observe()
+    signals.update(observation)
+    regions, angles = dict(signals.vision.regions), headings(signals)
+    assert len(regions) == len(angles) == 2
+    channels, least = dexter.vision.channels, dexter.vision.regions.least_area
+    ideal = {
+        camera: ChannelFilter(channels, ["hue_1", "sat_10"], least).regions(image)
+        for camera, image in observation.images.items()
+    }
+    signals.reset()
+    signals.update(replace(observation, images={}, regions=ideal))
+    assert signals.vision.regions == regions
+    assert headings(signals) == angles
+    tiny = {
+        camera: {name: region._replace(area=least - 1) for name, region in found.items()}
+        for camera, found in ideal.items()
+    }
+    signals.reset()
+    signals.update(replace(observation, images={}, regions=tiny))
+    assert not signals.vision.regions
+    assert signals.vision.images == 1

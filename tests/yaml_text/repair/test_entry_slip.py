@@ -1,0 +1,36 @@
+"""What is nearly an entry, a value or a name, and what is one."""
+
+from __future__ import annotations
+
+import re
+
+import pytest
+
+from cbdsl.documents.document import NAME_PATTERN
+from cbdsl.yaml_text.repair.entry_slip import named_instead, slip_in_text
+
+
+@pytest.mark.parametrize(
+    "text", ["cup.yaml", "things/cup.yml", "cup#red", "cup//red", "a cup", "cup-1", "cup,"]
+)
+def test_what_is_no_name_is_told_with_one(text: str) -> None:
+    proposed = re.search(r"write (\S+)", named_instead(text))
+    assert proposed is not None
+    assert re.match(NAME_PATTERN, proposed[1]) and proposed[1].startswith(("cup", "a_cup"))
+
+
+@pytest.mark.parametrize("text", ["1", "", "7up", "cup"])
+def test_nothing_is_proposed_where_no_name_is_left(text: str) -> None:
+    assert named_instead(text) == ""
+
+
+@pytest.mark.parametrize("value", ["{link: palm}", "[a, b]", "*other"])
+@pytest.mark.parametrize(("colon", "missing"), [(":", "a space"), ("", "a ':'"), (" ", "a ':'")])
+def test_a_key_with_its_value_is_no_text(value: str, colon: str, missing: str) -> None:
+    slip = slip_in_text(f"tip{colon}{value}")
+    assert slip is not None and slip.startswith(missing) and slip.endswith("'tip'")
+
+
+@pytest.mark.parametrize("value", ["palm", "left palm", 3.0, None, []])
+def test_texts_and_other_values_are_what_they_are(value: object) -> None:
+    assert slip_in_text(value) is None

@@ -1,0 +1,40 @@
+"""How values are to be written: whatever is proposed has the shape that the document wants."""
+
+from __future__ import annotations
+
+import pytest
+
+from cbdsl.documents.program import ProgramDocument
+from cbdsl.documents.robot import RobotDocument
+from cbdsl.documents.stage import StageDocument
+from cbdsl.errors.diagnostic import Place
+from cbdsl.yaml_text.node import Node
+from cbdsl.yaml_text.repair.form import form
+
+
+@pytest.mark.parametrize(
+    ("model", "steps", "wanted"),
+    [
+        (RobotDocument, ("effectors", "arm", "tip"), "{link: ...}"),
+        (RobotDocument, ("effectors",), "{NAME: {joints: [...]}}"),
+        (RobotDocument, ("couplings",), "{KEY: {follows: ..., ratio: ...}}"),
+        (RobotDocument, ("simulation", "no_contact"), "[[...], ...]"),
+        (RobotDocument, ("effectors", "arm", "tip", "offset"), "[..., ..., ...]"),
+        (RobotDocument, ("base",), None),
+        (ProgramDocument, ("limits",), "{transitions: ..., transition_time: ..., idle_time: ...}"),
+        (ProgramDocument, ("use",), "{NAME: {program: ...}}"),
+        (StageDocument, ("contexts", "one", "nowhere"), None),
+    ],
+)
+def test_forms_have_the_keys_that_are_required(
+    model: type, steps: tuple[str, ...], wanted: str | None
+) -> None:
+    assert form(model, steps) == wanted
+
+
+def test_what_was_written_is_put_where_it_may_belong() -> None:
+    place = Place("here")
+    link = Node(place, "palm")
+    assert form(RobotDocument, ("effectors", "arm", "tip"), link) == "{link: palm}"
+    assert form(RobotDocument, ("groups", "arms"), Node(place, [link])) == "{members: [palm]}"
+    assert form(RobotDocument, ("effectors", "arm", "joints"), link) == "[palm]"

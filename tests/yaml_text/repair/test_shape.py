@@ -1,0 +1,71 @@
+"""What documents want at a place, as their models say it."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Any
+
+import pytest
+from pydantic import BaseModel
+
+from cbdsl.documents.program import Controller, ProgramDocument
+from cbdsl.documents.stage import Ball, Box, Cylinder, StageDocument, Thing
+from cbdsl.yaml_text.reader import KINDS
+from cbdsl.yaml_text.repair.shape import Shape
+
+
+def _sections(model: type[BaseModel]) -> Iterator[type[BaseModel]]:
+    """A document's model and all sections below it."""
+    yield model
+    for key in Shape((model,)).keys:
+        shape = Shape((model,)).child(key)
+        for part in (shape, shape.child(""), shape.child(0)):
+            for section in part.sections:
+                yield from _sections(section)
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_what_is_required_is_known_and_completes_a_section(kind: str) -> None:
+    for section in _sections(KINDS[kind]):
+        shape = Shape((section,))
+        required = {key for key, field in shape.keys.items() if field.is_required()}
+        assert shape.is_complete(required)
+        assert not any(shape.is_complete(required - {key}) for key in required)
+
+
+@pytest.mark.parametrize(
+    ("model", "steps", "kinds"),
+    [
+        (StageDocument, ("things", "cup"), (Thing,)),
+        (StageDocument, ("things", "cup", "form"), (Ball, Box, Cylinder)),
+        (StageDocument, ("things", "cup", "unknown"), ()),
+        (StageDocument, ("things", 0), ()),
+        (ProgramDocument, ("controllers", "reach"), (Controller, str)),
+        (ProgramDocument, ("use", "x", "with", "gain"), (str,)),
+        (ProgramDocument, ("actions", 3), (str,)),
+        (ProgramDocument, ("actions", "reach"), ()),
+    ],
+)
+def test_shapes_at_paths(
+    model: type[BaseModel], steps: tuple[Any, ...], kinds: tuple[type, ...]
+) -> None:
+    assert Shape((model,)).at(steps).kinds == kinds
+
+
+@pytest.mark.parametrize(
+    ("loc", "sections"),
+    [
+        (("things", "cup", "form", "ball"), (Ball,)),
+        (("things", "form"), (Thing,)),
+        (("things", "ball", "form", "box"), (Box,)),
+    ],
+)
+def test_tags_choose_of_a_union_and_names_are_no_keys(
+    loc: tuple[str, ...], sections: tuple[type, ...]
+) -> None:
+    assert Shape((StageDocument,)).located(loc).sections == sections
+
+
+def test_names_of_types_in_a_location_are_passed_over() -> None:
+    shape = Shape((ProgramDocument,)).located(("controllers", "reach", "Controller"))
+    assert shape.sections == (Controller,)
