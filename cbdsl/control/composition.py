@@ -74,7 +74,7 @@ def compose(
     start = 0
     for level, end in enumerate(ends):
         if ages[level] > 0:
-            _midway(rows, newest, ages[level], start, end, middle)
+            _extrapolate(rows, newest, ages[level], start, end, middle)
             squares += _dot(middle[start:end].ravel(), middle[start:end].ravel())
             squares += _dot(wanted[start:end], wanted[start:end])
         start = end
@@ -87,34 +87,34 @@ def compose(
     for level, end in enumerate(ends):
         # Every pass locks a joint or is the last.
         while taken < joints and ages[level] > 0:
-            mine, found = middle[start:end], values[start:end]
-            missing = _missing(mine, wanted[start:end], total)
-            change, below = _invert(mine, missing, basis, taken, found, damping, threshold)
+            own, sizes = middle[start:end], values[start:end]
+            residual = _task_residual(own, wanted[start:end], total)
+            change, below = _invert(own, residual, basis, taken, sizes, damping, threshold)
             _shorten(change, total, locked, bounds, step + _SLACK)
             if not _lock(change, total, locked, bounds):
                 _add(total, change, 1.0)
                 taken = below
                 break
-            taken = _without(locked, basis, taken)
+            taken = _lock_joints(locked, basis, taken)
         start = end
     for joint in range(joints):
         total[joint] = min(max(total[joint], bounds[0, joint]), bounds[1, joint])
 
 
 @compiled_once
-def midway(rows: Floats, newest: int, ages: Integers, ends: Integers) -> Floats:
+def extrapolate_half_tick(rows: Floats, newest: int, ages: Integers, ends: Integers) -> Floats:
     """Rows half a tick ahead, shape (k, n); those of levels that do not act are 0."""
     middle = np.zeros(rows.shape[1:])
     start = 0
     for level, end in enumerate(ends):
         if ages[level] > 0:
-            _midway(rows, newest, ages[level], start, end, middle)
+            _extrapolate(rows, newest, ages[level], start, end, middle)
         start = end
     return middle
 
 
 @compiled
-def _midway(rows: Floats, newest: int, age: int, start: int, end: int, middle: Floats) -> None:
+def _extrapolate(rows: Floats, newest: int, age: int, start: int, end: int, middle: Floats) -> None:
     """Half a tick ahead: on the parabola through three ticks, the line through two, or as it is."""
     now, before, earlier = rows[newest], rows[newest - 1], rows[newest - 2]
     for row in range(start, end):
@@ -167,17 +167,17 @@ def _shorten(change: Floats, total: Floats, locked: Booleans, bounds: Floats, st
 @compiled
 def _lock(change: Floats, total: Floats, locked: Booleans, bounds: Floats) -> bool:
     """Keep joints that would pass a bound where they are, or on their way back inside."""
-    found = False
+    passes = False
     for joint in range(len(change)):
         target = total[joint] + change[joint]
         if target < bounds[0, joint] or target > bounds[1, joint]:
-            found = locked[joint] = True
+            passes = locked[joint] = True
             total[joint] = min(max(total[joint], bounds[0, joint]), bounds[1, joint])
-    return found
+    return passes
 
 
 @compiled
-def _without(locked: Booleans, basis: Floats, taken: int) -> int:
+def _lock_joints(locked: Booleans, basis: Floats, taken: int) -> int:
     """Add the locked joints to the basis; returns how many rows it has then."""
     for joint in range(len(locked)):
         if locked[joint] and taken < len(basis):
@@ -191,12 +191,12 @@ def _without(locked: Booleans, basis: Floats, taken: int) -> int:
 
 
 @compiled
-def _missing(rows: Floats, wanted: Floats, total: Floats) -> Floats:
-    """What the displacement composed so far lacks of the wanted one of the rows (k,)."""
-    missing = np.empty(len(wanted))
+def _task_residual(rows: Floats, wanted: Floats, total: Floats) -> Floats:
+    """The part of the rows' wanted displacement (k,) that the one composed so far leaves undone."""
+    residual = np.empty(len(wanted))
     for i in range(len(wanted)):
-        missing[i] = wanted[i] - _dot(rows[i], total)
-    return missing
+        residual[i] = wanted[i] - _dot(rows[i], total)
+    return residual
 
 
 @compiled
@@ -221,9 +221,9 @@ def _invert(
     rest = rows.copy()
     for i in range(len(rows)):
         _project(rest, i, basis, taken)
-    parts = _extend(rest, basis, taken, _ROUNDING * _norm(rows.ravel()))
+    parts = _gram_schmidt(rest, basis, taken, _ROUNDING * _norm(rows.ravel()))
     directions = basis[taken : taken + len(parts)]
-    _separate(parts, directions)
+    jacobi_svd(parts, directions)
     change, values[:] = np.zeros(rows.shape[1]), 0.0
     for i in range(len(parts)):
         values[i] = _norm(parts[i])
@@ -233,7 +233,7 @@ def _invert(
 
 
 @compiled
-def _extend(rest: Floats, basis: Floats, taken: int, least: float) -> Floats:
+def _gram_schmidt(rest: Floats, basis: Floats, taken: int, least: float) -> Floats:
     """Add orthonormal directions that span the rows to a basis, and subtract them from the rows.
 
     Gram and Schmidt's way, longest row first, down to rows no longer than ``least``.
@@ -242,25 +242,25 @@ def _extend(rest: Floats, basis: Floats, taken: int, least: float) -> Floats:
         The rows' parts in these directions, shape (rank, k).
     """
     parts = np.empty((min(len(rest), len(basis) - taken), len(rest)))
-    for found in range(len(parts)):
+    for rank in range(len(parts)):
         longest, size = 0, 0.0
         for i in range(len(rest)):
             length = _norm(rest[i])
             if length > size:
                 longest, size = i, length
         if size <= least:
-            return parts[:found]
-        direction = basis[taken + found]
+            return parts[:rank]
+        direction = basis[taken + rank]
         _set(direction, rest[longest], 1.0)
-        _orthonormalize(basis, taken + found)
+        _orthonormalize(basis, taken + rank)
         for i in range(len(rest)):
-            parts[found, i] = _dot(rest[i], direction)
-            _add(rest[i], direction, -parts[found, i])
+            parts[rank, i] = _dot(rest[i], direction)
+            _add(rest[i], direction, -parts[rank, i])
     return parts
 
 
 @compiled
-def _separate(parts: Floats, directions: Floats) -> None:
+def jacobi_svd(parts: Floats, directions: Floats) -> None:
     """Turn rows until they are orthogonal, and directions with them: one-sided Jacobi.
 
     The lengths of the rows are then their singular values, and small ones are as precise as large
@@ -298,7 +298,7 @@ def _turn(parts: Floats, directions: Floats, i: int, j: int) -> bool:
 
 @compiled
 def _damped_inverse(value: float, damping: float, threshold: float) -> float:
-    """What stands for a singular value's inverse: Levenberg-Marquardt damping, one by one.
+    """The damped inverse of a singular value (Levenberg-Marquardt), each by itself.
 
     It grows from 0 at ``threshold`` to ``damping`` at 0, so that steps stay bounded and
     continuous through singularities, and are exact away from them.

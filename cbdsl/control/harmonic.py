@@ -7,18 +7,42 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from cbdsl.control.body import Body
 from cbdsl.control.field import HarmonicField
 from cbdsl.control.grid import Grid
 from cbdsl.control.obstacle import Obstacle
-from cbdsl.control.potential import Evaluation
-from cbdsl.control.signal import Floats, Signal, SignalError, require_finite
+from cbdsl.control.potential import Potential, potential
+from cbdsl.control.setting import Setting
+from cbdsl.control.signal import Floats
 from cbdsl.program.controller import Controller
 
 # Share of a cell by which obstacles may move before the field is solved for again.
 _TOLERANCE = 0.25
 # Where 1 - phi_h is smaller than this, as inside of obstacles, its logarithm is cut off.
 _LEAST = 1e-300
+
+
+def build(controller: Controller, setting: Setting) -> Potential:
+    """The harmonic potential of a controller, by default between its joints' limits.
+
+    Raises:
+        ValueError: the controller has no field, or its joints have no limits.
+    """
+    field = controller.field
+    if field is None:
+        raise ValueError("a harmonic potential needs a field")
+    lower = setting.lower if field.lower is None else np.array(field.lower)
+    upper = setting.upper if field.upper is None else np.array(field.upper)
+    return Harmonic(lower, upper, field.spacing, field.scale, field.clearance).potential
+
+
+@potential
+def displacement(
+    value: Floats, reference: Floats, parameters: Floats, residual: Floats, slope: Floats
+) -> float:
+    """phi and the displacement that ``Harmonic.prepare`` has written to the parameters."""
+    for i in range(len(residual)):
+        residual[i] = parameters[1 + i]
+    return parameters[0]
 
 
 class Harmonic:
@@ -49,50 +73,39 @@ class Harmonic:
         self, lower: Floats, upper: Floats, spacing: float, scale: float, clearance: float = 0.0
     ) -> None:
         self._grid = Grid.between(lower, upper, spacing)
-        self.size = len(lower)
-        self.compiled = None
         self._scale = scale
         self._clearance = clearance
         self._obstacles: tuple[Obstacle, ...] = ()
         self._field: HarmonicField | None = None
 
-    @classmethod
-    def build(cls, controller: Controller, body: Body) -> Harmonic:
-        """The harmonic potential of a checked controller, by default between its joints' limits.
+    @property
+    def potential(self) -> Potential:
+        """As the tick evaluates it."""
+        size = len(self._grid.lower)
+        parameters = np.full(1 + size, math.nan)
+        return Potential(
+            displacement, size, parameters=parameters, identity=True, prepare=self.prepare
+        )
+
+    def prepare(
+        self, value: Floats, goal: Floats, obstacles: Sequence[Obstacle], parameters: Floats
+    ) -> None:
+        """Compute phi and the displacement.
+
+        Args:
+            value: shape (n,).
+            goal: where the field leads, shape (n,).
+            obstacles: what to keep away from.
+            parameters: become phi, then the displacement, shape (1 + n,).
 
         Raises:
-            ValueError: the controller has no field, or its joints have no limits.
-        """
-        field = controller.field
-        if field is None:
-            raise ValueError("a harmonic potential needs a field")
-        lower = body.lower if field.lower is None else np.array(field.lower)
-        upper = body.upper if field.upper is None else np.array(field.upper)
-        return cls(lower, upper, field.spacing, field.scale, field.clearance)
-
-    def evaluate(self, signal: Signal, reference: Floats | None) -> Evaluation:
-        """See ``Potential.evaluate``; the reference is the goal.
-
-        Raises:
-            SignalError: the reference is missing, misshapen or not finite.
             NoPathError: no free path leads to the goal, which may be outside of the workspace or
                 inside an obstacle itself.
         """
-        if reference is None:
-            raise SignalError(f"a harmonic potential needs a goal for {signal.name}")
-        shape = self._grid.lower.shape
-        for what, value in ((signal.name, signal.value), ("its reference", reference)):
-            if value.shape != shape:
-                raise SignalError(
-                    f"the field of {signal.name} needs values of shape {shape}, "
-                    f"but {what} has shape {value.shape}"
-                )
-        require_finite(reference, f"the reference of {signal.name}")
-        slope = self._solved(reference, signal.obstacles).slope(signal.value, reference)
-        left = float(np.linalg.norm(reference - signal.value))
-        displacement = min(self._scale * slope.potential, left) * slope.direction
-        phi = -math.log(max(slope.closeness, _LEAST))
-        return Evaluation(phi, displacement, signal.jacobian, 0.5 * displacement)
+        slope = self._solved(goal, obstacles).slope(value, goal)
+        left = float(np.linalg.norm(goal - value))
+        parameters[0] = -math.log(max(slope.closeness, _LEAST))
+        parameters[1:] = min(self._scale * slope.potential, left) * slope.direction
 
     def _solved(self, goal: Floats, obstacles: Sequence[Obstacle]) -> HarmonicField:
         """The field for a goal and obstacles, solved for only where the one before is too old."""

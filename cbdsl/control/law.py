@@ -5,13 +5,11 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
-from cbdsl.control.composition import Booleans, Integers, compose
+from cbdsl.control.composition import Booleans, compose
 from cbdsl.control.level import Level
-from cbdsl.control.reference import move
 from cbdsl.control.signal import Floats, SignalError, require_finite
 from cbdsl.control.stack import Stack
 
@@ -25,12 +23,14 @@ class LawSettings:
         damping: largest damping of a step, in the square of the Jacobians' unit.
         singular_value: singular value below which damping sets in, in the Jacobians' unit.
         limit_margin: distance that joints keep from their limits, rad.
+        lead: how far a joint's reference may be from its position, rad.
     """
 
     joint_step: float
     damping: float = 0.01
     singular_value: float = 0.04
     limit_margin: float = 0.01
+    lead: float = math.inf
 
 
 @dataclass(frozen=True)
@@ -89,6 +89,21 @@ class Step:
             for level, found in zip(self.levels, values, strict=True)
         )
 
+    def require_sound(self, q: Floats) -> None:
+        """Say which number of a tick is not finite.
+
+        Args:
+            q: the posture, rad, shape (n,).
+
+        Raises:
+            SignalError: always; the message names it.
+        """
+        require_finite(q, "the posture")
+        for level in self.levels:
+            require_finite(level.jacobian, f"the Jacobian of {level.name}")
+            require_finite(level.velocity, f"the velocity of {level.name}")
+        raise SignalError("the levels' numbers are too large to compute with")
+
     def _report(self, level: Level, values: Floats) -> LevelReport:
         achieved = level.jacobian @ self.displacement
         wanted = float(level.velocity @ level.velocity)
@@ -126,9 +141,14 @@ class Law:
         if not (lower + settings.limit_margin <= upper - settings.limit_margin).all():
             raise ValueError("a joint's limits are closer together than twice their margin")
         self._limits = np.stack((lower + settings.limit_margin, upper - settings.limit_margin))
-        self._guards = settings.joint_step, settings.damping, settings.singular_value
-        self._step: Step | None = None
-        self._parts: tuple[Any, ...] = ()
+        self._guards = np.array(
+            (settings.joint_step, settings.damping, settings.singular_value, settings.lead)
+        )
+
+    @property
+    def arrays(self) -> tuple[Floats, Floats]:
+        """Limits (2, n) and guards (4,), as ``reference.move`` takes them."""
+        return self._limits, self._guards
 
     def solve(self, levels: Sequence[Level], q: Floats) -> Step:
         """One tick's displacement for levels that have no past.
@@ -142,45 +162,10 @@ class Law:
         """
         stack = Stack.of(levels, len(q))
         step = Step.of(stack)
-        compose(q, stack.newest, *self._parts_of(stack, step))
+        compose(
+            q, stack.newest, stack.rows, stack.ages, stack.wanted, stack.ends, self._limits,
+            *self._guards[:3], step.displacement, step.locked, step.singular_values,
+        )  # fmt: skip
         if math.isnan(step.displacement.item(0)):
-            _require_sound(stack, q)
+            step.require_sound(q)
         return step
-
-    def advance(
-        self, stack: Stack, reference: Floats, positions: Floats, columns: Integers, lead: float
-    ) -> Step:
-        """Compose one tick's displacement and move joint references by it.
-
-        Args:
-            stack: the levels.
-            reference: of all joints, rad, shape (all,).
-            positions: measured, of all joints, rad, shape (all,).
-            columns: which joint each of the stack's n is, shape (n,).
-            lead: how far a reference may be from its joint's position, rad.
-
-        Raises:
-            SignalError: the posture or a level is not finite; nothing has moved.
-        """
-        step = self._step
-        if step is None or step.stack is not stack:
-            step = self._step = Step.of(stack)
-            self._parts = self._parts_of(stack, step)
-        if not move(reference, positions, columns, lead, stack.newest, *self._parts):
-            _require_sound(stack, positions[columns])
-        return step
-
-    def _parts_of(self, stack: Stack, step: Step) -> tuple[Any, ...]:
-        """What is composed, within which bounds, and what it becomes, as ``compose`` takes it."""
-        levels = stack.rows, stack.ages, stack.wanted, stack.ends
-        found = step.displacement, step.locked, step.singular_values
-        return *levels, self._limits, *self._guards, *found
-
-
-def _require_sound(stack: Stack, q: Floats) -> None:
-    """Say which number is not finite."""
-    require_finite(q, "the posture")
-    for level in stack.midway():
-        require_finite(level.jacobian, f"the Jacobian of {level.name}")
-        require_finite(level.velocity, f"the velocity of {level.name}")
-    raise SignalError("the levels' numbers are too large to compute with")

@@ -1,4 +1,15 @@
-"""The measure of manipulability (Section 3.1.3 b, Eq 3.5)."""
+"""The measure of manipulability (Section 3.1.3 b, Eq 3.5).
+
+phi = -w with w = sqrt(det(J J^T)), the volume that a ball of joint velocities is mapped to. The value is
+J itself, and its Jacobian the curvature, so that dphi/dJ is all that is to be known here. The
+derivative of w by the entries of J is w (J J^T)^-1 J. The singular values s_i of J, with singular
+vectors u_i and v_i, give it as sum_i (w / s_i) u_i v_i^T, products of the other singular values, which
+is bounded everywhere. At a singularity itself w has a kink: one vanishing s_i, and a v_i that may be
+any null vector of J. Whichever is taken, the gradient points to where w grows, if it does not vanish.
+
+Several tips at once, as rows of one Jacobian, give the product of their manipulabilities where they
+have no joint in common.
+"""
 
 from __future__ import annotations
 
@@ -6,11 +17,11 @@ import math
 
 import numpy as np
 
-from cbdsl.control.body import Body
-from cbdsl.control.composition import Integers
-from cbdsl.control.potential import MANIPULABILITY, Compiled, Evaluation, gradient_descent
-from cbdsl.control.signal import Floats, Signal, SignalError
-from cbdsl.numeric.compiled import compiled, compiled_once
+from cbdsl.control.composition import jacobi_svd
+from cbdsl.control.potential import Potential, Rule, potential
+from cbdsl.control.setting import Setting
+from cbdsl.control.signal import Floats
+from cbdsl.numeric.compiled import compiled
 from cbdsl.program.controller import Controller
 
 # The determinant of J J^T above which, as part of its trace to the m-th power, J is so far from a
@@ -18,99 +29,61 @@ from cbdsl.program.controller import Controller
 _CLEAR = 1e-9
 
 
-class Manipulability:
-    """phi = -w with w = sqrt(det(J J^T)), the volume that a ball of joint velocities is mapped to.
+def build(controller: Controller, setting: Setting) -> Potential:
+    """The manipulability of a controller's tips by its joints.
 
-    With C_j the derivative of J by joint j, dw/dq_j = w trace(C_j J^#). The singular values s_i
-    of J, with singular vectors u_i and v_i, give w J^# = sum_i (w / s_i) v_i u_i^T as products of
-    the other singular values, which is bounded everywhere. At a singularity itself w has a kink:
-    one vanishing s_i, and a v_i that may be any null vector of J. Whichever is taken, the gradient
-    points to where w grows, if it does not vanish.
-
-    Several tips at once, as rows of one Jacobian, give the product of their manipulabilities
-    where they have no joint in common.
+    Raises:
+        ValueError: it has fewer joints than components that they would have to move.
     """
-
-    def __init__(self) -> None:
-        self.size = 1
-        self.compiled = Compiled(MANIPULABILITY, np.zeros((0, 0)))
-
-    @classmethod
-    def build(cls, controller: Controller, body: Body) -> Manipulability:
-        """The manipulability of a checked controller; all it needs is in the signal."""
-        return cls()
-
-    def evaluate(self, signal: Signal, reference: Floats | None) -> Evaluation:
-        """See ``Potential.evaluate``; the reference plays no part.
-
-        Args:
-            signal: a tip's position or pose, or several of them stacked, with curvature.
-            reference: not used.
-        """
-        jacobian, curvature = signal.jacobian, signal.curvature
-        rows, joints = jacobian.shape
-        if curvature is None:
-            raise SignalError(f"manipulability needs the curvature of {signal.name}")
-        if rows > joints:
-            raise SignalError(
-                f"{signal.name} has {rows} components, which {joints} joints cannot all move: "
-                "its manipulability is 0 everywhere"
-            )
-        slope = np.empty(joints)
-        size = volume(jacobian, curvature, np.arange(joints), slope)
-        if math.isnan(size):
-            size, cofactors = _volume_near_singularity(jacobian)
-            slope = cofactors.ravel().dot(curvature.reshape(rows * joints, joints))
-        return gradient_descent(-size, -slope)
+    joints = len(controller.joints)
+    return of_jacobian(setting.components // joints, joints)
 
 
-@compiled_once
-def volume(jacobian: Floats, curvature: Floats, columns: Integers, slope: Floats) -> float:
-    """w of some joints of a Jacobian, or NaN where that is near a singularity.
+def of_jacobian(rows: int, joints: int) -> Potential:
+    """The manipulability of a Jacobian of shape (rows, joints), row by row."""
+    if rows > joints:
+        raise ValueError(
+            f"{joints} joints cannot all move {rows} components: their manipulability is 0 everywhere"
+        )
+    return Potential(volume, 1, Rule.DESCENT, np.array([float(rows)]))
 
-    The derivative of w by the entries of J is w (J J^T)^-1 J; J J^T = L L^T (Cholesky).
 
-    Args:
-        jacobian: shape (m, all).
-        curvature: its derivative, shape (m, all, all).
-        columns: the joints, shape (n,); -1 for one that moves nothing.
-        slope: becomes the derivative of w by the joints, shape (n,).
-    """
-    rows, joints = len(jacobian), len(columns)
-    slope[:] = 0.0
-    if curvature.shape != (rows, jacobian.shape[1], jacobian.shape[1]) or rows > joints:
-        return math.nan
-    gram = _gram(jacobian, columns)
-    least = _CLEAR * np.trace(gram) ** rows
+@potential
+def volume(
+    value: Floats, reference: Floats, parameters: Floats, residual: Floats, slope: Floats
+) -> float:
+    """-w of a Jacobian; parameter: how many rows it has."""
+    rows = int(parameters[0])
+    jacobian = value.reshape((rows, len(value) // rows))
+    gradient = slope[0].reshape(jacobian.shape)
+    gram, trace = _gram(jacobian)
     square = _factorize(gram)
-    if not square > least:
-        return math.nan
+    if not square > _CLEAR * trace**rows:
+        return -_volume_near_singularity(jacobian, gradient)
     size, cofactors = math.sqrt(square), np.empty(rows)
-    for column in columns:
-        if column < 0:
-            continue
+    for column in range(jacobian.shape[1]):
         _solve(gram, jacobian[:, column], cofactors)
         for i in range(rows):
-            for place in range(joints):
-                if columns[place] >= 0:
-                    slope[place] += size * cofactors[i] * curvature[i, column, columns[place]]
-    return size
+            gradient[i, column] = -size * cofactors[i]
+    return -size
 
 
 @compiled
-def _gram(rows: Floats, columns: Integers) -> Floats:
-    products = np.zeros((len(rows), len(rows)))
+def _gram(rows: Floats) -> tuple[Floats, float]:
+    """J J^T, its lower triangle, and its trace."""
+    products, trace = np.empty((len(rows), len(rows))), 0.0
     for i in range(len(rows)):
-        for j in range(len(rows)):
-            for column in columns:
-                if column >= 0:
-                    products[i, j] += rows[i, column] * rows[j, column]
-    return products
+        for j in range(i + 1):
+            products[i, j] = 0.0
+            for column in range(rows.shape[1]):
+                products[i, j] += rows[i, column] * rows[j, column]
+        trace += products[i, i]
+    return products, trace
 
 
 @compiled
 def _factorize(gram: Floats) -> float:
-    """Make the lower triangle of a Gram matrix (m, m) L; returns its determinant."""
+    """Make the lower triangle of a Gram matrix (m, m) L (Cholesky); returns its determinant."""
     square = 1.0
     for i in range(len(gram)):
         for j in range(i + 1):
@@ -126,24 +99,63 @@ def _factorize(gram: Floats) -> float:
 
 
 @compiled
-def _solve(lower: Floats, wanted: Floats, found: Floats) -> None:
-    """Solve ``L L^T found = wanted`` for a triangular L (m, m)."""
+def _solve(lower: Floats, wanted: Floats, solution: Floats) -> None:
+    """Solve ``L L^T solution = wanted`` for a triangular L (m, m)."""
     rows = len(lower)
     for i in range(rows):
         rest = wanted[i]
         for k in range(i):
-            rest -= lower[i, k] * found[k]
-        found[i] = rest / lower[i, i]
+            rest -= lower[i, k] * solution[k]
+        solution[i] = rest / lower[i, i]
     for i in range(rows - 1, -1, -1):
-        rest = found[i]
+        rest = solution[i]
         for k in range(i + 1, rows):
-            rest -= lower[k, i] * found[k]
-        found[i] = rest / lower[i, i]
+            rest -= lower[k, i] * solution[k]
+        solution[i] = rest / lower[i, i]
 
 
-def _volume_near_singularity(jacobian: Floats) -> tuple[float, Floats]:
-    left, values, right = np.linalg.svd(jacobian, full_matrices=False)
-    sizes = values.tolist()
-    others = [math.prod(sizes[:i] + sizes[i + 1 :]) for i in range(len(sizes))]
-    cofactors: Floats = (left * others).dot(right)
-    return math.prod(sizes), cofactors
+@compiled
+def _volume_near_singularity(jacobian: Floats, gradient: Floats) -> float:
+    """w from singular values, and minus its derivative by the Jacobian's entries (m, n)."""
+    rows = len(jacobian)
+    turned, left = jacobian.copy(), np.eye(rows)
+    jacobi_svd(turned, left)
+    sizes = np.empty(rows)
+    for i in range(rows):
+        sizes[i] = math.sqrt(np.sum(turned[i] * turned[i]))
+    gradient[:] = 0.0
+    for i in range(rows):
+        others = 1.0
+        for k in range(rows):
+            if k != i:
+                others *= sizes[k]
+        if others == 0.0:
+            continue
+        direction = _right_vector(turned, sizes, i)
+        for row in range(rows):
+            for column in range(jacobian.shape[1]):
+                gradient[row, column] -= others * left[i, row] * direction[column]
+    size = 1.0
+    for i in range(rows):
+        size *= sizes[i]
+    return size
+
+
+@compiled
+def _right_vector(turned: Floats, sizes: Floats, place: int) -> Floats:
+    """The right singular vector of one row; a null vector where its singular value vanishes."""
+    if sizes[place] > 1e-12 * np.max(sizes):
+        return turned[place] / sizes[place]
+    best, longest = np.zeros(turned.shape[1]), 0.0
+    for axis in range(turned.shape[1]):
+        vector = np.zeros(turned.shape[1])
+        vector[axis] = 1.0
+        for _ in range(2):
+            for row in range(len(turned)):
+                if row != place and sizes[row] > 0.0:
+                    along = np.sum(vector * turned[row]) / (sizes[row] * sizes[row])
+                    vector -= along * turned[row]
+        length = math.sqrt(np.sum(vector * vector))
+        if length > longest:
+            best, longest = vector / length, length
+    return best

@@ -1,110 +1,153 @@
-"""What every artificial potential gives to the control law."""
+"""Artificial potentials: compiled functions of a value and its reference (Omega_phi, Eq 3.7).
+
+A potential knows neither joints nor gains. It is computed from the value of one row of the signal table
+and that of its reference, in k task coordinates; the control law moves the joints by the row's
+Jacobian. The tick calls potentials by their native addresses, so that another one, of whatever
+package, neither recompiles nor slows it.
+"""
 
 from __future__ import annotations
 
-from typing import NamedTuple, Protocol
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
+from enum import IntEnum
+from typing import Any
 
 import numpy as np
+from llvmlite import ir
+from numba import types
+from numba.core import cgutils
+from numba.core.errors import NumbaError
+from numba.experimental.function_type import _get_jit_address
+from numba.extending import intrinsic
+from numpy.typing import NDArray
 
-from cbdsl.control.signal import Floats, Signal
-from cbdsl.numeric.compiled import compiled_once
+from cbdsl.control.obstacle import Obstacle
+from cbdsl.control.signal import Floats
+from cbdsl.numeric.compiled import Function, compiled_once
+
+_VECTOR, _MATRIX = types.float64[::1], types.float64[:, ::1]
+
+#: phi = f(value, reference, parameters, residual, slope).
+SIGNATURE = types.float64(_VECTOR, _VECTOR, _VECTOR, _VECTOR, _MATRIX)
 
 
-class Evaluation(NamedTuple):
-    """A potential at one posture, in k task coordinates and n joints.
+class PotentialError(ValueError):
+    """A function is not one of a potential; the message says why."""
 
-    The gradient of phi by the joints is ``-jacobian.T @ residual`` wherever phi is half the
-    residual's square, which keeps the rows, and with them the priority, at the goal where the
-    gradient itself vanishes. The one task coordinate of any other potential is phi itself, and
-    its Jacobian is the gradient.
+
+class Rule(IntEnum):
+    """How a potential becomes a displacement of its task coordinates, for a gain of 1.
 
     Attributes:
-        phi: the potential.
-        residual: error in task coordinates; moving the task by it brings phi to 0 where that is
-            its minimum, shape (k,).
-        jacobian: task coordinates per joint, shape (k, n).
-        step: displacement of the task coordinates for a gain of 1, shape (k,): the Newton step
-            towards phi = 0 (Eq 3.18) where the minimum is known to be 0, else along the gradient.
+        RESIDUAL: phi is half the square of a residual, and half of it is the Newton step (Eq 3.18).
+        TO_ZERO: phi has one coordinate, itself, and a minimum of 0: the Newton step towards that.
+        DESCENT: the minimum is unknown: the joints move by the negative gradient.
     """
 
-    phi: float
-    residual: Floats
-    jacobian: Floats
-    step: Floats
+    RESIDUAL = 0
+    TO_ZERO = 1
+    DESCENT = 2
 
 
-#: The potentials that are compiled.
-SPRING, RANGE, MANIPULABILITY, ALIGNMENT = 0, 1, 2, 3
+def potential(function: Function) -> Function:
+    """A compiled potential ``(value, reference, parameters, residual, slope) -> phi``.
 
+    Args of the function:
+        value: of the feedback, shape (m,); a rotation row by row, shape (9,); a pose's position before
+            its rotation, shape (12,).
+        reference: shaped like the value, or empty.
+        parameters: of the controller, shape (p,).
+        residual: becomes the error in task coordinates, shape (k,).
+        slope: zeros, becomes the derivative of minus the residual, or of phi where there is no residual,
+            by the rows of the feedback's Jacobian, shape (k, rows); untouched where it is the identity.
 
-class Compiled(NamedTuple):
-    """How a potential is computed in one compiled call with all else that a controller does.
-
-    Attributes:
-        kind: ``SPRING``, ``RANGE``, ``MANIPULABILITY``, or ``ALIGNMENT`` for the spring of an
-            orientation that may turn about an axis.
-        constants: what it needs beside the signal, shape (r, m).
+    Returns:
+        phi; NaN where it cannot be computed.
     """
-
-    kind: int
-    constants: Floats
+    return compiled_once(function)
 
 
-class Potential(Protocol):
-    """One controller's artificial potential (Omega_phi, Eq 3.7).
+def address_of(function: Callable[..., float]) -> int:
+    """The native address of a potential.
+
+    Raises:
+        PotentialError: it is not compiled, or not for these arguments and a float.
+    """
+    name = getattr(function, "__name__", str(function))
+    compile_for = getattr(function, "compile", None)
+    if compile_for is None:
+        raise PotentialError(f"potential '{name}' is not compiled: decorate it with @potential")
+    try:
+        compile_for(SIGNATURE.args)
+    except NumbaError as error:
+        first = str(error).strip().splitlines()[0]
+        raise PotentialError(f"potential '{name}' cannot be compiled: {first}") from None
+    returned = function.overloads[SIGNATURE.args].signature.return_type  # type: ignore[attr-defined]
+    if returned != types.float64:
+        raise PotentialError(f"potential '{name}' returns {returned}, not a float")
+    address: int = _get_jit_address(function, SIGNATURE)
+    return address
+
+
+@intrinsic(prefer_literal=False)  # type: ignore[untyped-decorator]
+def call_at(
+    typing_context: Any,
+    address: Any,
+    value: Any,
+    reference: Any,
+    parameters: Any,
+    residual: Any,
+    slope: Any,
+) -> Any:
+    """Call the potential at an address, from compiled code."""
+
+    def generate(context: Any, builder: Any, signature: Any, arguments: Sequence[Any]) -> Any:
+        convention = context.call_conv
+        kind = convention.get_function_type(SIGNATURE.return_type, SIGNATURE.args)
+        pointer = builder.inttoptr(arguments[0], ir.PointerType(kind))
+        status, phi = convention.call_function(
+            builder, pointer, SIGNATURE.return_type, SIGNATURE.args, arguments[1:]
+        )
+        with cgutils.if_unlikely(builder, status.is_error):
+            convention.return_status_propagate(builder, status)
+        return phi
+
+    return types.float64(types.int64, *SIGNATURE.args), generate
+
+
+Prepare = Callable[[Floats, Floats, Sequence[Obstacle], Floats], None]
+"""Writes parameters, from value, reference and obstacles, before the tick."""
+
+
+@dataclass(frozen=True)
+class Potential:
+    """One controller's potential.
 
     Attributes:
+        function: as ``potential`` describes it.
         size: number of its task coordinates, k.
-        compiled: the same as ``evaluate``, for speed; ``None`` for what is only evaluated.
+        rule: how it becomes a displacement.
+        parameters: of the controller, shape (p,).
+        identity: whether its slope is the identity, which it then does not write.
+        prepare: what has to be solved for before the tick, or ``None``.
+        refuse: says of a value and a reference for which phi is NaN what is wrong with them.
     """
 
-    @property
-    def size(self) -> int: ...
+    function: Callable[..., float]
+    size: int
+    rule: Rule = Rule.RESIDUAL
+    parameters: Floats = field(default_factory=lambda: np.zeros(0))
+    identity: bool = False
+    prepare: Prepare | None = None
+    refuse: Callable[[Floats, Floats], str] | None = None
 
-    @property
-    def compiled(self) -> Compiled | None: ...
-
-    def evaluate(self, signal: Signal, reference: Floats | None) -> Evaluation:
-        """Compute phi and how to lower it.
-
-        Args:
-            signal: the feedback.
-            reference: what the feedback shall become, shaped like its value; ``None`` for
-                potentials that compare with nothing.
-
-        Raises:
-            SignalError: the signal or the reference cannot be used; the message names it.
-        """
-        ...
-
-
-def half_square(residual: Floats, jacobian: Floats) -> Evaluation:
-    """The evaluation of phi = residual . residual / 2, whose Newton step is half the residual."""
-    half = 0.5 * residual
-    return Evaluation(float(residual.dot(half)), residual, jacobian, half)
-
-
-def newton(phi: float, gradient: Floats) -> Evaluation:
-    """The evaluation of a phi without residual whose minimum is 0, by its gradient, shape (n,)."""
-    towards_zero = np.array([-phi])
-    return Evaluation(phi, towards_zero, gradient[None], towards_zero)
-
-
-def gradient_descent(phi: float, gradient: Floats) -> Evaluation:
-    """The evaluation of a phi of unknown minimum, by its gradient, shape (n,).
-
-    Newton's step would lead to phi = 0, wherever the minimum is. This one makes the shortest
-    displacement of the joints equal to the negative gradient.
-    """
-    row, downhill = _downhill(gradient)
-    return Evaluation(phi, downhill, row, downhill)
-
-
-@compiled_once
-def _downhill(gradient: Floats) -> tuple[Floats, Floats]:
-    """A gradient (n,) as a row (1, n), and minus its square, shape (1,)."""
-    row, downhill = np.empty((1, len(gradient))), np.zeros(1)
-    for joint in range(len(gradient)):
-        row[0, joint] = gradient[joint]
-        downhill[0] -= gradient[joint] * gradient[joint]
-    return row, downhill
+    def evaluate(
+        self, value: Floats, reference: Floats, rows: int
+    ) -> tuple[float, Floats, NDArray[np.float64]]:
+        """phi, the residual (k,) and the slope (k, rows), as the tick computes them."""
+        residual, slope = np.zeros(self.size), np.zeros((self.size, rows))
+        phi = self.function(value, reference, self.parameters, residual, slope)
+        if self.identity:
+            slope[:] = np.eye(self.size)
+        return phi, residual, slope

@@ -23,85 +23,64 @@ class Predicate(StrEnum):
     QUIESCENT = "1"
 
 
-_PREDICATES = tuple(Predicate)
+PREDICATES = tuple(Predicate)
 _INACTIVE, _UNDEFINED, _TRANSIENT, _QUIESCENT = range(4)
 
-# What a monitor notes: the predicate, ticks since the potential is defined, where the oldest value
+# Notes: the predicate, ticks since the potential is defined, where the oldest value
 # is, how many values there are, the newest measurement, and how many numbers there is room for.
 PREDICATE, _TICKS, _OLDEST, _KEPT, _STAMP, ROOM = range(6)
 
 
-class QuiescenceMonitor:
-    """Tells whether a potential is at rest: its range over a window, per second of the window.
+def settings_of(rate: float, window: float, period: float) -> Floats:
+    """The window, s, the largest range in it at rest, and the period, s, shape (3,).
 
-    The range, not the derivative at an instant, since the latter flips with every ripple of the
-    signal. Only measured values enter it: a potential that is repeated between two camera images
-    is not at rest for that. Time passes with every tick all the same.
+    A potential is at rest by its range over a window, not by its derivative at an instant, since the
+    latter flips with every ripple of the signal. Only measured values enter it: a potential that is
+    repeated between two camera images is not at rest for that. Time passes with every tick all the
+    same.
 
     Args:
         rate: largest range per second at rest, in the potential's unit per second (epsilon).
         window: how long the potential is watched, s; at rest needs a window that is full.
         period: time between ticks, s.
 
-    Attributes:
-        settings: the window, s, the largest range in it at rest, and the period, s, shape (3,).
-        values: times, s, in front of their potentials, round and round, shape (2 n,).
-        notes: the predicate and what else is known, shape (6,).
-
     Raises:
         ValueError: ``rate``, ``window`` or ``period`` is not positive.
     """
+    if not (rate > 0 and window > 0 and period > 0):
+        raise ValueError(f"rate {rate}, window {window} and period {period} must be positive")
+    return np.array((window, rate * window, period))
 
-    def __init__(self, rate: float, window: float, period: float) -> None:
-        if not (rate > 0 and window > 0 and period > 0):
-            raise ValueError(f"rate {rate}, window {window} and period {period} must be positive")
-        self.settings = np.array((window, rate * window, period))
-        # One value is as old as the window or older, the others are within.
-        self.values = np.zeros(2 * (math.ceil(window / period) + 2))
-        self.notes = np.zeros(6, dtype=np.int64)
-        self.notes[ROOM] = len(self.values)
-        self.reset()
 
-    @property
-    def predicate(self) -> str:
-        """What the potential does, as a ``Predicate`` has it."""
-        return _PREDICATES[self.notes.item(PREDICATE)]
+def room_of(settings: Floats) -> int:
+    """How many numbers a window keeps: times, s, in front of their potentials, round and round."""
+    # One value is as old as the window or older, the others are within.
+    return 2 * (math.ceil(settings[0] / settings[2]) + 2)
 
-    @predicate.setter
-    def predicate(self, predicate: str) -> None:
-        self.notes[PREDICATE] = _PREDICATES.index(Predicate(predicate))
 
-    def reset(self) -> None:
-        """Forget everything: the controller was deactivated."""
-        self.notes[:ROOM] = _INACTIVE, 0, 0, 0, -1
+def reset(notes: Integers) -> None:
+    """Forget everything: the controller was deactivated."""
+    notes[:ROOM] = _INACTIVE, 0, 0, 0, -1
 
-    def undefined(self) -> None:
-        """Note that the potential cannot be computed in this tick, and forget all values."""
-        self.notes[:_STAMP] = _UNDEFINED, 0, 0, 0
 
-    def unsettle(self) -> None:
-        """Begin the window anew: what was at rest is not until it has rested for another one."""
-        self.notes[_OLDEST] = self.notes[_KEPT] = 0
-        if self.notes[PREDICATE] == _QUIESCENT:
-            self.notes[PREDICATE] = _TRANSIENT
-
-    def update(self, phi: float, stamp: int) -> str:
-        """Note the potential in one tick.
-
-        Args:
-            phi: the potential.
-            stamp: of the measurement that phi rests on; one that is not new changes nothing.
-
-        Returns:
-            ``TRANSIENT`` or ``QUIESCENT``, as the newest measurement left it.
-        """
-        note(phi, stamp, self.settings, self.values, self.notes)
-        return self.predicate
+def restart(notes: Integers) -> None:
+    """Begin the window anew: what was at rest is not until it has rested for another one."""
+    notes[_OLDEST] = notes[_KEPT] = 0
+    if notes[PREDICATE] == _QUIESCENT:
+        notes[PREDICATE] = _TRANSIENT
 
 
 @compiled_once
 def note(phi: float, stamp: int, settings: Floats, values: Floats, notes: Integers) -> None:
-    """Note a potential, as ``QuiescenceMonitor.update`` does with its own arrays."""
+    """Note a potential in one tick.
+
+    Args:
+        phi: the potential.
+        stamp: of the measurement that phi rests on; one that is not new changes nothing.
+        settings: as of ``settings_of``.
+        values: the window, shape (``room_of``,).
+        notes: the predicate and what else is known, shape (6,).
+    """
     notes[_TICKS] += 1
     if stamp != notes[_STAMP]:
         notes[_STAMP] = stamp
@@ -109,6 +88,13 @@ def note(phi: float, stamp: int, settings: Floats, values: Floats, notes: Intege
         notes[PREDICATE] = _QUIESCENT if rests else _TRANSIENT
     elif notes[PREDICATE] != _QUIESCENT:
         notes[PREDICATE] = _TRANSIENT
+
+
+@compiled_once
+def note_undefined(notes: Integers) -> None:
+    """Note that a potential cannot be computed."""
+    notes[PREDICATE] = _UNDEFINED
+    notes[_TICKS] = notes[_OLDEST] = notes[_KEPT] = 0
 
 
 @compiled

@@ -12,21 +12,21 @@ from cbdsl.numeric.compiled import compiled, compiled_once
 from cbdsl.program.controller import Controller
 from cbdsl.types.potential import POTENTIALS
 
-# What a speed bounds.
+# The measure that a speed bounds.
 _NORM, _LARGEST, _JOINTS = 0.0, 1.0, 2.0
 
 _FORCES = frozenset({"force", "torque", "wrench"})
 
 
 class _Bounds(NamedTuple):
-    """What ``displace`` wants to know of a controller, as numbers of one kind.
+    """The gain and bounds of a controller, as numbers of one kind.
 
     Attributes:
         gain: 1/s.
         speed: bound of the rate; infinite for none.
         acceleration: bound of the rate's change; infinite for none.
         period: of the ticks, s.
-        measure: what the speed bounds: the norm, the largest component, or the joints' speed.
+        measure: that the speed bounds: the norm, the largest component, or the joints' speed.
         factors: parts of the task that are bounded by themselves where the joints' speed is.
     """
 
@@ -57,7 +57,7 @@ def bounds_of(controller: Controller, period: float) -> Floats:
         measure = _JOINTS
     # A Newton step is half the residual.
     arriving = 2.0 / period
-    found = _Bounds(
+    bounds = _Bounds(
         min(controller.gain, arriving) if potential.residual else controller.gain,
         math.inf if speed is None else speed,
         math.inf if acceleration is None else acceleration,
@@ -65,17 +65,17 @@ def bounds_of(controller: Controller, period: float) -> Floats:
         measure,
         kind.factors if forces else 1,
     )
-    return np.array(found, dtype=np.float64)
+    return np.array(bounds, dtype=np.float64)
 
 
 @compiled_once
 def displace(
     step: Floats, residual: Floats, jacobian: Floats, scale: float, bounds: Floats, before: Floats
 ) -> bool:
-    """Make what a task moved by in the tick before what it moves by in this one.
+    """Advance a task's displacement from the tick before to this one.
 
     Args:
-        step: of an evaluation, shape (k,).
+        step: of an evaluation, for a gain of 1, shape (k,); is used up.
         residual: of the same, shape (k,).
         jacobian: of the level, shape (k, n).
         scale: of the level's coordinates per coordinate of the evaluation.
@@ -83,29 +83,48 @@ def displace(
         before: displacement of the task coordinates, shape (k,).
 
     Returns:
-        Whether the step was finite; otherwise nothing has changed.
+        Whether the step was finite; otherwise ``before`` has not changed.
     """
-    gain, speed, acceleration, period, measure, factors = bounds
-    if not math.isfinite(np.sum(step)):
+    gain, speed, acceleration, period = bounds[0], bounds[1], bounds[2], bounds[3]
+    for i in range(len(step)):
+        step[i] *= scale * gain
+    if not math.isfinite(norm(step)):
         return False
-    rate = scale * gain * step
     if acceleration < math.inf:
-        _brake(rate, scale * norm(residual), acceleration)
+        _brake(step, scale * norm(residual), acceleration)
     if speed < math.inf:
-        size = len(rate) // int(factors)
-        for start in range(0, len(rate), size):
-            part, most = rate[start : start + size], speed
-            if measure == _JOINTS:
-                most *= norm(jacobian[start : start + size].ravel())
-            length = np.max(np.abs(part)) if measure == _LARGEST else norm(part)
-            _shorten(part, length, most)
+        _bound_speed(step, jacobian, speed, bounds[4], int(bounds[5]))
     if acceleration < math.inf:
-        last = before / period
-        rate -= last
-        _shorten(rate, norm(rate), acceleration * period)
-        rate += last
-    before[:] = rate * period
+        for i in range(len(step)):
+            step[i] -= before[i] / period
+        _shorten(step, norm(step), acceleration * period)
+        for i in range(len(step)):
+            step[i] += before[i] / period
+    for i in range(len(step)):
+        before[i] = step[i] * period
     return True
+
+
+@compiled
+def _bound_speed(
+    rate: Floats, jacobian: Floats, speed: float, measure: float, factors: int
+) -> None:
+    """Make a rate (k,) no faster than a speed, each of its factors by itself."""
+    size = len(rate) // factors
+    for start in range(0, len(rate), size):
+        part, most = rate[start : start + size], speed
+        if measure == _JOINTS:
+            square = 0.0
+            for i in range(start, start + size):
+                for joint in range(jacobian.shape[1]):
+                    square += jacobian[i, joint] * jacobian[i, joint]
+            most *= math.sqrt(square)
+        length = norm(part)
+        if measure == _LARGEST:
+            length = 0.0
+            for i in range(size):
+                length = max(length, abs(part[i]))
+        _shorten(part, length, most)
 
 
 @compiled
@@ -126,12 +145,13 @@ def _brake(rate: Floats, distance: float, acceleration: float) -> None:
 def _shorten(vector: Floats, length: float, most: float) -> None:
     """Make a vector, whose length is ``length``, no longer than ``most``."""
     if length > most:
-        vector *= most / length
+        for i in range(len(vector)):
+            vector[i] *= most / length
 
 
 @compiled
 def norm(vector: Floats) -> float:
-    """Its length."""
+    """The Euclidean length of a vector."""
     total = 0.0
     for component in vector:
         total += component * component

@@ -16,16 +16,13 @@ def move(
     reference: Floats,
     positions: Floats,
     columns: Integers,
-    lead: float,
     newest: int,
     rows: Floats,
     ages: Integers,
     wanted: Floats,
     ends: Integers,
     limits: Floats,
-    step: float,
-    damping: float,
-    threshold: float,
+    guards: Floats,
     total: Floats,
     locked: Booleans,
     values: Floats,
@@ -35,7 +32,8 @@ def move(
     Args:
         positions: measured, of all joints, rad, shape (all,).
         columns: which joint each of the levels' n is, shape (n,).
-        lead: how far a reference may be from the position; else a blocked joint's would run away.
+        guards: largest displacement, largest damping, singular value below which damping sets in, and
+            how far a reference may be from the position; else a blocked joint's would run away.
 
     The others are those of ``compose``.
 
@@ -46,12 +44,12 @@ def move(
     for place in range(len(columns)):
         here[place] = positions[columns[place]]
     compose(
-        here, newest, rows, ages, wanted, ends, limits, step, damping, threshold,
+        here, newest, rows, ages, wanted, ends, limits, guards[0], guards[1], guards[2],
         total, locked, values,
     )  # fmt: skip
     if math.isnan(total[0]):
         return False
-    _advance(reference, columns, total, here, lead, limits)
+    _advance(reference, columns, total, here, guards[3], limits)
     return True
 
 

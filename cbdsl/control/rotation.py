@@ -22,26 +22,6 @@ def exp(vector: Floats) -> Floats:
     return rotation
 
 
-def _quaternion(rotation: Floats) -> tuple[float, Floats]:
-    """Scalar and vector part of a rotation matrix's unit quaternion, of either sign.
-
-    The largest of the four components is found first and the others are divided by it, so that
-    no angle, near pi least of all, costs accuracy (Shepperd 1978).
-    """
-    (xx, xy, xz), (yx, yy, yz), (zx, zy, zz) = rotation.tolist()
-    squares = (xx + yy + zz, xx - yy - zz, yy - xx - zz, zz - xx - yy)
-    largest = squares.index(max(squares))
-    products = (
-        (1 + squares[0], zy - yz, xz - zx, yx - xy),
-        (zy - yz, 1 + squares[1], xy + yx, xz + zx),
-        (xz - zx, xy + yx, 1 + squares[2], yz + zy),
-        (yx - xy, xz + zx, yz + zy, 1 + squares[3]),
-    )[largest]
-    w, x, y, z = products
-    norm = math.sqrt(w * w + x * x + y * y + z * z)
-    return w / norm, np.array((x, y, z)) / norm
-
-
 def log(rotation: Floats) -> Floats:
     """The rotation vector of a rotation matrix, SO(3) logarithm.
 
@@ -51,12 +31,51 @@ def log(rotation: Floats) -> Floats:
     Returns:
         Axis times angle, rad, shape (3,), with an angle of at most pi.
     """
-    scalar, vector = _quaternion(rotation)
-    if scalar < 0:
-        scalar, vector = -scalar, -vector
-    sine = math.hypot(*vector.tolist())
-    half_angle_per_sine = math.atan2(sine, scalar) / sine if sine else 1.0
-    return vector * (2.0 * half_angle_per_sine)
+    vector = np.empty(3)
+    log_between(np.eye(3).ravel(), rotation.ravel(), vector)
+    return vector
+
+
+@compiled_once
+def log_between(rotation: Floats, wanted: Floats, vector: Floats) -> None:
+    """The rotation vector, rad, shape (3,), in world axes, from a rotation (9,) to a wanted one (9,).
+
+    Of the four components of the turn's quaternion the largest is computed first and the others are
+    divided by it, so that no angle, near pi least of all, costs accuracy (Shepperd 1978).
+    """
+    turn = np.empty((3, 3))
+    for i in range(3):
+        for k in range(3):
+            turn[i, k] = 0.0
+            for inner in range(3):
+                turn[i, k] += wanted[3 * i + inner] * rotation[3 * k + inner]
+    products, trace = np.empty(4), turn[0, 0] + turn[1, 1] + turn[2, 2]
+    largest = -1
+    for i in range(3):
+        if turn[i, i] > trace and (largest < 0 or turn[i, i] > turn[largest, largest]):
+            largest = i
+    for i in range(3):
+        j, k = (i + 1) % 3, (i + 2) % 3
+        odd, even = turn[k, j] - turn[j, k], 0.0
+        if largest < 0 or i == largest:
+            products[i + 1] = odd
+        else:
+            even = turn[i, largest] + turn[largest, i]
+            products[i + 1] = even
+    if largest < 0:
+        products[0] = 1.0 + trace
+    else:
+        products[0] = products[largest + 1]
+        products[largest + 1] = 1.0 + 2.0 * turn[largest, largest] - trace
+    sign = 1.0 if products[0] >= 0.0 else -1.0
+    norm = math.sqrt(np.sum(products * products))
+    for i in range(3):
+        vector[i] = sign * products[i + 1] / norm
+    sine = math.sqrt(vector[0] * vector[0] + vector[1] * vector[1] + vector[2] * vector[2])
+    if sine > 0.0:
+        vector *= 2.0 * math.atan2(sine, sign * products[0] / norm) / sine
+    else:
+        vector *= 2.0
 
 
 @compiled_once

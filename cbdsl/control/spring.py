@@ -1,131 +1,118 @@
-"""The quadratic potential (Section 3.1.1, Eq 3.1)."""
+"""The quadratic potential (Section 3.1.1, Eq 3.1).
+
+phi = e . e / 2 with e the difference between reference and feedback in the feedback's type.
+Configurations, positions, headings, forces, torques and wrenches subtract. Orientations differ by a
+rotation vector in the world frame; poses by translation above rotation. Where the tip may turn about
+one of its axes, the residual is in the tip's two other axes.
+"""
 
 from __future__ import annotations
 
-import math
-from collections.abc import Callable
-
 import numpy as np
 
-from cbdsl.control.body import Body
-from cbdsl.control.potential import ALIGNMENT, SPRING, Compiled, Evaluation, half_square
-from cbdsl.control.rotation import align, log
-from cbdsl.control.signal import Floats, Signal, SignalError, require_finite
-from cbdsl.numeric.compiled import compiled, compiled_once
+from cbdsl.control.potential import Potential, potential
+from cbdsl.control.rotation import align, log_between
+from cbdsl.control.setting import Setting
+from cbdsl.control.signal import Floats
+from cbdsl.numeric.compiled import compiled
 from cbdsl.program.controller import AlongNormals, Controller
-from cbdsl.types.resource_type import ORIENTATION, POSE, ResourceType
-
-Coordinates = tuple[Floats, Floats]
-"""Residual (k,) and Jacobian (k, n)."""
 
 
-class Spring:
-    """phi = e . e / 2 with e the difference between reference and feedback in the feedback's type.
+def build(controller: Controller, setting: Setting) -> Potential:
+    """The spring of a controller."""
+    return spring(controller.feedback.type.name, _size(controller), controller.free_axis)
 
-    Configurations, positions, headings, forces, torques and wrenches subtract. Orientations
-    differ by a rotation vector in the world frame; poses by translation above rotation.
+
+def spring(kind: str, size: int, free_axis: str | None = None) -> Potential:
+    """The spring of a type.
 
     Args:
-        kind: the type of the feedback.
-        free_axis: axis of the tip, ``x``, ``y`` or ``z``, that is aligned with the reference's
-            while the tip may turn about it: two residuals, in the tip's two other axes.
-        along_normals: whether one component per factor is compared, that along its normal.
+        kind: name of the feedback's type.
+        size: number of its components that are compared.
+        free_axis: axis of the tip, ``x``, ``y`` or ``z``, that is aligned with the reference's while
+            the tip may turn about it; ``None`` for none.
     """
-
-    def __init__(
-        self, kind: ResourceType, free_axis: str | None = None, along_normals: bool = False
-    ) -> None:
-        self._kind = kind
-        # A free axis takes one coordinate from an orientation.
-        self.size = (kind.factors if along_normals else kind.size) - (free_axis is not None)
-        self._free_axis = None if free_axis is None else "xyz".index(free_axis)
-        self._matrix: tuple[int, int] | None
-        self._difference: Callable[[Signal, Floats], Coordinates] | None
-        self._matrix, self._difference = {
-            ORIENTATION.name: ((3, 3), self._turned),
-            POSE.name: ((4, 4), self._moved),
-        }.get(kind.name, (None, None))
-        self.compiled: Compiled | None = None
-        if self._difference is None:
-            self.compiled = Compiled(SPRING, np.zeros((0, 0)))
-        elif kind == ORIENTATION and self._free_axis is not None:
-            self.compiled = Compiled(ALIGNMENT, np.array([[float(self._free_axis)]]))
-
-    @classmethod
-    def build(cls, controller: Controller, body: Body) -> Spring:
-        """The spring of a checked controller; the body does not matter to it."""
-        along_normals = isinstance(controller.reference, AlongNormals)
-        return cls(controller.feedback.type, controller.free_axis, along_normals)
-
-    def evaluate(self, signal: Signal, reference: Floats | None) -> Evaluation:
-        """See ``Potential.evaluate``."""
-        if reference is None:
-            raise SignalError(f"a spring needs a reference to compare {signal.name} with")
-        shape = self._matrix or (len(signal.jacobian),)
-        if signal.value.shape != shape or reference.shape != shape:
-            self._refuse(signal, reference, shape)
-        if self._difference is None:
-            found = half_square(reference - signal.value, signal.jacobian)
-        else:
-            require_finite(reference, f"the reference of {signal.name}")
-            found = half_square(*self._difference(signal, reference))
-        if not math.isfinite(found.phi):
-            require_finite(reference, f"the reference of {signal.name}")
-        return found
-
-    def _refuse(self, signal: Signal, reference: Floats, shape: tuple[int, ...]) -> None:
-        bad = signal.value.shape != shape
-        what, value = (signal.name, signal.value) if bad else ("its reference", reference)
-        raise SignalError(
-            f"the {self._kind} {signal.name} needs values of shape {shape}, "
-            f"but {what} has shape {value.shape}"
-        )
-
-    def _turned(self, signal: Signal, reference: Floats) -> Coordinates:
-        return self._turn(signal.value, reference, signal.jacobian)
-
-    def _moved(self, signal: Signal, reference: Floats) -> Coordinates:
-        value, jacobian = signal.value, signal.jacobian
-        turn, rows = self._turn(value[:3, :3], reference[:3, :3], jacobian[3:])
-        shift = reference[:3, 3] - value[:3, 3]
-        return np.concatenate((shift, turn)), np.vstack((jacobian[:3], rows))
-
-    def _turn(self, rotation: Floats, wanted: Floats, jacobian: Floats) -> Coordinates:
-        """Residual and Jacobian of an orientation; ``jacobian`` is angular, (3, n)."""
-        if self._free_axis is None:
-            return log(wanted @ rotation.T), jacobian
-        residual, others = np.empty(2), np.empty((2, 3))
-        aim(rotation.ravel(), wanted.ravel(), self._free_axis, residual, others)
-        return residual, others @ jacobian
+    if free_axis is None:
+        function = {"orientation": rotation_difference, "pose": pose_difference}.get(kind)
+        return Potential(function or difference, size, identity=True)
+    function = axis_difference if kind == "orientation" else pose_axis_difference
+    return Potential(function, size - 1, parameters=np.array([float("xyz".index(free_axis))]))
 
 
-@compiled
-def subtract(value: Floats, reference: Floats, residual: Floats) -> float:
-    """phi of values that subtract, shape (k,), and their residual; NaN if shapes differ."""
-    if not len(value) == len(reference) == len(residual):
-        return math.nan
+def _size(controller: Controller) -> int:
+    kind = controller.feedback.type
+    return kind.factors if isinstance(controller.reference, AlongNormals) else kind.size
+
+
+@potential
+def difference(
+    value: Floats, reference: Floats, parameters: Floats, residual: Floats, slope: Floats
+) -> float:
+    """Half the square of the difference."""
     phi = 0.0
-    for i in range(len(value)):
+    for i in range(len(residual)):
         residual[i] = reference[i] - value[i]
         phi += 0.5 * residual[i] * residual[i]
     return phi
 
 
-@compiled_once
-def aim(rotation: Floats, wanted: Floats, axis: int, residual: Floats, others: Floats) -> float:
-    """phi of a tip that may turn about one of its axes.
+@potential
+def rotation_difference(
+    value: Floats, reference: Floats, parameters: Floats, residual: Floats, slope: Floats
+) -> float:
+    """Half the square of the angle between two orientations."""
+    log_between(value, reference, residual)
+    return _half_square(residual)
 
-    Args:
-        rotation: of the tip, row by row, shape (9,).
-        wanted: the reference, row by row, shape (9,).
-        axis: index of the axis.
-        residual: takes the residual, in the tip's two other axes, rad, shape (2,).
-        others: takes these axes in the world frame, shape (2, 3).
-    """
+
+@potential
+def pose_difference(
+    value: Floats, reference: Floats, parameters: Floats, residual: Floats, slope: Floats
+) -> float:
+    """Half the squares of the distance and of the angle between two poses."""
+    residual[:3] = reference[:3] - value[:3]
+    log_between(value[3:], reference[3:], residual[3:])
+    return _half_square(residual)
+
+
+@potential
+def axis_difference(
+    value: Floats, reference: Floats, parameters: Floats, residual: Floats, slope: Floats
+) -> float:
+    """Half the square of the angle between an axis of two orientations; parameter: the axis."""
+    _compare_axes(value, reference, int(parameters[0]), residual, slope)
+    return _half_square(residual)
+
+
+@potential
+def pose_axis_difference(
+    value: Floats, reference: Floats, parameters: Floats, residual: Floats, slope: Floats
+) -> float:
+    """The same of two poses, behind the square of their distance."""
+    for i in range(3):
+        residual[i] = reference[i] - value[i]
+        slope[i, i] = 1.0
+    axis = int(parameters[0])
+    _compare_axes(value[3:], reference[3:], axis, residual[3:], slope[3:, 3:])
+    return _half_square(residual)
+
+
+@compiled
+def _compare_axes(
+    rotation: Floats, wanted: Floats, axis: int, residual: Floats, slope: Floats
+) -> None:
+    """The turn from an axis to where it is wanted, along the two other axes of the tip."""
     for i in range(2):
-        others[i] = rotation[(axis + 1 + i) % 3 :: 3]
-    turn = align(rotation[axis::3], wanted[axis::3], others[0])
+        for k in range(3):
+            slope[i, k] = rotation[(axis + 1 + i) % 3 + 3 * k]
+    turn = align(rotation[axis::3], wanted[axis::3], slope[0])
     for i in range(2):
-        residual[i] = others[i, 0] * turn[0] + others[i, 1] * turn[1] + others[i, 2] * turn[2]
-    phi: float = 0.5 * (residual[0] * residual[0] + residual[1] * residual[1])
+        residual[i] = slope[i, 0] * turn[0] + slope[i, 1] * turn[1] + slope[i, 2] * turn[2]
+
+
+@compiled
+def _half_square(residual: Floats) -> float:
+    phi = 0.0
+    for i in range(len(residual)):
+        phi += 0.5 * residual[i] * residual[i]
     return phi

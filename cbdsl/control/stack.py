@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from cbdsl.control.composition import midway
+from cbdsl.control.composition import extrapolate_half_tick
 from cbdsl.control.level import Level
 from cbdsl.control.signal import Floats, SignalError
 
@@ -20,7 +20,7 @@ class Stack:
     Attributes:
         names: the controllers.
         rows: task coordinates per joint in three ticks, shape (3, k, n).
-        newest: which of the three is this tick; the tick before is one less, modulo 3.
+        clock: which of the three is this tick, shape (1,); the tick before is one less, modulo 3.
         wanted: displacement of the task coordinates in this tick, shape (k,).
         starts: index of the first row of each level, shape (levels,).
         ends: index after the last row of each level, shape (levels,).
@@ -40,7 +40,7 @@ class Stack:
         size = int(sizes.sum())
         self.rows, self.wanted = np.zeros((TICKS, size, joints)), np.zeros(size)
         self.ages = np.zeros(len(levels), dtype=np.int64)
-        self.newest = 0
+        self.clock = np.zeros(1, dtype=np.int64)
 
     @classmethod
     def of(cls, levels: Sequence[Level], joints: int) -> Stack:
@@ -70,13 +70,10 @@ class Stack:
         self.wanted[self.starts[place] : self.ends[place]] = level.velocity
         self.ages[place] = min(self.ages[place] + 1, TICKS)
 
-    def rest(self, place: int) -> None:
-        """Let a level not act in this tick."""
-        self.ages[place] = 0
-
-    def turn(self) -> None:
-        """Begin a tick: the rows of the oldest make room."""
-        self.newest = (self.newest + 1) % TICKS
+    @property
+    def newest(self) -> int:
+        """Which of three ticks is this one."""
+        return int(self.clock[0])
 
     def forget(self) -> None:
         """Forget the ticks before: something else has acted since."""
@@ -84,7 +81,7 @@ class Stack:
 
     def midway(self) -> tuple[Level, ...]:
         """The levels that act, with their Jacobians half a tick ahead."""
-        rows = midway(self.rows, self.newest, self.ages, self.ends)
+        rows = extrapolate_half_tick(self.rows, self.newest, self.ages, self.ends)
         names = [name for name, age in zip(self.names, self.ages, strict=True) if age]
         parts = zip(names, self.split(rows), self.split(self.wanted), strict=True)
         return tuple(Level(name, jacobian, velocity) for name, jacobian, velocity in parts)

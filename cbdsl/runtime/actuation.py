@@ -1,72 +1,65 @@
-"""From levels to joint references: the control law applied to what acts in a tick."""
+"""From levels to joint references: the control law applied to the controllers that act."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from itertools import pairwise
-from typing import NamedTuple
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from cbdsl.control.crew import Crew
 from cbdsl.control.law import Law, LawSettings, Step
+from cbdsl.control.plan import ControllerPlan
 from cbdsl.control.stack import Stack
+from cbdsl.control.tick import RESTED, UNSOUND, tick
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.runtime.controller_run import ControllerRun
 from cbdsl.runtime.program_run import Active
-from cbdsl.sensing.signals import Signals
+from cbdsl.sensing.signals import Selection, Signals
 
 Floats = NDArray[np.float64]
-Columns = NDArray[np.intp]
+Integers = NDArray[np.int64]
 
 # Controllers, and the names of those that each acts together with.
 _Acting = tuple[tuple[ControllerRun, tuple[str, ...]], ...]
 
 
-class _Shift(NamedTuple):
-    """Controllers that act at once: none of them asks what those above it have come to.
+@dataclass(slots=True)
+class ControllerBatch:
+    """Controllers that act together, as one compiled call takes them.
 
     Attributes:
-        sensing: those of them that have anything to read.
-        first, last: places of the first of them, and after the last of them.
-        acts: whether one acts in any case, since it has nothing to read.
-    """
-
-    sensing: tuple[Active, ...]
-    first: int
-    last: int
-    acts: bool
-
-
-class _Composition(NamedTuple):
-    """What acts together.
-
-    Attributes:
-        active: its controllers, highest priority first, with those that they act together with.
-        runs: its controllers alone.
-        columns: indices of its joints among all actuated ones, shape (n,).
-        moved: the same for each controller, -1 for joints that it does not move, shape (runs, n).
+        active: the controllers, highest priority first, with those that they act together with.
+        runs: the controllers alone.
+        acting: their slots, and those of the controllers that they follow and require, shape
+            (runs, 3).
+        joints: indices of the joints that they move among all actuated ones, shape (n,).
+        columns: the same for each controller, -1 for joints that it does not move, shape (runs, n).
         law: of these joints.
-        stack: the levels of its controllers.
-        crew: its controllers, as they act in one compiled call.
-        shifts: what is to be done one after another.
+        step: of the law, with the stack of their levels.
+        selection: the rows of the signal table that they need.
+        prepared: those of them that have something to prepare before the tick.
+        arguments: of ``tick``, for as long as table and plan are of ``versions``.
     """
 
     active: Sequence[Active]
     runs: tuple[ControllerRun, ...]
-    columns: Columns
-    moved: Columns
+    acting: Integers
+    joints: Integers
+    columns: Integers
     law: Law
-    stack: Stack
-    crew: Crew
-    shifts: tuple[_Shift, ...]
+    step: Step
+    selection: Selection
+    prepared: tuple[ControllerRun, ...]
+    arguments: tuple[Any, ...] = ()
+    versions: tuple[int, int] = field(default=(-1, -1))
 
     def begin(self) -> None:
-        """Act instead of something else."""
-        self.stack.forget()
-        for place, run in enumerate(self.runs):
-            run.join(self.stack, place, self.moved[place])
+        """Act instead of other controllers."""
+        self.step.stack.forget()
+        for run, columns in zip(self.runs, self.columns, strict=True):
+            run.columns = columns
 
 
 class Actuation:
@@ -75,103 +68,123 @@ class Actuation:
     Attributes:
         settings: the law's guards for ticks of this length.
         reference: position references of all actuated joints, rad, shape (n,).
-        step: what the law made of the last tick's levels, or ``None`` where nothing acted.
+        step: of the last tick's levels, or ``None`` where nothing acted.
     """
 
-    def __init__(self, robot: RobotDocument, signals: Signals, period: float) -> None:
-        self._control = robot.control
-        self._signals = signals
-        # The robot's are those for its own rate. In a tick that lasts longer the joints move
-        # farther, and a small Jacobian is another one by then, unless it is larger by as much.
-        longer = period * robot.control.rate
+    def __init__(
+        self, robot: RobotDocument, signals: Signals, plan: ControllerPlan, period: float
+    ) -> None:
+        control = robot.control
+        self._signals, self._plan = signals, plan
+        # The robot's are those for its own rate. In a tick that lasts longer the joints move farther
+        # and their Jacobians change more, unless those are larger by as much.
+        longer = period * control.rate
         self.settings = LawSettings(
-            damping=robot.control.damping * longer**2,
-            singular_value=robot.control.singular_value * longer,
-            joint_step=robot.control.joint_speed * period,
-            limit_margin=robot.control.limit_margin,
+            damping=control.damping * longer**2,
+            singular_value=control.singular_value * longer,
+            joint_step=control.joint_speed * period,
+            limit_margin=control.limit_margin,
+            lead=control.lead,
         )
-        self._compositions: dict[_Acting, _Composition] = {}
+        self.reference: Floats = np.zeros(len(signals.joints))
+        self._batches: dict[_Acting, ControllerBatch] = {}
 
     def reset(self, positions: Floats) -> None:
         """Start from measured positions, rad, shape (n,)."""
-        self.reference = positions.copy()
+        self.reference[:] = positions
         self.step: Step | None = None
-        self._last: _Composition | None = None
+        self._last: ControllerBatch | None = None
 
     def move(self, active: Sequence[Active]) -> None:
-        """Evaluate the active controllers and move the references by the law's step."""
+        """Evaluate the active controllers and move the references by the law's step.
+
+        Raises:
+            SignalError: a number that a controller would act on is not finite; nothing has moved.
+        """
         self.step = None
         # A program that has ended leaves nothing to act.
         if not active:
             self._last = None
             return
-        found = self._last
-        if found is None or active is not found.active:
-            found = self._composition(active)
-            if found is not self._last:
-                self._last = found
-                found.begin()
-        found.stack.turn()
-        if not self._act(found):
-            return
-        positions, columns = self._signals.positions, found.columns
-        lead = self._control.lead
-        self.step = found.law.advance(found.stack, self.reference, positions, columns, lead)
-
-    def _act(self, composition: _Composition) -> bool:
-        """Write the levels of this tick; returns whether there are any."""
-        positions, posture = self._signals.positions, self._signals.tips.stamp
-        acting = False
-        for sensing, first, last, acts in composition.shifts:
-            acting |= acts
-            for run, peers in sensing:
-                acting |= run.sense(peers)
-            done = composition.crew.act(first, last, positions, posture)
-            while done < last:
-                composition.runs[done].evaluate()
-                done = composition.crew.act(done + 1, last, positions, posture)
-        return acting
+        batch = self._last
+        if batch is None or active is not batch.active:
+            batch = self._batch(active)
+            if batch is not self._last:
+                self._last = batch
+                batch.begin()
+        if batch.prepared:
+            self._signals.refresh(batch.selection)
+            for run in batch.prepared:
+                run.prepare()
+        elif batch.selection.read:
+            self._signals.refresh_read(batch.selection)
+        self._signals.kinematics.place()
+        if batch.versions != (self._signals.table.version, self._plan.version):
+            self._arrange(batch)
+        outcome = tick(*batch.arguments)
+        if outcome >= 0:
+            raise batch.runs[outcome].refuse()
+        if outcome == UNSOUND:
+            batch.step.require_sound(self._signals.positions[batch.joints])
+        if outcome != RESTED:
+            self.step = batch.step
 
     def at_limits(self) -> tuple[str, ...]:
         """The joints that their limits held back in the last tick."""
         if self._last is None or self.step is None:
             return ()
         return tuple(
-            self._signals.joints.names[column]
-            for column, locked in zip(self._last.columns, self.step.locked, strict=True)
+            self._signals.joints.names[joint]
+            for joint, locked in zip(self._last.joints, self.step.locked, strict=True)
             if locked
         )
 
-    def _composition(self, active: Sequence[Active]) -> _Composition:
-        """What acts, made when it acts for the first time."""
+    def _arrange(self, batch: ControllerBatch) -> None:
+        """Take the arrays of table and plan as they are now."""
+        signals, plan, stack = self._signals, self._plan, batch.step.stack
+        batch.versions = signals.table.version, plan.version
+        batch.arguments = (
+            batch.selection.compiled, signals.clock, *signals.arrays, *plan.arrays,
+            batch.acting, batch.columns,
+            stack.clock, stack.rows, stack.ages, stack.wanted, stack.ends,
+            self.reference, batch.joints, *batch.law.arrays,
+            batch.step.displacement, batch.step.locked, batch.step.singular_values,
+        )  # fmt: skip
+
+    def _batch(self, active: Sequence[Active]) -> ControllerBatch:
+        """The controllers that act, allocated when they act together for the first time."""
         key = tuple([(item.run, tuple(item.peers)) for item in active])
-        found = self._compositions.get(key)
-        if found is None:
-            found = self._compositions[key] = self._composed(active)
-        return found
+        batch = self._batches.get(key)
+        if batch is None:
+            batch = self._batches[key] = self._allocate(active)
+        return batch
 
-    def _composed(self, active: Sequence[Active]) -> _Composition:
+    def _allocate(self, active: Sequence[Active]) -> ControllerBatch:
         """The active controllers' levels, and the union of their joints."""
-        runs = tuple([item.run for item in active])
-        joints = tuple(dict.fromkeys(joint for run in runs for joint in run.controller.joints))
-        columns = self._signals.joints.pick(joints)
-        limits = self._signals.kinematics
-        law = Law(limits.lower[columns], limits.upper[columns], self.settings)
-        stack = Stack([(run.controller.name, run.size) for run in runs], len(columns))
-        moved = np.array([np.where(np.isin(columns, run.own), columns, -1) for run in runs])
-        crew = Crew([run.member for run in runs], stack, moved)
-        return _Composition(active, runs, columns, moved, law, stack, crew, _shifts(active))
-
-
-def _shifts(active: Sequence[Active]) -> tuple[_Shift, ...]:
-    """Begins anew with every controller that asks what those above it have come to."""
-    starts = [place for place, item in enumerate(active) if item.run.asks and place > 0]
-    return tuple(
-        _Shift(
-            tuple(item for item in active[first:last] if not item.run.needs_nothing),
-            first,
-            last,
-            any(item.run.needs_nothing for item in active[first:last]),
+        signals, runs = self._signals, tuple([item.run for item in active])
+        names = tuple(dict.fromkeys(joint for run in runs for joint in run.controller.joints))
+        joints, limits = signals.joints.pick(names), signals.kinematics
+        stack = Stack([(run.controller.name, run.size) for run in runs], len(joints))
+        rows = [row for run in runs for row in (run.reference, run.feedback) if row >= 0]
+        return ControllerBatch(
+            active,
+            runs,
+            np.array([[item.run.slot, *_peers(item)] for item in active]),
+            joints,
+            np.array([np.where(np.isin(joints, run.own), joints, -1) for run in runs]),
+            Law(limits.lower[joints], limits.upper[joints], self.settings),
+            Step.of(stack),
+            signals.select(rows),
+            tuple([run for run in runs if run.needs_preparation]),
         )
-        for first, last in pairwise((0, *starts, len(active)))
-    )
+
+
+def _peers(item: Active) -> tuple[int, int]:
+    """Slots of the controllers that one follows and requires; -1 where none acts with it."""
+    controller = item.run.controller
+    seek = controller.seek
+    return _slot(item.peers, seek.once if seek else None), _slot(item.peers, controller.given)
+
+
+def _slot(peers: Mapping[str, ControllerRun], name: str | None) -> int:
+    return peers[name].slot if name is not None and name in peers else -1

@@ -1,50 +1,56 @@
-"""One controller while it runs: from signals to a level of the law and a predicate."""
+"""One controller while it runs: a view of its slot in the plan."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Iterator
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from cbdsl.control.body import Body
-from cbdsl.control.composition import Integers
 from cbdsl.control.field import NoPathError
-from cbdsl.control.kernel import DONE, ERROR, FOLLOW, PHI, RAISED, REST, SEEK
-from cbdsl.control.member import Member
 from cbdsl.control.obstacle import Obstacle
-from cbdsl.control.potential import Evaluation
-from cbdsl.control.predicate import QuiescenceMonitor
+from cbdsl.control.plan import ControllerPlan, Search, SlotForm
+from cbdsl.control.predicate import PREDICATE, PREDICATES, Predicate, reset, restart, settings_of
+from cbdsl.control.rate import bounds_of
 from cbdsl.control.registry import build
 from cbdsl.control.rotation import exp
-from cbdsl.control.signal import Signal
-from cbdsl.control.stack import Stack
-from cbdsl.control.task import Task
-from cbdsl.program.controller import AlongNormals, Ball, Controller, Field, Funnel, Literal
+from cbdsl.control.setting import Setting
+from cbdsl.control.signal import SignalError, require_finite
+from cbdsl.program.controller import AlongNormals, Ball, Controller, Field, Literal, Seek
 from cbdsl.sensing.density import Sampler
-from cbdsl.sensing.reading import Reading, transform
-from cbdsl.sensing.selection import columns_of, columns_of_both, responds
+from cbdsl.sensing.reading import Reading, flattened, transform
+from cbdsl.sensing.refresh import DEFINED, UNDEFINED
 from cbdsl.sensing.signals import Signals
 from cbdsl.types.resource import (
     EffectorConfiguration,
     FingerForces,
-    Heading,
     Headings,
     NetForces,
     Origin,
-    Posture,
     Resource,
-    StereoPosition,
     Tip,
 )
 
 Floats = NDArray[np.float64]
+Integers = NDArray[np.int64]
 
-_SEEN = (Heading, Headings, StereoPosition)
-_FELT = (FingerForces, NetForces)
-_PROPRIOCEPTIVE = (Tip, EffectorConfiguration)
-_NOTHING = Reading(np.zeros(0), np.zeros((0, 0)), 0)
+_NO_FUNNEL = (0.0, 0.0, 0.0)
+
+
+class Evaluation(NamedTuple):
+    """A potential in this tick, in k task coordinates and the n joints of a composition.
+
+    Attributes:
+        phi: the potential.
+        residual: error in task coordinates, shape (k,).
+        jacobian: task coordinates per joint, shape (k, n).
+    """
+
+    phi: float
+    residual: Floats
+    jacobian: Floats
 
 
 class ControllerRun:
@@ -53,227 +59,217 @@ class ControllerRun:
     Attributes:
         controller: what runs.
         own: indices of the effector's joints among all actuated ones, shape (m,).
-        member: what the compiled tick knows of it.
-        seeking: whether it acts to make its feedback defined.
-        exhausted: whether it has sought in vain.
+        slot: its number in the plan.
+        feedback, reference: numbers of rows of the signal table; -1 for no reference.
+        columns: which joint each of the n of the composition that it acts in is, -1 for those that
+            count as still, shape (n,).
         no_path: why no free path leads to the reference; empty where one does.
     """
 
-    def __init__(self, controller: Controller, signals: Signals, period: float) -> None:
-        self.controller = controller
-        self._signals = signals
+    columns: Integers
+
+    def __init__(
+        self, controller: Controller, signals: Signals, plan: ControllerPlan, period: float
+    ) -> None:
+        self.controller, self._signals, self._plan = controller, signals, plan
         own = self.own = signals.joints.pick(controller.joints)
-        self._read = _reader(controller, signals)
-        limits = signals.kinematics
-        cameras = (
-            signals.sight.cameras() if isinstance(controller.feedback.source, Headings) else ()
+        self.reference = self._bind_reference()
+        self.feedback = self._bind_feedback()
+        quiescence, limits = controller.quiescence, signals.kinematics
+        is_seen_twice = isinstance(controller.feedback.source, Headings)
+        self._potential = build(
+            controller,
+            Setting(
+                limits.lower[own],
+                limits.upper[own],
+                len(signals.table.values(self.feedback)),
+                signals.sight.cameras() if is_seen_twice else (),
+            ),
         )
-        self._potential = build(controller, Body(limits.lower[own], limits.upper[own], cameras))
-        self._task = Task(controller, self._potential, period)
-        quiescence = controller.quiescence
-        self._monitor = QuiescenceMonitor(quiescence.rate, quiescence.window, period)
         self._tolerance = math.inf if quiescence.tolerance is None else quiescence.tolerance
-        self.member = Member(self._potential, self._task, self._monitor, len(signals.joints))
-        self._constant = _constant_reference(controller, signals)
-        # What may be undefined is asked anew in every tick.
-        self._follows_joints = controller.given is None and self._can_follow_joints()
+        self.slot = plan.add(
+            SlotForm(
+                self._potential,
+                bounds_of(controller, period),
+                settings_of(quiescence.rate, quiescence.window, period),
+                self.feedback,
+                self.reference,
+                controller.funnel or _NO_FUNNEL,
+                None if controller.seek is None else self._search(controller.seek),
+                controller.given is not None,
+            )
+        )
 
     def begin(self, rng: np.random.Generator) -> None:
         """Begin an episode, in which ``rng`` is for all that is drawn."""
         self._rng = rng
         self._sampler: Sampler | None = None
-        self._moves = self._always_defined = False
         self.deactivate()
-        if self.needs_nothing:
-            self.member.duty = FOLLOW
 
     def deactivate(self) -> None:
         """Forget the activation."""
-        constant = self._against = self._constant
-        self._is_aimed = constant is not None and self.member.aim(constant)
-        self._is_forgotten = False
-        self.member.forget()
-        self.seeking = self.exhausted = self._engaged = False
+        record = self._record
+        record["phi"] = record["error"] = math.nan
+        for name in ("seeking", "exhausted", "engaged", "forgotten", "blocked"):
+            record[name] = False
+        reset(record["notes"])
+        self._plan.before[record["start"] : record["start"] + record["size"]] = 0.0
         self.no_path = ""
-        self._sample: Reading | None = None
-        self._task.reset()
-        self._monitor.reset()
+        if self.samples:
+            self._signals.table.records["defined"][self.reference] = UNDEFINED
 
     def activate(self) -> None:
         """Start anew where it was idle or at rest on a sample; otherwise go on."""
-        sampled = self._sample is not None and self.predicate == "1"
-        if self.predicate == "X" or sampled:
+        predicate = self.predicate
+        if predicate == "X" or (self.samples and predicate == "1"):
             self.deactivate()
             self.predicate = "0"
 
-    def unsettle(self) -> None:
-        """Judge rest anew, by what the potential does from now on."""
-        self._monitor.unsettle()
+    def restart_quiescence(self) -> None:
+        """Judge rest by what the potential does from now on."""
+        restart(self._record["notes"])
+
+    def prepare(self) -> None:
+        """Draw a sample or solve for a field, where this controller needs one, before the tick.
+
+        Raises:
+            SignalError: the reference is not finite; the message names it.
+        """
+        if self.samples and not self._defined(self.reference):
+            self._draw()
+        if self._potential.prepare is None:
+            return
+        self._record["blocked"] = False
+        if self._defined(self.feedback) and self._defined(self.reference):
+            self._solve()
+
+    @property
+    def needs_preparation(self) -> bool:
+        """Whether there is anything to draw or to solve for."""
+        return self.samples or self._potential.prepare is not None
+
+    @property
+    def samples(self) -> bool:
+        """Whether its reference is drawn from an internal model."""
+        reference = self.controller.reference
+        return isinstance(reference, Resource) and reference.origin is Origin.MODEL
 
     @property
     def predicate(self) -> str:
         """X - 0 1 (Eq 4.1)."""
-        return self._monitor.predicate
+        return PREDICATES[self._plan.slots["notes"].item(self.slot, PREDICATE)]
 
     @predicate.setter
     def predicate(self, predicate: str) -> None:
-        self._monitor.predicate = predicate
+        self._record["notes"][PREDICATE] = PREDICATES.index(Predicate(predicate))
 
     @property
     def phi(self) -> float:
         """The potential, NaN while undefined."""
-        phi: float = self.member.outcome.item(PHI)
+        phi: float = self._plan.slots["phi"].item(self.slot)
         return phi
 
     @property
     def error(self) -> float:
         """Norm of the residual in the unit of the feedback, NaN while undefined."""
-        error: float = self.member.outcome.item(ERROR)
+        error: float = self._plan.slots["error"].item(self.slot)
         return error
+
+    @property
+    def seeking(self) -> bool:
+        """Whether it acts to make its feedback defined."""
+        seeking: bool = self._plan.slots["seeking"].item(self.slot)
+        return seeking
+
+    @property
+    def exhausted(self) -> bool:
+        """Whether it has sought in vain."""
+        return bool(self._record["exhausted"])
 
     @property
     def size(self) -> int:
         """Number of task coordinates."""
         return self._potential.size
 
-    def join(self, stack: Stack, place: int, columns: Integers) -> None:
-        """Act in a composition from now on.
-
-        Args:
-            stack: of the composition.
-            place: of its level in the stack.
-            columns: which joint each of the stack's n is, -1 for those that count as still.
-        """
-        self._stack, self._place, self._columns = stack, place, columns
-        self._task.join(stack, place, columns)
-
     @property
-    def needs_nothing(self) -> bool:
-        """Whether its reference is constant and its feedback the posture: nothing is to be read."""
-        return self._constant is not None and self._is_aimed and self._follows_joints
+    def settled(self) -> bool:
+        """Whether it is defined and its error small enough to earn a reward."""
+        return self.error <= self._bound()
 
-    @property
-    def engaged(self) -> bool:
-        """Whether it is defined, or was and seeks to be again."""
-        return self._engaged or self.needs_nothing
-
-    @property
-    def asks(self) -> bool:
-        """Whether it looks at what the others that act with it have come to."""
-        return self.controller.seek is not None and self.controller.seek.once is not None
-
-    def sense(self, peers: Mapping[str, ControllerRun]) -> bool:
-        """Take in this tick's signals; returns whether it acts.
-
-        Args:
-            peers: the controllers it runs together with, by name.
-
-        Raises:
-            SignalError: a number that it would act on is not finite; the message names it.
-        """
-        # Its joints are read where it acts.
-        if self._is_aimed and self._follows_joints:
-            return True
-        acts = self._sensed(peers)
-        if not acts:
-            self.member.duty = REST
-        return acts
-
-    def _sensed(self, peers: Mapping[str, ControllerRun]) -> bool:
-        reference = (self._constant or self._reference()) if self._is_given(peers) else None
-        if reference is None:
-            self._undefined()
-            self._engaged = False
-            return False
-        feedback = self._measured(reference)
-        defined = feedback is not None
-        if feedback is None:
-            self._undefined()
-            feedback = self._read(reference) if self._may_seek(peers) else None
-        if feedback is None:
-            self._engaged = False
-            return False
-        return self._feel(feedback, reference, defined=defined)
-
-    def _feel(self, feedback: Reading, reference: Reading, *, defined: bool) -> bool:
-        """Hand signals on to the compiled tick, or act by them at once."""
-        wanted, funnel, raised = reference.value, self.controller.funnel, 0.0
-        if funnel is not None:
-            raised = _height(wanted, feedback.value, funnel)
-        stamp = max(feedback.stamp, reference.stamp)
-        fits = self._is_aimed or self.member.aim(reference)
-        if not (fits and self.member.feel(feedback, stamp, raised)):
-            return self._follow(feedback, reference, raised, defined=defined)
-        self.member.duty = FOLLOW if defined else SEEK
-        self._is_forgotten = False
-        if defined:
-            self._defined(reference)
-        return True
-
-    def evaluate(self) -> None:
-        """Act by itself in this tick, where the compiled tick could not.
-
-        Raises:
-            SignalError: a number that it would act on is not finite; the message names it.
-        """
-        reference = self._constant or self._reference()
-        assert reference is not None
-        feedback = self._read(reference)
-        assert feedback is not None
-        duty, raised = self.member.duty, self.member.outcome.item(RAISED)
-        self._follow(feedback, reference, raised, defined=duty == FOLLOW)
-        self.member.duty = duty
-
-    def _follow(
-        self, feedback: Reading, reference: Reading, raised: float, *, defined: bool
-    ) -> bool:
-        """Write this tick's level and judge by it; returns whether there is one."""
-        try:
-            phi, error = self._acted(feedback, reference.value, raised)
-        except NoPathError as failure:
-            self._undefined()
-            self._is_forgotten = self._engaged = False
-            self.no_path = str(failure)
-            return False
-        self.member.duty = DONE
-        self._is_forgotten = False
-        if defined:
-            self._defined(reference)
-            self.member.outcome[:RAISED] = phi, error
-            self._monitor.update(phi, max(feedback.stamp, reference.stamp))
-        return True
-
-    def _acted(self, feedback: Reading, wanted: Floats, raised: float) -> tuple[float, float]:
-        """Write this tick's level; returns phi and the norm of the residual."""
-        phi, error = self._task.act(feedback, wanted, raised)
-        if not math.isnan(phi):
-            return phi, error
-        signal = self._signal(feedback)
-        judged = acting = self._potential.evaluate(signal, wanted)
-        if raised > 0.0:
-            acting = self._potential.evaluate(signal, wanted + np.array([0.0, 0.0, raised]))
-        self._stack.put(self._place, self._task.level(acting))
-        return judged.phi, math.sqrt(judged.residual.dot(judged.residual))
-
-    @property
-    def evaluation(self) -> Evaluation | None:
+    def evaluate(self) -> Evaluation | None:
         """The potential in this tick, in the joints that act; ``None`` while undefined."""
-        against = self._against
-        feedback = None if against is None or math.isnan(self.phi) else self._read(against)
-        if against is None or feedback is None:
+        if math.isnan(self.phi):
             return None
-        return self._potential.evaluate(self._signal(feedback), against.value)
+        record, table = self._record, self._signals.table
+        rows = table.rows(self.feedback)
+        residual, slope = np.zeros(self.size), np.zeros((self.size, len(rows)))
+        phi = self._potential.function(*self._values(), self._parameters, residual, slope)
+        if record["identity"]:
+            slope = np.eye(self.size)
+        jacobian = np.where(self.columns >= 0, rows[:, self.columns], 0.0)
+        return Evaluation(phi, residual, slope @ jacobian)
 
-    def _signal(self, feedback: Reading) -> Signal:
-        """The feedback as the effector's joints move it; all others count as still (Eq 3.21)."""
-        curvature, field = feedback.curvature, self.controller.field
-        return Signal(
-            self.controller.feedback.name,
-            feedback.value,
-            columns_of(feedback.jacobian, self._columns),
-            None if curvature is None else columns_of_both(curvature, self._columns),
-            () if field is None else tuple(self._obstacles(field)),
+    def refuse(self) -> SignalError:
+        """The reason why this tick's numbers cannot be computed with, naming the resource."""
+        name, (value, reference) = self.controller.feedback.name, self._values()
+        try:
+            require_finite(reference, f"the reference of {name}")
+            require_finite(value, f"the value of {name}")
+            require_finite(self._signals.table.rows(self.feedback), f"the Jacobian of {name}")
+        except SignalError as error:
+            return error
+        reason = self._potential.refuse
+        told = f": {reason(value, reference)}" if reason else ""
+        return SignalError(f"the {self.controller.potential} of {name} cannot be computed{told}")
+
+    @property
+    def _record(self) -> Any:
+        return self._plan.slots[self.slot]
+
+    @property
+    def _parameters(self) -> Floats:
+        record = self._record
+        first = record["parameter"]
+        parameters: Floats = self._plan.parameters[first : first + record["parameters"]]
+        return parameters
+
+    def _defined(self, row: int) -> bool:
+        return bool(self._signals.table.records["defined"][row] == DEFINED)
+
+    def _values(self) -> tuple[Floats, Floats]:
+        """The feedback and its reference, as the potential takes them."""
+        table = self._signals.table
+        return table.values(self.feedback), (
+            table.values(self.reference) if self.reference >= 0 else np.zeros(0)
         )
+
+    def _bound(self) -> float:
+        """The largest error that earns a reward."""
+        within = self.controller.quiescence.within
+        if within is None:
+            return self._tolerance
+        return min(self._tolerance, within * math.hypot(*self._values()[1].tolist()))
+
+    def _draw(self) -> None:
+        resource = self.controller.reference
+        assert isinstance(resource, Resource)
+        if self._sampler is None:
+            self._sampler = self._signals.sampler(resource, self._rng)
+        self._signals.table.write(self.reference, Reading(self._sampler.draw(), None, 0))
+
+    def _solve(self) -> None:
+        value, goal = self._values()
+        require_finite(goal, f"the reference of {self.controller.feedback.name}")
+        require_finite(value, f"the value of {self.controller.feedback.name}")
+        prepare, field = self._potential.prepare, self.controller.field
+        assert prepare is not None
+        obstacles = tuple(self._obstacles(field)) if field is not None else ()
+        try:
+            prepare(value, goal, obstacles, self._parameters)
+        except NoPathError as failure:
+            self._record["blocked"], self.no_path = True, str(failure)
+        else:
+            self.no_path = ""
 
     def _obstacles(self, field: Field) -> Iterator[Obstacle]:
         """Where obstacles are now; what is not seen or felt is not there."""
@@ -284,156 +280,58 @@ class ControllerRun:
                 continue
             reading = self._signals.read(obstacle.resource)
             if reading is not None:
+                require_finite(reading.value, f"the obstacle {obstacle.resource.name}")
                 radius = reading.radius if obstacle.radius is None else obstacle.radius
                 yield Obstacle.sphere(obstacle.resource.name, reading.value, radius)
 
-    def _measured(self, reference: Reading) -> Reading | None:
-        """The feedback, if it is measured and the effector moves it.
-
-        What is seen moves with an arm only while the arm's hand holds it; all else always does.
-        """
-        if self._always_defined:
-            return self._read(reference)
-        source = self.controller.feedback.source
-        # Forces along normals can be read without contact, too.
-        if isinstance(source, _FELT) and not self._signals.defined(self.controller.feedback):
-            return None
-        feedback = self._read(reference)
-        if feedback is None:
-            return None
-        moves = self._moves or responds(feedback.jacobian, self.own)
-        self._moves = moves and not isinstance(source, _SEEN)
-        self._always_defined = self._moves and isinstance(source, _PROPRIOCEPTIVE)
-        return feedback if moves else None
-
-    def _undefined(self) -> None:
-        if self._is_forgotten:
-            return
-        self._monitor.undefined()
-        self.member.forget()
-        self.no_path = ""
-        # The robot may be doing something else by the time the signal is back.
-        if not self.seeking:
-            self._task.reset()
-            self._is_forgotten = True
-
-    def _defined(self, reference: Reading) -> None:
-        self.seeking = self.exhausted = False
-        self._engaged = True
-        self.no_path = ""
-        self._against = reference
-
-    @property
-    def settled(self) -> bool:
-        """Whether it is defined and its error small enough to earn a reward."""
-        return self._against is not None and self.error <= self._bound(self._against)
-
-    def _bound(self, reference: Reading) -> float:
-        """The largest error that earns a reward."""
-        within = self.controller.quiescence.within
-        if within is None:
-            return self._tolerance
-        return min(self._tolerance, within * math.hypot(*reference.value.ravel().tolist()))
-
-    def _can_follow_joints(self) -> bool:
-        """Have the posture as feedback, if it is one that the effector moves."""
-        controller, member = self.controller, self.member
+    def _bind_feedback(self) -> int:
+        controller, signals = self.controller, self._signals
         source = controller.feedback.source
-        if not isinstance(source, EffectorConfiguration) or controller.manipulator is not None:
-            return False
-        joints = self._signals.joints.of(source.effector)
-        can = len(joints) == len(member.value) and bool(np.isin(joints, self.own).any())
-        if can:
-            member.follow_joints(joints)
-        return can
+        if isinstance(controller.reference, AlongNormals):
+            assert isinstance(source, (FingerForces, NetForces))
+            return signals.bind_normal_forces(source)
+        if controller.manipulator is not None:
+            assert isinstance(source, EffectorConfiguration)
+            return signals.bind_manipulator(
+                source.effector, controller.manipulator, controller.joints
+            )
+        if controller.standoff is not None and isinstance(source, Tip):
+            return signals.bind_tip(source, self.reference, tuple(controller.standoff))
+        return signals.bind(controller.feedback)
 
-    def _is_given(self, peers: Mapping[str, ControllerRun]) -> bool:
-        """Whether the controller without which it is undefined is engaged, if there is one."""
-        given = self.controller.given
-        if given is None:
-            return True
-        condition = peers.get(given)
-        return condition is not None and condition.engaged
+    def _bind_reference(self) -> int:
+        reference = self.controller.reference
+        if reference is None:
+            return -1
+        if isinstance(reference, Resource):
+            if reference.origin is Origin.MODEL:
+                return self._signals.bind_written(reference.type.size)
+            return self._signals.bind(reference)
+        value = self._constant(reference)
+        number = self._signals.bind_written(len(value))
+        self._signals.table.write(number, Reading(value, None, 0))
+        return number
 
-    def _may_seek(self, peers: Mapping[str, ControllerRun]) -> bool:
-        """Whether to act although the feedback is undefined."""
-        seek = self.controller.seek
-        if seek is None:
-            return False
-        if not self.seeking and not self.exhausted:
-            leader = peers.get(seek.once) if seek.once is not None else None
-            self.seeking = seek.once is None or (leader is not None and leader.error < seek.within)
-        if self.seeking and seek.until is not None and self._flexed(seek.until):
-            self.seeking, self.exhausted = False, True
-        return self.seeking
-
-    def _flexed(self, until: float) -> bool:
-        source = self.controller.feedback.source
-        assert isinstance(source, FingerForces)
-        joints = self._signals.touch.flexing[source.hand]
-        return bool((self._signals.positions[joints] > until).all())
-
-    def _reference(self) -> Reading | None:
-        """The reference now, where it is not constant, or ``None`` while it is undefined."""
-        resource = self.controller.reference
-        assert isinstance(resource, Resource)
-        if resource.origin is not Origin.MODEL:
-            return self._signals.read(resource)
-        if self._sample is None:
-            if self._sampler is None:
-                self._sampler = self._signals.sampler(resource, self._rng)
-            self._sample = Reading(self._sampler.draw(), np.zeros((0, 0)), 0)
-            self._is_aimed = self.member.aim(self._sample)
-        return self._sample
-
-
-def _reader(controller: Controller, signals: Signals) -> Callable[[Reading], Reading | None]:
-    """What reads the feedback, given the reference."""
-    feedback, source = controller.feedback, controller.feedback.source
-    tips, touch = signals.tips, signals.touch
-    if isinstance(source, (FingerForces, NetForces)) and isinstance(
-        controller.reference, AlongNormals
-    ):
-        return lambda reference: touch.normal_forces(source)
-    if controller.manipulator is not None:
-        assert isinstance(source, EffectorConfiguration)
-        effector, part = source.effector, controller.manipulator
-        return lambda reference: tips.manipulator(effector, part)
-    if controller.standoff is not None and isinstance(source, Tip):
-        clearance, least, most = controller.standoff
-        return lambda reference: tips.tip(
-            source, min(max(reference.radius + clearance, least), most)
-        )
-    return lambda reference: signals.read(feedback)
-
-
-def _constant_reference(controller: Controller, signals: Signals) -> Reading | None:
-    reference, source = controller.reference, controller.feedback.source
-    if isinstance(reference, AlongNormals):
-        assert isinstance(source, (FingerForces, NetForces))
-        shares = _shares(source, signals)
-        return Reading(reference.force * shares, np.zeros((0, 0)), 0)
-    if isinstance(reference, Literal):
+    def _constant(self, reference: Literal | AlongNormals) -> Floats:
+        """A constant reference as a row has it."""
+        kind, source = self.controller.feedback.type.name, self.controller.feedback.source
+        if isinstance(reference, AlongNormals):
+            touch = self._signals.touch
+            if isinstance(source, FingerForces):
+                return reference.force * touch.shares(source.hand)
+            assert isinstance(source, NetForces)
+            return np.full(len(touch.hands(source.group)), reference.force)
         values = np.array(reference.values)
-        if controller.feedback.type.name == "orientation":
-            values = exp(values)
-        elif controller.feedback.type.name == "pose":
-            values = transform(exp(values[3:]), values[:3])
-        return Reading(values, np.zeros((0, 0)), 0)
-    if reference is None:
-        return _NOTHING
-    return signals.read(reference) if isinstance(reference.source, Posture) else None
+        if kind == "orientation":
+            return exp(values).ravel()
+        if kind == "pose":
+            return flattened(transform(exp(values[3:]), values[:3]), kind)
+        return values
 
-
-def _shares(source: FingerForces | NetForces, signals: Signals) -> Floats:
-    """How a force along normals is shared out among the fingers, or given to each hand."""
-    if isinstance(source, FingerForces):
-        return signals.touch.shares(source.hand)
-    return np.ones(len(signals.touch.hands(source.group)))
-
-
-def _height(reference: Floats, position: Floats, funnel: Funnel) -> float:
-    """How far above its reference an approach begins: the farther, the larger the lateral error."""
-    (x, y, _), (own_x, own_y, _) = reference.tolist(), position.tolist()
-    lateral = math.hypot(x - own_x, y - own_y)
-    return min(max(funnel.slope * (lateral - funnel.within), 0.0), funnel.height)
+    def _search(self, seek: Seek) -> Search:
+        source, until = self.controller.feedback.source, seek.until
+        if until is None:
+            return Search(seek.once is not None, seek.within, math.nan, ())
+        assert isinstance(source, FingerForces)
+        joints = self._signals.touch.flexing[source.hand].tolist()
+        return Search(seek.once is not None, seek.within, until, joints)

@@ -11,6 +11,7 @@ import numpy as np
 
 from cbdsl.backends.backend import Backend
 from cbdsl.control.multigrid import ConvergenceError
+from cbdsl.control.plan import ControllerPlan
 from cbdsl.control.signal import SignalError
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.documents.stage import StageDocument
@@ -96,8 +97,9 @@ class Runner:
         self._backend = backend
         self._policy = policy
         self.signals = Signals(robot, kinematics, resources_of(program))
-        self._run = ProgramRun(program, self.signals, backend.control_period)
-        self._actuation = Actuation(robot, self.signals, backend.control_period)
+        plan, period = ControllerPlan(), backend.control_period
+        self._run = ProgramRun(program, self.signals, plan, period)
+        self._actuation = Actuation(robot, self.signals, plan, period)
 
     def run(
         self,

@@ -123,12 +123,11 @@ def _run(program: ProgramRun, name: str) -> tuple[str, ControllerRun]:
 def _change(run: ControllerRun, level: Level, displacement: Floats) -> float:
     """The change of phi that a displacement, rad, shape (n,), makes to first order."""
     kind = POTENTIALS[run.controller.potential]
-    evaluation = None if kind.field else run.evaluation
+    evaluation = None if kind.field else run.evaluate()
     if evaluation is None:
         return math.nan
-    if kind.residual:
-        return -float(evaluation.residual @ (evaluation.jacobian @ displacement))
-    return float((evaluation.jacobian @ displacement)[0])
+    change = evaluation.jacobian @ displacement
+    return -float(evaluation.residual @ change) if kind.residual else float(change[0])
 
 
 def _holder(step: Step, place: int, names: Sequence[str]) -> str:

@@ -7,7 +7,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from cbdsl.control.crew import gather, predicates_of
+from cbdsl.control.plan import ControllerPlan
+from cbdsl.control.predicate import PREDICATE
 from cbdsl.program.checked import Action, CheckedProgram
 from cbdsl.program.controller import Composition, Controller, Primitive
 from cbdsl.program.transition import Transition
@@ -65,6 +66,7 @@ class ProgramRun:
         self,
         program: CheckedProgram,
         signals: Signals,
+        plan: ControllerPlan,
         period: float,
         depth: int = 0,
     ) -> None:
@@ -74,7 +76,8 @@ class ProgramRun:
         self._depth = depth
         self._written = WrittenPolicy(program.policy)
         self._actions = {action.name: action for action in program.actions}
-        make = _ControllerRuns(signals, period)
+        first = len(plan.slots)
+        make = _ControllerRuns(signals, plan, period)
         self._stacks = {
             action.name: make.stack(action.composition)
             for action in program.actions
@@ -99,7 +102,7 @@ class ProgramRun:
         }
         self.runs: tuple[ControllerRun, ...] = make.all
         self.children: dict[str, ProgramRun] = {
-            action.name: ProgramRun(action.program, signals, period, depth + 1)
+            action.name: ProgramRun(action.program, signals, plan, period, depth + 1)
             for action in program.actions
             if action.program is not None
         }
@@ -108,8 +111,7 @@ class ProgramRun:
         self._all_active: Sequence[Active] = ()
         # What predicates read as while an action runs, and the numbers that they had then.
         self._noted, self._reading = b"", ""
-        if depth == 0:
-            gather([run.member for run in self._everything()])
+        self._plan, self._slots = plan, slice(first, first + len(self.runs))
 
     def begin(
         self, rng: np.random.Generator, listener: Listener, policy: Policy | None = None
@@ -123,18 +125,11 @@ class ProgramRun:
         """
         self._listener = listener
         self._policy = policy or self._written
-        self._predicates = predicates_of([run.member for run in self.runs])
         for run in self.runs:
             run.begin(rng)
         for child in self.children.values():
             child.begin(rng, listener)
         self.deactivate()
-
-    def _everything(self) -> Iterator[ControllerRun]:
-        """Its controllers and those of the programs that it uses."""
-        yield from self.runs
-        for child in self.children.values():
-            yield from child._everything()
 
     def deactivate(self) -> None:
         """Stop and forget."""
@@ -197,7 +192,7 @@ class ProgramRun:
         if child is not None:
             child.advance()
         self._ticks += 1
-        self._unsettle(self._action)
+        self._restart_quiescence(self._action)
         state = self._read_state(self._action)
         # A program has transitions of its own to run out of. It may also end the way it ended
         # before, within one tick, and then it is over although the state has not changed.
@@ -215,16 +210,16 @@ class ProgramRun:
         self._idle_ticks = 0 if strives else self._idle_ticks + 1
         return self._idle_ticks * self._period > self.program.idle_time
 
-    def _unsettle(self, action: Action) -> None:
+    def _restart_quiescence(self, action: Action) -> None:
         """Judge anew whether what waits for a search is at rest, as long as the search goes on."""
         for seeker, waiting in self._waiting.get(action.name, ()):
             if seeker.seeking:
                 for run in waiting:
-                    run.unsettle()
+                    run.restart_quiescence()
 
     def _read_state(self, action: Action) -> str:
         """The members' predicates while ``action`` runs."""
-        noted = self._predicates.tobytes()
+        noted = self._plan.slots["notes"][self._slots, PREDICATE].tobytes()
         if noted != self._noted or action.program is not None:
             self._noted, self._reading = noted, self._read_members(action)
         return self._reading
@@ -329,8 +324,8 @@ def _together(runs: Sequence[ControllerRun]) -> list[Active]:
 class _ControllerRuns:
     """Makes one run per controller, however many actions share it."""
 
-    def __init__(self, signals: Signals, period: float) -> None:
-        self._context = signals, period
+    def __init__(self, signals: Signals, plan: ControllerPlan, period: float) -> None:
+        self._context = signals, plan, period
         self._runs: dict[Controller, ControllerRun] = {}
 
     def run(self, controller: Controller) -> ControllerRun:

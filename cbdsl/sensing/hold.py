@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from cbdsl.sensing.reading import Reading
+from cbdsl.sensing.kinematics import Point
 
 Floats = NDArray[np.float64]
 
@@ -36,15 +37,16 @@ class Hold(NamedTuple):
     angular: Floats | None
 
     @classmethod
-    def of_one(cls, arm: str, pose: Reading) -> Hold:
-        """The hold of one hand, from its tip's pose."""
-        transform, jacobian = pose.value, pose.jacobian
-        return cls((arm,), transform[:3, 3], transform[:3, :3], jacobian[:3], jacobian[3:])
+    def of_one(cls, arm: str, tip: Point, rotation: Floats) -> Hold:
+        """The hold of one hand, from its tip and the rotation of the link that carries it."""
+        return cls((arm,), tip.position, rotation, tip.jacobian[:3], tip.jacobian[3:])
 
     @classmethod
-    def of_several(cls, arms: tuple[str, ...], centroid: Reading) -> Hold:
-        """The hold of several hands, from the mean position of their tips."""
-        return cls(arms, centroid.value, _UNTURNED, centroid.jacobian, None)
+    def of_several(cls, arms: tuple[str, ...], tips: Sequence[Point]) -> Hold:
+        """The hold of several hands, from their tips."""
+        share = 1.0 / len(tips)
+        position, jacobian = (share * sum(each) for each in zip(*tips, strict=True))
+        return cls(arms, position, _UNTURNED, jacobian[:3], None)
 
     def moved(self, before: Hold, position: Floats) -> Floats:
         """How far something held has moved, m, shape (3,).

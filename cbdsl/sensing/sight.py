@@ -25,7 +25,7 @@ from cbdsl.sensing.stereo import Ray, triangulate
 from cbdsl.sensing.tips import Tips
 from cbdsl.sensing.touch import Touch
 from cbdsl.sensing.vision import SeenHeading, Vision
-from cbdsl.types.resource import Heading, Headings, StereoPosition, Tip
+from cbdsl.types.resource import Heading, Headings, StereoPosition
 
 Floats = NDArray[np.float64]
 
@@ -75,12 +75,11 @@ class Sight:
         hands = [hand for hand in carriers if self._touch.touching(hand)]
         arms = tuple([carriers[hand] for hand in hands])
         if len(hands) > 1:
-            centroid = mean([self._tips.position(arm) for arm in arms])
-            return Hold.of_several(arms, centroid)
+            return Hold.of_several(arms, [self._tips.point(arm) for arm in arms])
         # A finger that brushes against a thing pushes it away, and does not take it along.
         if not hands or not self._touch.all_touching(hands[0]):
             return None
-        return Hold.of_one(arms[0], self._tips.read(Tip(arms[0], "pose")))
+        return Hold.of_one(arms[0], self._tips.point(arms[0]), self._tips.frame(arms[0]).rotation)
 
     def heading(self, source: Heading) -> Reading | None:
         """The heading in one camera, or the mean over those that see the channel."""

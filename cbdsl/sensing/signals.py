@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable
-from typing import Any
+from collections.abc import Callable, Iterable, Sequence
+from functools import partial
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,8 +15,20 @@ from cbdsl.numeric.compiled import compiled, compiled_once
 from cbdsl.sensing.density import DensitySampler, Sampler
 from cbdsl.sensing.kinematics import Kinematics
 from cbdsl.sensing.observation import Observation
-from cbdsl.sensing.reading import Reading
+from cbdsl.sensing.reading import Reading, shaped
+from cbdsl.sensing.refresh import (
+    CONFIGURATION,
+    DEFINED,
+    MANIPULATOR,
+    MIXTURE,
+    NORMAL_FORCES,
+    TIP,
+    UNDEFINED,
+    WRITTEN,
+    refresh,
+)
 from cbdsl.sensing.sight import Sight
+from cbdsl.sensing.table import Form, Part, SignalTable
 from cbdsl.sensing.tips import Tips
 from cbdsl.sensing.touch import Touch
 from cbdsl.sensing.uniform import UniformSampler
@@ -40,16 +53,42 @@ from cbdsl.types.resource import (
 )
 
 Floats = NDArray[np.float64]
+Integers = NDArray[np.int64]
+Reader = Callable[[], Reading | None]
 
 
 class SensorError(Exception):
     """A sensor gave NaN or infinity; the message names it."""
 
 
-class Signals:
-    """Reads resources, tick by tick.
+class Selection(NamedTuple):
+    """Rows that are kept up to date together.
 
-    Undefined signals read as ``None``: a channel without a region, a hand without contact.
+    Attributes:
+        compiled: those that ``refresh`` writes, those that others are made of first, shape (r,).
+        read: those that Python reads, and how.
+    """
+
+    compiled: Integers
+    read: tuple[tuple[int, Reader], ...]
+
+
+class Signals:
+    """Resources as rows of a signal table, from what was observed tick by tick.
+
+    A row is undefined where there is nothing to read: a channel without a region, a hand without
+    contact.
+
+    Args:
+        robot: what can be sensed.
+        kinematics: of the same robot.
+        resources: whose channels the cameras look for.
+
+    Attributes:
+        table: the rows.
+        positions: of the actuated joints, rad, shape (n,); each observation writes over them.
+        clock: counts the postures, shape (1,).
+        time: of the newest observation, s.
     """
 
     def __init__(
@@ -58,9 +97,11 @@ class Signals:
         self._robot = robot
         self.kinematics = kinematics
         self.joints = kinematics.joints
-        self._unit = np.eye(len(self.joints))
-        self._selections: dict[str, Floats] = {}
-        self._postures: dict[Posture, Reading] = {}
+        self.positions, self.clock = kinematics.positions, np.zeros(1, dtype=np.int64)
+        self.table = SignalTable(len(self.joints))
+        self._rows: dict[tuple[object, ...], int] = {}
+        self._readers: dict[int, Reader] = {}
+        self._made_of: dict[int, tuple[int, ...]] = {}
         channels = [
             resource.source.channel
             for resource in resources
@@ -70,12 +111,14 @@ class Signals:
         self.tips = Tips(robot, kinematics)
         self.touch = Touch(robot, kinematics, self.tips)
         self.sight = Sight(robot, kinematics, self.vision, self.tips, self.touch)
-        self._readers: dict[type, Callable[[Any], Reading | None]] = {
-            EffectorConfiguration: self._configuration,
-            Posture: self._posture,
-            Tip: self.tips.read,
-            Centroid: self.tips.centroid,
-            Separation: self.tips.separation,
+        self._binders: dict[type, Callable[[Any], int]] = {
+            EffectorConfiguration: self._bind_configuration,
+            Posture: self._bind_posture,
+            Tip: self._bind_tip,
+            Centroid: self._bind_centroid,
+            Separation: self._bind_separation,
+        }
+        self._read_by: dict[type, Callable[[Any], Reading | None]] = {
             FingerLoad: self.touch.finger_load,
             NetLoad: self.touch.net_load,
             NetForces: self.touch.net_forces,
@@ -91,8 +134,7 @@ class Signals:
         self.vision.reset()
         self.touch.reset()
         self.sight.reset()
-        self.tips.stamp = 0
-        self._known: dict[str, Reading | None] = {}
+        self.clock[0] = self.tips.stamp = 0
 
     def update(self, observation: Observation) -> None:
         """Take in one tick's observation.
@@ -103,9 +145,8 @@ class Signals:
         wrenches = self.touch.gathered(observation.loads)
         self._require_finite(observation, wrenches)
         self.tips.stamp += 1
-        self._known.clear()
+        self.clock[0] = self.tips.stamp
         self.time = observation.time
-        self.positions = observation.positions
         self.kinematics.update(observation.positions)
         if self._robot.load_cells:
             self.touch.update(wrenches)
@@ -117,22 +158,181 @@ class Signals:
             else:
                 self.vision.untouched()
 
-    def read(self, resource: Resource) -> Reading | None:
-        """The resource's value now, or ``None`` while it is undefined."""
-        name = resource.name
-        if name in self._known:
-            return self._known[name]
-        source = resource.source
-        found = self._known[name] = self._readers[type(source)](source)
-        return found
+    def bind(self, resource: Resource) -> int:
+        """The number of a resource's row, which it gets the first time."""
+        return self._bound((resource.source,), lambda: self._bind(resource))
 
-    def defined(self, resource: Resource) -> bool:
-        """Whether ``read`` would give a value."""
+    def bind_written(self, size: int) -> int:
+        """A row of one's own, to be written with ``table.write``."""
+        return self.table.bind(Form(WRITTEN, size, size))
+
+    def bind_tip(self, source: Tip, facing: int, standoff: tuple[float, float, float]) -> int:
+        """The row of a tip whose control point stands off along its z axis.
+
+        Args:
+            source: an effector's tip.
+            facing: number of the row whose radius it stands off from.
+            standoff: clearance beyond that radius, and the least and most distance, m.
+        """
+        key = source, facing, standoff
+        return self._bound(key, lambda: self._bind_point(source, facing, standoff))
+
+    def bind_manipulator(self, effector: str, part: str, joints: Sequence[str]) -> int:
+        """The row of the Jacobian of an effector's tip, or of all of a group's, by some joints.
+
+        Its own Jacobian is the curvature (Eq 3.5).
+
+        Args:
+            part: ``position`` for three rows a tip, ``pose`` for six.
+            joints: whose columns it has, n of them.
+        """
+        columns = self.joints.pick(joints).tolist()
+        tips = [self.tips.part(member) for member in self._robot.members(effector)]
+        size = len(tips) * (3 if part == "position" else 6) * len(columns)
+        form = Form(MANIPULATOR, size, size, tips, columns, angular=part != "position")
+        return self._bound((effector, part, *joints), lambda: self.table.bind(form))
+
+    def bind_normal_forces(self, source: FingerForces | NetForces) -> int:
+        """The row of forces along normals, N, which can be read without contact, too."""
+        return self._bound((source, "normal"), lambda: self._bind_normal_forces(source))
+
+    def release(self, number: int) -> None:
+        """Take back a row, which nothing else may be made of."""
+        self.table.unbind(number)
+        self._readers.pop(number, None)
+        self._made_of.pop(number, None)
+        self._rows = {key: row for key, row in self._rows.items() if row != number}
+
+    def select(self, rows: Iterable[int]) -> Selection:
+        """Rows, and those that they are made of, as ``refresh`` wants them."""
+        ordered: dict[int, None] = {}
+        for number in rows:
+            ordered.update(dict.fromkeys((*self._made_of.get(number, ()), number)))
+        compiled = [n for n in ordered if self.table.records["kind"][n] != WRITTEN]
+        read = tuple((n, self._readers[n]) for n in ordered if n in self._readers)
+        return Selection(np.array(compiled, dtype=np.int64), read)
+
+    def refresh(self, selection: Selection) -> None:
+        """Bring rows up to date."""
+        self.refresh_read(selection)
+        self.kinematics.place()
+        if len(selection.compiled):
+            refresh(selection.compiled, self.tips.stamp, *self.arrays)
+
+    def refresh_read(self, selection: Selection) -> None:
+        """Bring those rows up to date that Python reads."""
+        for number, read in selection.read:
+            reading = read()
+            if reading is None:
+                self.table.records["defined"][number] = UNDEFINED
+            else:
+                self.table.write(number, reading)
+
+    @property
+    def arrays(self) -> tuple[Any, ...]:
+        """What ``refresh`` reads and writes, behind the stamp."""
+        table, touch, kinematics = self.table, self.touch, self.kinematics
+        return (
+            self.positions, touch.loads, touch.feeling,
+            table.records, table.parts, table.support, table.value, table.jacobian,
+            kinematics.tree, kinematics.frames, kinematics.axes,
+        )  # fmt: skip
+
+    def read(self, resource: Resource) -> Reading | None:
+        """The resource's value now, or ``None`` while it is undefined; it stays as it is."""
+        return self.reading(self.bind(resource), resource.type.name)
+
+    def reading(self, number: int, kind: str = "") -> Reading | None:
+        """A row's value now, in the form of a type, or ``None`` while it is undefined."""
+        self.refresh(self.select([number]))
+        record = self.table.records[number]
+        if record["defined"] != DEFINED:
+            return None
+        value, jacobian = self.table.values(number), self.table.rows(number).copy()
+        return Reading(shaped(value, kind), jacobian, int(record["stamp"]), float(record["radius"]))
+
+    def _bound(self, key: tuple[object, ...], bind: Callable[[], int]) -> int:
+        """The row that is known by a key."""
+        number = self._rows.get(key)
+        if number is None:
+            number = self._rows[key] = bind()
+        return number
+
+    def _bind(self, resource: Resource) -> int:
         source = resource.source
-        # Of forces, this takes less time than to read them.
-        if isinstance(source, FingerForces):
-            return self.touch.all_touching(source.hand)
-        return self.read(resource) is not None
+        binder = self._binders.get(type(source))
+        if binder is not None:
+            return binder(source)
+        read = self._read_by[type(source)]
+        return self._bind_read(resource.type.size, lambda: read(source))
+
+    def _bind_read(self, size: int, reader: Reader) -> int:
+        number = self.bind_written(size)
+        self._readers[number] = reader
+        return number
+
+    def _bind_configuration(self, source: EffectorConfiguration) -> int:
+        columns = self.joints.of(source.effector).tolist()
+        number = self.table.bind(Form(CONFIGURATION, len(columns), len(columns), (), columns))
+        self.table.rows(number)[np.arange(len(columns)), columns] = 1.0
+        return number
+
+    def _bind_posture(self, source: Posture) -> int:
+        angles = [
+            angle
+            for member in self._robot.members(source.effector)
+            for angle in self._robot.effectors[member].postures[source.posture]
+        ]
+        number = self.bind_written(len(angles))
+        self.table.write(number, Reading(np.array(angles), None, 0))
+        return number
+
+    def _bind_tip(self, source: Tip) -> int:
+        members = self._robot.members(source.effector)
+        if members == (source.effector,):
+            return self._bind_point(source, -1, (0.0, 0.0, 0.0))
+        return self._bind_mixture(members, [1.0] * len(members), 3)
+
+    def _bind_point(self, source: Tip, facing: int, standoff: tuple[float, float, float]) -> int:
+        linear, angular = source.part != "orientation", source.part != "position"
+        form = Form(
+            TIP, 3 * linear + 9 * angular, 3 * linear + 3 * angular,
+            (self.tips.part(source.effector),), (), linear, angular, facing, standoff,
+        )  # fmt: skip
+        number = self.table.bind(form)
+        self._made_of[number] = () if facing < 0 else (facing,)
+        return number
+
+    def _bind_centroid(self, source: Centroid) -> int:
+        members = self._robot.members(source.group)
+        return self._bind_mixture(members, [1.0 / len(members)] * len(members), 0)
+
+    def _bind_separation(self, source: Separation) -> int:
+        return self._bind_mixture(self._robot.members(source.group), [-1.0, 1.0], 0)
+
+    def _bind_mixture(self, members: Sequence[str], weights: Sequence[float], shift: int) -> int:
+        """A row of weighted positions of tips, each ``shift`` components behind the one before."""
+        tips = [
+            self._bound((Tip(m, "position"),), partial(self._bind_tip, Tip(m, "position")))
+            for m in members
+        ]
+        parts = [
+            Part(source=tip, weight=weight, shift=shift * place)
+            for place, (tip, weight) in enumerate(zip(tips, weights, strict=True))
+        ]
+        size = 3 + shift * (len(members) - 1)
+        number = self.table.bind(Form(MIXTURE, size, size, parts))
+        self._made_of[number] = tuple(tips)
+        return number
+
+    def _bind_normal_forces(self, source: FingerForces | NetForces) -> int:
+        if isinstance(source, NetForces):
+            hands = len(self.touch.hands(source.group))
+            return self._bind_read(hands, lambda: self.touch.palm_forces(source))
+        parts, flexion = self.touch.pads(source.hand)
+        number = self.table.bind(Form(NORMAL_FORCES, len(parts), len(parts), parts))
+        self.table.rows(number)[:] = flexion
+        return number
 
     def sampler(self, resource: Resource, rng: np.random.Generator) -> Sampler:
         """Draws from an internal model."""
@@ -143,25 +343,6 @@ class Signals:
         if isinstance(source, UniformSample):
             return UniformSampler(*limits, rng)
         return DensitySampler(source, *limits, rng)
-
-    def _configuration(self, source: EffectorConfiguration) -> Reading:
-        own = self.joints.of(source.effector)
-        rows = self._selections.get(source.effector)
-        if rows is None:
-            rows = self._selections[source.effector] = self._unit.take(own, axis=0)
-        return Reading(self.positions.take(own), rows, self.tips.stamp)
-
-    def _posture(self, source: Posture) -> Reading:
-        known = self._postures.get(source)
-        if known is None:
-            angles = [
-                angle
-                for member in self._robot.members(source.effector)
-                for angle in self._robot.effectors[member].postures[source.posture]
-            ]
-            known = Reading(np.array(angles), np.zeros((len(angles), len(self.joints))), 0)
-            self._postures[source] = known
-        return known
 
     def _require_finite(self, observation: Observation, wrenches: Floats) -> None:
         if not _have_squares(observation.positions, observation.velocities, wrenches):

@@ -42,12 +42,12 @@ class Crossing(NamedTuple):
 def triangulate(left: Ray, right: Ray) -> Crossing | None:
     """Cross two lines of sight; ``None`` where they are parallel or cross behind a camera."""
     position = np.empty(3)
-    gap = _cross(*left, *right, position)
+    gap = cross_rays(*left, *right, position)
     return None if math.isnan(gap) else Crossing(position, gap)
 
 
 @compiled_once
-def _cross(
+def cross_rays(
     left: Floats,
     left_direction: Floats,
     left_length: float,

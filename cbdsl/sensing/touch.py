@@ -1,9 +1,9 @@
-"""Touch: what the load cells of the hands say, and how the joints change it (Eq 3.9)."""
+"""Touch: the forces on the hands' load cells, and how the joints change them (Eq 3.9)."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,6 +13,7 @@ from cbdsl.numeric.compiled import compiled_once
 from cbdsl.sensing.kinematics import Kinematics
 from cbdsl.sensing.observation import Cell, Loads
 from cbdsl.sensing.reading import Reading, stacked
+from cbdsl.sensing.table import Part
 from cbdsl.sensing.tips import Tips
 from cbdsl.types.resource import FingerForces, FingerLoad, NetForces, NetLoad
 
@@ -26,7 +27,11 @@ class Touch:
     """Reads the load cells; their first values are taken as zero, since they carry weight.
 
     Where a signal's Jacobian is asked for, it is the cast force -> displacement (Eq 3.37 to 3.39):
-    what is touched is taken to be a spring of the stiffness that the robot's document states.
+    things are taken to be springs of the stiffness that the robot's document states.
+
+    Attributes:
+        loads: of the load cells without their tare, N and N m, world frame, shape (cells, 6).
+        feeling: whether each of them is in contact, shape (cells,).
     """
 
     def __init__(self, robot: RobotDocument, kinematics: Kinematics, tips: Tips) -> None:
@@ -57,14 +62,15 @@ class Touch:
             for hand in robot.load_cells
             if (carrier := _carrier(robot, kinematics, hand)) is not None
         }
+        self.loads: Floats = np.zeros((len(self._cells), 6))
+        self.feeling: Booleans = np.zeros(len(self._cells), dtype=np.bool_)
         self.reset()
 
     def reset(self) -> None:
         """Forget the episode before."""
         self._tare: Floats | None = None
-        self._loads: Floats = np.zeros((len(self._cells), 6))
-        self._feeling: Booleans = np.zeros(len(self._cells), dtype=np.bool_)
-        self._felt = self._feeling.tolist()
+        self.loads[:], self.feeling[:] = 0.0, False
+        self._in_contact = self.feeling.tolist()
         self._touching = False
 
     def gathered(self, loads: Mapping[Cell, Floats]) -> Floats:
@@ -78,11 +84,10 @@ class Touch:
         """Take in one tick's wrenches, as ``gathered`` has them, N and N m in the world frame."""
         if self._tare is None:
             self._tare = wrenches.copy()
-        self._loads = np.empty_like(wrenches)
         before = self._touching
-        self._touching = _feel(wrenches, self._tare, self._threshold, self._loads, self._feeling)
+        self._touching = _feel(wrenches, self._tare, self._threshold, self.loads, self.feeling)
         if before or self._touching:
-            self._felt = self._feeling.tolist()
+            self._in_contact = self.feeling.tolist()
 
     def touching_anything(self) -> bool:
         """Whether any fingertip of any hand feels more than the contact threshold."""
@@ -90,11 +95,11 @@ class Touch:
 
     def touching(self, hand: str) -> bool:
         """Whether any fingertip of a hand feels more than the contact threshold."""
-        return True in self._felt[self._own[hand]]
+        return True in self._in_contact[self._own[hand]]
 
     def all_touching(self, hand: str) -> bool:
         """Whether every fingertip of a hand feels more than the contact threshold."""
-        return False not in self._felt[self._own[hand]]
+        return False not in self._in_contact[self._own[hand]]
 
     def hands(self, name: str) -> tuple[str, ...]:
         """The hands of a group, or the one that is named itself."""
@@ -106,7 +111,7 @@ class Touch:
 
     def finger_load(self, source: FingerLoad) -> Reading | None:
         """The load of one finger, or ``None`` without contact."""
-        if not self._felt[self._cells.index((source.hand, source.finger))]:
+        if not self._in_contact[self._cells.index((source.hand, source.finger))]:
             return None
         return self._load(source.hand, source.finger, source.part)
 
@@ -126,37 +131,40 @@ class Touch:
         """The force of every finger, or ``None`` unless all of them touch something."""
         if not self.all_touching(source.hand):
             return None
-        forces = self._loads[self._own[source.hand], :3]
-        normals = [self._normal(cell) for cell in self._fingers(source.hand).values()]
-        jacobian = np.vstack(
-            [np.outer(n, row) for n, row in zip(normals, self._flexions[source.hand], strict=True)]
-        )
-        return Reading(forces.ravel(), jacobian, self._tips.stamp)
-
-    def normal_forces(self, source: FingerForces | NetForces) -> Reading:
-        """Forces along normals, N: of each finger along its own, of each hand along its palm's.
-
-        Defined without contact too, as a measured zero, so that a hand can close on something.
-        A finger's force follows the joint that flexes it, a hand's follows all of its arm.
-        """
-        if isinstance(source, FingerForces):
-            return self._finger_normal_forces(source.hand)
-        return stacked([self._palm_force(hand) for hand in self.hands(source.group)])
-
-    def _finger_normal_forces(self, hand: str) -> Reading:
-        cells, forces = self._fingers(hand).values(), self._loads[self._own[hand], :3]
-        value = [
-            self._kinematics.component(cell.link, self._normals[cell.link], force)
-            for cell, force in zip(cells, forces, strict=True)
+        forces = self.loads[self._own[source.hand], :3]
+        normals = [
+            self._kinematics.direction(cell.link, self._normals[cell.link])
+            for cell in self._fingers(source.hand).values()
         ]
-        return Reading(np.array(value), self._flexions[hand], self._tips.stamp)
+        flexions = self._flexions[source.hand]
+        rows = [np.outer(n, row) for n, row in zip(normals, flexions, strict=True)]
+        return Reading(forces.ravel(), np.vstack(rows), self._tips.stamp)
+
+    def pads(self, hand: str) -> tuple[Sequence[Part], Floats]:
+        """The load cells of a hand as parts of a row of forces along their normals, and its Jacobian.
+
+        Such forces are defined without contact too, as a measured zero, so that a hand can close on
+        something. A finger's force follows the joint that flexes it.
+        """
+        parts = []
+        for place, cell in enumerate(self._fingers(hand).values(), self._own[hand].start):
+            link = self._kinematics.link(cell.link)
+            normal = link.rotation.dot(self._normals[cell.link])
+            parts.append(Part(link.frame, cell=place, normal=normal))
+        return parts, self._flexions[hand]
+
+    def palm_forces(self, source: NetForces) -> Reading:
+        """The force of each hand along its palm's normal, N, which follows all joints of its arm."""
+        hands = self.hands(source.group)
+        touching = all(self.touching(hand) for hand in hands)
+        return stacked([self._palm_force(hand) for hand in hands])._replace(measured=touching)
 
     def _palm_force(self, hand: str) -> Reading:
         """The part of a hand's net force along its palm's normal, shape (1,)."""
         normal, net = self._tips.normal(self.carriers[hand]), self._net(hand, "force")
-        return Reading(
-            normal[None].dot(net.value), normal[None].dot(net.jacobian), self._tips.stamp
-        )
+        assert net.jacobian is not None
+        jacobian = normal[None].dot(net.jacobian)
+        return Reading(normal[None].dot(net.value), jacobian, self._tips.stamp)
 
     def _net(self, hand: str, part: str) -> Reading:
         loads = [self._load(hand, finger, part) for finger in self._fingers(hand)]
@@ -171,7 +179,7 @@ class Touch:
         control = self._robot.control
         yielding = np.repeat((control.contact_stiffness, control.contact_torsion), 3)[:, None]
         where = _PARTS[part]
-        value = self._loads[self._cells.index((hand, finger)), where]
+        value = self.loads[self._cells.index((hand, finger)), where]
         return Reading(value, (yielding * jacobian)[where], self._tips.stamp)
 
     def _flexion(self, hand: str) -> Floats:
@@ -187,9 +195,6 @@ class Touch:
         first = next(row for row, (owner, _) in enumerate(self._cells) if owner == hand)
         return slice(first, first + len(self._fingers(hand)))
 
-    def _normal(self, cell: LoadCell) -> Floats:
-        return self._kinematics.direction(cell.link, self._normals[cell.link])
-
 
 @compiled_once
 def _feel(
@@ -199,7 +204,7 @@ def _feel(
 
     Args:
         wrenches: as measured, N and N m, shape (cells, 6).
-        tare: what they are where nothing is touched, shape (cells, 6).
+        tare: wrenches without contact, shape (cells, 6).
         threshold: of the force, N.
         loads: becomes their difference, shape (cells, 6).
         feeling: becomes whether each cell's force is more, shape (cells,).

@@ -49,6 +49,7 @@ class PotentialType(NamedTuple):
         residual: whether it is half the square of a residual; otherwise it has a gradient only.
         navigation: which conditions of a navigation function it meets.
         factors: how many signals of such a type make up its feedback; ``None`` for any number.
+        implementation: ``module:function`` that makes a controller's potential.
         field: whether it is solved for on a grid, and moves by the displacement that this gives
             instead of a residual or a gradient of its own.
     """
@@ -61,6 +62,7 @@ class PotentialType(NamedTuple):
     zero_minimum: bool
     residual: bool
     navigation: Navigation
+    implementation: str
     factors: int | None = None
     field: bool = False
 
@@ -97,6 +99,7 @@ POTENTIALS: dict[str, PotentialType] = {
             navigation=Navigation(
                 _MET, _MET, _MET, _MET, "bounded errors, turned by less than half a turn"
             ),
+            implementation="cbdsl.control.spring:build",
         ),
         PotentialType(
             "range",
@@ -107,6 +110,7 @@ POTENTIALS: dict[str, PotentialType] = {
             zero_minimum=True,
             residual=True,
             navigation=Navigation(_MET, _MET, _MET, _MET, "between the joint limits"),
+            implementation="cbdsl.control.range:build",
         ),
         PotentialType(
             "manipulability",
@@ -117,6 +121,7 @@ POTENTIALS: dict[str, PotentialType] = {
             zero_minimum=False,
             residual=False,
             navigation=Navigation(_MET, _ROBOT, _MET, _ROBOT, "postures that are not singular"),
+            implementation="cbdsl.control.manipulability:build",
         ),
         PotentialType(
             "localizability",
@@ -129,6 +134,7 @@ POTENTIALS: dict[str, PotentialType] = {
             navigation=Navigation(
                 _MET, _NOT_MET, _NOT_MET, _NOT_MET, "lines of sight that meet before the cameras"
             ),
+            implementation="cbdsl.control.localizability:build",
             factors=2,
         ),
         PotentialType(
@@ -142,6 +148,7 @@ POTENTIALS: dict[str, PotentialType] = {
             navigation=Navigation(
                 _MET, _MET, _NOT_MET, _NOT_MET, "free space that is connected with the goal"
             ),
+            implementation="cbdsl.control.harmonic:build",
             factors=1,
             field=True,
         ),

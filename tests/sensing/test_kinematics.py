@@ -1,6 +1,8 @@
+import re
 from pathlib import Path
 
 import numpy as np
+import pinocchio
 import pytest
 
 from cbdsl.documents.robot import RobotDocument
@@ -32,6 +34,44 @@ def test_jacobians_by_finite_differences(
         turn = (moved.rotation @ frame.rotation.T - np.eye(3)) / STEP
         angular = np.array([turn[2, 1], turn[0, 2], turn[1, 0]])
         assert jacobian[:, column] == pytest.approx(np.r_[linear, angular], abs=1e-4)
+
+
+@pytest.mark.parametrize("link", LINKS)
+def test_links_and_their_motion_are_those_of_pinocchio(
+    dexter: RobotDocument, urdf: Path, kinematics: Kinematics, posture: np.ndarray, link: str
+) -> None:
+    model = pinocchio.buildModelFromUrdf(str(urdf))
+    data, joints = model.createData(), kinematics.joints
+    expansion = np.zeros((model.nv, len(joints)))
+    expansion[[model.joints[model.getJointId(name)].idx_v for name in joints.all]] = joints.expansion
+    pinocchio.forwardKinematics(model, data, expansion @ posture)
+    pinocchio.updateFramePlacements(model, data)
+    number = model.getFrameId(link, pinocchio.FrameType.BODY)
+    world = pinocchio.ReferenceFrame.LOCAL_WORLD_ALIGNED
+    jacobian = pinocchio.computeFrameJacobian(model, data, expansion @ posture, number, world)
+    kinematics.update(posture)
+    frame = kinematics.frame(link)
+    assert frame.position == pytest.approx(data.oMf[number].translation, abs=1e-14)
+    assert frame.rotation == pytest.approx(data.oMf[number].rotation, abs=1e-14)
+    assert kinematics.jacobian(link) == pytest.approx(jacobian @ expansion, abs=1e-14)
+
+
+def test_a_sliding_joint_slides(dexter: RobotDocument, urdf: Path, tmp_path: Path) -> None:
+    model = tmp_path / "sliding.urdf"
+    text = urdf.read_text("utf-8")
+    before = re.search(r'<joint name="right_arm_3" type="revolute">', text)
+    assert before is not None
+    model.write_text(text.replace(before[0], before[0].replace("revolute", "prismatic")), "utf-8")
+    sliding, column = Kinematics(dexter, model), Kinematics(dexter, model).joints.index["right_arm_3"]
+    posture = np.full(len(sliding.lower), 0.3)
+    sliding.update(posture)
+    point, origin = sliding.point("right_palm", (0.1, 0.2, 0.3)), sliding.frame("right_palm")
+    posture[column] += 0.25
+    sliding.update(posture)
+    moved = sliding.frame("right_palm")
+    assert moved.rotation == pytest.approx(origin.rotation)
+    assert moved.position - origin.position == pytest.approx(0.25 * point.jacobian[:3, column])
+    assert not point.jacobian[3:, column].any()
 
 
 def test_limbs_that_rest_or_that_nobody_asks_about_are_where_they_would_be_anyway(
@@ -87,15 +127,6 @@ def test_origins_are_those_of_the_links(kinematics: Kinematics, posture: np.ndar
         for link, origin in zip(LINKS[:2], (first, second), strict=True):
             assert np.array_equal(origin, kinematics.frame(link).position)
     assert kinematics.origins((), ()).shape == (0, 3)
-
-
-def test_a_component_is_that_along_the_axis_as_the_link_turns_it(
-    kinematics: Kinematics, posture: np.ndarray
-) -> None:
-    kinematics.update(posture)
-    axis, vector = np.array([0.6, 0.0, 0.8]), np.array([1.0, -2.0, 3.0])
-    turned = kinematics.direction("right_palm", axis)
-    assert kinematics.component("right_palm", axis, vector) == pytest.approx(turned @ vector)
 
 
 def test_a_wheel_that_the_robot_file_does_not_name_stays_where_it_is(

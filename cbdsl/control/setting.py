@@ -1,24 +1,25 @@
-"""What potentials know of the body: constants of the robot, never of its posture."""
+"""The constants of a robot that a controller's potential may depend on."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from typing import NamedTuple
 
 from cbdsl.control.signal import Floats
 from cbdsl.sensing.kinematics import Frame
 
 
-@dataclass(frozen=True)
-class Body:
-    """The part of a robot that a controller acts with.
+class Setting(NamedTuple):
+    """Constants of a robot, never of its posture.
 
     Attributes:
         lower: lower limits of the controller's joints, rad, shape (n,); may be infinite.
         upper: upper limits, rad, shape (n,).
+        components: of the feedback's value.
         cameras: the cameras' frames (x forward, y left, z up), left before right, all in one
             frame that moves with them; empty where they move relative to each other.
     """
 
     lower: Floats
     upper: Floats
+    components: int
     cameras: tuple[Frame, ...] = ()

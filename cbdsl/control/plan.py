@@ -1,0 +1,115 @@
+"""The plan: the slots of all controllers of a program, in arrays that compiled code shares."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cbdsl.control.potential import Potential, address_of
+from cbdsl.control.predicate import ROOM, reset, room_of
+from cbdsl.control.signal import Floats
+from cbdsl.control.tick import SLOT
+
+Integers = NDArray[np.int64]
+
+
+class SlotForm(NamedTuple):
+    """The constants of a slot.
+
+    Attributes:
+        potential: of the controller.
+        bounds: as of ``rate.bounds_of``, shape (6,).
+        settings: of the predicate, as of ``predicate.settings_of``.
+        feedback: number of the row of its feedback.
+        reference: the same of its reference; -1 for none.
+        funnel: height, the lateral error within which it ends, m, and slope.
+        search: how it acts while its feedback is undefined, or ``None``.
+        requires: whether another controller is required.
+    """
+
+    potential: Potential
+    bounds: Floats
+    settings: Floats
+    feedback: int
+    reference: int
+    funnel: Sequence[float]
+    search: Search | None
+    requires: bool
+
+
+class Search(NamedTuple):
+    """How a controller acts while its feedback is undefined.
+
+    Attributes:
+        follows: whether it waits for another controller.
+        within: how near that one has to be to its reference, in the unit of its error.
+        until: the search is in vain once ``joints`` are all beyond this angle, rad.
+        joints: none for a search without end.
+    """
+
+    follows: bool
+    within: float
+    until: float
+    joints: Sequence[int]
+
+
+class ControllerPlan:
+    """Slots of controllers, which keep their numbers.
+
+    Attributes:
+        slots: shape (s,) of ``tick.SLOT``.
+        parameters: of potentials.
+        before: displacements of task coordinates in the tick before.
+        windows: of predicates.
+        listed: joints that searches look at.
+        version: changes when the arrays do.
+    """
+
+    def __init__(self) -> None:
+        self.slots: NDArray[Any] = np.zeros(0, SLOT)
+        self.parameters, self.before, self.windows = np.zeros(0), np.zeros(0), np.zeros(0)
+        self.listed: Integers = np.zeros(0, dtype=np.int64)
+        self.version = 0
+        self._functions: list[Any] = []
+
+    def add(self, form: SlotForm) -> int:
+        """Give a controller a slot; returns its number.
+
+        Raises:
+            PotentialError: the potential's function is not one.
+        """
+        potential, number, room = form.potential, len(self.slots), room_of(form.settings)
+        search = form.search or Search(False, math.nan, math.nan, ())
+        slot = np.zeros(1, SLOT)
+        slot["address"] = address_of(potential.function)
+        slot["rule"], slot["identity"] = potential.rule, potential.identity
+        slot["feedback"], slot["reference"] = form.feedback, form.reference
+        slot["parameter"], slot["parameters"] = len(self.parameters), len(potential.parameters)
+        slot["start"], slot["size"] = len(self.before), potential.size
+        slot["phi"] = slot["error"] = math.nan
+        slot["bounds"], slot["funnel"] = form.bounds, form.funnel
+        slot["window"], slot["settings"] = len(self.windows), form.settings
+        slot["notes"][0, ROOM] = room
+        reset(slot["notes"][0])
+        slot["seeks"], slot["follows"] = form.search is not None, search.follows
+        slot["within"], slot["until"] = search.within, search.until
+        slot["joint"], slot["joints"] = len(self.listed), len(search.joints)
+        slot["requires"] = form.requires
+        self.slots = np.concatenate((self.slots, slot))
+        self.parameters = np.concatenate((self.parameters, potential.parameters))
+        self.before = np.concatenate((self.before, np.zeros(potential.size)))
+        self.windows = np.concatenate((self.windows, np.zeros(room)))
+        self.listed = np.concatenate((self.listed, np.array(search.joints, dtype=np.int64)))
+        # Machine code lives as long as its dispatcher.
+        self._functions.append(potential.function)
+        self.version += 1
+        return number
+
+    @property
+    def arrays(self) -> tuple[NDArray[Any], ...]:
+        """As ``tick`` takes them."""
+        return self.slots, self.parameters, self.before, self.windows, self.listed

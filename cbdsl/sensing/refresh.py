@@ -1,0 +1,246 @@
+"""Rows of the signal table that follow from the posture and the load cells; compiled."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cbdsl.numeric.compiled import compiled, compiled_once
+from cbdsl.sensing.forward import cross, place_point, twist_of
+
+Floats = NDArray[np.float64]
+Integers = NDArray[np.int64]
+Booleans = NDArray[np.bool_]
+Records = NDArray[Any]
+
+#: How a row gets its numbers: from Python; joint positions; a tip; the Jacobian of tips; a weighted
+#: sum of other rows; the forces along the normals of load cells.
+WRITTEN, CONFIGURATION, TIP, MANIPULATOR, MIXTURE, NORMAL_FORCES = range(6)
+
+#: Whether a row can be read: not at all; without being a measurement, such as a force without
+#: contact; as one.
+UNDEFINED, READABLE, DEFINED = range(3)
+
+#: A resource: how it gets its numbers, where its value and its Jacobian's rows begin and how many
+#: they are, its parts, whether linear and angular motion are among them, where its columns begin and
+#: how many they are, whether it is defined, the newest measurement, and the radius of what is seen.
+#: A tip's control point may stand off along its z axis by the radius of another row and a clearance.
+ROW = np.dtype(
+    [
+        ("kind", np.int64),
+        ("start", np.int64),
+        ("size", np.int64),
+        ("row", np.int64),
+        ("rows", np.int64),
+        ("part", np.int64),
+        ("parts", np.int64),
+        ("linear", np.bool_),
+        ("angular", np.bool_),
+        ("column", np.int64),
+        ("columns", np.int64),
+        ("defined", np.int64),
+        ("stamp", np.int64),
+        ("radius", np.float64),
+        ("facing", np.int64),
+        ("standoff", np.float64, 3),
+    ]
+)
+
+#: What a row is made of: a place in a frame, with the joints that move it; another row, with its
+#: weight and where it goes; a load cell, with its normal in the frame.
+PART = np.dtype(
+    [
+        ("frame", np.int64),
+        ("origin", np.float64, 3),
+        ("rotation", np.float64, 9),
+        ("support", np.int64),
+        ("joints", np.int64),
+        ("source", np.int64),
+        ("weight", np.float64),
+        ("shift", np.int64),
+        ("cell", np.int64),
+        ("normal", np.float64, 3),
+    ]
+)
+
+
+@compiled_once
+def refresh(
+    needed: Integers,
+    stamp: int,
+    positions: Floats,
+    loads: Floats,
+    feeling: Booleans,
+    table: Records,
+    parts: Records,
+    support: Integers,
+    value: Floats,
+    jacobian: Floats,
+    tree: Records,
+    frames: Floats,
+    axes: Floats,
+) -> None:
+    """Write rows of the signal table.
+
+    Args:
+        needed: which rows, those that others are made of first, shape (r,).
+        stamp: of the posture.
+        positions: of the actuated joints, rad, shape (n,).
+        loads: of the load cells, N and N m in the world frame, shape (cells, 6).
+        feeling: whether each of them feels contact, shape (cells,).
+        table, parts, support, value, jacobian: of the signal table.
+        tree, frames, axes: of the kinematics.
+    """
+    for number in needed:
+        row = table[number]
+        row.stamp, row.defined = stamp, DEFINED
+        if row.kind == CONFIGURATION:
+            for i in range(row.columns):
+                value[row.start + i] = positions[support[row.column + i]]
+        elif row.kind == TIP:
+            _write_tip(row, table, parts, support, value, jacobian, tree, frames, axes)
+        elif row.kind == MANIPULATOR:
+            _write_manipulator(row, parts, support, value, jacobian, tree, frames, axes)
+        elif row.kind == MIXTURE:
+            _write_mixture(row, table, parts, value, jacobian)
+        elif row.kind == NORMAL_FORCES:
+            _write_forces(row, parts, loads, feeling, value, frames)
+
+
+@compiled
+def _write_tip(
+    row: Any,
+    table: Records,
+    parts: Records,
+    support: Integers,
+    value: Floats,
+    jacobian: Floats,
+    tree: Records,
+    frames: Floats,
+    axes: Floats,
+) -> None:
+    """The position, rotation row by row, or both, of a control point, and how it moves."""
+    part = parts[row.part]
+    frame, turned = frames[part.frame], part.rotation
+    origin, point, twist = np.empty(3), np.empty(3), np.empty(6)
+    along = 0.0
+    if row.facing >= 0:
+        clearance, least, most = row.standoff[0], row.standoff[1], row.standoff[2]
+        along = min(max(table[row.facing].radius + clearance, least), most)
+    for i in range(3):
+        origin[i] = part.origin[i] + along * turned[3 * i + 2]
+    place_point(frame, origin, point)
+    start = row.start
+    if row.linear:
+        value[start : start + 3] = point
+        start += 3
+    if row.angular:
+        for i in range(3):
+            for k in range(3):
+                total = 0.0
+                for inner in range(3):
+                    total += frame[3 * i + inner] * turned[3 * inner + k]
+                value[start + 3 * i + k] = total
+    first = 0 if row.linear else 3
+    for i in range(row.rows):
+        jacobian[row.row + i] = 0.0
+    for joint in support[part.support : part.support + part.joints]:
+        twist_of(point, joint, tree, frames, axes, twist)
+        column = tree[joint].column
+        for i in range(row.rows):
+            jacobian[row.row + i, column] += twist[first + i]
+
+
+@compiled
+def _write_manipulator(
+    row: Any,
+    parts: Records,
+    support: Integers,
+    value: Floats,
+    jacobian: Floats,
+    tree: Records,
+    frames: Floats,
+    axes: Floats,
+) -> None:
+    """The Jacobian of tips by some columns, row by row, and its own derivative (Eq 3.5)."""
+    width, columns = row.columns, support[row.column : row.column + row.columns]
+    value[row.start : row.start + row.size] = 0.0
+    for i in range(row.rows):
+        jacobian[row.row + i] = 0.0
+    height = 6 if row.angular else 3
+    first, second, change, point = np.empty(6), np.empty(6), np.empty(3), np.empty(3)
+    for number in range(row.parts):
+        part = parts[row.part + number]
+        own = support[part.support : part.support + part.joints]
+        place_point(frames[part.frame], part.origin, point)
+        for i in range(len(own)):
+            twist_of(point, own[i], tree, frames, axes, first)
+            one = tree[own[i]].column
+            here = _place(columns, one)
+            for k in range(height):
+                if here >= 0:
+                    value[row.start + (number * height + k) * width + here] += first[k]
+            for j in range(i, len(own)):
+                twist_of(point, own[j], tree, frames, axes, second)
+                other = tree[own[j]].column
+                there = _place(columns, other)
+                cross(first[3:], second[:3], change)
+                for k in range(3):
+                    block = row.row + (number * height + k) * width
+                    if there >= 0:
+                        jacobian[block + there, one] += change[k]
+                    if i != j and here >= 0:
+                        jacobian[block + here, other] += change[k]
+                if height == 6 and there >= 0:
+                    cross(first[3:], second[3:], change)
+                    for k in range(3):
+                        block = row.row + (number * height + 3 + k) * width
+                        jacobian[block + there, one] += change[k]
+
+
+@compiled
+def _place(columns: Integers, column: int) -> int:
+    for i in range(len(columns)):
+        if columns[i] == column:
+            return i
+    return -1
+
+
+@compiled
+def _write_mixture(
+    row: Any, table: Records, parts: Records, value: Floats, jacobian: Floats
+) -> None:
+    """Weighted sums of other rows, each from where it is to go; as new and defined as all of them."""
+    value[row.start : row.start + row.size] = 0.0
+    for i in range(row.rows):
+        jacobian[row.row + i] = 0.0
+    for part in parts[row.part : row.part + row.parts]:
+        source = table[part.source]
+        row.defined = min(row.defined, source.defined)
+        for i in range(source.size):
+            value[row.start + part.shift + i] += part.weight * value[source.start + i]
+        for i in range(source.rows):
+            for column in range(jacobian.shape[1]):
+                jacobian[row.row + part.shift + i, column] += (
+                    part.weight * jacobian[source.row + i, column]
+                )
+
+
+@compiled
+def _write_forces(
+    row: Any, parts: Records, loads: Floats, feeling: Booleans, value: Floats, frames: Floats
+) -> None:
+    """Each cell's force along its normal; a measurement while all of them feel contact."""
+    for i in range(row.parts):
+        part = parts[row.part + i]
+        frame, along = frames[part.frame], 0.0
+        for k in range(3):
+            turned = 0.0
+            for inner in range(3):
+                turned += frame[3 * k + inner] * part.normal[inner]
+            along += turned * loads[part.cell, k]
+        value[row.start + i] = along
+        if not feeling[part.cell]:
+            row.defined = READABLE

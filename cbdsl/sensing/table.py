@@ -1,0 +1,184 @@
+"""The signal table: one row per resource that is bound, with its value and Jacobian in this tick."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cbdsl.sensing.reading import Reading
+from cbdsl.sensing.refresh import DEFINED, PART, READABLE, ROW, UNDEFINED
+
+Floats = NDArray[np.float64]
+Integers = NDArray[np.int64]
+
+
+class Part(NamedTuple):
+    """One part of a row, as ``refresh.PART`` has it."""
+
+    frame: int = 0
+    origin: Sequence[float] = (0.0, 0.0, 0.0)
+    rotation: Sequence[float] = (1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0)
+    support: Sequence[int] = ()
+    source: int = -1
+    weight: float = 0.0
+    shift: int = 0
+    cell: int = -1
+    normal: Sequence[float] = (0.0, 0.0, 0.0)
+
+
+class Form(NamedTuple):
+    """The form of a row.
+
+    Attributes:
+        kind: as of ``refresh``.
+        size: components of its value.
+        rows: of its Jacobian.
+        parts: that it is made of.
+        columns: the actuated joints that it reads, or whose Jacobian it is.
+        linear, angular: which motions of a tip.
+        facing: number of the row whose radius a tip stands off from; -1 for none.
+        standoff: clearance, least and most, m.
+    """
+
+    kind: int
+    size: int
+    rows: int
+    parts: Sequence[Part] = ()
+    columns: Sequence[int] = ()
+    linear: bool = True
+    angular: bool = False
+    facing: int = -1
+    standoff: Sequence[float] = (0.0, 0.0, 0.0)
+
+
+class _Room:
+    """Places in an array of a kind, which are taken and given back in blocks."""
+
+    def __init__(self) -> None:
+        self._free: list[tuple[int, int]] = []
+        self.end = 0
+
+    def take(self, size: int) -> int:
+        """The first place of a free block."""
+        for number, (start, free) in enumerate(self._free):
+            if free >= size:
+                self._free[number] = start + size, free - size
+                return start
+        start, self.end = self.end, self.end + size
+        return start
+
+    def give_back(self, start: int, size: int) -> None:
+        """Let a block be taken again."""
+        blocks = sorted([*self._free, (start, size)])
+        self._free = []
+        for begin, free in blocks:
+            if self._free and sum(self._free[-1]) == begin:
+                self._free[-1] = self._free[-1][0], self._free[-1][1] + free
+            elif free:
+                self._free.append((begin, free))
+
+
+class SignalTable:
+    """Rows of resources: values, Jacobians, stamps, and whether they are defined.
+
+    A row keeps its number for as long as it is bound. Its arrays are others once one of them had to
+    grow: whoever holds on to them compares ``version``.
+
+    Args:
+        joints: number of actuated joints, n.
+
+    Attributes:
+        records: the rows, shape (capacity,) of ``refresh.ROW``.
+        parts: shape (capacity,) of ``refresh.PART``.
+        support: joints and columns of rows and parts, shape (capacity,).
+        value: of all rows, one after another, in SI units, shape (capacity,).
+        jacobian: the same per joint, shape (capacity, n).
+        version: changes when the arrays do.
+    """
+
+    def __init__(self, joints: int) -> None:
+        self.records: NDArray[Any] = np.zeros(16, ROW)
+        self.parts: NDArray[Any] = np.zeros(16, PART)
+        self.support: Integers = np.zeros(64, dtype=np.int64)
+        self.value: Floats = np.zeros(128)
+        self.jacobian: Floats = np.zeros((128, joints))
+        self.version = 0
+        self._rooms = {
+            name: _Room() for name in ("records", "parts", "support", "value", "jacobian")
+        }
+
+    def bind(self, form: Form) -> int:
+        """Give a resource a row; returns its number."""
+        number = self._take("records", 1)
+        start, row = self._take("value", form.size), self._take("jacobian", form.rows)
+        part, column = (
+            self._take("parts", len(form.parts)),
+            self._take("support", len(form.columns)),
+        )
+        self.support[column : column + len(form.columns)] = form.columns
+        for place, each in enumerate(form.parts, part):
+            first = self._take("support", len(each.support))
+            self.support[first : first + len(each.support)] = each.support
+            self.parts[place] = (
+                *each[:3], first, len(each.support), *each[4:],
+            )  # fmt: skip
+        self.value[start : start + form.size] = 0.0
+        self.jacobian[row : row + form.rows] = 0.0
+        self.records[number] = (
+            form.kind, start, form.size, row, form.rows, part, len(form.parts),
+            form.linear, form.angular, column, len(form.columns),
+            UNDEFINED, 0, 0.0, form.facing, form.standoff,
+        )  # fmt: skip
+        return number
+
+    def unbind(self, number: int) -> None:
+        """Take a row back, with all that it was made of."""
+        record = self.records[number]
+        for part in self.parts[record["part"] : record["part"] + record["parts"]]:
+            self._rooms["support"].give_back(int(part["support"]), int(part["joints"]))
+        for room, start, size in (
+            ("value", "start", "size"),
+            ("jacobian", "row", "rows"),
+            ("parts", "part", "parts"),
+            ("support", "column", "columns"),
+        ):
+            self._rooms[room].give_back(int(record[start]), int(record[size]))
+        self._rooms["records"].give_back(number, 1)
+        record["defined"] = UNDEFINED
+
+    def write(self, number: int, reading: Reading) -> None:
+        """Write a row that Python has read; a Jacobian of ``None`` stays as it is."""
+        record = self.records[number]
+        self.values(number)[:] = reading.value.ravel()
+        if reading.jacobian is not None:
+            self.rows(number)[:] = reading.jacobian
+        record["stamp"], record["radius"] = reading.stamp, reading.radius
+        record["defined"] = DEFINED if reading.measured else READABLE
+
+    def values(self, number: int) -> Floats:
+        """The value of a row, a part of the table, shape (size,)."""
+        record = self.records[number]
+        start = record["start"]
+        values: Floats = self.value[start : start + record["size"]]
+        return values
+
+    def rows(self, number: int) -> Floats:
+        """The Jacobian of a row, a part of the table, shape (rows, n)."""
+        record = self.records[number]
+        row = record["row"]
+        rows: Floats = self.jacobian[row : row + record["rows"]]
+        return rows
+
+    def _take(self, name: str, size: int) -> int:
+        """Take a block of an array, which grows where it has to."""
+        start = self._rooms[name].take(size)
+        array: NDArray[Any] = getattr(self, name)
+        if self._rooms[name].end > len(array):
+            longer = np.zeros((2 * self._rooms[name].end, *array.shape[1:]), array.dtype)
+            longer[: len(array)] = array
+            setattr(self, name, longer)
+            self.version += 1
+        return start
