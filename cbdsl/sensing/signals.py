@@ -160,7 +160,7 @@ class Signals:
 
     def bind(self, resource: Resource) -> int:
         """The number of a resource's row, which it gets the first time."""
-        return self._bound((resource.source,), lambda: self._bind(resource))
+        return self._bound((type(resource.source), resource.source), lambda: self._bind(resource))
 
     def bind_written(self, size: int) -> int:
         """A row of one's own, to be written with ``table.write``."""
@@ -174,7 +174,7 @@ class Signals:
             facing: number of the row whose radius it stands off from.
             standoff: clearance beyond that radius, and the least and most distance, m.
         """
-        key = source, facing, standoff
+        key = "tip", source, facing, standoff
         return self._bound(key, lambda: self._bind_point(source, facing, standoff))
 
     def bind_manipulator(self, effector: str, part: str, joints: Sequence[str]) -> int:
@@ -190,11 +190,11 @@ class Signals:
         tips = [self.tips.part(member) for member in self._robot.members(effector)]
         size = len(tips) * (3 if part == "position" else 6) * len(columns)
         form = Form(MANIPULATOR, size, size, tips, columns, angular=part != "position")
-        return self._bound((effector, part, *joints), lambda: self.table.bind(form))
+        return self._bound(("manipulator", effector, part, *joints), lambda: self.table.bind(form))
 
     def bind_normal_forces(self, source: FingerForces | NetForces) -> int:
         """The row of forces along normals, N, which can be read without contact, too."""
-        return self._bound((source, "normal"), lambda: self._bind_normal_forces(source))
+        return self._bound(("normal", type(source), source), lambda: self._bind_normal_forces(source))
 
     def release(self, number: int) -> None:
         """Take back a row, which nothing else may be made of."""
@@ -313,7 +313,7 @@ class Signals:
     def _bind_mixture(self, members: Sequence[str], weights: Sequence[float], shift: int) -> int:
         """A row of weighted positions of tips, each ``shift`` components behind the one before."""
         tips = [
-            self._bound((Tip(m, "position"),), partial(self._bind_tip, Tip(m, "position")))
+            self._bound((Tip, Tip(m, "position")), partial(self._bind_tip, Tip(m, "position")))
             for m in members
         ]
         parts = [
