@@ -21,7 +21,6 @@ from cbdsl.control.signal import SignalError, require_finite
 from cbdsl.program.controller import AlongNormals, Ball, Controller, Field, Literal, Seek
 from cbdsl.sensing.density import Sampler
 from cbdsl.sensing.reading import Reading, flattened, transform
-from cbdsl.sensing.refresh import DEFINED, UNDEFINED
 from cbdsl.sensing.signals import Signals
 from cbdsl.types.resource import (
     EffectorConfiguration,
@@ -116,7 +115,7 @@ class ControllerRun:
         self._plan.before[record["start"] : record["start"] + record["size"]] = 0.0
         self.no_path = ""
         if self.samples:
-            self._signals.table.records["defined"][self.reference] = UNDEFINED
+            self._signals.table.forget(self.reference)
 
     def activate(self) -> None:
         """Start anew where it was idle or at rest on a sample; otherwise go on."""
@@ -135,12 +134,14 @@ class ControllerRun:
         Raises:
             SignalError: the reference is not finite; the message names it.
         """
-        if self.samples and not self._defined(self.reference):
+        if self.samples and not self._signals.table.is_defined(self.reference):
             self._draw()
         if self._potential.prepare is None:
             return
         self._record["blocked"] = False
-        if self._defined(self.feedback) and self._defined(self.reference):
+        if self._signals.table.is_defined(self.feedback) and self._signals.table.is_defined(
+            self.reference
+        ):
             self._solve()
 
     @property
@@ -232,9 +233,6 @@ class ControllerRun:
         first = record["parameter"]
         parameters: Floats = self._plan.parameters[first : first + record["parameters"]]
         return parameters
-
-    def _defined(self, row: int) -> bool:
-        return bool(self._signals.table.records["defined"][row] == DEFINED)
 
     def _values(self) -> tuple[Floats, Floats]:
         """The feedback and its reference, as the potential takes them."""

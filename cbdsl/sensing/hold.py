@@ -1,69 +1,109 @@
-"""Rigid holds: how what hands hold moves with them (Eq 3.42 and 3.43)."""
+"""Rigid holds: how things in the hands move with them (Eq 3.42 and 3.43)."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
+from cbdsl.numeric.compiled import compiled_once
+from cbdsl.sensing.forward import place_point
 from cbdsl.sensing.kinematics import Point
 
 Floats = NDArray[np.float64]
-
-_UNTURNED = np.eye(3)
+Integers = NDArray[np.int64]
+Booleans = NDArray[np.bool_]
 
 
 class Hold(NamedTuple):
-    """Where the hands are that hold something, and how the joints move them.
+    """The place of the hands that hold something.
 
-    What one hand holds turns with it. What several hands hold moves with the mean of their tips
-    and does not turn, since they keep facing each other.
+    A thing that one hand holds turns with it. One that several hands hold moves with the mean of their
+    tips and does not turn, since they keep facing each other.
 
     Attributes:
-        arms: that carry the hands.
+        hands: a bit for each hand that holds.
         position: of the tip, or the mean of several, m, world frame, shape (3,).
         rotation: of the one tip, or the identity, shape (3, 3).
-        linear: velocity of ``position`` per joint, shape (3, n).
-        angular: angular velocity of the one tip per joint in world axes, shape (3, n); ``None``
-            for several.
     """
 
-    arms: tuple[str, ...]
+    hands: int
     position: Floats
     rotation: Floats
-    linear: Floats
-    angular: Floats | None
 
-    @classmethod
-    def of_one(cls, arm: str, tip: Point, rotation: Floats) -> Hold:
-        """The hold of one hand, from its tip and the rotation of the link that carries it."""
-        return cls((arm,), tip.position, rotation, tip.jacobian[:3], tip.jacobian[3:])
-
-    @classmethod
-    def of_several(cls, arms: tuple[str, ...], tips: Sequence[Point]) -> Hold:
-        """The hold of several hands, from their tips."""
-        share = 1.0 / len(tips)
-        position, jacobian = (share * sum(each) for each in zip(*tips, strict=True))
-        return cls(arms, position, _UNTURNED, jacobian[:3], None)
-
-    def moved(self, before: Hold, position: Floats) -> Floats:
-        """How far something held has moved, m, shape (3,).
+    def displace(self, before: Hold, position: Floats) -> Floats:
+        """The displacement of a thing that is held, m, shape (3,).
 
         Args:
-            before: where the hands were.
-            position: where the thing was then, m, world frame, shape (3,).
+            before: the hold in the tick before.
+            position: of the thing then, m, world frame, shape (3,).
         """
         own = before.rotation.T.dot(position - before.position)
         displacement: Floats = self.position + self.rotation.dot(own) - position
         return displacement
 
-    def jacobian(self, position: Floats) -> Floats:
-        """Displacement of something held at ``position`` per joint, shape (3, n)."""
-        if self.angular is None:
-            return self.linear
-        x, y, z = (position - self.position).tolist()
-        across = np.array([[0.0, z, -y], [-z, 0.0, x], [y, -x, 0.0]])
-        jacobian: Floats = self.linear + across.dot(self.angular)
-        return jacobian
+
+def held_jacobian(tips: Sequence[Point], position: Floats) -> Floats:
+    """Displacement of a thing per joint, shape (3, n).
+
+    Args:
+        tips: of the hands that hold it.
+        position: of the thing, m, world frame, shape (3,).
+    """
+    if len(tips) > 1:
+        mean: Floats = sum(tip.jacobian[:3] for tip in tips) / len(tips)
+        return mean
+    linear, angular = tips[0].jacobian[:3], tips[0].jacobian[3:]
+    x, y, z = (position - tips[0].position).tolist()
+    across = np.array([[0.0, z, -y], [-z, 0.0, x], [y, -x, 0.0]])
+    jacobian: Floats = linear + across.dot(angular)
+    return jacobian
+
+
+@compiled_once
+def find_hold(
+    frames: Floats,
+    carriers: NDArray[Any],
+    cells: Integers,
+    feeling: Booleans,
+    position: Floats,
+    rotation: Floats,
+) -> int:
+    """Find the hands that hold: one with all of its fingers, or several that feel contact.
+
+    Args:
+        frames: of the kinematics.
+        carriers: the hands' tips, shape (hands,) of ``refresh.PART``.
+        cells: the first load cell of each hand and the one after its last, shape (hands, 2).
+        feeling: whether each load cell is in contact, shape (cells,).
+        position: becomes the tip's, or the mean of several, m, shape (3,).
+        rotation: becomes the one tip's, or the identity, shape (3, 3).
+
+    Returns:
+        A bit for each hand that holds; 0 for none.
+    """
+    point, hands, number, last, complete = np.empty(3), 0, 0, 0, False
+    position[:] = 0.0
+    for hand in range(len(carriers)):
+        fingers = feeling[cells[hand, 0] : cells[hand, 1]]
+        if not fingers.any():
+            continue
+        place_point(frames[carriers[hand].frame], carriers[hand].origin, point)
+        for i in range(3):
+            position[i] += point[i]
+        hands, number, last, complete = hands | 1 << hand, number + 1, hand, fingers.all()
+    if number == 0 or (number == 1 and not complete):
+        # A finger that brushes against a thing pushes it away, and does not take it along.
+        return 0
+    frame, turned = frames[carriers[last].frame], carriers[last].rotation
+    for i in range(3):
+        position[i] /= number
+        for k in range(3):
+            rotation[i, k] = 1.0 if i == k else 0.0
+            if number == 1:
+                rotation[i, k] = 0.0
+                for inner in range(3):
+                    rotation[i, k] += frame[3 * i + inner] * turned[3 * inner + k]
+    return hands

@@ -17,11 +17,12 @@ from cbdsl.sensing.camera import (
     sighting_jacobian,
     within_view,
 )
-from cbdsl.sensing.hold import Hold
+from cbdsl.sensing.hold import Hold, find_hold, held_jacobian
 from cbdsl.sensing.kinematics import Frame, Kinematics
 from cbdsl.sensing.memory import PositionMemory
 from cbdsl.sensing.reading import Reading, mean, stacked
 from cbdsl.sensing.stereo import Ray, triangulate
+from cbdsl.sensing.table import records_of
 from cbdsl.sensing.tips import Tips
 from cbdsl.sensing.touch import Touch
 from cbdsl.sensing.vision import SeenHeading, Vision
@@ -52,6 +53,9 @@ class Sight:
         self._tips = tips
         self._touch = touch
         self._still = np.zeros((3, len(kinematics.joints)))
+        self._carriers = tuple(touch.carriers.values())
+        self._tip_parts = records_of([tips.part(carrier) for carrier in self._carriers])
+        self._cells = np.array([touch.span(hand) for hand in touch.carriers]).reshape(-1, 2)
         self.reset()
 
     def reset(self) -> None:
@@ -59,27 +63,22 @@ class Sight:
         self._hold: Hold | None = None
 
     def update(self) -> None:
-        """Carry what is held along with the hands; tips and touch must be up to date."""
-        before, self._hold = self._hold, self._found_hold()
-        if before is None or self._hold is None or before.arms != self._hold.arms:
+        """Carry things that are held along with the hands; tips and touch must be up to date."""
+        before, self._hold = self._hold, self._find_hold()
+        if before is None or self._hold is None or before.hands != self._hold.hands:
             return
         for memory in self._vision.memories.values():
             if memory.position is not None and self._holds(memory):
-                memory.carry(self._hold.moved(before, memory.position))
+                memory.carry(self._hold.displace(before, memory.position))
 
-    def _found_hold(self) -> Hold | None:
-        """How hands hold: one with all of its fingers, or several that feel contact."""
+    def _find_hold(self) -> Hold | None:
         if not self._touch.touching_anything():
             return None
-        carriers = self._touch.carriers
-        hands = [hand for hand in carriers if self._touch.touching(hand)]
-        arms = tuple([carriers[hand] for hand in hands])
-        if len(hands) > 1:
-            return Hold.of_several(arms, [self._tips.point(arm) for arm in arms])
-        # A finger that brushes against a thing pushes it away, and does not take it along.
-        if not hands or not self._touch.all_touching(hands[0]):
-            return None
-        return Hold.of_one(arms[0], self._tips.point(arms[0]), self._tips.frame(arms[0]).rotation)
+        self._kinematics.place()
+        position, rotation = np.empty(3), np.empty((3, 3))
+        feeling, frames = self._touch.feeling, self._kinematics.frames
+        hands = find_hold(frames, self._tip_parts, self._cells, feeling, position, rotation)
+        return Hold(hands, position, rotation) if hands else None
 
     def heading(self, source: Heading) -> Reading | None:
         """The heading in one camera, or the mean over those that see the channel."""
@@ -166,7 +165,10 @@ class Sight:
         memory = self._vision.memories.get(channel)
         if self._hold is None or memory is None or memory.position is None:
             return None
-        return self._hold.jacobian(memory.position) if self._holds(memory) else None
+        if not self._holds(memory):
+            return None
+        holding = [arm for i, arm in enumerate(self._carriers) if self._hold.hands >> i & 1]
+        return held_jacobian([self._tips.point(arm) for arm in holding], memory.position)
 
     def _holds(self, memory: PositionMemory) -> bool:
         """Whether a remembered thing is where the touching hands are."""

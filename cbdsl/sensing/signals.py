@@ -18,12 +18,10 @@ from cbdsl.sensing.observation import Observation
 from cbdsl.sensing.reading import Reading, shaped
 from cbdsl.sensing.refresh import (
     CONFIGURATION,
-    DEFINED,
     MANIPULATOR,
     MIXTURE,
     NORMAL_FORCES,
     TIP,
-    UNDEFINED,
     WRITTEN,
     refresh,
 )
@@ -194,7 +192,9 @@ class Signals:
 
     def bind_normal_forces(self, source: FingerForces | NetForces) -> int:
         """The row of forces along normals, N, which can be read without contact, too."""
-        return self._bound(("normal", type(source), source), lambda: self._bind_normal_forces(source))
+        return self._bound(
+            ("normal", type(source), source), lambda: self._bind_normal_forces(source)
+        )
 
     def release(self, number: int) -> None:
         """Take back a row, which nothing else may be made of."""
@@ -224,7 +224,7 @@ class Signals:
         for number, read in selection.read:
             reading = read()
             if reading is None:
-                self.table.records["defined"][number] = UNDEFINED
+                self.table.forget(number)
             else:
                 self.table.write(number, reading)
 
@@ -245,9 +245,9 @@ class Signals:
     def reading(self, number: int, kind: str = "") -> Reading | None:
         """A row's value now, in the form of a type, or ``None`` while it is undefined."""
         self.refresh(self.select([number]))
-        record = self.table.records[number]
-        if record["defined"] != DEFINED:
+        if not self.table.is_defined(number):
             return None
+        record = self.table.records[number]
         value, jacobian = self.table.values(number), self.table.rows(number).copy()
         return Reading(shaped(value, kind), jacobian, int(record["stamp"]), float(record["radius"]))
 

@@ -19,14 +19,14 @@ class Part(NamedTuple):
     """One part of a row, as ``refresh.PART`` has it."""
 
     frame: int = 0
-    origin: Sequence[float] = (0.0, 0.0, 0.0)
-    rotation: Sequence[float] = (1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0)
-    support: Sequence[int] = ()
+    origin: Sequence[float] | Floats = (0.0, 0.0, 0.0)
+    rotation: Sequence[float] | Floats = (1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0)
+    support: Sequence[int] | Integers = ()
     source: int = -1
     weight: float = 0.0
     shift: int = 0
     cell: int = -1
-    normal: Sequence[float] = (0.0, 0.0, 0.0)
+    normal: Sequence[float] | Floats = (0.0, 0.0, 0.0)
 
 
 class Form(NamedTuple):
@@ -52,6 +52,11 @@ class Form(NamedTuple):
     angular: bool = False
     facing: int = -1
     standoff: Sequence[float] = (0.0, 0.0, 0.0)
+
+
+def records_of(parts: Sequence[Part]) -> NDArray[Any]:
+    """Parts as ``refresh`` takes them; where their support is listed is for the table to say."""
+    return np.array([(*each[:3], 0, len(each.support), *each[4:]) for each in parts], PART)
 
 
 class _Room:
@@ -106,6 +111,7 @@ class SignalTable:
         self.value: Floats = np.zeros(128)
         self.jacobian: Floats = np.zeros((128, joints))
         self.version = 0
+        self._renew()
         self._rooms = {
             name: _Room() for name in ("records", "parts", "support", "value", "jacobian")
         }
@@ -114,17 +120,11 @@ class SignalTable:
         """Give a resource a row; returns its number."""
         number = self._take("records", 1)
         start, row = self._take("value", form.size), self._take("jacobian", form.rows)
-        part, column = (
-            self._take("parts", len(form.parts)),
-            self._take("support", len(form.columns)),
-        )
-        self.support[column : column + len(form.columns)] = form.columns
-        for place, each in enumerate(form.parts, part):
-            first = self._take("support", len(each.support))
-            self.support[first : first + len(each.support)] = each.support
-            self.parts[place] = (
-                *each[:3], first, len(each.support), *each[4:],
-            )  # fmt: skip
+        part, column = self._take("parts", len(form.parts)), self._list(form.columns)
+        firsts = [self._list(each.support) for each in form.parts]
+        records = self.parts[part : part + len(form.parts)]
+        records[:] = records_of(form.parts)
+        records["support"] = firsts
         self.value[start : start + form.size] = 0.0
         self.jacobian[row : row + form.rows] = 0.0
         self.records[number] = (
@@ -148,29 +148,55 @@ class SignalTable:
             self._rooms[room].give_back(int(record[start]), int(record[size]))
         self._rooms["records"].give_back(number, 1)
         record["defined"] = UNDEFINED
+        self._parts.pop(number, None)
 
     def write(self, number: int, reading: Reading) -> None:
         """Write a row that Python has read; a Jacobian of ``None`` stays as it is."""
-        record = self.records[number]
-        self.values(number)[:] = reading.value.ravel()
+        values, rows = self._row(number)
+        values[:] = reading.value.ravel()
         if reading.jacobian is not None:
-            self.rows(number)[:] = reading.jacobian
-        record["stamp"], record["radius"] = reading.stamp, reading.radius
-        record["defined"] = DEFINED if reading.measured else READABLE
+            rows[:] = reading.jacobian
+        self._stamp[number], self._radius[number] = reading.stamp, reading.radius
+        self._defined[number] = DEFINED if reading.measured else READABLE
+
+    def forget(self, number: int) -> None:
+        """Let a row be undefined."""
+        self._defined[number] = UNDEFINED
+
+    def is_defined(self, number: int) -> bool:
+        """Whether a row holds a measurement."""
+        return bool(self._defined[number] == DEFINED)
 
     def values(self, number: int) -> Floats:
         """The value of a row, a part of the table, shape (size,)."""
-        record = self.records[number]
-        start = record["start"]
-        values: Floats = self.value[start : start + record["size"]]
-        return values
+        return self._row(number)[0]
 
     def rows(self, number: int) -> Floats:
         """The Jacobian of a row, a part of the table, shape (rows, n)."""
-        record = self.records[number]
-        row = record["row"]
-        rows: Floats = self.jacobian[row : row + record["rows"]]
-        return rows
+        return self._row(number)[1]
+
+    def _row(self, number: int) -> tuple[Floats, Floats]:
+        """Value and Jacobian of a row, parts of the arrays as they are now."""
+        parts = self._parts.get(number)
+        if parts is None:
+            record = self.records[number]
+            start, row = record["start"], record["row"]
+            values = self.value[start : start + record["size"]]
+            parts = self._parts[number] = values, self.jacobian[row : row + record["rows"]]
+        return parts
+
+    def _list(self, numbers: Sequence[int] | Integers) -> int:
+        """Keep numbers of joints or columns; returns where they begin."""
+        first = self._take("support", len(numbers))
+        self.support[first : first + len(numbers)] = numbers
+        return first
+
+    def _renew(self) -> None:
+        """Take parts of the arrays anew, which are others now."""
+        self.version += 1
+        self._parts: dict[int, tuple[Floats, Floats]] = {}
+        self._stamp, self._radius = self.records["stamp"], self.records["radius"]
+        self._defined = self.records["defined"]
 
     def _take(self, name: str, size: int) -> int:
         """Take a block of an array, which grows where it has to."""
@@ -180,5 +206,5 @@ class SignalTable:
             longer = np.zeros((2 * self._rooms[name].end, *array.shape[1:]), array.dtype)
             longer[: len(array)] = array
             setattr(self, name, longer)
-            self.version += 1
+            self._renew()
         return start

@@ -191,6 +191,10 @@ class Touch:
     def _fingers(self, hand: str) -> Mapping[str, LoadCell]:
         return self._robot.load_cells[hand]
 
+    def span(self, hand: str) -> tuple[int, int]:
+        """The first load cell of a hand, and the one after its last."""
+        return self._own[hand].start, self._own[hand].stop
+
     def _span(self, hand: str) -> slice:
         first = next(row for row, (owner, _) in enumerate(self._cells) if owner == hand)
         return slice(first, first + len(self._fingers(hand)))
