@@ -42,7 +42,8 @@ def displacement(
     """phi and the displacement that ``Harmonic.prepare`` has written to the parameters."""
     for i in range(len(residual)):
         residual[i] = parameters[1 + i]
-    return parameters[0]
+    phi: float = parameters[0]
+    return phi
 
 
 class Harmonic:

@@ -141,6 +141,7 @@ class Law:
         if not (lower + settings.limit_margin <= upper - settings.limit_margin).all():
             raise ValueError("a joint's limits are closer together than twice their margin")
         self._limits = np.stack((lower + settings.limit_margin, upper - settings.limit_margin))
+        self._settings = settings
         self._guards = np.array(
             (settings.joint_step, settings.damping, settings.singular_value, settings.lead)
         )
@@ -160,11 +161,11 @@ class Law:
         Raises:
             SignalError: the posture or a level is not finite, or a level's shape does not fit.
         """
-        stack = Stack.of(levels, len(q))
+        stack, settings = Stack.of(levels, len(q)), self._settings
         step = Step.of(stack)
         compose(
             q, stack.newest, stack.rows, stack.ages, stack.wanted, stack.ends, self._limits,
-            *self._guards[:3], step.displacement, step.locked, step.singular_values,
+            settings.joint_step, settings.damping, settings.singular_value, step.displacement, step.locked, step.singular_values,
         )  # fmt: skip
         if math.isnan(step.displacement.item(0)):
             step.require_sound(q)

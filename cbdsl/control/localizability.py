@@ -107,7 +107,8 @@ def _turn_back(rotation: Floats, turn: Floats, value: Floats, eye: int, slope: F
 
 @compiled
 def _dot(one: Floats, other: Floats) -> float:
-    return one[0] * other[0] + one[1] * other[1] + one[2] * other[2]
+    product: float = one[0] * other[0] + one[1] * other[1] + one[2] * other[2]
+    return product
 
 
 @compiled
@@ -121,7 +122,7 @@ def _square_of_distances(left: Floats, right: Floats, point: Floats, gradient: F
     if not height > (_NO_HEIGHT * length) ** 2:
         return math.nan
     left_square, right_square = _dot(to_left, to_left), _dot(to_right, to_right)
-    phi = left_square * right_square / (length * math.sqrt(height))
+    phi: float = left_square * right_square / (length * math.sqrt(height))
     gradient[:] = phi * (2 * to_left / left_square + 2 * to_right / right_square - across / height)
     return phi
 

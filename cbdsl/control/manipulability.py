@@ -145,8 +145,10 @@ def _volume_near_singularity(jacobian: Floats, gradient: Floats) -> float:
 def _right_vector(turned: Floats, sizes: Floats, place: int) -> Floats:
     """The right singular vector of one row; a null vector where its singular value vanishes."""
     if sizes[place] > 1e-12 * np.max(sizes):
-        return turned[place] / sizes[place]
-    best, longest = np.zeros(turned.shape[1]), 0.0
+        unit: Floats = turned[place] / sizes[place]
+        return unit
+    best: Floats = np.zeros(turned.shape[1])
+    longest = 0.0
     for axis in range(turned.shape[1]):
         vector = np.zeros(turned.shape[1])
         vector[axis] = 1.0

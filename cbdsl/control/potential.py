@@ -86,11 +86,11 @@ def address_of(function: Callable[..., float]) -> int:
     returned = function.overloads[SIGNATURE.args].signature.return_type  # type: ignore[attr-defined]
     if returned != types.float64:
         raise PotentialError(f"potential '{name}' returns {returned}, not a float")
-    address: int = _get_jit_address(function, SIGNATURE)
+    address: int = _get_jit_address(function, SIGNATURE)  # type: ignore[no-untyped-call]
     return address
 
 
-@intrinsic(prefer_literal=False)  # type: ignore[untyped-decorator]
+@intrinsic(prefer_literal=False)
 def call_at(
     typing_context: Any,
     address: Any,
@@ -109,7 +109,7 @@ def call_at(
         status, phi = convention.call_function(
             builder, pointer, SIGNATURE.return_type, SIGNATURE.args, arguments[1:]
         )
-        with cgutils.if_unlikely(builder, status.is_error):
+        with cgutils.if_unlikely(builder, status.is_error):  # type: ignore[no-untyped-call]
             convention.return_status_propagate(builder, status)
         return phi
 

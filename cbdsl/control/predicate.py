@@ -55,7 +55,7 @@ def settings_of(rate: float, window: float, period: float) -> Floats:
 def room_of(settings: Floats) -> int:
     """How many numbers a window keeps: times, s, in front of their potentials, round and round."""
     # One value is as old as the window or older, the others are within.
-    return 2 * (math.ceil(settings[0] / settings[2]) + 2)
+    return 2 * (math.ceil(float(settings[0] / settings[2])) + 2)
 
 
 def reset(notes: Integers) -> None:

@@ -7,7 +7,7 @@ import math
 import numpy as np
 
 from cbdsl.control.signal import Floats
-from cbdsl.numeric.compiled import compiled_once
+from cbdsl.numeric.compiled import compiled, compiled_once
 
 
 def exp(vector: Floats) -> Floats:
@@ -43,12 +43,7 @@ def log_between(rotation: Floats, wanted: Floats, vector: Floats) -> None:
     Of the four components of the turn's quaternion the largest is computed first and the others are
     divided by it, so that no angle, near pi least of all, costs accuracy (Shepperd 1978).
     """
-    turn = np.empty((3, 3))
-    for i in range(3):
-        for k in range(3):
-            turn[i, k] = 0.0
-            for inner in range(3):
-                turn[i, k] += wanted[3 * i + inner] * rotation[3 * k + inner]
+    turn = _turn_between(rotation, wanted)
     products, trace = np.empty(4), turn[0, 0] + turn[1, 1] + turn[2, 2]
     largest = -1
     for i in range(3):
@@ -56,12 +51,10 @@ def log_between(rotation: Floats, wanted: Floats, vector: Floats) -> None:
             largest = i
     for i in range(3):
         j, k = (i + 1) % 3, (i + 2) % 3
-        odd, even = turn[k, j] - turn[j, k], 0.0
         if largest < 0 or i == largest:
-            products[i + 1] = odd
+            products[i + 1] = turn[k, j] - turn[j, k]
         else:
-            even = turn[i, largest] + turn[largest, i]
-            products[i + 1] = even
+            products[i + 1] = turn[i, largest] + turn[largest, i]
     if largest < 0:
         products[0] = 1.0 + trace
     else:
@@ -76,6 +69,17 @@ def log_between(rotation: Floats, wanted: Floats, vector: Floats) -> None:
         vector *= 2.0 * math.atan2(sine, sign * products[0] / norm) / sine
     else:
         vector *= 2.0
+
+
+@compiled
+def _turn_between(rotation: Floats, wanted: Floats) -> Floats:
+    """The matrix (3, 3) that turns one rotation into another."""
+    turn = np.zeros((3, 3))
+    for i in range(3):
+        for k in range(3):
+            for inner in range(3):
+                turn[i, k] += wanted[3 * i + inner] * rotation[3 * k + inner]
+    return turn
 
 
 @compiled_once

@@ -26,7 +26,7 @@ Integers = NDArray[np.int64]
 Booleans = NDArray[np.bool_]
 Records = NDArray[Any]
 
-_DESCENT, _RESIDUAL, _TO_ZERO = int(Rule.DESCENT), int(Rule.RESIDUAL), int(Rule.TO_ZERO)
+_DESCENT, _RESIDUAL = int(Rule.DESCENT), int(Rule.RESIDUAL)
 
 #: What a slot does in a tick: nothing, since something that it needs is undefined; move its feedback
 #: to the reference; the same while the feedback is no measurement, so that it becomes one.
@@ -275,37 +275,53 @@ def _act(
     own = parameters[slot.parameter : slot.parameter + slot.parameters]
     size, rows = slot.size, feedback.rows
     residual, slope = np.zeros(size), np.zeros((0 if slot.identity else size, rows))
-    phi = call_at(slot.address, here, there, own, residual, slope)
+    phi: float = call_at(slot.address, here, there, own, residual, slope)  # type: ignore[call-arg]
     _select(jacobian[feedback.row : feedback.row + rows], slope, slot.identity, columns, level)
-    step, scale = np.empty(size), 1.0
+    step = np.empty(size)
     if slot.rule == _RESIDUAL:
-        error = norm(residual)
+        error, scale = norm(residual), 1.0
         if slot.funnel[0] > 0.0:
             residual[2] += _height(here, there, slot.funnel)
         for i in range(size):
             step[i] = 0.5 * residual[i]
     else:
-        length = norm(level[0])
-        if slot.rule == _DESCENT:
-            residual[0] = -length * length
-        error = abs(residual[0])
+        error, scale = _follow_gradient(slot.rule, residual, level[0])
         step[0] = residual[0]
-        # What the joints do is the same. But the unit of a row says nothing about how near it is to
-        # losing its influence, and the law would take a short gradient for a singularity.
-        scale = 1.0 / length if length > 0.0 else 0.0
-        for column in range(len(columns)):
-            level[0, column] *= scale
-    sound = phi
-    for i in range(size):
-        for column in range(len(columns)):
-            sound += 0.0 * level[i, column]
-    if not math.isfinite(sound):
+    if not (math.isfinite(phi) and _is_finite(level)):
         return False
     if not displace(step, residual, level, scale, slot.bounds, before):
         return False
     if slot.mode == TRACK:
         slot.phi, slot.error = phi, error
     return True
+
+
+@compiled
+def _follow_gradient(rule: int, residual: Floats, gradient: Floats) -> tuple[float, float]:
+    """Make a scalar potential's gradient (n,) a unit vector.
+
+    The joints do the same. But the unit of a row says nothing about how near it is to losing its
+    influence, and the law would take a short gradient for a singularity and damp it.
+
+    Returns:
+        The potential's error, and the scale of its one coordinate.
+    """
+    length = norm(gradient)
+    if rule == _DESCENT:
+        residual[0] = -length * length
+    scale = 1.0 / length if length > 0.0 else 0.0
+    for column in range(len(gradient)):
+        gradient[column] *= scale
+    return abs(residual[0]), scale
+
+
+@compiled
+def _is_finite(rows: Floats) -> bool:
+    total = 0.0
+    for i in range(rows.shape[0]):
+        for column in range(rows.shape[1]):
+            total += 0.0 * rows[i, column]
+    return total == 0.0
 
 
 @compiled
@@ -333,4 +349,5 @@ def _select(
 def _height(here: Floats, there: Floats, funnel: Floats) -> float:
     """How far above its reference an approach begins: the farther, the larger the lateral error."""
     lateral = math.hypot(there[0] - here[0], there[1] - here[1])
-    return min(max(funnel[2] * (lateral - funnel[1]), 0.0), funnel[0])
+    height: float = min(max(funnel[2] * (lateral - funnel[1]), 0.0), funnel[0])
+    return height

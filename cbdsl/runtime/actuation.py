@@ -101,24 +101,16 @@ class Actuation:
         Raises:
             SignalError: a number that a controller would act on is not finite; nothing has moved.
         """
-        self.step = None
-        # A program that has ended leaves nothing to act.
-        if not active:
-            self._last = None
+        self.step, batch = None, self._take_over(active)
+        if batch is None:
             return
-        batch = self._last
-        if batch is None or active is not batch.active:
-            batch = self._batch(active)
-            if batch is not self._last:
-                self._last = batch
-                batch.begin()
         if batch.prepared:
             self._signals.refresh(batch.selection)
             for run in batch.prepared:
                 run.prepare()
-        elif batch.selection.read:
+        else:
             self._signals.refresh_read(batch.selection)
-        self._signals.kinematics.place()
+            self._signals.kinematics.place()
         if batch.versions != (self._signals.table.version, self._plan.version):
             self._arrange(batch)
         outcome = tick(*batch.arguments)
@@ -126,8 +118,18 @@ class Actuation:
             raise batch.runs[outcome].refuse()
         if outcome == UNSOUND:
             batch.step.require_sound(self._signals.positions[batch.joints])
-        if outcome != RESTED:
-            self.step = batch.step
+        self.step = None if outcome == RESTED else batch.step
+
+    def _take_over(self, active: Sequence[Active]) -> ControllerBatch | None:
+        """The controllers that act from now on; ``None`` where a program has ended."""
+        last = self._last
+        if last is None or active is not last.active:
+            self._last = batch = self._batch(active) if active else None
+            if batch is not None:
+                batch.active = active
+                if batch is not last:
+                    batch.begin()
+        return self._last
 
     def at_limits(self) -> tuple[str, ...]:
         """The joints that their limits held back in the last tick."""

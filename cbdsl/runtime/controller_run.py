@@ -158,7 +158,8 @@ class ControllerRun:
     @property
     def predicate(self) -> str:
         """X - 0 1 (Eq 4.1)."""
-        return PREDICATES[self._plan.slots["notes"].item(self.slot, PREDICATE)]
+        predicate: Predicate = PREDICATES[self._plan.slots["notes"].item(self.slot, PREDICATE)]
+        return predicate
 
     @predicate.setter
     def predicate(self, predicate: str) -> None:
@@ -294,7 +295,7 @@ class ControllerRun:
                 source.effector, controller.manipulator, controller.joints
             )
         if controller.standoff is not None and isinstance(source, Tip):
-            return signals.bind_tip(source, self.reference, tuple(controller.standoff))
+            return signals.bind_tip(source, self.reference, controller.standoff)
         return signals.bind(controller.feedback)
 
     def _bind_reference(self) -> int:

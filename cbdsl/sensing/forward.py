@@ -47,7 +47,7 @@ def place_joints(
     for j in moving:
         joint = joints[j]
         parent, own, axis = frames[joint.parent], frames[j + 1], joint.axis
-        _multiply(parent, joint.rotation, turned)
+        multiply(parent, joint.rotation, turned)
         for i in range(3):
             own[9 + i] = parent[9 + i]
             axes[j, i] = 0.0
@@ -61,11 +61,11 @@ def place_joints(
             own[:9] = turned
         else:
             _rotate(axis, value, turn)
-            _multiply(turned, turn, own)
+            multiply(turned, turn, own)
 
 
 @compiled
-def _multiply(left: Floats, right: Floats, product: Floats) -> None:
+def multiply(left: Floats, right: Floats, product: Floats) -> None:
     """Multiply two matrices (3, 3), row by row."""
     for i in range(3):
         for k in range(3):

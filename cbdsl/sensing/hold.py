@@ -53,7 +53,7 @@ def held_jacobian(tips: Sequence[Point], position: Floats) -> Floats:
         position: of the thing, m, world frame, shape (3,).
     """
     if len(tips) > 1:
-        mean: Floats = sum(tip.jacobian[:3] for tip in tips) / len(tips)
+        mean: Floats = np.mean([tip.jacobian[:3] for tip in tips], axis=0)
         return mean
     linear, angular = tips[0].jacobian[:3], tips[0].jacobian[3:]
     x, y, z = (position - tips[0].position).tolist()
@@ -84,17 +84,16 @@ def find_hold(
     Returns:
         A bit for each hand that holds; 0 for none.
     """
-    point, hands, number, last, complete = np.empty(3), 0, 0, 0, False
+    point, hands, number, last = np.empty(3), 0, 0, 0
     position[:] = 0.0
     for hand in range(len(carriers)):
-        fingers = feeling[cells[hand, 0] : cells[hand, 1]]
-        if not fingers.any():
+        if not feeling[cells[hand, 0] : cells[hand, 1]].any():
             continue
         place_point(frames[carriers[hand].frame], carriers[hand].origin, point)
         for i in range(3):
             position[i] += point[i]
-        hands, number, last, complete = hands | 1 << hand, number + 1, hand, fingers.all()
-    if number == 0 or (number == 1 and not complete):
+        hands, number, last = hands | (1 << hand), number + 1, hand
+    if number == 0 or (number == 1 and not feeling[cells[last, 0] : cells[last, 1]].all()):
         # A finger that brushes against a thing pushes it away, and does not take it along.
         return 0
     frame, turned = frames[carriers[last].frame], carriers[last].rotation

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cbdsl.numeric.compiled import compiled, compiled_once
-from cbdsl.sensing.forward import cross, place_point, twist_of
+from cbdsl.sensing.forward import cross, multiply, place_point, twist_of
 
 Floats = NDArray[np.float64]
 Integers = NDArray[np.int64]
@@ -137,12 +137,7 @@ def _write_tip(
         value[start : start + 3] = point
         start += 3
     if row.angular:
-        for i in range(3):
-            for k in range(3):
-                total = 0.0
-                for inner in range(3):
-                    total += frame[3 * i + inner] * turned[3 * inner + k]
-                value[start + 3 * i + k] = total
+        multiply(frame, turned, value[start : start + 9])
     first = 0 if row.linear else 3
     for i in range(row.rows):
         jacobian[row.row + i] = 0.0
@@ -187,17 +182,23 @@ def _write_manipulator(
                 other = tree[own[j]].column
                 there = _place(columns, other)
                 cross(first[3:], second[:3], change)
-                for k in range(3):
-                    block = row.row + (number * height + k) * width
-                    if there >= 0:
-                        jacobian[block + there, one] += change[k]
-                    if i != j and here >= 0:
-                        jacobian[block + here, other] += change[k]
-                if height == 6 and there >= 0:
+                block = row.row + number * height * width
+                _bend(jacobian, block, width, there, one, change)
+                if i != j:
+                    _bend(jacobian, block, width, here, other, change)
+                if height == 6:
                     cross(first[3:], second[3:], change)
-                    for k in range(3):
-                        block = row.row + (number * height + 3 + k) * width
-                        jacobian[block + there, one] += change[k]
+                    _bend(jacobian, block + 3 * width, width, there, one, change)
+
+
+@compiled
+def _bend(
+    jacobian: Floats, block: int, width: int, place: int, column: int, change: Floats
+) -> None:
+    """Add a column's change per joint to three rows of a manipulator Jacobian's derivative."""
+    if place >= 0:
+        for k in range(3):
+            jacobian[block + k * width + place, column] += change[k]
 
 
 @compiled

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.numeric.compiled import compiled, compiled_once
+from cbdsl.program.controller import Standoff
 from cbdsl.sensing.density import DensitySampler, Sampler
 from cbdsl.sensing.kinematics import Kinematics
 from cbdsl.sensing.observation import Observation
@@ -164,7 +165,9 @@ class Signals:
         """A row of one's own, to be written with ``table.write``."""
         return self.table.bind(Form(WRITTEN, size, size))
 
-    def bind_tip(self, source: Tip, facing: int, standoff: tuple[float, float, float]) -> int:
+    def bind_tip(
+        self, source: Tip, facing: int, standoff: tuple[float, float, float] | Standoff
+    ) -> int:
         """The row of a tip whose control point stands off along its z axis.
 
         Args:
@@ -293,7 +296,9 @@ class Signals:
             return self._bind_point(source, -1, (0.0, 0.0, 0.0))
         return self._bind_mixture(members, [1.0] * len(members), 3)
 
-    def _bind_point(self, source: Tip, facing: int, standoff: tuple[float, float, float]) -> int:
+    def _bind_point(
+        self, source: Tip, facing: int, standoff: tuple[float, float, float] | Standoff
+    ) -> int:
         linear, angular = source.part != "orientation", source.part != "position"
         form = Form(
             TIP, 3 * linear + 9 * angular, 3 * linear + 3 * angular,

@@ -12,7 +12,7 @@ from cbdsl.documents.robot import LoadCell, RobotDocument
 from cbdsl.numeric.compiled import compiled_once
 from cbdsl.sensing.kinematics import Kinematics
 from cbdsl.sensing.observation import Cell, Loads
-from cbdsl.sensing.reading import Reading, stacked
+from cbdsl.sensing.reading import Reading, jacobian_of, stacked
 from cbdsl.sensing.table import Part
 from cbdsl.sensing.tips import Tips
 from cbdsl.types.resource import FingerForces, FingerLoad, NetForces, NetLoad
@@ -170,7 +170,7 @@ class Touch:
         loads = [self._load(hand, finger, part) for finger in self._fingers(hand)]
         return Reading(
             np.sum([load.value for load in loads], axis=0),
-            np.sum([load.jacobian for load in loads], axis=0),
+            np.sum([jacobian_of(load) for load in loads], axis=0),
             self._tips.stamp,
         )
 
