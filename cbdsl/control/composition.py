@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from cbdsl.control.signal import Floats
 from cbdsl.numeric.compiled import compiled, compiled_once, compiled_sum
+from cbdsl.numeric.vector import add, copy, dot, fill, norm
 
 Booleans = NDArray[np.bool_]
 Integers = NDArray[np.int64]
@@ -68,23 +69,28 @@ def compose(
             were dependent or a level does not act, shape (k,).
     """
     joints = rows.shape[2]
-    total[:], locked[:], values[:] = 0.0, False, 0.0
+    fill(total, 0.0)
+    fill(values, 0.0)
+    for joint in range(joints):
+        locked[joint] = False
     middle = np.empty(rows.shape[1:])
-    squares = _dot(positions, positions)
+    squares = dot(positions, positions)
     start = 0
-    for level, end in enumerate(ends):
+    for level in range(len(ends)):
+        end = ends[level]
         if ages[level] > 0:
             _extrapolate(rows, newest, ages[level], start, end, middle)
-            squares += _dot(middle[start:end].ravel(), middle[start:end].ravel())
-            squares += _dot(wanted[start:end], wanted[start:end])
+            for row in range(start, end):
+                squares += dot(middle[row], middle[row]) + wanted[row] * wanted[row]
         start = end
     if not math.isfinite(squares):
-        total[:] = np.nan
+        fill(total, math.nan)
         return
     bounds = _bounds(positions, limits, step)
     basis, taken = np.empty((joints, joints)), 0
     start = 0
-    for level, end in enumerate(ends):
+    for level in range(len(ends)):
+        end = ends[level]
         # Every pass locks a joint or is the last.
         while taken < joints and ages[level] > 0:
             own, sizes = middle[start:end], values[start:end]
@@ -92,7 +98,7 @@ def compose(
             change, below = _invert(own, residual, basis, taken, sizes, damping, threshold)
             _shorten(change, total, locked, bounds, step + _SLACK)
             if not _lock(change, total, locked, bounds):
-                _add(total, change, 1.0)
+                add(total, change, 1.0)
                 taken = below
                 break
             taken = _lock_joints(locked, basis, taken)
@@ -106,7 +112,8 @@ def extrapolate_half_tick(rows: Floats, newest: int, ages: Integers, ends: Integ
     """Rows half a tick ahead, shape (k, n); those of levels that do not act are 0."""
     middle = np.zeros(rows.shape[1:])
     start = 0
-    for level, end in enumerate(ends):
+    for level in range(len(ends)):
+        end = ends[level]
         if ages[level] > 0:
             _extrapolate(rows, newest, ages[level], start, end, middle)
         start = end
@@ -184,7 +191,7 @@ def _lock_joints(locked: Booleans, basis: Floats, taken: int) -> int:
             for column in range(len(locked)):
                 basis[taken, column] = 1.0 if column == joint else 0.0
             _project(basis, taken, basis, taken)
-            if _norm(basis[taken]) > _ROUNDING:
+            if norm(basis[taken]) > _ROUNDING:
                 _orthonormalize(basis, taken)
                 taken += 1
     return taken
@@ -195,7 +202,7 @@ def _task_residual(rows: Floats, wanted: Floats, total: Floats) -> Floats:
     """The part of the rows' wanted displacement (k,) that the one composed so far leaves undone."""
     residual = np.empty(len(wanted))
     for i in range(len(wanted)):
-        residual[i] = wanted[i] - _dot(rows[i], total)
+        residual[i] = wanted[i] - dot(rows[i], total)
     return residual
 
 
@@ -218,17 +225,21 @@ def _invert(
         The displacement, damped along small singular values, shape (n,); how many rows the basis
         has with the level's directions added to it.
     """
-    rest = rows.copy()
+    rest, squares = np.empty(rows.shape), 0.0
     for i in range(len(rows)):
+        copy(rest[i], rows[i], 1.0)
+        squares += dot(rows[i], rows[i])
         _project(rest, i, basis, taken)
-    parts = _gram_schmidt(rest, basis, taken, _ROUNDING * _norm(rows.ravel()))
+    parts = _gram_schmidt(rest, basis, taken, _ROUNDING * math.sqrt(squares))
     directions = basis[taken : taken + len(parts)]
     jacobi_svd(parts, directions)
-    change, values[:] = np.zeros(rows.shape[1]), 0.0
+    change = np.empty(rows.shape[1])
+    fill(change, 0.0)
+    fill(values, 0.0)
     for i in range(len(parts)):
-        values[i] = _norm(parts[i])
-        along = _dot(parts[i], velocity) / values[i]
-        _add(change, directions[i], along * _damped_inverse(values[i], damping, threshold))
+        values[i] = norm(parts[i])
+        along = dot(parts[i], velocity) / values[i]
+        add(change, directions[i], along * _damped_inverse(values[i], damping, threshold))
     return change, taken + len(parts)
 
 
@@ -245,17 +256,17 @@ def _gram_schmidt(rest: Floats, basis: Floats, taken: int, least: float) -> Floa
     for rank in range(len(parts)):
         longest, size = 0, 0.0
         for i in range(len(rest)):
-            length = _norm(rest[i])
+            length = norm(rest[i])
             if length > size:
                 longest, size = i, length
         if size <= least:
             return parts[:rank]
         direction = basis[taken + rank]
-        _set(direction, rest[longest], 1.0)
+        copy(direction, rest[longest], 1.0)
         _orthonormalize(basis, taken + rank)
         for i in range(len(rest)):
-            parts[rank, i] = _dot(rest[i], direction)
-            _add(rest[i], direction, -parts[rank, i])
+            parts[rank, i] = dot(rest[i], direction)
+            add(rest[i], direction, -parts[rank, i])
     return parts
 
 
@@ -324,31 +335,6 @@ def _orthonormalize(basis: Floats, last: int) -> None:
 
     What was subtracted from it before has left rounding, which dividing by its length magnifies.
     """
-    _set(basis[last], basis[last], 1.0 / _norm(basis[last]))
+    copy(basis[last], basis[last], 1.0 / norm(basis[last]))
     _project(basis, last, basis, last)
-    _set(basis[last], basis[last], 1.0 / _norm(basis[last]))
-
-
-@compiled
-def _set(row: Floats, other: Floats, factor: float) -> None:
-    for i in range(len(row)):
-        row[i] = factor * other[i]
-
-
-@compiled
-def _add(row: Floats, other: Floats, factor: float) -> None:
-    for i in range(len(row)):
-        row[i] += factor * other[i]
-
-
-@compiled
-def _norm(row: Floats) -> float:
-    return math.sqrt(_dot(row, row))
-
-
-@compiled_sum
-def _dot(first: Floats, second: Floats) -> float:
-    total = 0.0
-    for i in range(len(first)):
-        total += first[i] * second[i]
-    return total
+    copy(basis[last], basis[last], 1.0 / norm(basis[last]))

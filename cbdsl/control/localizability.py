@@ -23,6 +23,7 @@ from cbdsl.control.potential import Potential, Rule, potential
 from cbdsl.control.setting import Setting
 from cbdsl.control.signal import Floats
 from cbdsl.numeric.compiled import compiled
+from cbdsl.numeric.vector import add, copy, dot, norm
 from cbdsl.program.controller import Controller
 from cbdsl.sensing.kinematics import Frame
 from cbdsl.sensing.stereo import cross_rays
@@ -60,40 +61,34 @@ def uncertainty(
 ) -> float:
     """phi of two headings, rad; parameters: the cameras' positions and rotations."""
     left, right = parameters[:3], parameters[12:15]
-    rotations = parameters[3:12], parameters[15:24]
-    rays, point, gradient = np.empty((2, 3)), np.empty(3), np.empty(3)
+    rays, turns, point, gradient = np.empty((2, 3)), np.empty((2, 3)), np.empty(3), np.empty(3)
     for eye in range(2):
-        _turn(rotations[eye], _direction(value[2 * eye], value[2 * eye + 1]), rays[eye])
+        _look(parameters[12 * eye + 3 :], value[2 * eye], value[2 * eye + 1], rays[eye])
     if math.isnan(cross_rays(left, rays[0], 1.0, right, rays[1], 1.0, point)):
         return math.nan
     phi = _square_of_distances(left, right, point, gradient)
     if math.isnan(phi):
         return math.nan
-    turns = _by_turns(gradient, point - left, point - right, rays)
+    _differentiate_by_rays(gradient, point, left, right, rays, turns)
     for eye in range(2):
-        _turn_back(rotations[eye], turns[eye], value, eye, slope[0])
+        _differentiate_by_heading(parameters[12 * eye + 3 :], turns[eye], value, eye, slope[0])
     residual[0] = -phi
     return phi
 
 
 @compiled
-def _direction(azimuth: float, elevation: float) -> Floats:
-    """The unit vector with a heading, shape (3,)."""
+def _look(rotation: Floats, azimuth: float, elevation: float, ray: Floats) -> None:
+    """The unit vector with a heading, turned by a rotation, row by row, shape (3,)."""
     level = math.cos(elevation)
-    return np.array([level * math.cos(azimuth), level * math.sin(azimuth), math.sin(elevation)])
-
-
-@compiled
-def _turn(rotation: Floats, vector: Floats, turned: Floats) -> None:
-    """Turn a vector by a rotation, row by row."""
+    x, y, z = level * math.cos(azimuth), level * math.sin(azimuth), math.sin(elevation)
     for i in range(3):
-        turned[i] = 0.0
-        for k in range(3):
-            turned[i] += rotation[3 * i + k] * vector[k]
+        ray[i] = rotation[3 * i] * x + rotation[3 * i + 1] * y + rotation[3 * i + 2] * z
 
 
 @compiled
-def _turn_back(rotation: Floats, turn: Floats, value: Floats, eye: int, slope: Floats) -> None:
+def _differentiate_by_heading(
+    rotation: Floats, turn: Floats, value: Floats, eye: int, slope: Floats
+) -> None:
     """The derivative by a camera's heading, from that by the direction of its line of sight."""
     own = np.empty(3)
     for k in range(3):
@@ -106,29 +101,30 @@ def _turn_back(rotation: Floats, turn: Floats, value: Floats, eye: int, slope: F
 
 
 @compiled
-def _dot(one: Floats, other: Floats) -> float:
-    product: float = one[0] * other[0] + one[1] * other[1] + one[2] * other[2]
-    return product
-
-
-@compiled
 def _square_of_distances(left: Floats, right: Floats, point: Floats, gradient: Floats) -> float:
     """phi and its gradient by the point, shape (3,); NaN on the line of the baseline."""
-    baseline = right - left
-    length = math.sqrt(_dot(baseline, baseline))
-    to_left, to_right = point - left, point - right
-    across = to_left - _dot(baseline, to_left) / (length * length) * baseline
-    height = _dot(across, across)
+    baseline, to_left, to_right, across = np.empty(3), np.empty(3), np.empty(3), np.empty(3)
+    for i in range(3):
+        baseline[i] = right[i] - left[i]
+        to_left[i], to_right[i] = point[i] - left[i], point[i] - right[i]
+    length = norm(baseline)
+    copy(across, to_left, 1.0)
+    add(across, baseline, -dot(baseline, to_left) / (length * length))
+    height = dot(across, across)
     if not height > (_NO_HEIGHT * length) ** 2:
         return math.nan
-    left_square, right_square = _dot(to_left, to_left), _dot(to_right, to_right)
+    left_square, right_square = dot(to_left, to_left), dot(to_right, to_right)
     phi: float = left_square * right_square / (length * math.sqrt(height))
-    gradient[:] = phi * (2 * to_left / left_square + 2 * to_right / right_square - across / height)
+    copy(gradient, to_left, 2.0 * phi / left_square)
+    add(gradient, to_right, 2.0 * phi / right_square)
+    add(gradient, across, -phi / height)
     return phi
 
 
 @compiled
-def _by_turns(by_point: Floats, to_left: Floats, to_right: Floats, rays: Floats) -> Floats:
+def _differentiate_by_rays(
+    by_point: Floats, point: Floats, left: Floats, right: Floats, rays: Floats, turns: Floats
+) -> None:
     """A gradient by the directions of the lines of sight, from that by the triangulated point.
 
     The point x minimises the sum of its squared distances from both lines: with their origins o
@@ -136,16 +132,20 @@ def _by_turns(by_point: Floats, to_left: Floats, to_right: Floats, rays: Floats)
     direction moves it by A^-1 ((u . s) du + u (du . s)), s = x - o. The gradient g enters by
     y = A^-1 g, which is (g + a u_l + b u_r) / 2, where a = y . u_l and b = y . u_r.
 
-    Returns:
-        By the left, then the right direction, shape (2, 3).
+    Args:
+        turns: becomes the gradient by the left, then the right direction, shape (2, 3).
     """
-    left, right = rays[0], rays[1]
-    cosine = _dot(left, right)
-    along_left, along_right = _dot(by_point, left), _dot(by_point, right)
+    cosine = dot(rays[0], rays[1])
+    along_left, along_right = dot(by_point, rays[0]), dot(by_point, rays[1])
     sine_square = 1.0 - cosine * cosine
+    y, to_eye = np.empty(3), np.empty(3)
     a = (along_left + cosine * along_right) / sine_square
     b = (along_right + cosine * along_left) / sine_square
-    y, turns = 0.5 * (by_point + a * left + b * right), np.empty((2, 3))
-    turns[0] = _dot(left, to_left) * y + a * to_left
-    turns[1] = _dot(right, to_right) * y + b * to_right
-    return turns
+    for i in range(3):
+        y[i] = 0.5 * (by_point[i] + a * rays[0, i] + b * rays[1, i])
+    for eye in range(2):
+        origin, along = (left, a) if eye == 0 else (right, b)
+        for i in range(3):
+            to_eye[i] = point[i] - origin[i]
+        copy(turns[eye], y, dot(rays[eye], to_eye))
+        add(turns[eye], to_eye, along)

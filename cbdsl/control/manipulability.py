@@ -22,6 +22,7 @@ from cbdsl.control.potential import Potential, Rule, potential
 from cbdsl.control.setting import Setting
 from cbdsl.control.signal import Floats
 from cbdsl.numeric.compiled import compiled
+from cbdsl.numeric.vector import add, copy, dot, fill, norm
 from cbdsl.program.controller import Controller
 
 # The determinant of J J^T above which, as part of its trace to the m-th power, J is so far from a
@@ -62,7 +63,9 @@ def volume(
         return -_volume_near_singularity(jacobian, gradient)
     size, cofactors = math.sqrt(square), np.empty(rows)
     for column in range(jacobian.shape[1]):
-        _solve(gram, jacobian[:, column], cofactors)
+        for i in range(rows):
+            cofactors[i] = jacobian[i, column]
+        _solve(gram, cofactors)
         for i in range(rows):
             gradient[i, column] = -size * cofactors[i]
     return -size
@@ -74,9 +77,7 @@ def _gram(rows: Floats) -> tuple[Floats, float]:
     products, trace = np.empty((len(rows), len(rows))), 0.0
     for i in range(len(rows)):
         for j in range(i + 1):
-            products[i, j] = 0.0
-            for column in range(rows.shape[1]):
-                products[i, j] += rows[i, column] * rows[j, column]
+            products[i, j] = dot(rows[i], rows[j])
         trace += products[i, i]
     return products, trace
 
@@ -99,11 +100,11 @@ def _factorize(gram: Floats) -> float:
 
 
 @compiled
-def _solve(lower: Floats, wanted: Floats, solution: Floats) -> None:
-    """Solve ``L L^T solution = wanted`` for a triangular L (m, m)."""
+def _solve(lower: Floats, solution: Floats) -> None:
+    """Solve ``L L^T x = b`` for a triangular L (m, m) in place of b."""
     rows = len(lower)
     for i in range(rows):
-        rest = wanted[i]
+        rest = solution[i]
         for k in range(i):
             rest -= lower[i, k] * solution[k]
         solution[i] = rest / lower[i, i]
@@ -117,47 +118,45 @@ def _solve(lower: Floats, wanted: Floats, solution: Floats) -> None:
 @compiled
 def _volume_near_singularity(jacobian: Floats, gradient: Floats) -> float:
     """w from singular values, and minus its derivative by the Jacobian's entries (m, n)."""
-    rows = len(jacobian)
-    turned, left = jacobian.copy(), np.eye(rows)
-    jacobi_svd(turned, left)
-    sizes = np.empty(rows)
+    rows, size = len(jacobian), 1.0
+    turned, left, sizes = np.empty(jacobian.shape), np.eye(rows), np.empty(rows)
     for i in range(rows):
-        sizes[i] = math.sqrt(np.sum(turned[i] * turned[i]))
-    gradient[:] = 0.0
+        copy(turned[i], jacobian[i], 1.0)
+    jacobi_svd(turned, left)
+    for i in range(rows):
+        sizes[i] = norm(turned[i])
+        size *= sizes[i]
+        fill(gradient[i], 0.0)
+    direction = np.empty(jacobian.shape[1])
     for i in range(rows):
         others = 1.0
         for k in range(rows):
-            if k != i:
-                others *= sizes[k]
-        if others == 0.0:
-            continue
-        direction = _right_vector(turned, sizes, i)
-        for row in range(rows):
-            for column in range(jacobian.shape[1]):
-                gradient[row, column] -= others * left[i, row] * direction[column]
-    size = 1.0
-    for i in range(rows):
-        size *= sizes[i]
+            others *= sizes[k] if k != i else 1.0
+        if others > 0.0:
+            _right_vector(turned, sizes, i, direction)
+            for row in range(rows):
+                add(gradient[row], direction, -others * left[i, row])
     return size
 
 
 @compiled
-def _right_vector(turned: Floats, sizes: Floats, place: int) -> Floats:
+def _right_vector(turned: Floats, sizes: Floats, place: int, direction: Floats) -> None:
     """The right singular vector of one row; a null vector where its singular value vanishes."""
-    if sizes[place] > 1e-12 * np.max(sizes):
-        unit: Floats = turned[place] / sizes[place]
-        return unit
-    best: Floats = np.zeros(turned.shape[1])
-    longest = 0.0
-    for axis in range(turned.shape[1]):
-        vector = np.zeros(turned.shape[1])
+    largest = 0.0
+    for i in range(len(sizes)):
+        largest = max(largest, sizes[i])
+    if sizes[place] > 1e-12 * largest:
+        copy(direction, turned[place], 1.0 / sizes[place])
+        return
+    vector, longest = np.empty(len(direction)), 0.0
+    for axis in range(len(direction)):
+        fill(vector, 0.0)
         vector[axis] = 1.0
         for _ in range(2):
             for row in range(len(turned)):
                 if row != place and sizes[row] > 0.0:
-                    along = np.sum(vector * turned[row]) / (sizes[row] * sizes[row])
-                    vector -= along * turned[row]
-        length = math.sqrt(np.sum(vector * vector))
+                    add(vector, turned[row], -dot(vector, turned[row]) / sizes[row] ** 2)
+        length = norm(vector)
         if length > longest:
-            best, longest = vector / length, length
-    return best
+            longest = length
+            copy(direction, vector, 1.0 / length)

@@ -9,6 +9,7 @@ import numpy as np
 
 from cbdsl.control.signal import Floats
 from cbdsl.numeric.compiled import compiled, compiled_once
+from cbdsl.numeric.vector import add, copy, dot, norm, scale
 from cbdsl.program.controller import Controller
 from cbdsl.types.potential import POTENTIALS
 
@@ -70,7 +71,7 @@ def bounds_of(controller: Controller, period: float) -> Floats:
 
 @compiled_once
 def displace(
-    step: Floats, residual: Floats, jacobian: Floats, scale: float, bounds: Floats, before: Floats
+    step: Floats, residual: Floats, jacobian: Floats, unit: float, bounds: Floats, before: Floats
 ) -> bool:
     """Advance a task's displacement from the tick before to this one.
 
@@ -78,7 +79,7 @@ def displace(
         step: of an evaluation, for a gain of 1, shape (k,); is used up.
         residual: of the same, shape (k,).
         jacobian: of the level, shape (k, n).
-        scale: of the level's coordinates per coordinate of the evaluation.
+        unit: of the level's coordinates per coordinate of the evaluation.
         bounds: see ``bounds_of``.
         before: displacement of the task coordinates, shape (k,).
 
@@ -86,22 +87,18 @@ def displace(
         Whether the step was finite; otherwise ``before`` has not changed.
     """
     gain, speed, acceleration, period = bounds[0], bounds[1], bounds[2], bounds[3]
-    for i in range(len(step)):
-        step[i] *= scale * gain
+    scale(step, unit * gain)
     if not math.isfinite(norm(step)):
         return False
     if acceleration < math.inf:
-        _brake(step, scale * norm(residual), acceleration)
+        _brake(step, unit * norm(residual), acceleration)
     if speed < math.inf:
         _bound_speed(step, jacobian, speed, bounds[4], int(bounds[5]))
     if acceleration < math.inf:
-        for i in range(len(step)):
-            step[i] -= before[i] / period
+        add(step, before, -1.0 / period)
         _shorten(step, norm(step), acceleration * period)
-        for i in range(len(step)):
-            step[i] += before[i] / period
-    for i in range(len(step)):
-        before[i] = step[i] * period
+        add(step, before, 1.0 / period)
+    copy(before, step, period)
     return True
 
 
@@ -116,8 +113,7 @@ def _bound_speed(
         if measure == _JOINTS:
             square = 0.0
             for i in range(start, start + size):
-                for joint in range(jacobian.shape[1]):
-                    square += jacobian[i, joint] * jacobian[i, joint]
+                square += dot(jacobian[i], jacobian[i])
             most *= math.sqrt(square)
         length = norm(part)
         if measure == _LARGEST:
@@ -145,14 +141,4 @@ def _brake(rate: Floats, distance: float, acceleration: float) -> None:
 def _shorten(vector: Floats, length: float, most: float) -> None:
     """Make a vector, whose length is ``length``, no longer than ``most``."""
     if length > most:
-        for i in range(len(vector)):
-            vector[i] *= most / length
-
-
-@compiled
-def norm(vector: Floats) -> float:
-    """The Euclidean length of a vector."""
-    total = 0.0
-    for component in vector:
-        total += component * component
-    return math.sqrt(total)
+        scale(vector, most / length)

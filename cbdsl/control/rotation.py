@@ -61,14 +61,13 @@ def log_between(rotation: Floats, wanted: Floats, vector: Floats) -> None:
         products[0] = products[largest + 1]
         products[largest + 1] = 1.0 + 2.0 * turn[largest, largest] - trace
     sign = 1.0 if products[0] >= 0.0 else -1.0
-    norm = math.sqrt(np.sum(products * products))
+    norm = math.sqrt(products[0] ** 2 + products[1] ** 2 + products[2] ** 2 + products[3] ** 2)
     for i in range(3):
         vector[i] = sign * products[i + 1] / norm
     sine = math.sqrt(vector[0] * vector[0] + vector[1] * vector[1] + vector[2] * vector[2])
-    if sine > 0.0:
-        vector *= 2.0 * math.atan2(sine, sign * products[0] / norm) / sine
-    else:
-        vector *= 2.0
+    factor = 2.0 * math.atan2(sine, sign * products[0] / norm) / sine if sine > 0.0 else 2.0
+    for i in range(3):
+        vector[i] *= factor
 
 
 @compiled
@@ -97,12 +96,16 @@ def align(axis: Floats, wanted: Floats, fallback: Floats) -> Floats:
     """
     cosine = axis[0] * wanted[0] + axis[1] * wanted[1] + axis[2] * wanted[2]
     # The nearer of the two sums is exact, so the product keeps its digits near 0 and pi.
-    near = wanted + axis if cosine < 0 else wanted - axis
-    turn = np.empty(3)
+    nearer, near, turn = 1.0 if cosine < 0 else -1.0, np.empty(3), np.empty(3)
+    for i in range(3):
+        near[i] = wanted[i] + nearer * axis[i]
     for i in range(3):
         j, k = (i + 1) % 3, (i + 2) % 3
         turn[i] = axis[j] * near[k] - axis[k] * near[j]
     sine = math.hypot(math.hypot(turn[0], turn[1]), turn[2])
-    if sine == 0.0:
-        return fallback * (math.pi if cosine < 0 else 0.0)
-    return turn * (math.atan2(sine, cosine) / sine)
+    for i in range(3):
+        if sine == 0.0:
+            turn[i] = fallback[i] * (math.pi if cosine < 0 else 0.0)
+        else:
+            turn[i] *= math.atan2(sine, cosine) / sine
+    return turn

@@ -70,7 +70,8 @@ def pose_difference(
     value: Floats, reference: Floats, parameters: Floats, residual: Floats, slope: Floats
 ) -> float:
     """Half the squares of the distance and of the angle between two poses."""
-    residual[:3] = reference[:3] - value[:3]
+    for i in range(3):
+        residual[i] = reference[i] - value[i]
     log_between(value[3:], reference[3:], residual[3:])
     return _half_square(residual)
 

@@ -15,11 +15,12 @@ from numpy.typing import NDArray
 
 from cbdsl.control.potential import Rule, call_at
 from cbdsl.control.predicate import note, note_undefined
-from cbdsl.control.rate import displace, norm
+from cbdsl.control.rate import displace
 from cbdsl.control.reference import move
 from cbdsl.control.signal import Floats
 from cbdsl.control.stack import TICKS
 from cbdsl.numeric.compiled import compiled, compiled_once
+from cbdsl.numeric.vector import copy, fill, norm, scale
 from cbdsl.sensing.refresh import DEFINED, UNDEFINED, refresh
 
 Integers = NDArray[np.int64]
@@ -150,11 +151,11 @@ def tick(
         if slot.mode == IDLE:
             ages[place] = 0
             if slot.forgotten:
-                displacement[:] = 0.0
+                fill(displacement, 0.0)
             continue
         if not _act(slot, table, value, jacobian, parameters, own, level, displacement):
             return place
-        wanted[start - slot.size : start] = displacement
+        copy(wanted[start - slot.size : start], displacement, 1.0)
         ages[place] = min(ages[place] + 1, TICKS)
         anything = True
         if slot.mode == TRACK:
@@ -232,8 +233,8 @@ def _forget(slot: Any) -> None:
 def _responds(feedback: Any, jacobian: Floats, columns: Integers) -> bool:
     """Whether a joint that the slot moves changes its feedback."""
     for row in range(feedback.row, feedback.row + feedback.rows):
-        for column in columns:
-            if column >= 0 and jacobian[row, column] != 0.0:
+        for place in range(len(columns)):
+            if columns[place] >= 0 and jacobian[row, columns[place]] != 0.0:
                 return True
     return False
 
@@ -241,8 +242,8 @@ def _responds(feedback: Any, jacobian: Floats, columns: Integers) -> bool:
 @compiled
 def _beyond(slot: Any, positions: Floats, listed: Integers) -> bool:
     """Whether all joints that a search looks at are beyond its end."""
-    for joint in listed[slot.joint : slot.joint + slot.joints]:
-        if not positions[joint] > slot.until:
+    for place in range(slot.joint, slot.joint + slot.joints):
+        if not positions[listed[place]] > slot.until:
             return False
     return True
 
@@ -279,17 +280,16 @@ def _act(
     _select(jacobian[feedback.row : feedback.row + rows], slope, slot.identity, columns, level)
     step = np.empty(size)
     if slot.rule == _RESIDUAL:
-        error, scale = norm(residual), 1.0
+        error, unit = norm(residual), 1.0
         if slot.funnel[0] > 0.0:
             residual[2] += _height(here, there, slot.funnel)
-        for i in range(size):
-            step[i] = 0.5 * residual[i]
+        copy(step, residual, 0.5)
     else:
-        error, scale = _follow_gradient(slot.rule, residual, level[0])
+        error, unit = _follow_gradient(slot.rule, residual, level[0])
         step[0] = residual[0]
     if not (math.isfinite(phi) and _is_finite(level)):
         return False
-    if not displace(step, residual, level, scale, slot.bounds, before):
+    if not displace(step, residual, level, unit, slot.bounds, before):
         return False
     if slot.mode == TRACK:
         slot.phi, slot.error = phi, error
@@ -309,10 +309,9 @@ def _follow_gradient(rule: int, residual: Floats, gradient: Floats) -> tuple[flo
     length = norm(gradient)
     if rule == _DESCENT:
         residual[0] = -length * length
-    scale = 1.0 / length if length > 0.0 else 0.0
-    for column in range(len(gradient)):
-        gradient[column] *= scale
-    return abs(residual[0]), scale
+    unit = 1.0 / length if length > 0.0 else 0.0
+    scale(gradient, unit)
+    return abs(residual[0]), unit
 
 
 @compiled
@@ -330,8 +329,7 @@ def _select(
 ) -> None:
     """Task coordinates per joint: slope times the columns of a Jacobian; 0 for one numbered -1."""
     for i in range(len(level)):
-        for place in range(len(columns)):
-            level[i, place] = 0.0
+        fill(level[i], 0.0)
         if identity:
             for place in range(len(columns)):
                 if columns[place] >= 0:

@@ -20,12 +20,23 @@ _MARKS = (b"numeric.compiled import", b"control.potential import")
 
 def compiled(function: Function) -> Function:
     """A function that compiled ones call."""
-    return cast(Function, njit(error_model="numpy")(function))
+    return cast(
+        Function,
+        njit(error_model="numpy", no_cpython_wrapper=True, no_cfunc_wrapper=True)(function),
+    )
 
 
 def compiled_sum(function: Function) -> Function:
     """A function that compiled ones call, whose sums may be added up in any order."""
-    return cast(Function, njit(error_model="numpy", fastmath={"reassoc"})(function))
+    return cast(
+        Function,
+        njit(
+            error_model="numpy",
+            fastmath={"reassoc"},
+            no_cpython_wrapper=True,
+            no_cfunc_wrapper=True,
+        )(function),
+    )
 
 
 def compiled_once(function: Function) -> Function:
@@ -36,7 +47,7 @@ def compiled_once(function: Function) -> Function:
     defines compiled functions. The code is kept beside the package or, where that is read-only, among
     the user's caches. Where neither can be written, every process compiles anew.
     """
-    dispatcher: Any = njit(error_model="numpy")(function)
+    dispatcher: Any = njit(error_model="numpy", no_cfunc_wrapper=True)(function)
     with suppress(RuntimeError):  # there is no place to keep it
         dispatcher.enable_caching()
         dispatcher._cache._cache_file._source_stamp = stamp_of(function)

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cbdsl.numeric.compiled import compiled, compiled_once
+from cbdsl.numeric.vector import copy, cross, fill
 
 Floats = NDArray[np.float64]
 Integers = NDArray[np.int64]
@@ -58,7 +59,7 @@ def place_joints(
         if joint.slides:
             for i in range(3):
                 own[9 + i] += value * axes[j, i]
-            own[:9] = turned
+            copy(own[:9], turned, 1.0)
         else:
             _rotate(axis, value, turn)
             multiply(turned, turn, own)
@@ -110,7 +111,7 @@ def twist_of(
     x, y, z = ratio * axes[joint, 0], ratio * axes[joint, 1], ratio * axes[joint, 2]
     if joints[joint].slides:
         twist[0], twist[1], twist[2] = x, y, z
-        twist[3:] = 0.0
+        fill(twist[3:], 0.0)
         return
     own = frames[joint + 1]
     a, b, c = point[0] - own[9], point[1] - own[10], point[2] - own[11]
@@ -180,11 +181,3 @@ def bend_point(
                 cross(first[3:], second[3:], change)
                 for row in range(3):
                     curvature[3 + row, other, one] += change[row]
-
-
-@compiled
-def cross(left: Floats, right: Floats, product: Floats) -> None:
-    """The cross product of two vectors (3,)."""
-    product[0] = left[1] * right[2] - left[2] * right[1]
-    product[1] = left[2] * right[0] - left[0] * right[2]
-    product[2] = left[0] * right[1] - left[1] * right[0]

@@ -8,7 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cbdsl.numeric.compiled import compiled, compiled_once
-from cbdsl.sensing.forward import cross, multiply, place_point, twist_of
+from cbdsl.numeric.vector import add, cross, fill
+from cbdsl.sensing.forward import multiply, place_point, twist_of
 
 Floats = NDArray[np.float64]
 Integers = NDArray[np.int64]
@@ -93,8 +94,8 @@ def refresh(
         table, parts, support, value, jacobian: of the signal table.
         tree, frames, axes: of the kinematics.
     """
-    for number in needed:
-        row = table[number]
+    for place in range(len(needed)):
+        row = table[needed[place]]
         row.stamp, row.defined = stamp, DEFINED
         if row.kind == CONFIGURATION:
             for i in range(row.columns):
@@ -134,14 +135,16 @@ def _write_tip(
     place_point(frame, origin, point)
     start = row.start
     if row.linear:
-        value[start : start + 3] = point
+        for i in range(3):
+            value[start + i] = point[i]
         start += 3
     if row.angular:
         multiply(frame, turned, value[start : start + 9])
     first = 0 if row.linear else 3
     for i in range(row.rows):
-        jacobian[row.row + i] = 0.0
-    for joint in support[part.support : part.support + part.joints]:
+        fill(jacobian[row.row + i], 0.0)
+    for number in range(part.support, part.support + part.joints):
+        joint = support[number]
         twist_of(point, joint, tree, frames, axes, twist)
         column = tree[joint].column
         for i in range(row.rows):
@@ -161,9 +164,9 @@ def _write_manipulator(
 ) -> None:
     """The Jacobian of tips by some columns, row by row, and its own derivative (Eq 3.5)."""
     width, columns = row.columns, support[row.column : row.column + row.columns]
-    value[row.start : row.start + row.size] = 0.0
+    fill(value[row.start : row.start + row.size], 0.0)
     for i in range(row.rows):
-        jacobian[row.row + i] = 0.0
+        fill(jacobian[row.row + i], 0.0)
     height = 6 if row.angular else 3
     first, second, change, point = np.empty(6), np.empty(6), np.empty(3), np.empty(3)
     for number in range(row.parts):
@@ -214,19 +217,17 @@ def _write_mixture(
     row: Any, table: Records, parts: Records, value: Floats, jacobian: Floats
 ) -> None:
     """Weighted sums of other rows, each from where it is to go; as new and defined as all of them."""
-    value[row.start : row.start + row.size] = 0.0
+    fill(value[row.start : row.start + row.size], 0.0)
     for i in range(row.rows):
-        jacobian[row.row + i] = 0.0
-    for part in parts[row.part : row.part + row.parts]:
+        fill(jacobian[row.row + i], 0.0)
+    for number in range(row.part, row.part + row.parts):
+        part = parts[number]
         source = table[part.source]
         row.defined = min(row.defined, source.defined)
         for i in range(source.size):
             value[row.start + part.shift + i] += part.weight * value[source.start + i]
         for i in range(source.rows):
-            for column in range(jacobian.shape[1]):
-                jacobian[row.row + part.shift + i, column] += (
-                    part.weight * jacobian[source.row + i, column]
-                )
+            add(jacobian[row.row + part.shift + i], jacobian[source.row + i], part.weight)
 
 
 @compiled
