@@ -58,9 +58,12 @@ def room_of(settings: Floats) -> int:
     return 2 * (math.ceil(float(settings[0] / settings[2])) + 2)
 
 
+@compiled_once
 def reset(notes: Integers) -> None:
     """Forget everything: the controller was deactivated."""
-    notes[:ROOM] = _INACTIVE, 0, 0, 0, -1
+    notes[PREDICATE] = _INACTIVE
+    notes[_TICKS] = notes[_OLDEST] = notes[_KEPT] = 0
+    notes[_STAMP] = -1
 
 
 def restart(notes: Integers) -> None:

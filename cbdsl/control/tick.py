@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cbdsl.control.potential import Rule, call_at
-from cbdsl.control.predicate import note, note_undefined
+from cbdsl.control.predicate import note, note_undefined, reset
 from cbdsl.control.rate import displace
 from cbdsl.control.reference import move
 from cbdsl.control.signal import Floats
@@ -349,3 +349,13 @@ def _height(here: Floats, there: Floats, funnel: Floats) -> float:
     lateral = math.hypot(there[0] - here[0], there[1] - here[1])
     height: float = min(max(funnel[2] * (lateral - funnel[1]), 0.0), funnel[0])
     return height
+
+
+@compiled_once
+def reset_slot(slots: Records, number: int, before: Floats) -> None:
+    """Forget a slot's activation: its controller is idle."""
+    slot = slots[number]
+    slot.phi = slot.error = math.nan
+    slot.seeking = slot.exhausted = slot.engaged = slot.forgotten = slot.blocked = False
+    reset(slot.notes)
+    fill(before[slot.start : slot.start + slot.size], 0.0)
