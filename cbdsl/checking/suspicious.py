@@ -7,13 +7,13 @@ from collections.abc import Iterable, Mapping
 from cbdsl.checking.context import Context, Steps
 from cbdsl.checking.impossible import check_possible, reads_what_is_known
 from cbdsl.checking.pace import check_gain, check_window
-from cbdsl.checking.states import ANY
 from cbdsl.documents import program as written
 from cbdsl.program.checked import Action, CheckedProgram
 from cbdsl.program.controller import AlongNormals, Controller, Literal
 from cbdsl.program.dry_run import Level, levels
 from cbdsl.types.potential import POTENTIALS
 from cbdsl.types.resource import Heading, Headings, Resource, StereoPosition
+from cbdsl.types.state import ANY
 
 
 def check_suspicious(
