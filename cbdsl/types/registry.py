@@ -92,9 +92,27 @@ class Registry(Generic[Entry]):
                 found.append(error)
         return tuple(found)
 
+    @property
+    def met_faults(self) -> tuple[PluginError, ...]:
+        """Those of the faulty plug-ins that were asked for so far; none is imported for it."""
+        return tuple(self._faulty.values())
+
     def package(self, name: str) -> str:
         """Distribution and version that an entry comes from, ``cbdsl`` for a built-in one."""
-        return "cbdsl" if name in self._builtins else _package(self._plugins()[name][0])
+        return "cbdsl" if self.is_builtin(name) else _package(self._plugins()[name][0])
+
+    def is_builtin(self, name: str) -> bool:
+        """Whether an entry is cbdsl's own."""
+        return name in self._builtins
+
+    @property
+    def builtins(self) -> tuple[str, ...]:
+        """Names of the entries of cbdsl's own."""
+        return tuple(self._builtins)
+
+    def fault(self, name: str, reason: str) -> PluginError:
+        """Fault of a plug-in, with its name, group and package."""
+        return self._fault(self._plugins()[name][0], reason)
 
     def refresh(self) -> None:
         """Forget all entries and packages, after ``sys.path`` changed."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import sys
+import tomllib
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from importlib import invalidate_caches
@@ -46,3 +47,11 @@ def on_path(folder: Path) -> Iterator[None]:
         for name in set(sys.modules) - before:
             if str(getattr(sys.modules[name], "__file__", None) or "").startswith(str(folder)):
                 del sys.modules[name]
+
+
+def installed(project: Path, folder: Path) -> Path:
+    """Have a project's modules and the metadata of its ``pyproject.toml`` in a folder."""
+    table = tomllib.loads((project / "pyproject.toml").read_text("utf-8"))["project"]
+    write_package(folder, table["name"], table["entry-points"])
+    (folder / "demo").symlink_to(project / "demo", target_is_directory=True)
+    return folder
