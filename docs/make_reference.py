@@ -16,10 +16,11 @@ from typing import Any
 import typer
 
 from cbdsl.cli.main import build_app
-from cbdsl.documents.json_schema import json_schema
+from cbdsl.documents.json_schema import json_schema, meaning, properties
 from cbdsl.documents.kinds import entries, models
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.errors.entry import Entry
+from cbdsl.learning.learner import LEARNERS, LearnerClass, first_line
 from cbdsl.robot.channel_names import channel_names
 from cbdsl.robot.resources import resources
 from cbdsl.types.casts import CASTS, Cast
@@ -37,9 +38,10 @@ _HEAD = """\
 # Reference
 
 [Types and casts](#types-and-casts), [potentials](#potentials), [resources](#resources-of-dexter),
-[units](#units), [commands](#commands), [documents](#documents) and [findings](#findings). This page
-is written from the code by `python docs/make_reference.py`: it lists what
-[documents.md](documents.md) and [control.md](control.md) explain.
+[units](#units), [commands](#commands), [learners](#learners), [documents](#documents) and
+[findings](#findings). This page is written from the code by
+`python docs/make_reference.py`: it lists what [documents.md](documents.md) and
+[control.md](control.md) explain.
 """
 
 Rows = Iterable[Sequence[object]]
@@ -47,8 +49,8 @@ Rows = Iterable[Sequence[object]]
 
 def page() -> str:
     """The whole page."""
-    parts = (_types(), _potentials(), _dexter(), _units(), _commands(), _documents(), _findings())
-    return "\n".join([_HEAD, *parts])
+    made = (_types, _potentials, _dexter, _units, _commands, _learners, _documents, _findings)
+    return "\n".join([_HEAD, *(part() for part in made)])
 
 
 def _section(level: int, title: str, *parts: str) -> str:
@@ -252,6 +254,20 @@ def _preset(parameter: Any) -> str:
     return _code(parameter.opts[0] if value is True else value)
 
 
+def _learners() -> str:
+    words = "What `cb learn --learner` takes, and the constants of each for `--set`.\n"
+    return _section(2, "Learners", words, *(_learner(*each) for each in LEARNERS.all().items()))
+
+
+def _learner(name: str, learner: LearnerClass) -> str:
+    rows = (
+        (_code(key), *_meaning(value), _filled(value, needed=False))
+        for key, value in properties(learner.Constants).items()
+    )
+    table = _table(("constant", "meaning", "unit", "default"), rows)
+    return _section(3, f"Learner {name}", first_line(learner) + "\n", table)
+
+
 def _documents() -> str:
     words = "Every key of every kind; what is a section of its own is linked.\n"
     return _section(2, "Documents", words, *(_kind(kind) for kind in models()))
@@ -283,8 +299,7 @@ def _keys(level: int, title: str, schema: Mapping[str, Any], kind: str) -> str:
 
 def _meaning(value: Mapping[str, Any]) -> tuple[str, str]:
     """What a key says, and the SI units that it may have."""
-    words, _, units = value["description"].partition(" Unit: ")
-    symbols = re.sub(r" \(or written: [^)]*\)", "", units.rstrip("."))
+    words, symbols = meaning(value)
     return words, ", ".join(map(_code, symbols.split(", "))) if symbols else ""
 
 

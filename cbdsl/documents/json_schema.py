@@ -40,6 +40,18 @@ def json_schema(model: type[Document]) -> dict[str, Any]:
     return head | schema | {"$defs": definitions}
 
 
+def meaning(value: Mapping[str, Any]) -> tuple[str, str]:
+    """Description of a key and the SI units that its value may have, from its schema."""
+    words, _, units = value["description"].partition(" Unit: ")
+    return words, re.sub(r" \(or written: [^)]*\)", "", units.rstrip("."))
+
+
+def properties(model: type[BaseModel]) -> dict[str, dict[str, Any]]:
+    """Schemas of the keys of a section."""
+    found: dict[str, dict[str, Any]] = model.model_json_schema(schema_generator=_Generator)
+    return found.get("properties", {})
+
+
 def json_text(schema: Mapping[str, Any]) -> str:
     """A schema as the text of its file."""
     return json.dumps(schema, indent=2, ensure_ascii=False) + "\n"

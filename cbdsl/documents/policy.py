@@ -35,8 +35,8 @@ class Provenance(Section):
     """Robot that ran it."""
     stage: Identity
     """Training context."""
-    algorithm: Literal["accommodate"]
-    """How it was learned (Algorithm 1)."""
+    algorithm: Name
+    """Learner, such as accommodate (Algorithm 1)."""
     constants: dict[Name, Count | Number | str]
     """Constants of the algorithm, in SI."""
     seed: Count

@@ -24,7 +24,7 @@ from cbdsl.reproduction.interval import bootstrap_interval, exact_interval
 from cbdsl.reproduction.laboratory import Laboratory, laboratory
 from cbdsl.reproduction.quantity import Quantity, at_least, at_most, clearly_below
 from cbdsl.runtime.episode import Runner, Tick
-from cbdsl.runtime.policy import WrittenPolicy
+from cbdsl.types.policy import WrittenPolicy
 
 _ARM, _REACH = "right_arm", "reach"
 #: The actions of the program by the source's names of the laws.

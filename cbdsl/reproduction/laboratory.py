@@ -15,8 +15,8 @@ from cbdsl.documents.stage import StageDocument
 from cbdsl.program.checked import CheckedProgram
 from cbdsl.reproduction.shipped import shipped_file, shipped_robot
 from cbdsl.runtime.episode import Runner
-from cbdsl.runtime.policy import Policy
 from cbdsl.sensing.kinematics import Kinematics
+from cbdsl.types.policy import Policy
 from cbdsl.yaml_text.library import Library, shipped
 
 

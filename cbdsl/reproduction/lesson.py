@@ -5,7 +5,7 @@ from __future__ import annotations
 import shlex
 from dataclasses import dataclass, replace
 
-from cbdsl.learning.prior import Form
+from cbdsl.learning.constants import Form
 from cbdsl.program.checked import Action, CheckedProgram
 
 

@@ -17,20 +17,20 @@ from cbdsl.documents.policy import Provenance
 from cbdsl.documents.program import ProgramDocument
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.documents.stage import StageDocument
-from cbdsl.learning.accommodate import Constants
+from cbdsl.learning.constants import AccommodateConstants
 from cbdsl.learning.experience import Experience
 from cbdsl.program.checked import CheckedProgram
 from cbdsl.program.transition import Transition
 from cbdsl.reproduction.experiment import Settings
 from cbdsl.reproduction.lesson import Lesson
 from cbdsl.reproduction.shipped import shipped_file, shipped_robot
-from cbdsl.runtime.policy import Policy, WrittenPolicy
 from cbdsl.sensing.kinematics import Kinematics
 from cbdsl.training.classroom import BackendClassroom
 from cbdsl.training.course import Nobody, Watcher, follow, identity_of, open_journal
 from cbdsl.training.journal import Journal
 from cbdsl.training.provenance import Setting, provenance_of
 from cbdsl.training.trial import Trial
+from cbdsl.types.policy import Policy, WrittenPolicy
 from cbdsl.yaml_text.library import Library, shipped
 
 _ROBOT = "dexter"
@@ -191,7 +191,7 @@ class School:
             backend=settings.backend,
             renderer=self._body.renderer,
         )
-        trial = Trial(program, Constants(density=lesson.density), settings.seed, number)
+        trial = Trial(program, AccommodateConstants(density=lesson.density), settings.seed, number)
         command = lesson.command(
             settings.seed, trials(settings, lesson), episodes, settings.backend
         )

@@ -9,6 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from cbdsl.learning.constants import AccommodateConstants
 from cbdsl.learning.decisions import Decisions
 from cbdsl.program.transition import Transition
 from cbdsl.reproduction.lesson import Lesson
@@ -97,7 +98,9 @@ def worth_quantities(
     """
     if len(trials) < _LEAST_TRIALS:
         return
-    found, gamma = met(trials), trials[0].constants.gamma
+    constants = trials[0].constants
+    assert isinstance(constants, AccommodateConstants), "values are those of Algorithm 1"
+    found, gamma = met(trials), constants.gamma
     rng, count = np.random.default_rng(seed), len(trials)
     times = rng.multinomial(count, np.full(count, 1 / count), size=_DRAWS)
     whole, drawn = found.worth(gamma), [found.worth(gamma, each) for each in times]

@@ -6,10 +6,10 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from cbdsl.backends.backend import Backend
+from cbdsl.documents.document import Section
 from cbdsl.documents.policy import Provenance
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.documents.stage import StageDocument
-from cbdsl.learning.accommodate import Constants
 from cbdsl.program.checked import CheckedProgram
 from cbdsl.sensing.kinematics import Kinematics
 from cbdsl.training.classroom import BackendClassroom
@@ -39,6 +39,7 @@ class Assignment:
         urdf: the robot's model, at the same place for everybody.
         stage: the training context.
         backend: name of what embodies the robot.
+        learner: name of the algorithm.
         constants: of the algorithm.
         seed: of all chance.
         number: which of several trials with this seed.
@@ -53,7 +54,8 @@ class Assignment:
     urdf: Path
     stage: StageDocument
     backend: str
-    constants: Constants
+    learner: str
+    constants: Section
     seed: int
     number: int
     episodes: int
@@ -100,7 +102,7 @@ class Assignment:
             return follow(trial, classroom, journal, provenance, self.path, watcher or Nobody())
 
     def _trial(self) -> Trial:
-        return Trial(self.program, self.constants, self.seed, self.number)
+        return Trial(self.program, self.constants, self.seed, self.number, self.learner)
 
     def _provenance(self, trial: Trial, renderer: str) -> Provenance:
         setting = Setting(self.program_sha256, self.robot, self.stage, self.backend, renderer)

@@ -13,8 +13,8 @@ from cbdsl.program.checked import CheckedProgram
 from cbdsl.program.controller import Controller
 from cbdsl.program.transition import Transition
 from cbdsl.runtime.episode import Runner, Tick
-from cbdsl.runtime.policy import Policy
 from cbdsl.sensing.kinematics import Kinematics
+from cbdsl.types.policy import Policy
 from cbdsl.types.resource import Centroid, EffectorConfiguration, Separation, Tip
 
 

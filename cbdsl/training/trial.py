@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from cbdsl.learning.accommodate import Accommodate, Constants
+from cbdsl.documents.document import Section
 from cbdsl.learning.experience import Experience
+from cbdsl.learning.learner import ACCOMMODATE, LEARNERS, replay
 from cbdsl.program.binding import bind, density_source, internal_models
 from cbdsl.program.checked import CheckedProgram
 from cbdsl.training.classroom import Classroom
@@ -26,31 +27,37 @@ class Trial:
         constants: of the algorithm.
         seed: of all chance.
         number: which of several trials with this seed.
+        algorithm: name of the learner.
         learner: what was learned so far.
         experiences: the episodes so far.
     """
 
     def __init__(
-        self, program: CheckedProgram, constants: Constants, seed: int, number: int = 0
+        self,
+        program: CheckedProgram,
+        constants: Section,
+        seed: int,
+        number: int = 0,
+        algorithm: str = ACCOMMODATE,
     ) -> None:
         self.program, self.constants = program, constants
         self.seed, self.number = seed, number
-        self.learner = Accommodate(
-            [action.name for action in program.actions], constants, used_programs(program)
-        )
+        self.algorithm = algorithm
+        actions = [action.name for action in program.actions]
+        self.learner = LEARNERS.get(algorithm)(actions, constants, used_programs(program))
         self.experiences: list[Experience] = []
 
     def replay(self, experience: Experience) -> None:
         """Take in the next episode, which was run before."""
-        self.learner.replay(experience)
+        replay(self.learner, experience)
         self.experiences.append(experience)
 
     def run(self, classroom: Classroom) -> Experience:
         """Run the next episode and learn from it."""
         seed = self._next_seed()
-        explorer = self.learner.explorer(np.random.default_rng([seed, _EXPLORATION]))
+        policy = self.learner.policy(np.random.default_rng([seed, _EXPLORATION]))
         program = self.informed_program()
-        experience = classroom.hold(program, explorer, seed, self.learner.see)
+        experience = classroom.hold(program, policy, seed, self.learner.see)
         self.learner.remember(experience)
         self.experiences.append(experience)
         return experience

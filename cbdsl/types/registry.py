@@ -53,6 +53,11 @@ class Registry(Generic[Entry]):
         """Names of all entries, built-in ones first; those of faulty plug-ins too."""
         return (*self._builtins, *self._plugins())
 
+    def usable_names(self) -> tuple[str, ...]:
+        """Names of the entries that are built in, and of the plug-ins that can be used."""
+        self.faults()
+        return tuple(name for name in self.names() if name not in self._faulty)
+
     def get(self, name: str) -> Entry:
         """Entry of a name.
 
@@ -99,7 +104,11 @@ class Registry(Generic[Entry]):
 
     def package(self, name: str) -> str:
         """Distribution and version that an entry comes from, ``cbdsl`` for a built-in one."""
-        return "cbdsl" if self.is_builtin(name) else _package(self._plugins()[name][0])
+        return "cbdsl" if self.is_builtin(name) else " ".join(self.distribution(name))
+
+    def distribution(self, name: str) -> tuple[str, str]:
+        """Distribution that a plug-in comes from, and its version."""
+        return _distribution(self._plugins()[name][0])
 
     def is_builtin(self, name: str) -> bool:
         """Whether an entry is cbdsl's own."""
@@ -164,5 +173,9 @@ class Registry(Generic[Entry]):
         return self._offers
 
 
+def _distribution(point: EntryPoint) -> tuple[str, str]:
+    return (point.dist.name, point.dist.version) if point.dist else ("unknown", "unknown")
+
+
 def _package(point: EntryPoint) -> str:
-    return f"{point.dist.name} {point.dist.version}" if point.dist else "unknown"
+    return " ".join(_distribution(point))

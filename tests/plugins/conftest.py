@@ -9,9 +9,10 @@ import pytest
 
 from cbdsl.backends.backend import BACKENDS
 from cbdsl.documents.kinds import KINDS
+from cbdsl.learning.learner import LEARNERS
 from tests.plugins.installed import installed, on_path
 
-REGISTRIES = (KINDS, BACKENDS)
+REGISTRIES = (KINDS, LEARNERS, BACKENDS)
 
 
 @pytest.fixture(scope="session")

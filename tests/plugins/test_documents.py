@@ -3,10 +3,7 @@
 from __future__ import annotations
 
 import json
-import os
 import re
-import subprocess
-import sys
 from pathlib import Path
 
 import pytest
@@ -14,7 +11,7 @@ import pytest
 from cbdsl.documents.kinds import KINDS
 from docs.make_reference import page
 from tests.cli.test_main import cb
-from tests.conftest import ROOT
+from tests.plugins.generic import run_generic
 from tests.plugins.installed import write_package
 
 GOOD = "cbdsl: 1\nkind: playlist\nname: evening\nrobot: dexter\nprograms: [posture, reach]\n"
@@ -84,6 +81,13 @@ def test_it_has_a_json_schema(
     assert len(list((here / "schemas").glob("*.json"))) == len(KINDS.builtins) + 1
 
 
+def test_it_is_listed(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
+    assert cb(monkeypatch, "show", "kinds", "--json") == 0
+    shown = json.loads(capsys.readouterr().out)
+    kind = {"kind of document": "playlist", "package": "demo 1.0", "folder": "playlists"}
+    assert shown[-1] == kind
+
+
 def test_its_findings_are_explained(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -102,14 +106,7 @@ def test_the_reference_lists_its_keys_and_findings() -> None:
 
 @pytest.mark.parametrize("tests", ["documents/test_json_schema.py", "errors/test_catalogue.py"])
 def test_it_enters_the_generic_tests(tests: str, site: Path) -> None:
-    run = subprocess.run(
-        [sys.executable, "-m", "pytest", "-n", "0", f"tests/{tests}", "-k", "playlist or DEMO"],
-        env={**os.environ, "PYTHONPATH": str(site)},
-        cwd=ROOT,
-        capture_output=True,
-        text=True,
-    )
-    assert run.returncode == 0, run.stdout
+    run_generic(tests, "playlist or DEMO", site)
 
 
 FAULTY = """

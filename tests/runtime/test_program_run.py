@@ -12,7 +12,7 @@ import pytest
 from cbdsl.program.checked import CheckedProgram
 from cbdsl.program.transition import Transition
 from cbdsl.runtime.episode import Tick
-from cbdsl.runtime.policy import WrittenPolicy
+from cbdsl.types.policy import WrittenPolicy
 from cbdsl.types.resource import Origin
 from tests.conftest import Checked
 from tests.runtime.conftest import GRIP, TABLE_BALL, Play, Played, on_table

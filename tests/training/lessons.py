@@ -12,7 +12,7 @@ from cbdsl.checking.program import check_program
 from cbdsl.documents.program import ProgramDocument
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.documents.stage import StageDocument
-from cbdsl.learning.accommodate import Constants
+from cbdsl.learning.constants import AccommodateConstants
 from cbdsl.sensing.kinematics import Kinematics
 from cbdsl.training.assignment import Assignment
 from cbdsl.yaml_text.library import Library
@@ -32,7 +32,8 @@ def assigned(folder: Path, trials: int, episodes: int) -> list[Assignment]:
         urdf=robot.parent / document.model,
         stage=library.read(stage, StageDocument).document,
         backend="kinematic",
-        constants=Constants(),
+        learner="accommodate",
+        constants=AccommodateConstants(),
         seed=4,
         number=0,
         episodes=episodes,

@@ -9,9 +9,9 @@ import pytest
 
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.program.transition import Transition
-from cbdsl.runtime.policy import WrittenPolicy
 from cbdsl.sensing.kinematics import Kinematics
 from cbdsl.training.classroom import BackendClassroom, moved
+from cbdsl.types.policy import WrittenPolicy
 from tests.conftest import Checked
 from tests.runtime.conftest import made_stage, on_table
 from tests.runtime.synthetic import SyntheticBackend

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from cbdsl.learning.accommodate import Constants
+from cbdsl.learning.constants import AccommodateConstants
 from cbdsl.program.binding import internal_models
 from cbdsl.program.checked import CheckedProgram
 from cbdsl.training.trial import Trial
@@ -49,7 +49,7 @@ def test_every_part_of_a_program_draws_from_the_same_density() -> None:
 
 @pytest.mark.parametrize("exploring", [None, 3, 5, 6])
 def test_a_replayed_trial_is_the_same_trial(exploring: int | None) -> None:
-    constants = Constants(exploring_episodes=exploring)
+    constants = AccommodateConstants(exploring_episodes=exploring)
     lived, told = (Trial(toy_trial().program, constants, 1) for _ in range(2))
     for _ in range(5):
         told.replay(lived.run(ToyClassroom()))

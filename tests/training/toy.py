@@ -16,14 +16,14 @@ from cbdsl.documents.policy import Provenance
 from cbdsl.documents.program import ProgramDocument
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.documents.stage import StageDocument
-from cbdsl.learning.accommodate import Constants
+from cbdsl.learning.constants import AccommodateConstants
 from cbdsl.learning.experience import Experience
 from cbdsl.program.checked import CheckedProgram
 from cbdsl.program.transition import Transition
-from cbdsl.runtime.policy import Policy
 from cbdsl.training.course import Nobody, follow, open_journal, require_free, require_writable
 from cbdsl.training.provenance import Setting, provenance_of
 from cbdsl.training.trial import Trial
+from cbdsl.types.policy import Policy
 from cbdsl.yaml_text.library import Library
 
 ROOT = Path(__file__).parents[2]
@@ -80,7 +80,7 @@ def _after(state: str, action: str, in_view: bool) -> str:
 
 
 def toy_trial(seed: int = 1) -> Trial:
-    return Trial(check_program("searchtrack", {}, Library(ROOT)), Constants(), seed)
+    return Trial(check_program("searchtrack", {}, Library(ROOT)), AccommodateConstants(), seed)
 
 
 def toy_provenance(trial: Trial, episodes: int) -> Provenance:

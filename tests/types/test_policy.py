@@ -6,7 +6,7 @@ from itertools import product
 
 import pytest
 
-from cbdsl.runtime.policy import WrittenPolicy
+from cbdsl.types.policy import WrittenPolicy
 
 
 @pytest.mark.parametrize("turned", [False, True])
