@@ -7,12 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from cbdsl.backends.backend import BACKENDS
-from cbdsl.documents.kinds import KINDS
-from cbdsl.learning.learner import LEARNERS
-from tests.plugins.installed import installed, on_path
-
-REGISTRIES = (KINDS, LEARNERS, BACKENDS)
+from tests.plugins.installed import installed, on_path, refresh
 
 
 @pytest.fixture(scope="session")
@@ -25,11 +20,9 @@ def site(tmp_path_factory: pytest.TempPathFactory) -> Path:
 def demo(site: Path) -> Iterator[None]:
     """Every test of this folder has the package."""
     with on_path(site):
-        for registry in REGISTRIES:
-            registry.refresh()
+        refresh()
         yield
-    for registry in REGISTRIES:
-        registry.refresh()
+    refresh()
 
 
 @pytest.fixture
@@ -37,5 +30,4 @@ def folder(tmp_path: Path) -> Iterator[Path]:
     """A further folder of packages, for faulty ones; forgotten after each test."""
     with on_path(tmp_path):
         yield tmp_path
-    for registry in REGISTRIES:
-        registry.refresh()
+    refresh()

@@ -8,6 +8,20 @@ from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from importlib import invalidate_caches
 from pathlib import Path
+from typing import Any
+
+from cbdsl.backends.backend import BACKENDS
+from cbdsl.documents.kinds import KINDS
+from cbdsl.learning.learner import LEARNERS
+from cbdsl.types.registry import Registry
+
+REGISTRIES: tuple[Registry[Any], ...] = (KINDS, LEARNERS, BACKENDS)
+
+
+def refresh() -> None:
+    """Have all registries look anew at what is installed."""
+    for registry in REGISTRIES:
+        registry.refresh()
 
 
 def write_package(
