@@ -8,13 +8,13 @@ from textwrap import wrap
 from cbdsl.documents.policy import PolicyDocument
 from cbdsl.errors.counting import count
 from cbdsl.reporting.drawing.pictogram import LETTERS
-from cbdsl.reporting.drawing.policy_graph import Arc, Decision, PolicyGraph, decisions
-from cbdsl.reporting.drawing.policy_words import ending, percent, title
+from cbdsl.reporting.drawing.policy_graph import ending, percent, title
+from cbdsl.reporting.drawing.policy_transitions import Arc, Decision, PolicyTransitions, decisions
 
 _WIDTH = 80
 
 
-def policy_text(policy: PolicyDocument, graph: PolicyGraph) -> str:
+def policy_text(policy: PolicyDocument, graph: PolicyTransitions) -> str:
     """What a policy does in every state, and which state likely follows which.
 
     Args:
@@ -24,7 +24,7 @@ def policy_text(policy: PolicyDocument, graph: PolicyGraph) -> str:
     return "\n".join(_policy(policy, graph)) + "\n"
 
 
-def _policy(policy: PolicyDocument, graph: PolicyGraph) -> Iterator[str]:
+def _policy(policy: PolicyDocument, graph: PolicyTransitions) -> Iterator[str]:
     yield title(graph)
     yield from _item("state", ", ".join(policy.predicates))
     letters = [letter for letter in LETTERS if letter != "*" or "*" in "".join(policy.policy)]
@@ -71,7 +71,7 @@ def _table(rows: Iterable[Sequence[str]]) -> Iterator[str]:
         yield f"  {'  '.join(words)}".rstrip()
 
 
-def _tree(graph: PolicyGraph) -> Iterator[str]:
+def _tree(graph: PolicyTransitions) -> Iterator[str]:
     """States below those that they follow; what followed a state is told where it comes first."""
     known = {decision.state: decision for decision in graph.decisions}
     told: set[str] = set()
@@ -81,7 +81,7 @@ def _tree(graph: PolicyGraph) -> Iterator[str]:
 
 
 def _branch(
-    graph: PolicyGraph,
+    graph: PolicyTransitions,
     known: dict[str, Decision],
     state: str,
     margin: str,
@@ -101,7 +101,7 @@ def _branch(
         )  # fmt: skip
 
 
-def _told(graph: PolicyGraph, decision: Decision, again: bool) -> str:
+def _told(graph: PolicyTransitions, decision: Decision, again: bool) -> str:
     if again:
         return f"{decision.state} (above)"
     parts = [decision.state, *([decision.action] if decision.action else [])]

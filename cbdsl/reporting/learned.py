@@ -16,7 +16,7 @@ from cbdsl.documents.program import ProgramDocument
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.errors.counting import count
 from cbdsl.errors.errors import DiagnosticsError, UsageError
-from cbdsl.reporting.drawing.policy_graph import require_legible
+from cbdsl.reporting.drawing.policy_transitions import require_legible
 from cbdsl.robot.urdf import UrdfError, read_urdf
 from cbdsl.yaml_text.library import Library, is_of
 

@@ -15,9 +15,14 @@ from cbdsl.errors.counting import count
 from cbdsl.reporting.bundle import Bundle
 from cbdsl.reporting.density_svg import density_svgs
 from cbdsl.reporting.drawing.pictogram import LETTERS
-from cbdsl.reporting.drawing.policy_graph import Decision, PolicyGraph, decisions, policy_graph
-from cbdsl.reporting.drawing.policy_svg import policy_svg
-from cbdsl.reporting.drawing.policy_words import percent
+from cbdsl.reporting.drawing.policy_graph import percent, policy_graph
+from cbdsl.reporting.drawing.policy_transitions import (
+    Decision,
+    PolicyTransitions,
+    decisions,
+    policy_transitions,
+)
+from cbdsl.reporting.drawing.svg import svg
 from cbdsl.reporting.interquartile import Band
 from cbdsl.reporting.landscape import Landscape
 from cbdsl.reporting.learned import Learned, Model
@@ -128,7 +133,7 @@ def _choice(learned: Sequence[Learned]) -> str:
 def _trial(learned: Learned, place: int, above: float) -> str:
     """All of one trial."""
     policy = learned.policy
-    diagram = policy_svg(_graph(learned, above))
+    diagram = svg(policy_graph(_transitions(learned, above)))
     densities = "".join(map(_density, learned.models))
     notes = "".join(f"<p>{html(note)}</p>" for note in learned.notes)
     name = escape(policy.name)
@@ -143,12 +148,12 @@ def _trial(learned: Learned, place: int, above: float) -> str:
     )
 
 
-def _graph(learned: Learned, above: float) -> PolicyGraph:
+def _transitions(learned: Learned, above: float) -> PolicyTransitions:
     """The policy's graph; what was rewarded is taken from the journal, where there is one."""
     ends = [(episode.end, episode.reward > 0) for episode in learned.episodes]
     unrewarded = {end for end, rewarded in ends if not rewarded}
     known = {end for end, _ in ends if end is not None}
-    return policy_graph(
+    return policy_transitions(
         learned.policy, above, False, learned.programs, known - unrewarded if known else None
     )
 

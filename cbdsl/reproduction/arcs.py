@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 from cbdsl.language.expression import SUBJECT_TO
 from cbdsl.learning.experience import Experience
-from cbdsl.reporting.drawing.policy_graph import ABOVE
+from cbdsl.reporting.drawing.policy_transitions import ABOVE
 from cbdsl.runtime.policy import matches
 
 

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 from cbdsl.language.expression import SUBJECT_TO
 from cbdsl.program.checked import CheckedProgram
-from cbdsl.reporting.drawing.policy_graph import ABOVE
+from cbdsl.reporting.drawing.policy_transitions import ABOVE
 from cbdsl.reproduction.arcs import Arc, DrawnArc, diagram_of
 from cbdsl.reproduction.checks import Check, Schedule, checks, schedule
 from cbdsl.reproduction.diagram import Diagram, graph_of

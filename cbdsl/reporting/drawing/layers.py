@@ -67,6 +67,7 @@ def lay_out(
     arcs: Sequence[tuple[Key, Key]],
     roots: Iterable[Key],
     spacing: Spacing,
+    across: bool = False,
 ) -> Layout:
     """Place nodes.
 
@@ -75,7 +76,11 @@ def lay_out(
         arcs: between different nodes.
         roots: those in the first row.
         spacing: room between things.
+        across: rows become columns, from left to right.
     """
+    if across:
+        flipped = {node: Size(height, width) for node, (width, height) in sizes.items()}
+        return _flipped(lay_out(flipped, arcs, roots, spacing))
     rows_of = _rows(list(sizes), arcs, list(roots))
     chains = {arc: _chain(arc, rows_of) for arc in arcs}
     rows = _order(_cells(rows_of, chains), list(chains.values()))
@@ -93,6 +98,15 @@ def lay_out(
     height = tops[-1] + tall[-1] if rows else 0.0
     routes = _routes(chains, across, sizes, (tops, tall, middles), spacing)
     return Layout(centers, routes, Size(width, height))
+
+
+def _flipped(layout: Layout) -> Layout:
+    """A layout with its axes exchanged."""
+    return Layout(
+        {node: (y, x) for node, (x, y) in layout.centers.items()},
+        {arc: tuple((y, x) for x, y in route) for arc, route in layout.routes.items()},
+        Size(layout.size.height, layout.size.width),
+    )
 
 
 def _rows(
