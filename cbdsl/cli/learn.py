@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 if TYPE_CHECKING:
-    from cbdsl.cli.order import Order
+    from cbdsl.cli.run_request import RunRequest
     from cbdsl.learning.accommodate import Constants
     from cbdsl.learning.prior import Form
     from cbdsl.program.checked import CheckedProgram
@@ -151,15 +151,15 @@ def learn(
     """
     from cbdsl.cli.assignments import read_assignments
     from cbdsl.cli.lessons import one_by_one, side_by_side
-    from cbdsl.cli.order import read_order
     from cbdsl.cli.quiet import shown_on_failure
+    from cbdsl.cli.run_request import read_request
     from cbdsl.cli.simulation import needing_simulation
     from cbdsl.cli.termination import termination_interrupts
     from cbdsl.learning.accommodate import Constants
 
     _require_name(out)
     _require_one_place(workers, scheduler)
-    order = read_order(program, stage, None, read_assignments(with_))
+    order = read_request(program, stage, None, read_assignments(with_))
     _tell_of_no_reward(order)
     lesson = _lesson(order.program, sequential, transitions, transition_time, idle_time)
     with needing_simulation():
@@ -183,7 +183,7 @@ def learn(
             side_by_side(assignments, at_once, scheduler)
 
 
-def _tell_of_no_reward(order: Order) -> None:
+def _tell_of_no_reward(order: RunRequest) -> None:
     """Tell before the episodes, not after, that nothing can be learned from them."""
     from cbdsl.checking.reward import check_rewarded
     from cbdsl.cli.terminal import print_diagnostics
@@ -250,7 +250,7 @@ def _command(context: typer.Context) -> str:
 
 
 def _assignment(
-    order: Order,
+    order: RunRequest,
     lesson: CheckedProgram,
     constants: Constants,
     backend: str,

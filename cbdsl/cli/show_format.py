@@ -22,7 +22,7 @@ class Format(StrEnum):
 
 
 def read_format(word: str, as_json: bool) -> Format:
-    """The format that is meant.
+    """The format of a name.
 
     Args:
         word: its name.

@@ -36,7 +36,7 @@ def show_policy(
     format_: FormatOption = "text",
     as_json: Json = False,
 ) -> None:
-    """What a policy does in every state, and what follows.
+    """Show the action of a policy in every state, and the states that follow.
 
     Of a learned policy: action values, how often actions were tried, and the transitions of more
     than --above of the times; or a diagram of those (dot, mermaid, svg).

@@ -16,7 +16,7 @@ from cbdsl.reporting.drawing.svg import svg
 
 @dataclass(frozen=True)
 class Diagram:
-    """States, and what leads from one to another.
+    """A transition diagram.
 
     Attributes:
         name: of its file, without suffix.
@@ -29,7 +29,7 @@ class Diagram:
     graph: PolicyTransitions
 
     def data(self) -> dict[str, object]:
-        """What it shows, for scripts."""
+        """The data of the diagram, for scripts."""
         action = {decision.state: decision.action for decision in self.graph.decisions}
         return {
             "arcs": [

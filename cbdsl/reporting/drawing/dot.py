@@ -5,13 +5,13 @@ from __future__ import annotations
 from collections.abc import Iterator
 from xml.sax.saxutils import escape
 
-from cbdsl.reporting.drawing.graph import Graph, Line, Node, Shape
+from cbdsl.reporting.drawing.graph import Graph, Outline, TextLine, Vertex
 from cbdsl.reporting.drawing.pictogram import LETTERS
 
 _STYLE = "compound=true", "node [fontname=sans fontsize=11]", "edge [fontname=sans fontsize=10]"
 _SHAPES = {
-    Shape.SELECTOR: "shape=diamond", Shape.PATTERN: "shape=oval", Shape.ACTION: "shape=box",
-    Shape.UNUSED: "shape=box style=dashed", Shape.END: "shape=doublecircle",
+    Outline.SELECTOR: "shape=diamond", Outline.PATTERN: "shape=oval", Outline.ACTION: "shape=box",
+    Outline.UNUSED: "shape=box style=dashed", Outline.END: "shape=doublecircle",
 }  # fmt: skip
 
 
@@ -44,13 +44,13 @@ def _cluster(graph: Graph, key: str) -> Iterator[str]:
             yield f"{keys[node.key]} -> {inner}_0 [style=dotted lhead=cluster_{inner}]"
 
 
-def _look(graph: Graph, node: Node) -> str:
+def _look(graph: Graph, node: Vertex) -> str:
     if node.letters:
         return f"shape=plain label=<{_table(graph, node)}>"
     return f"{_SHAPES[node.shape]} label={_quoted(*(line.text for line in node.lines))}"
 
 
-def _table(graph: Graph, node: Node) -> str:
+def _table(graph: Graph, node: Vertex) -> str:
     """A table, as Graphviz takes it for HTML: letters, then the lines."""
     cells = "".join(_cell(letter, member in graph.programs) for letter, member in
                     zip(node.letters, graph.members, strict=False))  # fmt: skip
@@ -62,7 +62,7 @@ def _table(graph: Graph, node: Node) -> str:
     )
 
 
-def _line(line: Line) -> str:
+def _line(line: TextLine) -> str:
     return f"<B>{escape(line.text)}</B>" if line.kind == "action" else escape(line.text)
 
 

@@ -6,7 +6,7 @@ from enum import StrEnum
 from typing import NamedTuple
 
 
-class Shape(StrEnum):
+class Outline(StrEnum):
     """The look of a node."""
 
     STATE = "state"
@@ -17,14 +17,14 @@ class Shape(StrEnum):
     END = "end"
 
 
-class Line(NamedTuple):
+class TextLine(NamedTuple):
     """A line of a label; ``kind`` is a class of the style sheet: name, action, fact or reward."""
 
     text: str
     kind: str = ""
 
 
-class Node(NamedTuple):
+class Vertex(NamedTuple):
     """A node.
 
     Attributes:
@@ -39,8 +39,8 @@ class Node(NamedTuple):
     """
 
     key: str
-    shape: Shape
-    lines: tuple[Line, ...] = ()
+    shape: Outline
+    lines: tuple[TextLine, ...] = ()
     letters: str = ""
     tooltip: str = ""
     started: bool = False
@@ -81,7 +81,7 @@ class Graph(NamedTuple):
 
     name: str
     title: str
-    nodes: tuple[Node, ...]
+    nodes: tuple[Vertex, ...]
     edges: tuple[Edge, ...]
     members: tuple[str, ...]
     programs: frozenset[str] = frozenset()

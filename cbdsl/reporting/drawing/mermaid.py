@@ -4,15 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from cbdsl.reporting.drawing.graph import Edge, Graph, Node, Shape
+from cbdsl.reporting.drawing.graph import Edge, Graph, Outline, Vertex
 from cbdsl.reporting.drawing.pictogram import symbols
 
 # Labels are taken for HTML and Markdown; these would mean something there.
 _SPECIAL = '"#&<>*_`-'
-_BRACKETS = {
-    Shape.STATE: "[]", Shape.SELECTOR: "{}", Shape.PATTERN: ("([", "])"), Shape.ACTION: "[]",
-    Shape.UNUSED: "[]", Shape.END: ("((", "))"),
-}  # fmt: skip
+_BRACKETS = {Outline.SELECTOR: "{}", Outline.PATTERN: ("([", "])"), Outline.END: ("((", "))")}
 
 
 def mermaid(graph: Graph) -> str:
@@ -39,13 +36,13 @@ def _subgraph(graph: Graph, key: str) -> Iterator[str]:
             yield f"{keys[node.key]} -.-> {keys[node.key]}_p_box"
 
 
-def _node(node: Node, key: str) -> Iterator[str]:
-    left, right = ("[[", "]]") if node.frame else _BRACKETS[node.shape]
+def _node(node: Vertex, key: str) -> Iterator[str]:
+    left, right = ("[[", "]]") if node.frame else _BRACKETS.get(node.shape, "[]")
     letters = [symbols(node.letters)] if node.letters else []
     yield f"{key}{left}{_quoted(*letters, *(line.text for line in node.lines))}{right}"
     if node.started:
         yield f"{key}_start(( )) --> {key}"
-    if node.shape is Shape.UNUSED:
+    if node.shape is Outline.UNUSED:
         yield f"style {key} stroke-dasharray: 4"
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from cbdsl.errors.counting import count
-from cbdsl.reporting.drawing.graph import Edge, Graph, Line, Node, Shape
+from cbdsl.reporting.drawing.graph import Edge, Graph, Outline, TextLine, Vertex
 from cbdsl.reporting.drawing.pictogram import in_words
 from cbdsl.reporting.drawing.policy_transitions import Decision, PolicyTransitions
 
@@ -25,15 +25,15 @@ def policy_graph(policy: PolicyTransitions) -> Graph:
     )
 
 
-def _node(policy: PolicyTransitions, decision: Decision) -> Node:
-    action = [Line(decision.action, "action")] if decision.action else []
-    facts = [Line(fact, "fact") for fact in _facts(policy, decision)]
+def _node(policy: PolicyTransitions, decision: Decision) -> Vertex:
+    action = [TextLine(decision.action, "action")] if decision.action else []
+    facts = [TextLine(fact, "fact") for fact in _facts(policy, decision)]
     frame = ""
     if decision.end > policy.above:
         frame = "ending rewarded" if decision.state in policy.rewarded else "ending"
-    return Node(
+    return Vertex(
         key=decision.state,
-        shape=Shape.STATE,
+        shape=Outline.STATE,
         lines=(*action, *facts),
         letters=decision.state,
         tooltip=sentence(policy, decision),

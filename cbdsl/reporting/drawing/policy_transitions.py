@@ -117,16 +117,16 @@ def require_legible(policy: PolicyDocument, file: Path) -> None:
     size = len(policy.predicates)
     for each in decisions(policy):
         if len(each.state) != size or not set(each.state) <= _LETTERS:
-            told = ", ".join(policy.predicates) or "no members"
-            raise UsageError(f"{file}: '{each.state}' is no state of {told}; see cb validate")
+            members = ", ".join(policy.predicates) or "no members"
+            raise UsageError(f"{file}: '{each.state}' is no state of {members}; see cb validate")
 
 
 def _arrivals(policy: PolicyDocument) -> Counter[str]:
-    found: Counter[str] = Counter()
+    arrivals: Counter[str] = Counter()
     for actions in policy.transitions.values():
         for after in actions.values():
-            found.update(after)
-    return found
+            arrivals.update(after)
+    return arrivals
 
 
 def _departures(policy: PolicyDocument) -> Counter[str]:
@@ -204,11 +204,11 @@ def _arcs(decision: Decision, above: float) -> tuple[Arc, ...]:
 
 def _reached(began: Sequence[str], leading: Mapping[str, Sequence[Arc]]) -> list[str]:
     """The states that arcs lead to, those that fewer arcs lead to first."""
-    found = dict.fromkeys(began)
+    reached = dict.fromkeys(began)
     waiting = list(began)
     while waiting:
         for arc in leading[waiting.pop(0)]:
-            if arc.target not in found:
-                found[arc.target] = None
+            if arc.target not in reached:
+                reached[arc.target] = None
                 waiting.append(arc.target)
-    return list(found)
+    return list(reached)

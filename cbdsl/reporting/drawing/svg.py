@@ -9,7 +9,7 @@ from textwrap import wrap
 from typing import NamedTuple
 from xml.sax.saxutils import escape, quoteattr
 
-from cbdsl.reporting.drawing.graph import Edge, Graph, Node, Shape
+from cbdsl.reporting.drawing.graph import Edge, Graph, Outline, Vertex
 from cbdsl.reporting.drawing.layers import Layout, Point, Size, Spacing, lay_out
 from cbdsl.reporting.drawing.pictogram import EDGE, LETTERS, PITCH, pictogram, pictograms, width
 from cbdsl.reporting.drawing.shapes import FONT, LINE, SIZE, SMALL, rectangle, text, text_width
@@ -68,7 +68,8 @@ def svg(graph: Graph) -> str:
     """A graph as SVG; the graphs within it follow below."""
     panels = [_Panel(each) for each in _all(graph, [])]
     wide = max(panel.width for panel in panels)
-    body, top = [], float(_MARGIN)
+    body: list[str] = []
+    top = float(_MARGIN)
     for panel in panels:
         body += panel.lines(top, wide)
         top += panel.height
@@ -128,7 +129,7 @@ class _Panel:
         yield from self._way_back()
         yield "</g></g>"
 
-    def _node(self, node: Node) -> Iterator[str]:
+    def _node(self, node: Vertex) -> Iterator[str]:
         x, y = self._layout.centers[node.key]
         loop, size, rim = self._loops.get(node.key), self._sizes[node.key], _rim(node)
         wide, tall = size.width - (2 * _LOOP if loop else 0), size.height
@@ -137,8 +138,8 @@ class _Panel:
         yield f"<a href={link}>" if link else f"<g><title>{escape(node.tooltip)}</title>"
         if rim:
             yield rectangle(node.frame, x - wide / 2, outer, wide, tall, 10)
-        kind = "node" if node.shape is Shape.STATE else f"{node.shape}-node"
-        round_ = min(tall / 2, 16) if node.shape in (Shape.PATTERN, Shape.END) else 7
+        kind = "node" if node.shape is Outline.STATE else f"{node.shape}-node"
+        round_ = min(tall / 2, 16) if node.shape in (Outline.PATTERN, Outline.END) else 7
         yield rectangle(kind, x - wide / 2 + rim, top, wide - 2 * rim, tall - 2 * rim, round_)
         left = x - width(node.letters) / 2
         yield from pictograms(
@@ -188,14 +189,14 @@ class _Panel:
 def _sizes(graph: Graph, loops: dict[str, Edge]) -> dict[str, Size]:
     """The nodes' sizes; patterns are as wide as one another, and so are actions."""
     sizes = {node.key: _size(node, node.key in loops) for node in graph.nodes}
-    for column in ((Shape.PATTERN,), (Shape.ACTION, Shape.UNUSED, Shape.END)):
+    for column in ((Outline.PATTERN,), (Outline.ACTION, Outline.UNUSED, Outline.END)):
         own = [node.key for node in graph.nodes if node.shape in column]
         widest = max((sizes[key].width for key in own), default=0.0)
         sizes |= {key: sizes[key]._replace(width=widest) for key in own}
     return sizes
 
 
-def _size(node: Node, loop: bool) -> Size:
+def _size(node: Vertex, loop: bool) -> Size:
     texts = [text_width(line.text, SMALL if line.kind == "fact" else SIZE) for line in node.lines]
     wide = max([width(node.letters) if node.letters else 0.0, *texts])
     tall = (EDGE if node.letters else 0) + sum(_HEIGHTS.get(line.kind, LINE) for line in node.lines)
@@ -204,15 +205,15 @@ def _size(node: Node, loop: bool) -> Size:
     return Size(wide + 2 * _PAD + (2 * _LOOP if loop else 0) + rim, tall + 2 * _pad(node) + rim)
 
 
-def _pad(node: Node) -> float:
-    return _PAD if node.shape is Shape.STATE else _PAD / 2
+def _pad(node: Vertex) -> float:
+    return _PAD if node.shape is Outline.STATE else _PAD / 2
 
 
-def _rim(node: Node) -> int:
+def _rim(node: Vertex) -> int:
     return _RIM if node.frame else 0
 
 
-def _label_lines(node: Node, middle: float, left: float, top: float) -> Iterator[str]:
+def _label_lines(node: Vertex, middle: float, left: float, top: float) -> Iterator[str]:
     """The lines of a node: below pictograms they are centred."""
     y = top + _pad(node) + (EDGE + 2 if node.letters else 0)
     for line in node.lines:

@@ -12,7 +12,7 @@ import pytest
 
 from cbdsl.program.checked import CheckedProgram
 from cbdsl.reporting.drawing.dot import dot
-from cbdsl.reporting.drawing.graph import Edge, Graph, Line, Node, Shape
+from cbdsl.reporting.drawing.graph import Edge, Graph, Outline, TextLine, Vertex
 from cbdsl.reporting.drawing.mermaid import mermaid
 from cbdsl.reporting.drawing.pictogram import symbols
 from cbdsl.reporting.drawing.program_graph import program_graph
@@ -54,8 +54,11 @@ def test_the_end_is_drawn_where_states_have_no_action(notation: Callable[[Graph]
 
 def hostile() -> Graph:
     """Names that no document can hold: they stay text."""
-    label = (Line('a"<b>&\\'), Line("`*_-"))
-    nodes = (Node("a", Shape.SELECTOR, (Line("<m>"),)), Node("b", Shape.ACTION, label))
+    label = (TextLine('a"<b>&\\'), TextLine("`*_-"))
+    nodes = (
+        Vertex("a", Outline.SELECTOR, (TextLine("<m>"),)),
+        Vertex("b", Outline.ACTION, label),
+    )
     edges = (Edge("a", "b", '"&'), Edge("b", "a", back=True))
     return Graph("x", 'x & y; below: "', nodes, edges, ("<m>",), across=True)
 
