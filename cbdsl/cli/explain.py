@@ -16,7 +16,7 @@ Markdown = Annotated[bool, typer.Option("--markdown", help="Print a page of docu
 
 
 def explain(code: Code = None, every: All = False, markdown: Markdown = False) -> None:
-    """What a finding means, why it is a fault, and an example with and without it."""
+    """Print the meaning of a finding, why it is a fault, and an example with and without it."""
     from cbdsl.cli.explanation import explanation, page
 
     entries = _entries(code, every)

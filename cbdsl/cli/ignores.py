@@ -13,18 +13,18 @@ if TYPE_CHECKING:
 
 
 def heed_ignores(
-    found: Iterable[Diagnostic], files: Iterable[Path], library: Library
+    diagnostics: Iterable[Diagnostic], files: Iterable[Path], library: Library
 ) -> list[Diagnostic]:
     """Take away what is ignored, and add findings about ignores; causes come first.
 
     Args:
-        found: findings in some files and in what they refer to.
+        diagnostics: findings in some files and in what they refer to.
         files: the files that were checked for themselves; only there an ignore can be idle.
         library: where their texts are.
     """
     from cbdsl.checking.causes import causes_first
 
-    findings = list(found)
+    findings = list(diagnostics)
     # The same file may have been read by a shorter path before.
     own = {library.real(file): file for file in files}
     places = (Path(diagnostic.place.file) for diagnostic in findings)

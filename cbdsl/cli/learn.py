@@ -16,7 +16,7 @@ from cbdsl.documents.json_schema import docstrings
 from cbdsl.learning.constants import AccommodateConstants, read_constants
 
 if TYPE_CHECKING:
-    from cbdsl.cli.order import Order
+    from cbdsl.cli.run_request import RunRequest
     from cbdsl.documents.document import Section
     from cbdsl.program.checked import CheckedProgram
     from cbdsl.training.assignment import Assignment
@@ -163,14 +163,14 @@ def learn(
     from cbdsl.checking.knowledge.digest import program_digest
     from cbdsl.cli.assignments import read_assignments
     from cbdsl.cli.lessons import one_by_one, side_by_side
-    from cbdsl.cli.order import read_order
     from cbdsl.cli.quiet import shown_on_failure
+    from cbdsl.cli.run_request import read_request
     from cbdsl.cli.simulation import needing_simulation
     from cbdsl.cli.termination import termination_interrupts
 
     _require_name(out)
     _require_one_place(workers, scheduler)
-    order = read_order(program, stage, None, read_assignments(with_))
+    order = read_request(program, stage, None, read_assignments(with_))
     _tell_of_no_reward(order)
     given = read_assignments(set_, "--set") | {n: v for n, v in constants.items() if v is not None}
     with needing_simulation():
@@ -203,7 +203,7 @@ def learn(
             side_by_side(assignments, at_once, scheduler)
 
 
-def _tell_of_no_reward(order: Order) -> None:
+def _tell_of_no_reward(order: RunRequest) -> None:
     """Tell before the episodes, not after, that nothing can be learned from them."""
     from cbdsl.checking.reward import check_rewarded
     from cbdsl.cli.terminal import print_diagnostics

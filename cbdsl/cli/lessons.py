@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from cbdsl.cli.learning_progress import LearningProgress
-    from cbdsl.cli.order import Order
+    from cbdsl.cli.run_request import RunRequest
     from cbdsl.training.assignment import Assignment
     from cbdsl.training.onlooker import Onlooker
 
@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 _QUIET = 8.0
 
 
-def one_by_one(assignments: Sequence[Assignment], order: Order) -> None:
+def one_by_one(assignments: Sequence[Assignment], order: RunRequest) -> None:
     """Carry out trials in this process.
 
     Raises:

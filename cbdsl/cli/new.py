@@ -78,14 +78,14 @@ def _posture(robot: RobotDocument) -> tuple[str, str]:
     """An effector and a posture of it: one where it does not start, if there is one."""
     from cbdsl.errors.errors import UsageError
 
-    found = [
+    candidates = [
         (posture == effector.start, name, posture)
         for name, effector in robot.effectors.items()
         for posture in effector.postures
     ]
-    if not found:
+    if not candidates:
         raise UsageError(f"robot '{robot.name}' has no postures; give one of its effectors one")
-    _, name, posture = min(found, key=lambda candidate: candidate[0])
+    _, name, posture = min(candidates, key=lambda candidate: candidate[0])
     return name, posture
 
 

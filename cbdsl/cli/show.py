@@ -70,7 +70,7 @@ def show_potentials(as_json: Json = False) -> None:
 
 @show.command("resources")
 def show_resources(robot: Robot = "dexter", as_json: Json = False) -> None:
-    """What programs can name on a robot."""
+    """List the resources that programs can name on a robot."""
     from cbdsl.cli.terminal import print_json, print_table
     from cbdsl.documents.robot import RobotDocument
     from cbdsl.robot.resources import resources

@@ -1,4 +1,4 @@
-"""What ``cb run --explain`` tells: why each level of the stack moves as it does."""
+"""Output of ``cb run --explain``: why each level of the stack moves as it does."""
 
 from __future__ import annotations
 
@@ -58,7 +58,7 @@ class StackNarration:
 
 
 def _sum(so_far: float, change: float) -> float:
-    """What was not known before counts for nothing."""
+    """The sum of a change and the changes before; NaN stands for none so far."""
     return change if math.isnan(so_far) else so_far + change
 
 

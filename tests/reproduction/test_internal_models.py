@@ -10,10 +10,10 @@ from numpy.typing import NDArray
 
 from cbdsl.documents.model import Gaussian, Kernel
 from cbdsl.documents.stage import Box, Place, StageDocument
-from cbdsl.reproduction.experiment import Settings
+from cbdsl.reproduction.experiment import RunSettings
 from cbdsl.reproduction.internal_models import Expectation, marginal
-from cbdsl.reproduction.lesson import COARTICULATED
-from cbdsl.reproduction.school import Learned, school, shipped_dexter
+from cbdsl.reproduction.series import COARTICULATED
+from cbdsl.reproduction.trial_runner import LearnedTrial, shipped_dexter, trial_runner
 from cbdsl.sensing.kinematics import Kinematics
 
 KERNEL = Kernel(
@@ -80,17 +80,17 @@ def directions(stage: StageDocument) -> dict[str, tuple[float, float]]:
 
 
 @pytest.fixture(scope="module")
-def trials(tmp_path_factory: pytest.TempPathFactory) -> list[Learned]:
+def trials(tmp_path_factory: pytest.TempPathFactory) -> list[LearnedTrial]:
     """Three trials of SEARCHTRACK in full."""
-    settings = Settings(seed=5, trials=3, folder=tmp_path_factory.mktemp("trials"))
-    with school(settings) as dexter:
+    settings = RunSettings(seed=5, trials=3, folder=tmp_path_factory.mktemp("trials"))
+    with trial_runner(settings) as dexter:
         return dexter.learn(COARTICULATED)
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("trial", range(3))
 def test_a_head_that_learned_expects_what_was_in_front_and_the_window_and_nothing_else(
-    trials: list[Learned], trial: int
+    trials: list[LearnedTrial], trial: int
 ) -> None:
     places = directions(trials[trial].stage)
     assert places["presented"][1] < 0.3 < 1.0 < places["window"][0]

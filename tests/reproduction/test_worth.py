@@ -9,13 +9,13 @@ import pytest
 
 from cbdsl.learning.constants import AccommodateConstants
 from cbdsl.learning.experience import Experience
-from cbdsl.reproduction.lesson import REACHTOUCH, SEQUENTIAL
+from cbdsl.reproduction.series import REACHTOUCH, SEQUENTIAL
 from cbdsl.reproduction.worth import met, worth_quantities
 from cbdsl.training.trial import Trial
 from tests.conftest import Checked
 from tests.training.toy import toy_trial
 
-from .lessons import experience
+from .series import experience
 
 
 def trial_of(trial: Trial, *experiences: Experience) -> Trial:

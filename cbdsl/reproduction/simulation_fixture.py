@@ -21,8 +21,8 @@ from cbdsl.yaml_text.library import Library, shipped
 
 
 @dataclass(frozen=True)
-class Laboratory:
-    """What an experiment works with.
+class SimulationFixture:
+    """The parts of a simulated robot that an experiment works with.
 
     Attributes:
         robot: the robot document.
@@ -46,9 +46,9 @@ class Laboratory:
 
 
 @contextmanager
-def laboratory(
+def simulation_fixture(
     name: str, values: Mapping[str, str] | None = None, stage: str | None = None
-) -> Iterator[Laboratory]:
+) -> Iterator[SimulationFixture]:
     """Set up a shipped program and its robot on the simulator.
 
     Args:
@@ -67,7 +67,7 @@ def laboratory(
     stage_file = shipped_file(library, StageDocument, stage or program.stage or "")
     backend = BulletBackend(robot, urdf)
     try:
-        yield Laboratory(
+        yield SimulationFixture(
             robot=robot,
             urdf=urdf,
             program=program,

@@ -6,7 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from cbdsl.documents.policy import PolicyDocument
-from cbdsl.reporting.drawing.policy_graph import decisions, policy_graph
+from cbdsl.reporting.drawing.policy_transitions import decisions, policy_transitions
 from tests.reporting.drawing.policies import POLICIES, WALKS, Walk, learned
 
 SHARES = st.floats(0, 1)
@@ -40,7 +40,7 @@ def test_something_follows_or_the_episode_ends(policy: PolicyDocument) -> None:
 
 @given(POLICIES, SHARES)
 def test_arcs_are_those_above(policy: PolicyDocument, above: float) -> None:
-    graph = policy_graph(policy, above, every=True)
+    graph = policy_transitions(policy, above, every=True)
     drawn = {(arc.source, arc.target) for arc in graph.arcs}
     for decision in graph.decisions:
         for state in decision.after:
@@ -51,18 +51,18 @@ def test_arcs_are_those_above(policy: PolicyDocument, above: float) -> None:
 def test_fewer_arcs_and_states_are_drawn_above_more(
     policy: PolicyDocument, one: float, other: float
 ) -> None:
-    many, few = (policy_graph(policy, above) for above in sorted((one, other)))
+    many, few = (policy_transitions(policy, above) for above in sorted((one, other)))
     assert set(few.arcs) <= set(many.arcs)
     assert {each.state for each in few.decisions} <= {each.state for each in many.decisions}
 
 
 @given(POLICIES, SHARES)
 def test_states_are_drawn_that_arcs_lead_to(policy: PolicyDocument, above: float) -> None:
-    graph = policy_graph(policy, above)
+    graph = policy_transitions(policy, above)
     shown = {decision.state for decision in graph.decisions}
     assert shown == {"XX"} | {arc.target for arc in graph.arcs}
     assert len(shown) + graph.left_out == len(decisions(policy))
-    assert policy_graph(policy, above, every=True).left_out == 0
+    assert policy_transitions(policy, above, every=True).left_out == 0
 
 
 def test_a_written_policy_has_all_its_patterns() -> None:
@@ -74,6 +74,6 @@ def test_a_written_policy_has_all_its_patterns() -> None:
         predicates=("a", "b"),
         policy={"**": "a", "0X": "b"},
     )
-    graph = policy_graph(policy)
+    graph = policy_transitions(policy)
     assert [(each.state, each.action) for each in graph.decisions] == [("**", "a"), ("0X", "b")]
     assert graph.arcs == () and all(each.value is None for each in graph.decisions)

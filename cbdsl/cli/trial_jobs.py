@@ -1,4 +1,4 @@
-"""Shares of an experiment that learns: carried out side by side, and told of."""
+"""Trial jobs of an experiment that learns: run side by side, with progress."""
 
 from __future__ import annotations
 
@@ -7,11 +7,11 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from cbdsl.reproduction.experiment import Experiment, Settings
-    from cbdsl.reproduction.share import Share
+    from cbdsl.reproduction.experiment import Experiment, RunSettings
+    from cbdsl.reproduction.trial_job import TrialJob
 
 
-def carry_out_shares(experiment: Experiment, settings: Settings, workers: int) -> None:
+def run_jobs(experiment: Experiment, settings: RunSettings, workers: int) -> None:
     """Run all episodes of an experiment in other processes; its folder keeps them.
 
     Args:
@@ -20,12 +20,12 @@ def carry_out_shares(experiment: Experiment, settings: Settings, workers: int) -
         workers: how many processes.
 
     Raises:
-        UsageError: a share could not be carried out; what is over is kept.
+        UsageError: a job could not be carried out; what is over is kept.
     """
     from cbdsl.backends.backend import find_backend
     from cbdsl.cli.quiet import quiet_stderr
     from cbdsl.errors.errors import UsageError
-    from cbdsl.reproduction.share import shared_out
+    from cbdsl.reproduction.trial_job import trial_jobs
 
     with quiet_stderr():
         find_backend(settings.backend)
@@ -35,37 +35,37 @@ def carry_out_shares(experiment: Experiment, settings: Settings, workers: int) -
         raise UsageError(
             f"--workers needs {error.name}, which is not installed: pip install 'cbdsl[learn]'"
         ) from error
-    with shared_out(experiment, settings) as shares:
-        supervision = _Supervision(shares, settings)
-        if len(shares) > 1:  # with a single one nothing can be done side by side
-            carry_out_all(shares, min(workers, len(shares)), None, supervision)
+    with trial_jobs(experiment, settings) as jobs:
+        supervision = _Supervision(jobs, settings)
+        if len(jobs) > 1:  # with a single one nothing can be done side by side
+            carry_out_all(jobs, min(workers, len(jobs)), None, supervision)
     supervision.conclude()
 
 
 class _Supervision:
-    """Tells how far the shares are that run elsewhere; see ``Supervisor``.
+    """Tells how far the jobs are that run elsewhere; see ``Supervisor``.
 
     Args:
-        shares: all of them.
+        jobs: all of them.
         settings: who watches.
     """
 
-    def __init__(self, shares: Sequence[Share], settings: Settings) -> None:
-        self._shares, self._settings = shares, settings
+    def __init__(self, jobs: Sequence[TrialJob], settings: RunSettings) -> None:
+        self._jobs, self._settings = jobs, settings
         self._failures: list[Exception] = []
 
     def look(self, workers: int) -> None:
         """See ``Supervisor.look``."""
-        told = [share.told() for share in self._shares]
+        progress = [job.progress() for job in self._jobs]
         # One that has not begun has as many episodes as any other.
-        total = max(total for _, total in told)
+        total = max(total for _, total in progress)
         if total:
-            self._settings.progress(sum(done for done, _ in told), total * len(told))
+            self._settings.progress(sum(done for done, _ in progress), total * len(progress))
 
-    def done(self, share: Share, files: Sequence[Path], /) -> None:
+    def done(self, job: TrialJob, files: Sequence[Path], /) -> None:
         """See ``Supervisor.done``."""
 
-    def failed(self, share: Share, error: Exception, /) -> None:
+    def failed(self, job: TrialJob, error: Exception, /) -> None:
         """See ``Supervisor.failed``."""
         self._failures.append(error)
 
@@ -73,7 +73,7 @@ class _Supervision:
         """At the end, say what went wrong first.
 
         Raises:
-            Exception: what a share raised.
+            Exception: what a job raised.
         """
         if self._failures:
             raise self._failures[0]

@@ -10,11 +10,11 @@ from typing import Any
 import pytest
 
 from cbdsl.learning.experience import Experience
-from cbdsl.reproduction.experiment import Experiment, Settings
-from cbdsl.reproduction.lesson import SEQUENTIAL
+from cbdsl.reproduction.experiment import Experiment, RunSettings
 from cbdsl.reproduction.registry import EXPERIMENTS
 from cbdsl.reproduction.report import data
-from cbdsl.reproduction.school import school
+from cbdsl.reproduction.series import SEQUENTIAL
+from cbdsl.reproduction.trial_runner import trial_runner
 from cbdsl.training.classroom import BackendClassroom
 
 LEARNING = [
@@ -35,7 +35,7 @@ def test_an_experiment_measures_and_goes_on_from_what_is_kept(
     experiment: Experiment, folder: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     told: list[tuple[int, int]] = []
-    settings = Settings(
+    settings = RunSettings(
         seed=2, quick=True, trials=1, folder=folder, progress=lambda *parts: told.append(parts)
     )
     outcome = experiment.load()(settings)
@@ -67,7 +67,7 @@ def test_an_episode_that_another_policy_would_have_run_the_same_is_not_run_again
         runs.append(arguments[2])
         return hold(classroom, *arguments)
 
-    with school(Settings(seed=3, quick=True, trials=1, folder=tmp_path)) as dexter:
+    with trial_runner(RunSettings(seed=3, quick=True, trials=1, folder=tmp_path)) as dexter:
         (learned,) = dexter.learn(SEQUENTIAL)
         seeds, program = learned.held_out(4), learned.trial.informed_program()
         monkeypatch.setattr(BackendClassroom, "hold", counted)

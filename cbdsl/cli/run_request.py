@@ -1,4 +1,4 @@
-"""What a command is to run: a program on a stage, found, read and checked."""
+"""The request of a command: a program on a stage, located, read and checked."""
 
 from __future__ import annotations
 
@@ -16,8 +16,8 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True)
-class Order:
-    """What to run, read and checked.
+class RunRequest:
+    """A program on a stage, read and checked.
 
     Attributes:
         program: as it will run.
@@ -36,9 +36,9 @@ class Order:
     library: Library
 
 
-def read_order(
+def read_request(
     program: str, stage: str | None, policy: str | None, values: Mapping[str, str]
-) -> Order:
+) -> RunRequest:
     """Read and check what a user asks for.
 
     Args:
@@ -62,7 +62,7 @@ def read_order(
     robot_file = library.find(RobotDocument, checked.robot, path)
     assert robot_file is not None, "a checked program has a robot"
     robot = library.read(robot_file, RobotDocument).document
-    return Order(
+    return RunRequest(
         program=checked if policy is None else _under_policy(checked, policy, path, library),
         program_file=path,
         robot=robot,
@@ -139,6 +139,6 @@ def _require_clean(file: Path, library: Library) -> None:
     from cbdsl.checking.session import Session
     from cbdsl.errors.errors import DiagnosticsError
 
-    found = check_document(file, session=Session(library))
-    if any(diagnostic.is_error for diagnostic in found):
-        raise DiagnosticsError(found)
+    diagnostics = check_document(file, session=Session(library))
+    if any(diagnostic.is_error for diagnostic in diagnostics):
+        raise DiagnosticsError(diagnostics)

@@ -1,4 +1,4 @@
-"""Lessons: trials that differ in nothing but chance, and what they come to together."""
+"""Groups of trials that differ in their seeds alone, and their curves."""
 
 from __future__ import annotations
 
@@ -25,8 +25,8 @@ Floats = NDArray[np.float64]
 WINDOWS = (1, 5, 10)
 
 
-class Lesson(NamedTuple):
-    """Trials of the same.
+class TrialGroup(NamedTuple):
+    """Trials that differ in their seeds alone.
 
     Attributes:
         name: of all of them.
@@ -38,7 +38,7 @@ class Lesson(NamedTuple):
 
     @property
     def episodes(self) -> int:
-        """How many episodes all trials have."""
+        """The number of episodes that all trials have."""
         return min(len(trial.episodes) for trial in self.trials)
 
     def rates(self) -> Floats:
@@ -54,35 +54,35 @@ class Lesson(NamedTuple):
 
 
 class Measured(NamedTuple):
-    """What a lesson came to, by how many episodes curves are smoothed over.
+    """The curves of a group, by the number of episodes that they are smoothed over.
 
     Attributes:
-        lesson: the lesson.
+        group: the group.
         rate: reward per transition, the interquartile mean over trials.
         hits: share of rewarded episodes, the mean over trials.
     """
 
-    lesson: Lesson
+    group: TrialGroup
     rate: Mapping[int, Band]
     hits: Mapping[int, Band]
 
 
-def measured(lesson: Lesson) -> Measured:
-    """The curves of a lesson."""
-    rate, hits = _curves(lesson.rates(), interquartile_mean), _curves(lesson.hits(), mean)
-    return Measured(lesson, rate, hits)
+def measured(group: TrialGroup) -> Measured:
+    """The curves of a group."""
+    rate, hits = _curves(group.rates(), interquartile_mean), _curves(group.hits(), mean)
+    return Measured(group, rate, hits)
 
 
-def lessons(learned: Sequence[Learned]) -> list[Lesson]:
+def trial_groups(learned: Sequence[Learned]) -> list[TrialGroup]:
     """Trials by what was learned where and how, in the order of the first of each."""
-    found: dict[object, list[Learned]] = {}
+    by_identity: dict[object, list[Learned]] = {}
     for each in learned:
-        found.setdefault(_identity(each), []).append(each)
-    return [Lesson(_name(trials), tuple(trials)) for trials in found.values()]
+        by_identity.setdefault(_identity(each), []).append(each)
+    return [TrialGroup(_name(trials), tuple(trials)) for trials in by_identity.values()]
 
 
 def _identity(learned: Learned) -> object:
-    """All that tells one lesson from another; policies without provenance are alone."""
+    """The properties that distinguish groups; policies without provenance are alone."""
     provenance = learned.policy.provenance
     if provenance is None:
         return learned.file
@@ -90,7 +90,7 @@ def _identity(learned: Learned) -> object:
 
 
 def _name(trials: Sequence[Learned]) -> str:
-    """What the names of its trials have in common, without their numbers."""
+    """The common part of the trials' names, without their numbers."""
     if len(trials) == 1:
         return trials[0].policy.name
     plain = {re.sub(r"_?\d+$", "", each.policy.name) for each in trials}

@@ -10,24 +10,26 @@ import pytest
 from cbdsl.reproduction.barcode import SIZE, barcodes
 from cbdsl.reproduction.barcode_reader import find_pattern
 from cbdsl.reproduction.barcode_trial import FOCAL_LENGTH, BarcodeTrial
+from cbdsl.reproduction.camera_rig import FINENESS, CameraRig, Placement, camera_rig
 from cbdsl.reproduction.fig_3_6 import LENSES
-from cbdsl.reproduction.studio import FINENESS, Placement, Studio, studio
 
 
 @pytest.fixture(scope="module")
-def place() -> Iterator[Studio]:
-    with studio() as place:
+def place() -> Iterator[CameraRig]:
+    with camera_rig() as place:
         yield place
 
 
-def test_the_cameras_are_those_of_the_source(place: Studio) -> None:
+def test_the_cameras_are_those_of_the_source(place: CameraRig) -> None:
     for camera in place.robot.cameras.values():
         assert (camera.width, camera.height, camera.focal_length) == (640, 480, 837)
     assert place.baseline() == pytest.approx(0.3)
 
 
 @pytest.mark.parametrize("placement", [Placement(1.0), Placement(0.5, left=0.04, up=-0.03)])
-def test_a_pattern_is_where_a_pinhole_camera_sees_it(place: Studio, placement: Placement) -> None:
+def test_a_pattern_is_where_a_pinhole_camera_sees_it(
+    place: CameraRig, placement: Placement
+) -> None:
     picture = place.picture(barcodes()["low"][0].stripes, placement)
     assert picture.shape == (480 * FINENESS, 640 * FINENESS, 3)
     corners = find_pattern(picture)
@@ -38,7 +40,7 @@ def test_a_pattern_is_where_a_pinhole_camera_sees_it(place: Studio, placement: P
     assert np.ptp(corners, axis=0) == pytest.approx(np.array([SIZE, SIZE]) * scale, rel=0.01)
 
 
-def test_a_turned_box_is_foreshortened(place: Studio) -> None:
+def test_a_turned_box_is_foreshortened(place: CameraRig) -> None:
     square, turned = (
         find_pattern(place.picture(barcodes()["low"][0].stripes, Placement(0.75, turn=turn)))
         for turn in (0.0, 0.5)
@@ -50,7 +52,7 @@ def test_a_turned_box_is_foreshortened(place: Studio) -> None:
 
 
 @pytest.mark.parametrize("frequency", ["low", "medium"])
-def test_what_is_resolved_is_read_through_the_lens(place: Studio, frequency: str) -> None:
+def test_what_is_resolved_is_read_through_the_lens(place: CameraRig, frequency: str) -> None:
     candidates = barcodes()[frequency]
     for seed, barcode in enumerate(candidates):
         picture = place.picture(barcode.stripes, Placement(0.5, turn=0.1))

@@ -1,4 +1,4 @@
-"""A school: trials of lessons on one backend, and how well they do without exploring."""
+"""Series of trials on one backend, and greedy episodes under what they learned."""
 
 from __future__ import annotations
 
@@ -21,8 +21,8 @@ from cbdsl.learning.constants import AccommodateConstants
 from cbdsl.learning.experience import Experience
 from cbdsl.program.checked import CheckedProgram
 from cbdsl.program.transition import Transition
-from cbdsl.reproduction.experiment import Settings
-from cbdsl.reproduction.lesson import Lesson
+from cbdsl.reproduction.experiment import RunSettings
+from cbdsl.reproduction.series import Series
 from cbdsl.reproduction.shipped import shipped_file, shipped_robot
 from cbdsl.sensing.kinematics import Kinematics
 from cbdsl.training.classroom import BackendClassroom
@@ -42,7 +42,7 @@ _HELD_OUT = 1_000_000
 
 
 @dataclass(frozen=True)
-class Learned:
+class LearnedTrial:
     """A trial at its end, or as it was before.
 
     Attributes:
@@ -57,13 +57,13 @@ class Learned:
     stage: StageDocument
     path: Path
 
-    def after(self, episodes: int) -> Learned:
+    def after(self, episodes: int) -> LearnedTrial:
         """The same trial as it was after its first ``episodes``."""
         whole = self.trial
         trial = Trial(whole.program, whole.constants, whole.seed, whole.number)
         for experience in whole.experiences[:episodes]:
             trial.replay(experience)
-        return Learned(trial, self.provenance, self.stage, self.path)
+        return LearnedTrial(trial, self.provenance, self.stage, self.path)
 
     def held_out(self, count: int) -> list[int]:
         """Seeds of episodes that the trial does not learn from."""
@@ -74,7 +74,7 @@ class Learned:
         return [int(each.generate_state(1)[0]) for each in entropy]
 
 
-class School:
+class TrialRunner:
     """Runs episodes one after another; those that are kept already are not run again.
 
     Args:
@@ -87,7 +87,7 @@ class School:
 
     def __init__(
         self,
-        settings: Settings,
+        settings: RunSettings,
         body: Backend,
         robot: RobotDocument,
         kinematics: Kinematics,
@@ -103,37 +103,37 @@ class School:
         """Tell those who watch that so many more episodes are to come."""
         self._expected += episodes
 
-    def numbers(self, lesson: Lesson) -> list[int]:
-        """The trials of a lesson that are to be run."""
-        numbers = range(trials(self._settings, lesson))
+    def numbers(self, series: Series) -> list[int]:
+        """The trials of a series that are to be run."""
+        numbers = range(trials(self._settings, series))
         return [each for each in numbers if self._settings.only in (None, each)]
 
-    def episodes(self, lesson: Lesson) -> int:
+    def episodes(self, series: Series) -> int:
         """How many episodes each of them has."""
-        return _QUICK_EPISODES if self._settings.quick else lesson.episodes
+        return _QUICK_EPISODES if self._settings.quick else series.episodes
 
-    def learn(self, lesson: Lesson) -> list[Learned]:
-        """Run the trials of a lesson, each from zero.
+    def learn(self, series: Series) -> list[LearnedTrial]:
+        """Run the trials of a series, each from zero.
 
         Raises:
             JournalError: what is kept in the folder belongs to other trials.
             BackendError, EpisodeError: the simulator cannot run them.
             OSError: they cannot be kept.
         """
-        program = self.program(lesson)
-        return [self._follow(lesson, program, n) for n in self.numbers(lesson)]
+        program = self.program(series)
+        return [self._follow(series, program, n) for n in self.numbers(series)]
 
-    def program(self, lesson: Lesson) -> CheckedProgram:
-        """What is learned in a lesson, with the actions that can be chosen from."""
-        program = check_program(self._file(lesson), {}, self._library)
-        return program._replace(actions=lesson.actions(program))
+    def program(self, series: Series) -> CheckedProgram:
+        """The program of a series, with the actions to choose from."""
+        program = check_program(self._file(series), {}, self._library)
+        return program._replace(actions=series.actions(program))
 
-    def _file(self, lesson: Lesson) -> Path:
-        return shipped_file(self._library, ProgramDocument, lesson.program)
+    def _file(self, series: Series) -> Path:
+        return shipped_file(self._library, ProgramDocument, series.program)
 
     def greedy(
         self,
-        learned: Learned,
+        learned: LearnedTrial,
         name: str,
         seeds: Sequence[int],
         program: CheckedProgram | None = None,
@@ -161,15 +161,15 @@ class School:
         path = learned.path.with_suffix(f".{name}.jsonl")
         identity = identity_of(learned.provenance) | {"policy": actions}
         with Journal(path, identity) as journal:
-            found = list(journal.finished[: len(seeds)])
-            self._advance(len(found))
-            for seed in seeds[len(found) :]:
+            experiences = list(journal.finished[: len(seeds)])
+            self._advance(len(experiences))
+            for seed in seeds[len(experiences) :]:
                 began = time.perf_counter()
-                found.append(same.get(seed) or classroom.hold(program, policy, seed, _ignore))
+                experiences.append(same.get(seed) or classroom.hold(program, policy, seed, _ignore))
                 seconds = time.perf_counter() - began
-                journal.append(found[-1], seconds)
-                self.note(trial.number, found[-1], seconds)
-        return tuple(found)
+                journal.append(experiences[-1], seconds)
+                self.note(trial.number, experiences[-1], seconds)
+        return tuple(experiences)
 
     def begin(self, number: int, renderer: str, finished: Sequence[Experience]) -> None:
         """See ``Watcher.begin``."""
@@ -180,61 +180,62 @@ class School:
         self._advance(1)
         self._watcher.note(number, experience, seconds)
 
-    def _follow(self, lesson: Lesson, program: CheckedProgram, number: int) -> Learned:
+    def _follow(self, series: Series, program: CheckedProgram, number: int) -> LearnedTrial:
         """One trial, from its beginning or from where it was interrupted."""
-        settings, episodes = self._settings, self.episodes(lesson)
-        stage = self._stage(lesson)
+        settings, episodes = self._settings, self.episodes(series)
+        stage = self._stage(series)
         setting = Setting(
-            program_sha256=program_digest(self._file(lesson), self._library),
+            program_sha256=program_digest(self._file(series), self._library),
             robot=self._robot,
             stage=stage,
             backend=settings.backend,
             renderer=self._body.renderer,
         )
-        trial = Trial(program, AccommodateConstants(density=lesson.density), settings.seed, number)
-        command = lesson.command(
-            settings.seed, trials(settings, lesson), episodes, settings.backend
+        constants = AccommodateConstants(density=series.density)
+        trial = Trial(program, constants, settings.seed, number)
+        command = series.command(
+            settings.seed, trials(settings, series), episodes, settings.backend
         )
         provenance = provenance_of(trial, setting, episodes, command)
-        path = self._path(lesson, number)
+        path = self._path(series, number)
         with open_journal(path, provenance) as journal:
             follow(trial, self._classroom(stage), journal, provenance, path, self)
-        return Learned(trial, provenance, stage, path)
+        return LearnedTrial(trial, provenance, stage, path)
 
-    def _stage(self, lesson: Lesson) -> StageDocument:
-        file = shipped_file(self._library, StageDocument, lesson.stage)
+    def _stage(self, series: Series) -> StageDocument:
+        file = shipped_file(self._library, StageDocument, series.stage)
         return self._library.read(file, StageDocument).document
 
     def _classroom(self, stage: StageDocument) -> BackendClassroom:
         return BackendClassroom(self._robot, self._kinematics, self._body, stage)
 
-    def _path(self, lesson: Lesson, number: int) -> Path:
+    def _path(self, series: Series, number: int) -> Path:
         """Where a policy goes: trials that are not comparable have folders of their own."""
         settings = self._settings
-        folder = settings.folder / f"{settings.backend}_{settings.seed}" / lesson.name
+        folder = settings.folder / f"{settings.backend}_{settings.seed}" / series.name
         folder.mkdir(parents=True, exist_ok=True)
-        return folder / f"{lesson.name}_{number}.yaml"
+        return folder / f"{series.name}_{number}.yaml"
 
     def _advance(self, episodes: int) -> None:
         self._done += episodes
         self._settings.progress(self._done, max(self._expected, self._done))
 
 
-def trials(settings: Settings, lesson: Lesson) -> int:
-    """How many trials of a lesson there are."""
+def trials(settings: RunSettings, series: Series) -> int:
+    """How many trials of a series there are."""
     if settings.trials is not None:
         return settings.trials
-    return _QUICK_TRIALS if settings.quick else _TRIALS.get(settings.backend, lesson.trials)
+    return _QUICK_TRIALS if settings.quick else _TRIALS.get(settings.backend, series.trials)
 
 
 def shipped_dexter() -> tuple[RobotDocument, Path]:
-    """The robot that all lessons are for, and its URDF."""
+    """The robot that all series are for, and its URDF."""
     return shipped_robot(_ROBOT)
 
 
 @contextmanager
-def school(settings: Settings) -> Iterator[School]:
-    """Open the school on the backend that is asked for.
+def trial_runner(settings: RunSettings) -> Iterator[TrialRunner]:
+    """A runner on the backend of the settings.
 
     Raises:
         BackendError: there is no such backend, or it cannot embody the robot.
@@ -242,7 +243,7 @@ def school(settings: Settings) -> Iterator[School]:
     robot, urdf = shipped_dexter()
     body = find_backend(settings.backend)(robot, urdf)
     try:
-        yield School(settings, body, robot, Kinematics(robot, urdf))
+        yield TrialRunner(settings, body, robot, Kinematics(robot, urdf))
     finally:
         body.close()
 

@@ -1,4 +1,4 @@
-"""What ``cb validate`` has to tell, in whatever format."""
+"""The result of ``cb validate``, before it is formatted."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from typing import NamedTuple
 from cbdsl.errors.diagnostic import Diagnostic
 
 
-class Outcome(NamedTuple):
+class ValidationReport(NamedTuple):
     """The findings of one run.
 
     Attributes:

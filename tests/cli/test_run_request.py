@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from cbdsl.cli.order import read_order
+from cbdsl.cli.run_request import read_request
 from cbdsl.documents.stage import StageDocument
 from cbdsl.errors.errors import UsageError
 from cbdsl.yaml_text.library import Library
@@ -28,7 +28,7 @@ def test_only_stages_of_the_same_robot_are_proposed(
     monkeypatch.chdir(tmp_path)
     (tmp_path / "own.yaml").write_text(PROGRAM.format(robot=robot, used=used), encoding="utf-8")
     with pytest.raises(UsageError, match="--stage") as error:
-        read_order("own.yaml", None, None, {})
+        read_request("own.yaml", None, None, {})
     proposed = str(error.value).partition("known: ")[2].rstrip(")").split(", ")
     library = Library()
     for name in library.names(StageDocument):

@@ -1,4 +1,4 @@
-"""Shares of experiments: what is left to run after them, and what an outcome owes to them."""
+"""Trial jobs of experiments: what is left to run after them, and what an outcome owes to them."""
 
 from __future__ import annotations
 
@@ -8,11 +8,11 @@ from pathlib import Path
 import pytest
 
 from cbdsl.backends.backend import find_backend
-from cbdsl.reproduction.experiment import Experiment, Settings
+from cbdsl.reproduction.experiment import Experiment, RunSettings
 from cbdsl.reproduction.registry import EXPERIMENTS
 from cbdsl.reproduction.report import data
-from cbdsl.reproduction.school import shipped_dexter
-from cbdsl.reproduction.share import shared_out
+from cbdsl.reproduction.trial_job import trial_jobs
+from cbdsl.reproduction.trial_runner import shipped_dexter
 from cbdsl.sensing.kinematics import Kinematics
 from cbdsl.training.classroom import BackendClassroom
 from cbdsl.training.course import Nobody
@@ -24,15 +24,15 @@ LEARNING = [
 ]
 
 
-def carry_out(experiment: Experiment, settings: Settings) -> list[tuple[int, int]]:
-    """Carry out all shares here, the last one first; how far each says that it is."""
+def carry_out(experiment: Experiment, settings: RunSettings) -> list[tuple[int, int]]:
+    """Carry out all jobs here, the last one first; how far each says that it is."""
     robot, urdf = shipped_dexter()
     body, kinematics = find_backend(settings.backend)(robot, urdf), Kinematics(robot, urdf)
-    with shared_out(experiment, settings) as shares:
-        assert [share.told() for share in shares] == [(0, 0)] * len(shares)
-        for share in reversed(shares):
-            share.carry_out(body, kinematics, Nobody())
-        return [share.told() for share in shares]
+    with trial_jobs(experiment, settings) as jobs:
+        assert [job.progress() for job in jobs] == [(0, 0)] * len(jobs)
+        for job in reversed(jobs):
+            job.carry_out(body, kinematics, Nobody())
+        return [job.progress() for job in jobs]
 
 
 @pytest.mark.parametrize("experiment", LEARNING)
@@ -42,7 +42,7 @@ def test_after_its_shares_an_experiment_has_nothing_to_run_and_the_same_outcome(
     here, there = tmp_path / "here", tmp_path / "there"
     here.mkdir()
     there.mkdir()
-    settings = Settings(seed=2, quick=True, trials=2, folder=here)
+    settings = RunSettings(seed=2, quick=True, trials=2, folder=here)
     alone = experiment.load()(settings)
     shared = replace(settings, folder=there)
     for done, total in carry_out(experiment, shared):

@@ -1,4 +1,4 @@
-"""Shares: an experiment that learns, one trial at a time, wherever that may be."""
+"""Jobs: one trial of an experiment that learns, in any process."""
 
 from __future__ import annotations
 
@@ -11,8 +11,8 @@ from tempfile import TemporaryDirectory
 
 from cbdsl.backends.backend import Backend
 from cbdsl.documents.robot import RobotDocument
-from cbdsl.reproduction.experiment import Experiment, Settings
-from cbdsl.reproduction.school import School, shipped_dexter, trials
+from cbdsl.reproduction.experiment import Experiment, RunSettings
+from cbdsl.reproduction.trial_runner import TrialRunner, shipped_dexter, trials
 from cbdsl.sensing.kinematics import Kinematics
 from cbdsl.training.course import Watcher
 from cbdsl.yaml_text.writer import write_text
@@ -22,22 +22,22 @@ _PAUSE = 1.0
 
 
 @dataclass(frozen=True)
-class Share:
-    """One trial of each lesson of an experiment, with the held-out episodes that belong to it.
+class TrialJob:
+    """One trial of each series of an experiment, with the held-out episodes that belong to it.
 
-    Once all shares are carried out, all episodes of the experiment are kept in the folder of its
+    Once all jobs are carried out, all episodes of the experiment are kept in the folder of its
     settings, and to run it is to read them: so its outcome does not depend on who ran them.
 
     Attributes:
         experiment: in which the robot learns.
         settings: of the whole experiment.
-        path: where the share tells how far it is, ``<done> <total>``, in episodes.
+        path: where the job tells how far it is, ``<done> <total>``, in episodes.
         robot: whose trials they are.
         urdf: the robot's model.
     """
 
     experiment: Experiment
-    settings: Settings
+    settings: RunSettings
     path: Path
     robot: RobotDocument
     urdf: Path
@@ -51,15 +51,15 @@ class Share:
         """Run its episodes on a body; see ``Job.carry_out``.
 
         Raises:
-            JournalError, BackendError, EpisodeError, OSError: see ``School``.
+            JournalError, BackendError, EpisodeError, OSError: see ``TrialRunner``.
         """
         settings = replace(self.settings, progress=_Notice(self.path).note)
-        dexter = School(settings, body, self.robot, kinematics, watcher)
+        dexter = TrialRunner(settings, body, self.robot, kinematics, watcher)
         self.experiment.imported().gather(dexter, settings, self.experiment.name)
         return []
 
-    def told(self) -> tuple[int, int]:
-        """How many of how many episodes are over; none of none before it begins."""
+    def progress(self) -> tuple[int, int]:
+        """Finished episodes and all; (0, 0) before it begins."""
         if not self.path.exists():
             return 0, 0
         done, total = map(int, self.path.read_text(encoding="utf-8").split())
@@ -67,25 +67,25 @@ class Share:
 
 
 class _Notice:
-    """Tells others how far something is, in a file.
+    """Writes the progress of a job to a file.
 
     Args:
         path: the file.
     """
 
     def __init__(self, path: Path) -> None:
-        self._path, self._told = path, -_PAUSE
+        self._path, self._written = path, -_PAUSE
 
     def note(self, done: int, total: int) -> None:
         """``done`` of ``total`` parts are over."""
-        if time.monotonic() >= self._told + _PAUSE or done == total:
-            self._told = time.monotonic()
+        if time.monotonic() >= self._written + _PAUSE or done == total:
+            self._written = time.monotonic()
             write_text(f"{done} {total}\n", self._path)
 
 
 @contextmanager
-def shared_out(experiment: Experiment, settings: Settings) -> Iterator[list[Share]]:
-    """The shares of an experiment in which the robot learns, one for each trial.
+def trial_jobs(experiment: Experiment, settings: RunSettings) -> Iterator[list[TrialJob]]:
+    """The jobs of an experiment in which the robot learns, one for each trial.
 
     Args:
         experiment: the experiment.
@@ -94,13 +94,13 @@ def shared_out(experiment: Experiment, settings: Settings) -> Iterator[list[Shar
     robot, urdf = shipped_dexter()
     folder = settings.folder.absolute()
     count = max(
-        trials(settings, lesson) for lesson in experiment.imported().lessons(experiment.name)
+        trials(settings, series) for series in experiment.imported().series_of(experiment.name)
     )
     with TemporaryDirectory(dir=folder, prefix=".cb_reproduce_") as place:
         yield [
-            Share(
+            TrialJob(
                 experiment,
-                replace(settings, folder=folder, progress=Settings.progress, only=number),
+                replace(settings, folder=folder, progress=RunSettings.progress, only=number),
                 Path(place) / str(number),
                 robot,
                 urdf.absolute(),

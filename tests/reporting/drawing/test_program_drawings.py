@@ -1,4 +1,4 @@
-"""Graphs of the shipped programs, in every notation."""
+"""Graphs of the shipped programs, in every format."""
 
 from __future__ import annotations
 
@@ -11,10 +11,11 @@ from xml.etree import ElementTree
 import pytest
 
 from cbdsl.program.checked import CheckedProgram
-from cbdsl.program.dry_run import Coverage
 from cbdsl.reporting.drawing.dot import dot
-from cbdsl.reporting.drawing.graph import Box, Graph, graph
+from cbdsl.reporting.drawing.graph import Edge, Graph, Outline, TextLine, Vertex
 from cbdsl.reporting.drawing.mermaid import mermaid
+from cbdsl.reporting.drawing.pictogram import symbols
+from cbdsl.reporting.drawing.program_graph import program_graph
 from cbdsl.reporting.drawing.svg import svg
 from tests.program.test_dry_run import PROGRAMS, program_of
 
@@ -30,6 +31,7 @@ def within(program: CheckedProgram) -> list[CheckedProgram]:
 def read(drawing: str) -> str:
     """A drawing's labels as a reader sees them."""
     codes = re.sub(r"#(\d+);", lambda match: chr(int(match[1])), drawing)
+    codes = re.sub(r"</FONT></TD><TD[^>]*><FONT[^>]*>", " ", codes)
     return codes.replace("&gt;", ">").replace("&lt;", "<").replace("&amp;", "&")
 
 
@@ -37,38 +39,51 @@ def read(drawing: str) -> str:
 @pytest.mark.parametrize("notation", NOTATIONS, ids=lambda notation: notation.__name__)
 def test_everything_is_drawn(notation: Callable[[Graph], str], name: str) -> None:
     program = program_of(name)
-    drawing = read(notation(graph(program)))
+    drawing = read(notation(program_graph(program)))
     for part in within(program):
-        names = [part.name, *part.members, *part.policy, *(a.name for a in part.actions)]
+        patterns = part.policy if notation is svg else map(symbols, part.policy)
+        names = [part.name, *part.members, *patterns, *(a.name for a in part.actions)]
         assert [name for name in names if name not in drawing] == []
 
 
 @pytest.mark.parametrize("notation", NOTATIONS, ids=lambda notation: notation.__name__)
 def test_the_end_is_drawn_where_states_have_no_action(notation: Callable[[Graph], str]) -> None:
-    drawings = {n: notation(graph(program_of(n))) for n in ("reachtouch", "searchtrack")}
+    drawings = {n: notation(program_graph(program_of(n))) for n in ("reachtouch", "searchtrack")}
     assert "any other" in drawings["reachtouch"] and "any other" not in drawings["searchtrack"]
 
 
 def hostile() -> Graph:
     """Names that no document can hold: they stay text."""
-    box = Box('a"<b>&\\', ("`*_-",), True, ("*",), None)
-    return Graph("x & y", ("<m>",), (box,), '"', Coverage(4, {"*": 4}, 0))
+    label = (TextLine('a"<b>&\\'), TextLine("`*_-"))
+    nodes = (
+        Vertex("a", Outline.SELECTOR, (TextLine("<m>"),)),
+        Vertex("b", Outline.ACTION, label),
+    )
+    edges = (Edge("a", "b", '"&'), Edge("b", "a", back=True))
+    return Graph("x", 'x & y; below: "', nodes, edges, ("<m>",), across=True)
 
 
 @pytest.mark.parametrize("name", PROGRAMS)
-def test_svg_holds_its_boxes_without_overlap(name: str) -> None:
-    root = ElementTree.fromstring(svg(graph(program_of(name))))
+def test_svg_holds_its_nodes_without_overlap(name: str) -> None:
+    root = ElementTree.fromstring(svg(program_graph(program_of(name))))
     width, height = float(root.attrib["width"]), float(root.attrib["height"])
-    boxes: dict[str, list[tuple[float, ...]]] = {}
-    for rectangle in root.iter(f"{SVG}rect"):
-        place = tuple(float(rectangle.attrib[key]) for key in ("x", "y", "width", "height"))
-        kind = "panel" if rectangle.attrib["class"] == "panel" else "box"
-        boxes.setdefault(kind, []).append(place)
-        assert place[0] + place[2] <= width and place[1] + place[3] <= height
-    assert len(boxes["box"]) > len(boxes["panel"]) >= 1
-    for same in boxes.values():
-        for i, one in enumerate(same):
-            assert not any(overlap(one, other) for other in same[i + 1 :])
+    panels = {each.attrib["id"]: each for each in root.iter(f"{SVG}g") if "id" in each.attrib}
+    assert panels.keys() == {part.name for part in within(program_of(name))}
+    bottom = 0.0
+    for panel in panels.values():
+        offset = re.findall(r"[\d.]+", panel.find(f"{SVG}g").attrib["transform"])
+        left, top = map(float, offset)
+        assert top > bottom
+        boxes = [
+            tuple(float(rectangle.attrib[key]) for key in ("x", "y", "width", "height"))
+            for rectangle in panel.iter(f"{SVG}rect")
+            if rectangle.attrib.get("class", "").endswith("-node")
+        ]
+        assert len(boxes) > 1
+        for place, one in enumerate(boxes):
+            assert left + one[0] + one[2] <= width and top + one[1] + one[3] <= height
+            assert not any(overlap(one, other) for other in boxes[place + 1 :])
+        bottom = max(top + one[1] + one[3] for one in boxes)
 
 
 def overlap(one: tuple[float, ...], other: tuple[float, ...]) -> bool:
@@ -79,8 +94,8 @@ def overlap(one: tuple[float, ...], other: tuple[float, ...]) -> bool:
 
 
 def test_svg_links_lead_to_the_panels_of_programs() -> None:
-    root = ElementTree.fromstring(svg(graph(program_of("reachtouch"))))
-    panels = {group.attrib["id"] for group in root.iter(f"{SVG}g")}
+    root = ElementTree.fromstring(svg(program_graph(program_of("reachtouch"))))
+    panels = {group.attrib.get("id") for group in root.iter(f"{SVG}g")}
     links = {link.attrib["href"].removeprefix("#") for link in root.iter(f"{SVG}a")}
     assert links == {"searchtrack"} <= panels
 
@@ -92,18 +107,18 @@ def test_svg_escapes_names() -> None:
 
 def test_mermaid_labels_hold_nothing_that_has_a_meaning() -> None:
     labels = re.findall(r'"([^"]*)"', mermaid(hostile()))
-    assert len(labels) == 4
+    assert len(labels) == 4  # title, two nodes, an edge
     assert all(not re.search(r"[<>&*_`-]", label.replace("<br>", "")) for label in labels)
     assert read(mermaid(hostile())).count('a"<b>&\\') == 1
 
 
 @pytest.mark.parametrize("name", PROGRAMS)
 def test_mermaid_declares_every_node_and_ends_every_subgraph(name: str) -> None:
-    text = mermaid(graph(program_of(name)))
+    text = mermaid(program_graph(program_of(name)))
     lines = [line.strip() for line in text.splitlines()]
     assert lines[0] == "flowchart LR"
     assert lines.count("end") == sum(line.startswith("subgraph") for line in lines)
-    ends = re.findall(r"(\w+)(?= -\.->)|(?<=-\.-> )(\w+)", text)
+    ends = re.findall(r"(\w+)(?= -\.?->)|(?<=-> )(\w+)", text)
     declared = set(re.findall(r"(\w+)(?=[\[{(])", text))
     assert {one or other for one, other in ends} <= declared
 
@@ -111,7 +126,7 @@ def test_mermaid_declares_every_node_and_ends_every_subgraph(name: str) -> None:
 @pytest.mark.skipif(shutil.which("dot") is None, reason="needs Graphviz")
 @pytest.mark.parametrize("drawn", [*PROGRAMS, "hostile"])
 def test_graphviz_reads_dot(drawn: str) -> None:
-    text = dot(hostile() if drawn == "hostile" else graph(program_of(drawn)))
+    text = dot(hostile() if drawn == "hostile" else program_graph(program_of(drawn)))
     run = subprocess.run(["dot", "-Tsvg"], input=text, capture_output=True, text=True)
     assert (run.returncode, run.stderr) == (0, "")
     assert run.stdout.count('class="node"') == len(re.findall(r"shape=", text))

@@ -49,7 +49,7 @@ def with_source_cameras(robot: RobotDocument) -> RobotDocument:
     return robot.model_copy(update={"cameras": cameras})
 
 
-class Studio:
+class CameraRig:
     """Takes pictures of boxes that nobody holds.
 
     Attributes:
@@ -67,7 +67,7 @@ class Studio:
         return float(np.linalg.norm(left - right))
 
     def picture(self, stripes: Sequence[float], placement: Placement) -> Image:
-        """What the left camera's lens gets to see of a box.
+        """The view of the left camera's lens on a box.
 
         Args:
             stripes: printed on its side, 10 cm high: widths of bar, gap, ..., bar, m.
@@ -94,7 +94,7 @@ class Studio:
             {
                 "cbdsl": 1,
                 "kind": "stage",
-                "name": "studio",
+                "name": "camera_rig",
                 "robot": self.robot.name,
                 "things": {"box": {"form": form, "mass": 0.3, "color": (1, 1, 1)}},
                 "contexts": {"shown": context},
@@ -114,7 +114,7 @@ def _place(view: View, placement: Placement) -> dict[str, float]:
 
 
 @contextmanager
-def studio() -> Iterator[Studio]:
+def camera_rig() -> Iterator[CameraRig]:
     """Set up Dexter on the simulator.
 
     Raises:
@@ -126,6 +126,6 @@ def studio() -> Iterator[Studio]:
     robot = with_source_cameras(library.read(path, RobotDocument).document)
     backend = BulletBackend(robot, path.parent / robot.model)
     try:
-        yield Studio(robot, backend)
+        yield CameraRig(robot, backend)
     finally:
         backend.close()

@@ -1,4 +1,4 @@
-"""Lessons: what the source teaches its robot in Chapter 4, as data."""
+"""The series of trials of the source's Chapter 4, as data."""
 
 from __future__ import annotations
 
@@ -10,8 +10,8 @@ from cbdsl.program.checked import Action, CheckedProgram
 
 
 @dataclass(frozen=True)
-class Lesson:
-    """What is learned from zero, where, and for how long.
+class Series:
+    """Trials that learn one program from zero, on one stage.
 
     Attributes:
         name: of the files of its trials.
@@ -41,11 +41,11 @@ class Lesson:
         return self.label.partition(", ")[2] or self.label
 
     def actions(self, program: CheckedProgram) -> tuple[Action, ...]:
-        """What can be chosen from."""
+        """The actions to choose from."""
         return program.sequential_actions if self.sequential else program.actions
 
     def command(self, seed: int, trials: int, episodes: int, backend: str) -> str:
-        """What learns the same with ``cb learn``."""
+        """The command line of ``cb learn`` that learns the same."""
         words = ["cb", "learn", self.program, "--out", f"{self.name}.yaml", "--stage", self.stage]
         words += ["--episodes", str(episodes), "--seed", str(seed), "--backend", backend]
         words += ["--trials", str(trials)] if trials > 1 else []
@@ -55,7 +55,7 @@ class Lesson:
 
 
 #: Section 4.2.1 with co-articulation, and without.
-COARTICULATED = Lesson(
+COARTICULATED = Series(
     name="searchtrack_coarticulated",
     label="SEARCHTRACK, co-articulated",
     program="searchtrack",
@@ -70,7 +70,7 @@ SEQUENTIAL = replace(
     sequential=True,
 )
 #: Section 4.2.2.
-TACTILEPROBE = Lesson(
+TACTILEPROBE = Series(
     name="tactileprobe",
     label="TACTILEPROBE",
     program="tactileprobe",
@@ -80,7 +80,7 @@ TACTILEPROBE = Lesson(
     density="gaussian",
 )
 #: Section 4.3.1.
-REACHTOUCH = Lesson(
+REACHTOUCH = Series(
     name="reachtouch",
     label="REACHTOUCH",
     program="reachtouch",
@@ -90,7 +90,7 @@ REACHTOUCH = Lesson(
     hopeless=frozenset({"absent"}),
 )
 #: Section 4.3.2. The source has 25 episodes in the text, and 50 in the caption of its figure.
-VISUALINSPECT = Lesson(
+VISUALINSPECT = Series(
     name="visualinspect",
     label="VISUALINSPECT",
     program="visualinspect",
@@ -99,7 +99,7 @@ VISUALINSPECT = Lesson(
     trials=1,
 )
 #: Section 4.3.3.
-BIMANUALTOUCH = Lesson(
+BIMANUALTOUCH = Series(
     name="bimanualtouch",
     label="BIMANUALTOUCH",
     program="bimanualtouch",
