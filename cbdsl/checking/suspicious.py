@@ -10,7 +10,7 @@ from cbdsl.checking.pace import check_gain, check_window
 from cbdsl.documents import program as written
 from cbdsl.program.checked import Action, CheckedProgram
 from cbdsl.program.controller import AlongNormals, Controller, Literal
-from cbdsl.program.dry_run import Level, levels
+from cbdsl.program.dry_run import StackLevel, levels
 from cbdsl.types.potential import POTENTIALS
 from cbdsl.types.resource import Heading, Headings, Resource, StereoPosition
 from cbdsl.types.state import ANY
@@ -159,7 +159,7 @@ def _levels(context: Context, program: CheckedProgram, action: Action, steps: St
         context.add("CB709", context.source.place(*steps), above=name, names_below=names)
 
 
-def _takes_all(above: Level, joints: frozenset[str]) -> bool:
+def _takes_all(above: StackLevel, joints: frozenset[str]) -> bool:
     """Whether a level always fixes all of some joints: it is never undefined."""
     controller = above.controller
     return (

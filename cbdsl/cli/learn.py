@@ -1,4 +1,4 @@
-"""``cb learn``: teach a program what to do, from episodes that are run."""
+"""``cb learn``: learn the policy of a program from episodes."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from cbdsl.cli.run_request import RunRequest
     from cbdsl.documents.document import Section
     from cbdsl.program.checked import CheckedProgram
-    from cbdsl.training.assignment import Assignment
+    from cbdsl.training.learning_task import LearningTask
 
 # What a command names even where it is the default: they say how much was done, and by what chance.
 _ALWAYS = ("episodes", "seed", "backend")
@@ -162,7 +162,7 @@ def learn(
     """
     from cbdsl.checking.knowledge.digest import program_digest
     from cbdsl.cli.assignments import read_assignments
-    from cbdsl.cli.lessons import one_by_one, side_by_side
+    from cbdsl.cli.learning_tasks import one_by_one, side_by_side
     from cbdsl.cli.quiet import shown_on_failure
     from cbdsl.cli.run_request import read_request
     from cbdsl.cli.simulation import needing_simulation
@@ -170,20 +170,20 @@ def learn(
 
     _require_name(out)
     _require_one_place(workers, scheduler)
-    order = read_request(program, stage, None, read_assignments(with_))
-    _tell_of_no_reward(order)
+    request = read_request(program, stage, None, read_assignments(with_))
+    _tell_of_no_reward(request)
     given = read_assignments(set_, "--set") | {n: v for n, v in constants.items() if v is not None}
     with needing_simulation():
         from cbdsl.learning.learner import LEARNERS
-        from cbdsl.training.assignment import Assignment
+        from cbdsl.training.learning_task import LearningTask
 
         chosen = read_constants(LEARNERS.get(learner).Constants, given, learner)
-        first = Assignment(
-            program=_lesson(order.program, sequential, transitions, transition_time, idle_time),
-            program_sha256=program_digest(order.program_file, order.library),
-            robot=order.robot,
-            urdf=order.urdf.absolute(),
-            stage=order.stage,
+        first = LearningTask(
+            program=_limited(request.program, sequential, transitions, transition_time, idle_time),
+            program_sha256=program_digest(request.program_file, request.library),
+            robot=request.robot,
+            urdf=request.urdf.absolute(),
+            stage=request.stage,
             backend=backend,
             learner=learner,
             constants=chosen,
@@ -193,28 +193,28 @@ def learn(
             command=_command(context, chosen),
             path=out.absolute(),
         )
-        assignments = _numbered(first, trials)
-        _require_ready(assignments, resume)
+        tasks = _numbered(first, trials)
+        _require_ready(tasks, resume)
     at_once = min(workers, trials)  # an episode needs what the one before it taught
     with shown_on_failure(), termination_interrupts():
         if at_once == 1 and scheduler is None:
-            one_by_one(assignments, order)
+            one_by_one(tasks, request)
         else:
-            side_by_side(assignments, at_once, scheduler)
+            side_by_side(tasks, at_once, scheduler)
 
 
-def _tell_of_no_reward(order: RunRequest) -> None:
-    """Tell before the episodes, not after, that nothing can be learned from them."""
+def _tell_of_no_reward(request: RunRequest) -> None:
+    """Warn before the episodes, not after, that nothing can be learned from them."""
     from cbdsl.checking.reward import check_rewarded
     from cbdsl.cli.terminal import print_diagnostics
 
-    found = check_rewarded(order.program, order.program_file, order.library)
+    found = check_rewarded(request.program, request.program_file, request.library)
     if found:
         print_diagnostics(found)
 
 
 def _require_name(out: Path) -> None:
-    """Find out before the episodes, not after, whether --out can hold a policy."""
+    """Check before the episodes, not after, that --out can hold a policy."""
     from cbdsl.documents.document import NAME_PATTERN
     from cbdsl.errors.errors import UsageError
 
@@ -231,14 +231,14 @@ def _require_one_place(workers: int, scheduler: str | None) -> None:
         raise UsageError("--workers are processes of this machine, --scheduler has its own: choose")
 
 
-def _lesson(
+def _limited(
     program: CheckedProgram,
     sequential: bool,
     transitions: int | None,
     transition_time: float | None,
     idle_time: float | None,
 ) -> CheckedProgram:
-    """The program with the actions and limits of the trial."""
+    """Program with the actions and limits of the trial."""
     return program._replace(
         actions=program.sequential_actions if sequential else program.actions,
         transitions=transitions or program.transitions,
@@ -275,8 +275,8 @@ def _set(constants: Section) -> Iterator[str]:
             yield from (flag, str(value)) if has_option else ("--set", f"{name}={value}")
 
 
-def _numbered(first: Assignment, trials: int) -> list[Assignment]:
-    """As many trials; where they are several, their files are numbered."""
+def _numbered(first: LearningTask, trials: int) -> list[LearningTask]:
+    """One task per trial; the files of several are numbered."""
     if trials == 1:
         return [first]
     return [
@@ -285,31 +285,31 @@ def _numbered(first: Assignment, trials: int) -> list[Assignment]:
     ]
 
 
-def _require_ready(assignments: Sequence[Assignment], resume: bool) -> None:
-    """Find out before the episodes, not after, whether everything can be kept."""
+def _require_ready(tasks: Sequence[LearningTask], resume: bool) -> None:
+    """Check before the episodes, not after, that everything can be written."""
     from cbdsl.errors.errors import UsageError
     from cbdsl.errors.reason import reason
 
-    for assignment in assignments:
+    for task in tasks:
         try:
-            assignment.require_ready(resume=resume)
+            task.require_ready(resume=resume)
         except OSError as error:
             where = f" ({error.filename})" if error.filename else ""
-            told = f"--out {assignment.path}: {reason(error)}{where}"
+            told = f"--out {task.path}: {reason(error)}{where}"
             raise UsageError(told) from error
     if resume:
-        _tell_what_is_there(assignments)
+        _tell_what_is_there(tasks)
 
 
-def _tell_what_is_there(assignments: Sequence[Assignment]) -> None:
-    """What of the trials to go on with is not as one may think."""
-    from cbdsl.training.onlooker import Onlooker
+def _tell_what_is_there(tasks: Sequence[LearningTask]) -> None:
+    """Report journals that are missing or hold more episodes than asked for."""
+    from cbdsl.training.journal_follower import JournalFollower
 
-    begun = [each for each in assignments if each.journal.exists()]
+    begun = [each for each in tasks if each.journal.exists()]
     if not begun:
-        print(f"nothing to go on with: {assignments[0].journal} is not there; begins anew")
-    for assignment in begun:
-        there = len(Onlooker(assignment.journal).look())
-        if there > assignment.episodes:
-            first = f"the first {assignment.episodes} of its {there} episodes"
-            print(f"{assignment.journal}: {first} count, all are kept")
+        print(f"nothing to go on with: {tasks[0].journal} is not there; begins anew")
+    for task in begun:
+        there = len(JournalFollower(task.journal).poll())
+        if there > task.episodes:
+            first = f"the first {task.episodes} of its {there} episodes"
+            print(f"{task.journal}: {first} count, all are kept")

@@ -30,7 +30,7 @@ def run_jobs(experiment: Experiment, settings: RunSettings, workers: int) -> Non
     with quiet_stderr():
         find_backend(settings.backend)
     try:
-        from cbdsl.training.cluster import carry_out_all
+        from cbdsl.training.cluster import run_all
     except ModuleNotFoundError as error:
         raise UsageError(
             f"--workers needs {error.name}, which is not installed: pip install 'cbdsl[learn]'"
@@ -38,7 +38,7 @@ def run_jobs(experiment: Experiment, settings: RunSettings, workers: int) -> Non
     with trial_jobs(experiment, settings) as jobs:
         supervision = _Supervision(jobs, settings)
         if len(jobs) > 1:  # with a single one nothing can be done side by side
-            carry_out_all(jobs, min(workers, len(jobs)), None, supervision)
+            run_all(jobs, min(workers, len(jobs)), None, supervision)
     supervision.conclude()
 
 

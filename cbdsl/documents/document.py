@@ -1,4 +1,4 @@
-"""What every document shares: strictness, immutability, the version key and named quantities."""
+"""Base of all documents: strict, immutable sections with quantities in named units."""
 
 from functools import partial
 from typing import Annotated, Any, Literal
@@ -18,7 +18,7 @@ from cbdsl.types.unit import read_quantity
 NAME_PATTERN = r"^[A-Za-z][A-Za-z0-9_]*$"
 
 
-class Reading:
+class ValueSchema:
     """Finished schema of a value: putting one together at each use takes longer."""
 
     def __init__(self, schema: CoreSchema) -> None:
@@ -28,27 +28,27 @@ class Reading:
         return {**self.schema}
 
 
-def quantity(*dimensions: str, **limits: Any) -> Reading:
+def quantity(*dimensions: str, **limits: Any) -> ValueSchema:
     """Number in SI, or text with a unit; limits are ``gt``, ``ge``, ``lt`` and ``le``."""
     read, number = partial(read_quantity, dimensions=dimensions), float_schema(**limits)
-    return Reading(no_info_before_validator_function(read, number))
+    return ValueSchema(no_info_before_validator_function(read, number))
 
 
-def _several(part: Reading, count: int) -> Reading:
-    return Reading(tuple_schema([part.schema] * count))
+def _several(part: ValueSchema, count: int) -> ValueSchema:
+    return ValueSchema(tuple_schema([part.schema] * count))
 
 
-def _span(part: Reading) -> Reading:
-    """From the first to the last value; one value stands for the span from itself to itself."""
+def _span(part: ValueSchema) -> ValueSchema:
+    """Pair of first and last value; one value alone is both."""
 
     def pair(value: Any) -> Any:
         return value if isinstance(value, (list, tuple)) else (value, value)
 
-    return Reading(no_info_before_validator_function(pair, _several(part, 2).schema))
+    return ValueSchema(no_info_before_validator_function(pair, _several(part, 2).schema))
 
 
-def _named(what: str) -> Reading:
-    """A name of the URDF's; ``what`` is the element that has it."""
+def _named(what: str) -> ValueSchema:
+    """Name from the URDF; ``what`` is the element that has it."""
     wanted = f'the name of a {what}, as in <{what} name="..."> of the URDF, in quotes if a number'
 
     def require_text(value: Any) -> Any:
@@ -56,7 +56,7 @@ def _named(what: str) -> Reading:
             return value
         raise PydanticCustomError("not_named", "{expected}", {"expected": wanted})
 
-    return Reading(no_info_before_validator_function(require_text, str_schema()))
+    return ValueSchema(no_info_before_validator_function(require_text, str_schema()))
 
 
 _NUMBER, _SHARE = quantity(), quantity(ge=0, le=1)
@@ -64,11 +64,11 @@ _LENGTH, _ANGLE, _SPEED = quantity("length"), quantity("angle"), quantity("speed
 _TIME, _MASS = quantity("time", ge=0), quantity("mass", gt=0)
 _SIZE = quantity("length", gt=0)
 
-Name = Annotated[str, Reading(str_schema(pattern=NAME_PATTERN))]
+Name = Annotated[str, ValueSchema(str_schema(pattern=NAME_PATTERN))]
 JointName = Annotated[str, _named("joint")]
 LinkName = Annotated[str, _named("link")]
-Count = Annotated[int, Reading(int_schema(ge=0))]
-PositiveCount = Annotated[int, Reading(int_schema(gt=0))]
+Count = Annotated[int, ValueSchema(int_schema(ge=0))]
+PositiveCount = Annotated[int, ValueSchema(int_schema(gt=0))]
 Number = Annotated[float, _NUMBER]
 Positive = Annotated[float, quantity(gt=0)]
 Length = Annotated[float, _LENGTH]

@@ -63,7 +63,7 @@ def schema_file(kind: str) -> str:
 
 
 class _Generator(GenerateJsonSchema):
-    """Pydantic's generator, and what it cannot know: docstrings of fields, units, spans."""
+    """Pydantic's generator with docstrings of fields, units and spans."""
 
     def __init__(self, *args: Any, **kwargs: Any) -> None:
         super().__init__(*args, **kwargs)
@@ -183,7 +183,7 @@ def _symbols(dimension: str) -> list[str]:
 
 
 def _wording(dimensions: Sequence[str]) -> str:
-    """Such as ``Unit: m (or written: cm, mm, km)``."""
+    """Units in words, such as ``Unit: m (or written: cm, mm, km)``."""
     parts = []
     for dimension in dimensions:
         si, *others = _symbols(dimension)
@@ -217,14 +217,14 @@ def _references(schema: Any) -> Iterator[str]:
 
 
 def _said_of(field: FieldInfo) -> str:
-    """What the section that a field holds says of itself."""
+    """Docstring of the section that a field holds."""
     parts = (field.annotation, *get_args(field.annotation))
     sections = (part for part in parts if isinstance(part, type) and issubclass(part, BaseModel))
     return next((_one_line(section.__doc__ or "") for section in sections), "")
 
 
 def docstrings(model: type[BaseModel]) -> dict[str, str]:
-    """The literals that follow the fields of a model and of what it derives from."""
+    """Docstrings of the fields of a model and its bases."""
     found: dict[str, str] = {}
     for section in reversed(model.__mro__):
         if issubclass(section, BaseModel) and section is not BaseModel:

@@ -21,7 +21,7 @@ class Identity(Section):
 
 
 class Provenance(Section):
-    """What a policy was learned from: everything that makes it come out the same again."""
+    """Origin of a policy: everything that its outcome depends on."""
 
     command: str
     """Command that learns it again."""

@@ -67,13 +67,13 @@ class Accommodate:
             self.values.update(over.state, over.action, over.reward, over.next_state, ended=ended)
 
     def remember(self, experience: Experience) -> None:
-        """Take in what a finished episode found rewarded (line 19), besides its transitions."""
+        """Take in the rewarded configurations of a finished episode (line 19)."""
         self._episodes += 1
         for effector, configuration in experience.rewarded.items():
             self._samples.setdefault(effector, []).append(configuration)
 
     def densities(self) -> dict[str, Kernel | Gaussian]:
-        """By effector, where it was when a controller that moves it was rewarded."""
+        """Densities of the configurations in which controllers were rewarded, by effector."""
         constants = self._constants
         return {
             effector: learned_density(
@@ -90,7 +90,7 @@ class Accommodate:
         return Explorer(self.values, epsilon, rng, self._decisions.running)
 
     def greedy(self) -> dict[str, str]:
-        """The best action of every state in which one was tried, and of all others in one line.
+        """Best action of every state that was met, and of all others in one line.
 
         Of equally good ones it is the first in the order of the program's actions, as all of them
         are in a state that was never met. Where a program runs, it is that program.
@@ -114,7 +114,7 @@ class Accommodate:
 
 
 class Explorer:
-    """The policy of a learner: epsilon-greedy, in every state, known or not.
+    """Epsilon-greedy policy, in every state, known or not.
 
     Args:
         values: what is known of each action.

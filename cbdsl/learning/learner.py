@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
 
 class TrialSummary(NamedTuple):
-    """A trial at its end, for the documents that tell what it learned.
+    """Finished trial, as the documents of its knowledge need it.
 
     Attributes:
         name: of the policy; other documents have names that begin with it.
@@ -37,7 +37,7 @@ class TrialSummary(NamedTuple):
 
 
 class Learner(Protocol):
-    """What one trial has learned so far; equal experience leaves equal knowledge.
+    """Learning algorithm with its knowledge; equal experience leaves equal knowledge.
 
     All chance comes from the generators that it is given.
     """

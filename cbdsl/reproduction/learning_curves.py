@@ -18,8 +18,8 @@ from cbdsl.reproduction.quantity import Claim, Quantity, above, near
 from cbdsl.reproduction.series import COARTICULATED, SEQUENTIAL, Series
 from cbdsl.reproduction.stability import stable_after, stable_quantity
 from cbdsl.reproduction.trial_runner import LearnedTrial, TrialRunner, trial_runner
-from cbdsl.training.course import journal_file
-from cbdsl.training.onlooker import Onlooker
+from cbdsl.training.journal_follower import JournalFollower
+from cbdsl.training.trial_loop import journal_file
 
 Floats = NDArray[np.float64]
 
@@ -215,7 +215,7 @@ def _effort(curves: Curves) -> str:
 def _cost(learned: LearnedTrial) -> tuple[float, ...]:
     """Reward, transitions, control ticks, simulated seconds and wall seconds of a trial."""
     experiences = learned.trial.experiences
-    entries = Onlooker(journal_file(learned.path)).look()[: len(experiences)]
+    entries = JournalFollower(journal_file(learned.path)).poll()[: len(experiences)]
     return (
         sum(each.reward for each in experiences),
         sum(len(each.transitions) for each in experiences),

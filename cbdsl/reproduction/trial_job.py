@@ -14,7 +14,7 @@ from cbdsl.documents.robot import RobotDocument
 from cbdsl.reproduction.experiment import Experiment, RunSettings
 from cbdsl.reproduction.trial_runner import TrialRunner, shipped_dexter, trials
 from cbdsl.sensing.kinematics import Kinematics
-from cbdsl.training.course import Watcher
+from cbdsl.training.trial_loop import TrialObserver
 from cbdsl.yaml_text.writer import write_text
 
 # Least time between two words about how far it is, s.
@@ -47,14 +47,14 @@ class TrialJob:
         """Name of what embodies the robot."""
         return self.settings.backend
 
-    def carry_out(self, body: Backend, kinematics: Kinematics, watcher: Watcher) -> list[Path]:
-        """Run its episodes on a body; see ``Job.carry_out``.
+    def run(self, body: Backend, kinematics: Kinematics, observer: TrialObserver) -> list[Path]:
+        """Run its episodes on a body; see ``Job.run``.
 
         Raises:
             JournalError, BackendError, EpisodeError, OSError: see ``TrialRunner``.
         """
         settings = replace(self.settings, progress=_Notice(self.path).note)
-        dexter = TrialRunner(settings, body, self.robot, kinematics, watcher)
+        dexter = TrialRunner(settings, body, self.robot, kinematics, observer)
         self.experiment.imported().gather(dexter, settings, self.experiment.name)
         return []
 

@@ -25,11 +25,17 @@ from cbdsl.reproduction.experiment import RunSettings
 from cbdsl.reproduction.series import Series
 from cbdsl.reproduction.shipped import shipped_file, shipped_robot
 from cbdsl.sensing.kinematics import Kinematics
-from cbdsl.training.classroom import BackendClassroom
-from cbdsl.training.course import Nobody, Watcher, follow, identity_of, open_journal
+from cbdsl.training.episode_runner import BackendEpisodeRunner
 from cbdsl.training.journal import Journal
 from cbdsl.training.provenance import Setting, provenance_of
 from cbdsl.training.trial import Trial
+from cbdsl.training.trial_loop import (
+    NullObserver,
+    TrialObserver,
+    identity_of,
+    open_journal,
+    run_trial,
+)
 from cbdsl.types.policy import Policy, WrittenPolicy
 from cbdsl.yaml_text.library import Library, shipped
 
@@ -82,7 +88,7 @@ class TrialRunner:
         body: runs the episodes.
         robot: that it embodies.
         kinematics: of the same robot.
-        watcher: is told of each episode that is run, and may end it all.
+        observer: is told of each episode that is run, and may end it all.
     """
 
     def __init__(
@@ -91,11 +97,11 @@ class TrialRunner:
         body: Backend,
         robot: RobotDocument,
         kinematics: Kinematics,
-        watcher: Watcher | None = None,
+        observer: TrialObserver | None = None,
     ) -> None:
         self._settings = settings
         self._body, self._robot, self._kinematics = body, robot, kinematics
-        self._watcher = watcher or Nobody()
+        self._observer = observer or NullObserver()
         self._library = Library(shipped())
         self._done = self._expected = 0
 
@@ -165,20 +171,20 @@ class TrialRunner:
             self._advance(len(experiences))
             for seed in seeds[len(experiences) :]:
                 began = time.perf_counter()
-                experiences.append(same.get(seed) or classroom.hold(program, policy, seed, _ignore))
+                experiences.append(same.get(seed) or classroom.run(program, policy, seed, _ignore))
                 seconds = time.perf_counter() - began
                 journal.append(experiences[-1], seconds)
                 self.note(trial.number, experiences[-1], seconds)
         return tuple(experiences)
 
     def begin(self, number: int, renderer: str, finished: Sequence[Experience]) -> None:
-        """See ``Watcher.begin``."""
+        """See ``TrialObserver.begin``."""
         self._advance(len(finished))
 
     def note(self, number: int, experience: Experience, seconds: float) -> None:
-        """See ``Watcher.note``."""
+        """See ``TrialObserver.note``."""
         self._advance(1)
-        self._watcher.note(number, experience, seconds)
+        self._observer.note(number, experience, seconds)
 
     def _follow(self, series: Series, program: CheckedProgram, number: int) -> LearnedTrial:
         """One trial, from its beginning or from where it was interrupted."""
@@ -199,15 +205,15 @@ class TrialRunner:
         provenance = provenance_of(trial, setting, episodes, command)
         path = self._path(series, number)
         with open_journal(path, provenance) as journal:
-            follow(trial, self._classroom(stage), journal, provenance, path, self)
+            run_trial(trial, self._classroom(stage), journal, provenance, path, self)
         return LearnedTrial(trial, provenance, stage, path)
 
     def _stage(self, series: Series) -> StageDocument:
         file = shipped_file(self._library, StageDocument, series.stage)
         return self._library.read(file, StageDocument).document
 
-    def _classroom(self, stage: StageDocument) -> BackendClassroom:
-        return BackendClassroom(self._robot, self._kinematics, self._body, stage)
+    def _classroom(self, stage: StageDocument) -> BackendEpisodeRunner:
+        return BackendEpisodeRunner(self._robot, self._kinematics, self._body, stage)
 
     def _path(self, series: Series, number: int) -> Path:
         """Where a policy goes: trials that are not comparable have folders of their own."""

@@ -1,4 +1,4 @@
-"""Files of what a trial learned."""
+"""Files of the knowledge that a trial learned."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ def _beside(path: Path, folder: str, name: str) -> Path:
 
 
 def write_knowledge(trial: Trial, provenance: Provenance, path: Path) -> list[Path]:
-    """Write what was learned, the policy after the documents that it names.
+    """Write the documents of a trial, the policy after those that it names.
 
     Nobody else may be at it, which the trial's journal sees to.
 

@@ -1,4 +1,4 @@
-"""Where knowledge comes from, so that it can be had again, and is not taken for other."""
+"""Provenance of knowledge: program, robot, stage, algorithm, constants, seed and versions."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ _PACKAGES = ("cbdsl", "moderngl", "numba", "numpy", "opencv-python-headless", "p
 
 @dataclass(frozen=True)
 class Setting:
-    """What an outcome depends on besides the trial itself.
+    """Surroundings of a trial that its outcome depends on.
 
     Attributes:
         program_sha256: of the program's text; see ``program_digest``.
@@ -41,7 +41,7 @@ class Setting:
 
 
 def provenance_of(trial: Trial, setting: Setting, episodes: int, command: str) -> Provenance:
-    """All that the outcome of a trial depends on.
+    """Provenance of a trial.
 
     Args:
         trial: what is learned, by which constants and chance.
@@ -79,7 +79,7 @@ def _identity(document: Document) -> Identity:
 
 
 def plugin_versions(learner: str, backend: str) -> dict[str, str]:
-    """Those of the other packages that a learner and a backend come from."""
+    """Versions of the other packages that a learner and a backend come from."""
     registries: tuple[tuple[Registry[Any], str], ...] = ((LEARNERS, learner), (BACKENDS, backend))
     return dict(
         registry.distribution(name)
@@ -89,7 +89,7 @@ def plugin_versions(learner: str, backend: str) -> dict[str, str]:
 
 
 def versions() -> dict[str, str]:
-    """Those of the packages that an outcome depends on, as they are installed here."""
+    """Versions of the installed packages that an outcome depends on."""
     found = {"python": platform.python_version()}
     for package in _PACKAGES:
         try:

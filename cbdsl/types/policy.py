@@ -1,4 +1,4 @@
-"""Policies: which action follows which state."""
+"""Policies: the action that follows a state."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from cbdsl.types.state import closest_first, matches
 
 
 class Policy(Protocol):
-    """Chooses actions; a learner is one, and so is a written table."""
+    """Choice of actions by state, written or learned."""
 
     def choose(self, state: str, *, changed: bool) -> str | None:
         """The next action's name, or ``None`` to end the episode.

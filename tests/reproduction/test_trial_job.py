@@ -14,8 +14,8 @@ from cbdsl.reproduction.report import data
 from cbdsl.reproduction.trial_job import trial_jobs
 from cbdsl.reproduction.trial_runner import shipped_dexter
 from cbdsl.sensing.kinematics import Kinematics
-from cbdsl.training.classroom import BackendClassroom
-from cbdsl.training.course import Nobody
+from cbdsl.training.episode_runner import BackendEpisodeRunner
+from cbdsl.training.trial_loop import NullObserver
 
 LEARNING = [
     pytest.param(each, id=each.name, marks=[] if each.name == "fig-4.4" else pytest.mark.slow)
@@ -24,14 +24,14 @@ LEARNING = [
 ]
 
 
-def carry_out(experiment: Experiment, settings: RunSettings) -> list[tuple[int, int]]:
+def run(experiment: Experiment, settings: RunSettings) -> list[tuple[int, int]]:
     """Carry out all jobs here, the last one first; how far each says that it is."""
     robot, urdf = shipped_dexter()
     body, kinematics = find_backend(settings.backend)(robot, urdf), Kinematics(robot, urdf)
     with trial_jobs(experiment, settings) as jobs:
         assert [job.progress() for job in jobs] == [(0, 0)] * len(jobs)
         for job in reversed(jobs):
-            job.carry_out(body, kinematics, Nobody())
+            job.run(body, kinematics, NullObserver())
         return [job.progress() for job in jobs]
 
 
@@ -45,13 +45,13 @@ def test_after_its_shares_an_experiment_has_nothing_to_run_and_the_same_outcome(
     settings = RunSettings(seed=2, quick=True, trials=2, folder=here)
     alone = experiment.load()(settings)
     shared = replace(settings, folder=there)
-    for done, total in carry_out(experiment, shared):
+    for done, total in run(experiment, shared):
         assert done == total > 0
 
     def none(*_: object) -> None:
         raise AssertionError("all episodes are kept")
 
-    monkeypatch.setattr(BackendClassroom, "hold", none)
+    monkeypatch.setattr(BackendEpisodeRunner, "run", none)
     outcome = experiment.load()(shared)
     for part in ("quantities", "charts"):  # notes may tell how long it took
         assert data(experiment, shared, outcome)[part] == data(experiment, settings, alone)[part]

@@ -15,7 +15,7 @@ from cbdsl.reproduction.registry import EXPERIMENTS
 from cbdsl.reproduction.report import data
 from cbdsl.reproduction.series import SEQUENTIAL
 from cbdsl.reproduction.trial_runner import trial_runner
-from cbdsl.training.classroom import BackendClassroom
+from cbdsl.training.episode_runner import BackendEpisodeRunner
 
 LEARNING = [
     pytest.param(each, id=each.name, marks=[] if "4.2.1" in each.section else pytest.mark.slow)
@@ -52,7 +52,7 @@ def test_an_experiment_measures_and_goes_on_from_what_is_kept(
     def none(*_: object) -> None:
         raise AssertionError("all episodes are kept")
 
-    monkeypatch.setattr(BackendClassroom, "hold", none)
+    monkeypatch.setattr(BackendEpisodeRunner, "run", none)
     again = experiment.load()(settings)
     assert data(experiment, settings, again) == data(experiment, settings, outcome)
 
@@ -61,16 +61,16 @@ def test_an_episode_that_another_policy_would_have_run_the_same_is_not_run_again
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     runs: list[int] = []
-    hold = BackendClassroom.hold
+    hold = BackendEpisodeRunner.run
 
-    def counted(classroom: BackendClassroom, *arguments: Any) -> Experience:
+    def counted(classroom: BackendEpisodeRunner, *arguments: Any) -> Experience:
         runs.append(arguments[2])
         return hold(classroom, *arguments)
 
     with trial_runner(RunSettings(seed=3, quick=True, trials=1, folder=tmp_path)) as dexter:
         (learned,) = dexter.learn(SEQUENTIAL)
         seeds, program = learned.held_out(4), learned.trial.informed_program()
-        monkeypatch.setattr(BackendClassroom, "hold", counted)
+        monkeypatch.setattr(BackendEpisodeRunner, "run", counted)
         before = dexter.greedy(learned.after(2), "before", seeds, program)
         alone = dexter.greedy(learned, "alone", seeds, program)
         runs.clear()

@@ -1,4 +1,4 @@
-"""A course: a trial from its journal to its knowledge, however often it is interrupted."""
+"""Trial loop: from the journal to the knowledge, resumed after any interruption."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from typing import Any, Protocol
 
 from cbdsl.documents.policy import Provenance
 from cbdsl.learning.experience import Experience
-from cbdsl.training.classroom import Classroom
+from cbdsl.training.episode_runner import EpisodeRunner
 from cbdsl.training.journal import Journal, JournalError
 from cbdsl.training.knowledge import model_file, write_knowledge
 from cbdsl.training.trial import Trial
@@ -19,8 +19,8 @@ from cbdsl.training.trial import Trial
 _ROOM = 1 << 16
 
 
-class Watcher(Protocol):
-    """Is told how trials get on."""
+class TrialObserver(Protocol):
+    """Observer of trials."""
 
     def begin(self, number: int, renderer: str, finished: Sequence[Experience]) -> None:
         """A trial begins or goes on.
@@ -33,29 +33,29 @@ class Watcher(Protocol):
         ...
 
     def note(self, number: int, experience: Experience, seconds: float) -> None:
-        """Another episode of trial ``number`` is over, which took ``seconds``."""
+        """An episode of trial ``number`` ended after ``seconds``."""
         ...
 
 
-class Nobody:
-    """Watches nothing."""
+class NullObserver:
+    """Observer that ignores everything."""
 
     def begin(self, number: int, renderer: str, finished: Sequence[Experience]) -> None:
-        """See ``Watcher.begin``."""
+        """See ``TrialObserver.begin``."""
 
     def note(self, number: int, experience: Experience, seconds: float) -> None:
-        """See ``Watcher.note``."""
+        """See ``TrialObserver.note``."""
 
 
 def journal_file(path: Path) -> Path:
-    """Where the episodes of the policy in ``path`` are kept."""
+    """Journal of the trial whose policy goes to ``path``."""
     return path.with_suffix(".episodes.jsonl")
 
 
 def require_writable(path: Path) -> None:
-    """Make the folders of a policy and its models, and find out whether they can be kept there.
+    """Make the folders of a policy and its models, and check that they can be written.
 
-    That is to be known before the episodes, not after.
+    This is checked before the episodes, not after.
 
     Args:
         path: the policy's file.
@@ -71,7 +71,7 @@ def require_writable(path: Path) -> None:
 
 
 def require_free(path: Path, effectors: Iterable[str], *, resume: bool) -> None:
-    """Make sure that a trial whose policy goes to ``path`` would overwrite nothing unasked.
+    """Check that a trial whose policy goes to ``path`` overwrites nothing unasked.
 
     Args:
         path: the policy's file.
@@ -92,7 +92,7 @@ def require_free(path: Path, effectors: Iterable[str], *, resume: bool) -> None:
 
 
 def identity_of(provenance: Provenance, leave_out: Iterable[str] = ()) -> dict[str, Any]:
-    """All that the episodes of a trial depend on, as JSON has it.
+    """Everything that the episodes of a trial depend on, as JSON.
 
     How many of them are asked for does not matter to those that are over.
     """
@@ -100,7 +100,7 @@ def identity_of(provenance: Provenance, leave_out: Iterable[str] = ()) -> dict[s
 
 
 def open_journal(path: Path, provenance: Provenance) -> Journal:
-    """The journal of a trial whose policy goes to ``path``.
+    """Open the journal of the trial whose policy goes to ``path``.
 
     Raises:
         JournalError, OSError: see ``Journal``.
@@ -108,23 +108,23 @@ def open_journal(path: Path, provenance: Provenance) -> Journal:
     return Journal(journal_file(path), identity_of(provenance))
 
 
-def follow(
+def run_trial(
     trial: Trial,
-    classroom: Classroom,
+    runner: EpisodeRunner,
     journal: Journal,
     provenance: Provenance,
     path: Path,
-    watcher: Watcher,
+    observer: TrialObserver,
 ) -> list[Path]:
-    """Run what episodes are left, and write down what was learned.
+    """Run the remaining episodes and write the knowledge.
 
     Args:
         trial: from its beginning; the episodes in the journal are replayed to it.
-        classroom: where the others are run.
+        runner: where the others are run.
         journal: keeps each of them as soon as it is over.
         provenance: says how many there are to be.
         path: the policy's file.
-        watcher: is told how it gets on.
+        observer: of its progress.
 
     Returns:
         The files that were written.
@@ -135,11 +135,11 @@ def follow(
     """
     for experience in journal.finished[: provenance.episodes]:
         trial.replay(experience)
-    watcher.begin(trial.number, provenance.renderer, trial.experiences)
+    observer.begin(trial.number, provenance.renderer, trial.experiences)
     while len(trial.experiences) < provenance.episodes:
         began = time.perf_counter()
-        experience = trial.run(classroom)
+        experience = trial.run(runner)
         seconds = time.perf_counter() - began
         journal.append(experience, seconds)
-        watcher.note(trial.number, experience, seconds)
+        observer.note(trial.number, experience, seconds)
     return write_knowledge(trial, provenance, path)

@@ -10,7 +10,7 @@ import pytest
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.program.transition import Transition
 from cbdsl.sensing.kinematics import Kinematics
-from cbdsl.training.classroom import BackendClassroom, moved
+from cbdsl.training.episode_runner import BackendEpisodeRunner, moved
 from cbdsl.types.policy import WrittenPolicy
 from tests.conftest import Checked
 from tests.runtime.conftest import made_stage, on_table
@@ -23,45 +23,47 @@ def backend(dexter: RobotDocument, urdf: Path) -> SyntheticBackend:
 
 
 @pytest.fixture
-def classroom(
+def runner(
     dexter: RobotDocument, kinematics: Kinematics, backend: SyntheticBackend
-) -> BackendClassroom:
-    return BackendClassroom(dexter, kinematics, backend, made_stage({}))
+) -> BackendEpisodeRunner:
+    return BackendEpisodeRunner(dexter, kinematics, backend, made_stage({}))
 
 
 def test_an_episode_tells_where_the_effector_was_rewarded(
-    classroom: BackendClassroom,
+    runner: BackendEpisodeRunner,
     backend: SyntheticBackend,
     kinematics: Kinematics,
     checked: Checked,
 ) -> None:
     seen: list[Transition] = []
     program = checked("searchtrack")
-    found = classroom.hold(program, WrittenPolicy(program.policy), 4, seen.append)
+    found = runner.run(program, WrittenPolicy(program.policy), 4, seen.append)
     assert found.reward == 1 and found.transitions[-1].rewarding == ("track",)
     assert tuple(seen) == found.transitions
     head = backend.observe().positions[kinematics.joints.of("head")]
     assert found.rewarded["head"] == pytest.approx(tuple(head))
 
 
-def test_what_a_used_program_does_is_its_own(classroom: BackendClassroom, checked: Checked) -> None:
+def test_what_a_used_program_does_is_its_own(
+    runner: BackendEpisodeRunner, checked: Checked
+) -> None:
     seen: list[Transition] = []
     program = checked("reachtouch")
     only_looking = WrittenPolicy({"XXX": "searchtrack"})
-    found = classroom.hold(program, only_looking, 4, seen.append)
+    found = runner.run(program, only_looking, 4, seen.append)
     assert {transition.program for transition in seen} == {"reachtouch"}
     assert found.reward == 0 and found.rewarded == {}
 
 
 def test_an_episode_without_reward_ends_by_its_transitions(
-    classroom: BackendClassroom, checked: Checked
+    runner: BackendEpisodeRunner, checked: Checked
 ) -> None:
     class Searching:
         def choose(self, state: str, *, changed: bool) -> str:
             return "search"
 
     program = checked("searchtrack")._replace(transitions=5)
-    found = classroom.hold(program, Searching(), 4, lambda transition: None)
+    found = runner.run(program, Searching(), 4, lambda transition: None)
     assert len(found.transitions) == 5 and found.reward == 0
 
 
@@ -85,15 +87,15 @@ def test_what_a_controller_moves(
 def test_episodes_of_one_program_are_those_of_fresh_runners(
     dexter: RobotDocument, kinematics: Kinematics, urdf: Path, checked: Checked
 ) -> None:
-    """What a classroom keeps for the next episode, and under which policy, changes nothing."""
+    """What a runner keeps for the next episode, and under which policy, changes nothing."""
     program = checked("searchtrack")
     written, other = WrittenPolicy(program.policy), WrittenPolicy({"**": "search"})
 
-    def classroom() -> BackendClassroom:
+    def runner() -> BackendEpisodeRunner:
         backend = SyntheticBackend(dexter, urdf, lambda rng: on_table())
-        return BackendClassroom(dexter, kinematics, backend, made_stage({}))
+        return BackendEpisodeRunner(dexter, kinematics, backend, made_stage({}))
 
-    used = classroom()
+    used = runner()
     for policy, seed in ((written, 4), (written, 5), (other, 4), (written, 4)):
-        found = used.hold(program, policy, seed, lambda transition: None)
-        assert found == classroom().hold(program, policy, seed, lambda transition: None)
+        found = used.run(program, policy, seed, lambda transition: None)
+        assert found == runner().run(program, policy, seed, lambda transition: None)

@@ -1,4 +1,4 @@
-"""Assignments on the kinematic backend, which are over soon; and what they wrote."""
+"""Learning tasks on the kinematic backend, which are over soon; and their documents."""
 
 from __future__ import annotations
 
@@ -14,18 +14,18 @@ from cbdsl.documents.robot import RobotDocument
 from cbdsl.documents.stage import StageDocument
 from cbdsl.learning.constants import AccommodateConstants
 from cbdsl.sensing.kinematics import Kinematics
-from cbdsl.training.assignment import Assignment
+from cbdsl.training.learning_task import LearningTask
 from cbdsl.yaml_text.library import Library
 from tests.conftest import ROOT
 
 
-def assigned(folder: Path, trials: int, episodes: int) -> list[Assignment]:
+def made_tasks(folder: Path, trials: int, episodes: int) -> list[LearningTask]:
     """Trials of SEARCHTRACK whose policies go to a folder."""
     library = Library(ROOT)
     robot = library.locate(RobotDocument, "dexter")
     stage = library.locate(StageDocument, "searchtrack_training")
     document = library.read(robot, RobotDocument).document
-    first = Assignment(
+    first = LearningTask(
         program=check_program("searchtrack", {}, library),
         program_sha256=program_digest(library.locate(ProgramDocument, "searchtrack"), library),
         robot=document,
@@ -44,12 +44,12 @@ def assigned(folder: Path, trials: int, episodes: int) -> list[Assignment]:
     return [replace(first, number=number, path=path) for number, path in enumerate(paths)]
 
 
-def carry_out_here(assignments: Sequence[Assignment]) -> None:
+def run_here(tasks: Sequence[LearningTask]) -> None:
     """Carry out trials in this process, one after the other, on the same body."""
-    first = assignments[0]
+    first = tasks[0]
     body = find_backend(first.backend)(first.robot, first.urdf)
-    for each in assignments:
-        each.carry_out(body, Kinematics(each.robot, each.urdf))
+    for each in tasks:
+        each.run(body, Kinematics(each.robot, each.urdf))
     body.close()
 
 

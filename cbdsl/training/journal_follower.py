@@ -1,15 +1,15 @@
-"""An onlooker: sees how a trial gets on that runs in another process."""
+"""Journal follower: progress of a trial that runs in another process."""
 
 from __future__ import annotations
 
 from pathlib import Path
 from typing import Any
 
-from cbdsl.training.journal import Entry, entry_of, rows_of
+from cbdsl.training.journal import JournalEntry, entry_of, rows_of
 
 
-class Onlooker:
-    """Reads what is new in the journal of a trial.
+class JournalFollower:
+    """Reader of new lines in the journal of a trial.
 
     Args:
         path: the journal; it need not be there yet.
@@ -22,8 +22,8 @@ class Onlooker:
         self._path, self._read = path, 0
         self.identity: dict[str, Any] = {}
 
-    def look(self) -> list[Entry]:
-        """The episodes that ended since the last look, or since the trial began.
+    def poll(self) -> list[JournalEntry]:
+        """Episodes that ended since the last poll, or since the trial began.
 
         Raises:
             JournalError: the file is no journal.

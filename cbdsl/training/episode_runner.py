@@ -1,4 +1,4 @@
-"""Where episodes are run: a backend and a stage."""
+"""Episode runners: episodes of a stage on a backend."""
 
 from __future__ import annotations
 
@@ -18,10 +18,10 @@ from cbdsl.types.policy import Policy
 from cbdsl.types.resource import Centroid, EffectorConfiguration, Separation, Tip
 
 
-class Classroom(Protocol):
+class EpisodeRunner(Protocol):
     """Runs one episode after another."""
 
-    def hold(
+    def run(
         self,
         program: CheckedProgram,
         policy: Policy,
@@ -39,7 +39,7 @@ class Classroom(Protocol):
         ...
 
 
-class BackendClassroom:
+class BackendEpisodeRunner:
     """Runs episodes of a stage on a backend.
 
     Args:
@@ -56,14 +56,14 @@ class BackendClassroom:
         self._backend, self._stage = backend, stage
         self._last: tuple[CheckedProgram, Policy, Runner] | None = None
 
-    def hold(
+    def run(
         self,
         program: CheckedProgram,
         policy: Policy,
         seed: int,
         see: Callable[[Transition], None],
     ) -> Experience:
-        """See ``Classroom.hold``.
+        """See ``EpisodeRunner.run``.
 
         Raises:
             BackendError, EpisodeError: as ``Runner.run``.
@@ -96,7 +96,7 @@ class BackendClassroom:
         )
 
     def _runner(self, program: CheckedProgram, policy: Policy) -> Runner:
-        """That of the last episode, where the same program runs under the same policy again."""
+        """Runner of the last episode, where program and policy are the same again."""
         if self._last is not None:
             before, chooser, runner = self._last
             if before is program and chooser is policy:
@@ -107,7 +107,7 @@ class BackendClassroom:
 
 
 def moved(controller: Controller) -> str:
-    """The effector or group whose joints a controller moves."""
+    """Effector or group whose joints a controller moves."""
     source = controller.effector.source
     if isinstance(source, (Centroid, Separation)):
         return source.group

@@ -12,10 +12,10 @@ import pytest
 
 from cbdsl.checking.document import check_document
 from cbdsl.checking.session import Session
-from cbdsl.training.course import journal_file
 from cbdsl.training.journal import JournalError
+from cbdsl.training.trial_loop import journal_file
 from cbdsl.yaml_text.library import Library
-from tests.training.toy import EPISODES, ROOT, ToyClassroom, take, take_and_die
+from tests.training.toy import EPISODES, ROOT, ToyEpisodeRunner, take, take_and_die
 
 FILES = ("policy.yaml", "policy_head.yaml")
 
@@ -41,7 +41,7 @@ def test_another_seed_is_another_outcome(unbroken: Path, tmp_path: Path) -> None
 
 def test_killed_at_any_point_it_ends_as_if_it_had_not_been(unbroken: Path, tmp_path: Path) -> None:
     # While an episode runs, after its line is written, before a document takes its place.
-    hold, fsync, replace = (ToyClassroom, "hold"), (os, "fsync"), (os, "replace")
+    hold, fsync, replace = (ToyEpisodeRunner, "run"), (os, "fsync"), (os, "replace")
     points = ((hold, 3), (fsync, 1), (fsync, 4), (hold, 2), (fsync, 2), (replace, 1), (replace, 2))
     for (owner, name), count in points:
         given = (tmp_path / "policy.yaml", EPISODES, owner, name, count)

@@ -1,4 +1,4 @@
-"""An assignment: one trial to carry out, wherever that may be."""
+"""Learning task: one trial, in this process or another."""
 
 from __future__ import annotations
 
@@ -12,25 +12,25 @@ from cbdsl.documents.robot import RobotDocument
 from cbdsl.documents.stage import StageDocument
 from cbdsl.program.checked import CheckedProgram
 from cbdsl.sensing.kinematics import Kinematics
-from cbdsl.training.classroom import BackendClassroom
-from cbdsl.training.course import (
-    Nobody,
-    Watcher,
-    follow,
+from cbdsl.training.episode_runner import BackendEpisodeRunner
+from cbdsl.training.journal import require_usable
+from cbdsl.training.provenance import Setting, provenance_of
+from cbdsl.training.trial import Trial
+from cbdsl.training.trial_loop import (
+    NullObserver,
+    TrialObserver,
     identity_of,
     journal_file,
     open_journal,
     require_free,
     require_writable,
+    run_trial,
 )
-from cbdsl.training.journal import require_usable
-from cbdsl.training.provenance import Setting, provenance_of
-from cbdsl.training.trial import Trial
 
 
 @dataclass(frozen=True)
-class Assignment:
-    """All that a trial needs; it can be sent to another process.
+class LearningTask:
+    """One trial with everything it needs; it can be sent to another process.
 
     Attributes:
         program: what is learned, with the actions and limits of the trial.
@@ -64,11 +64,11 @@ class Assignment:
 
     @property
     def journal(self) -> Path:
-        """Where its episodes are kept."""
+        """File of its episodes."""
         return journal_file(self.path)
 
     def require_ready(self, *, resume: bool) -> None:
-        """Find out what would keep its outcome from being written, before hours are spent on it.
+        """Check, before hours are spent on it, that its outcome can be written.
 
         Args:
             resume: whether to go on with a trial that was begun there.
@@ -84,22 +84,24 @@ class Assignment:
             known = identity_of(self._provenance(self._trial(), "unknown"), ("renderer",))
             require_usable(self.journal, known)
 
-    def carry_out(
-        self, body: Backend, kinematics: Kinematics, watcher: Watcher | None = None
+    def run(
+        self, body: Backend, kinematics: Kinematics, observer: TrialObserver | None = None
     ) -> list[Path]:
-        """Run what is left of the trial on a body, and write down what was learned.
+        """Run the remaining episodes on a body and write the knowledge.
 
         Returns:
             The files that were written.
 
         Raises:
-            JournalError, BackendError, EpisodeError, OSError: see ``follow``.
+            JournalError, BackendError, EpisodeError, OSError: see ``run_trial``.
         """
         trial = self._trial()
         provenance = self._provenance(trial, body.renderer)
-        classroom = BackendClassroom(self.robot, kinematics, body, self.stage)
+        runner = BackendEpisodeRunner(self.robot, kinematics, body, self.stage)
         with open_journal(self.path, provenance) as journal:
-            return follow(trial, classroom, journal, provenance, self.path, watcher or Nobody())
+            return run_trial(
+                trial, runner, journal, provenance, self.path, observer or NullObserver()
+            )
 
     def _trial(self) -> Trial:
         return Trial(self.program, self.constants, self.seed, self.number, self.learner)
