@@ -98,12 +98,24 @@ def _record(name: str, record: Any) -> Kind:
         raise PluginError(f'its model lacks kind: Literal["{name}"]')
     if missing := record.references.keys() - record.model.model_fields:
         raise PluginError(f"its model lacks the references {', '.join(sorted(missing))}")
+    if unknown := [kind for kind in record.references.values() if kind not in KINDS]:
+        raise PluginError(f"it refers to kinds that are not there: {', '.join(unknown)}")
+    if taken := _taken(record.entries):
+        raise PluginError(f"its findings have codes of the catalogue: {', '.join(taken)}")
     folder = PurePosixPath(record.folder)
     if folder.is_absolute() or ".." in folder.parts:
         raise PluginError(f"its folder {folder} is not below a root")
     if not all(record.checker.partition(":")):
         raise PluginError(f"its checker '{record.checker}' is not module:function")
     return record
+
+
+def _taken(entries: tuple[Entry, ...]) -> list[str]:
+    if not entries:
+        return []
+    from cbdsl.errors.catalogue import CATALOGUE  # only a fault and other packages need it
+
+    return [entry.code for entry in entries if entry.code in CATALOGUE]
 
 
 KINDS: Registry[Kind] = Registry(

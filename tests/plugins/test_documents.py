@@ -110,8 +110,14 @@ def test_it_enters_the_generic_tests(tests: str, site: Path) -> None:
 
 
 FAULTY = """
+from dataclasses import replace
+from typing import Literal
 from cbdsl.documents.kinds import Kind
 from demo.playlist import PLAYLIST
+class Broken(PLAYLIST.model):
+    kind: Literal["broken"]
+def check(*_):
+    1 / 0
 """
 
 
@@ -121,6 +127,14 @@ from demo.playlist import PLAYLIST
         ("3", "is int, not"),
         ("PLAYLIST", 'lacks kind: Literal["broken"]'),
         ("PLAYLIST._replace(model=int)", "no subclass"),
+        ("PLAYLIST._replace(model=Broken, references={'robot': 'robto'})", "not there: robto"),
+        ("PLAYLIST._replace(model=Broken, references={'robots': 'robot'})", "references robots"),
+        ("PLAYLIST._replace(model=Broken, folder='../x')", "folder ../x"),
+        ("PLAYLIST._replace(model=Broken, checker='broken')", "'broken' is not module:function"),
+        (
+            "PLAYLIST._replace(model=Broken, entries=(replace(PLAYLIST.unknown, code='CB101'),))",
+            "codes of the catalogue: CB101",
+        ),
         ("Kind()", "TypeError"),
     ],
 )
@@ -151,12 +165,7 @@ def test_a_checker_that_fails_is_named_with_its_package(
     monkeypatch: pytest.MonkeyPatch,
     capsys: pytest.CaptureFixture[str],
 ) -> None:
-    text = f"{FAULTY}KIND = PLAYLIST._replace(checker='faulty:check', model=Model)\n".replace(
-        "\nKIND",
-        "\nfrom typing import Literal\nclass Model(PLAYLIST.model):\n"
-        "    kind: Literal['broken']\n"
-        "def check(*_): 1 / 0\nKIND",
-    )
+    text = f"{FAULTY}KIND = PLAYLIST._replace(checker='faulty:check', model=Broken)\n"
     write_package(folder, "faulty", {KINDS.group: {"broken": "faulty:KIND"}}, faulty=text)
     KINDS.refresh()
     (here / "broken.yaml").write_text(GOOD.replace("playlist", "broken"))
