@@ -213,8 +213,8 @@ def _named(document: ProgramDocument) -> Iterator[tuple[Steps, str]]:
             continue
         if controller.seek is not None and controller.seek.once is not None:
             yield ("controllers", key, "seek", "once"), controller.seek.once
-        if controller.given is not None:
-            yield ("controllers", key, "given"), controller.given
+        if controller.requires is not None:
+            yield ("controllers", key, "requires"), controller.requires
 
 
 def _primitives(actions: list[Action | None]) -> dict[str, Primitive]:

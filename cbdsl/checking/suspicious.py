@@ -68,7 +68,7 @@ class _ControllerCheck:
             place = source.place(*self._steps, "reference")
             self._context.add("CB708", place, name=reference.name)
         once = None if controller.seek is None else controller.seek.once
-        for steps, waited_for in ((("seek", "once"), once), (("given",), controller.given)):
+        for steps, waited_for in ((("seek", "once"), once), (("requires",), controller.requires)):
             if waited_for == controller.name:
                 place = source.place(*self._steps, *steps)
                 self._context.add("CB710", place, name=controller.name)

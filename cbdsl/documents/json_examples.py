@@ -47,7 +47,7 @@ EXAMPLES: Mapping[str, tuple[Any, ...]] = {
     "Controller.standoff": ({"clearance": "12 mm", "least": "9 cm", "most": "14 cm"},),
     "Controller.funnel": ({"height": "16 cm", "within": "1.5 cm", "slope": 4},),
     "Controller.seek": ({"once": "reach", "within": "2 cm", "until": "1.5 rad"},),
-    "Controller.given": ("hold",),
+    "Controller.requires": ("hold",),
     "Controller.field": (
         {
             "lower": ["20 cm", "-60 cm", "-42 cm"],

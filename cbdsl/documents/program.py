@@ -1,6 +1,7 @@
 """The program document: controllers, actions and a policy over predicate states."""
 
-from typing import Annotated, Literal, Self
+from collections.abc import Mapping
+from typing import Annotated, ClassVar, Literal, Self
 
 from pydantic import Field, field_validator, model_validator
 
@@ -107,6 +108,8 @@ class HarmonicField(Section):
 class Controller(Section):
     """A typed triple c(phi, sigma, tau)."""
 
+    renamed: ClassVar[Mapping[str, str]] = {"given": "requires"}
+
     parameters: tuple[Name, ...] = ()
     """Names that a call such as ``reach(sat_10, right_arm)`` binds, in order."""
     potential: Name
@@ -131,7 +134,7 @@ class Controller(Section):
     standoff: Standoff | None = None
     funnel: Funnel | None = None
     seek: Seek | None = None
-    given: Text | None = None
+    requires: Text | None = None
     """Undefined without this controller, written as in ``actions``: acts from when that is defined,
     until that neither is nor seeks to be. What is done with a thing needs a hand that holds it."""
     field: HarmonicField | None = None

@@ -101,7 +101,7 @@ class _Triple:
             standoff=_standoff(document.standoff),
             funnel=_funnel(document.funnel),
             seek=self._seek(),
-            given=self._call(document.given, "given"),
+            requires=self._call(document.requires, "requires"),
             field=self._field(potential, Wish(feedback, reference, joints)),
         )
 

@@ -147,7 +147,10 @@ def _special(
             said = [(place, text) for text in _said_of(path, model)]
             return diagnostic("CB203", place, key=name, related=said)
         case "extra_forbidden":
-            keys = sorted(Shape((model,)).located(error["loc"][:-1]).keys)
+            shape = Shape((model,)).located(error["loc"][:-1])
+            if new := shape.renamed.get(name):
+                return diagnostic("CB211", source.key(*path), old=name, new=new)
+            keys = sorted(shape.keys)
             return diagnostic("CB202", source.key(*path), names=keys, key=name)
         case "literal_error" | "union_tag_invalid":
             expected = str(context.get("expected") or context.get("expected_tags"))

@@ -126,9 +126,10 @@ class _Salvage(Generic[D]):
         parent, key = self._source.node(path[:-1]), str(path[-1])
         if not isinstance(parent.value, dict) or key not in parent.value:
             return False
-        known = Shape((self._model,)).located(loc[:-1]).keys
-        free = sorted(known.keys() - parent.value)
-        meant = nearest_name(key, free)
+        shape = Shape((self._model,)).located(loc[:-1])
+        free = sorted(shape.keys.keys() - parent.value)
+        new = shape.renamed.get(key)
+        meant = nearest_name(key, free) if new is None else new if new in free else None
         if meant is not None:
             parent.value[meant], parent.keys[meant] = parent.value.pop(key), parent.keys.pop(key)
             self._respelt.add((*path[:-1], meant))

@@ -7,9 +7,9 @@ from functools import cache, reduce
 from types import UnionType
 from typing import Annotated, Any, NamedTuple, TypeGuard, Union, get_args, get_origin
 
-from pydantic import BaseModel
 from pydantic.fields import FieldInfo
 
+from cbdsl.documents.document import Section
 from cbdsl.yaml_text.source_map import Step
 
 
@@ -23,7 +23,7 @@ class Shape(NamedTuple):
     kinds: tuple[Any, ...] = ()
 
     @property
-    def sections(self) -> tuple[type[BaseModel], ...]:
+    def sections(self) -> tuple[type[Section], ...]:
         """The sections that it may be."""
         return tuple(kind for kind in self.kinds if is_section(kind))
 
@@ -31,6 +31,11 @@ class Shape(NamedTuple):
     def keys(self) -> Mapping[str, FieldInfo]:
         """Fields by key, of all sections that it may be."""
         return _fields(self.sections)
+
+    @property
+    def renamed(self) -> Mapping[str, str]:
+        """Keys of older documents, and their names now."""
+        return {old: new for section in self.sections for old, new in section.renamed.items()}
 
     @property
     def is_of_names(self) -> bool:
@@ -67,25 +72,25 @@ def shape_of(annotation: Any) -> Shape:
     return Shape(tuple(_kinds(annotation)))
 
 
-def is_section(kind: Any) -> TypeGuard[type[BaseModel]]:
+def is_section(kind: Any) -> TypeGuard[type[Section]]:
     """Whether values of a type are mappings whose keys are fixed."""
-    return isinstance(kind, type) and issubclass(kind, BaseModel)
+    return isinstance(kind, type) and issubclass(kind, Section)
 
 
 @cache
-def fields_of(section: type[BaseModel]) -> Mapping[str, FieldInfo]:
+def fields_of(section: type[Section]) -> Mapping[str, FieldInfo]:
     """The fields of a section by the keys that documents have for them."""
     return {field.alias or name: field for name, field in section.model_fields.items()}
 
 
 @cache
-def required_keys(section: type[BaseModel]) -> frozenset[str]:
+def required_keys(section: type[Section]) -> frozenset[str]:
     """The keys that a section cannot do without."""
     return frozenset(key for key, field in fields_of(section).items() if field.is_required())
 
 
 @cache
-def _fields(sections: tuple[type[BaseModel], ...]) -> Mapping[str, FieldInfo]:
+def _fields(sections: tuple[type[Section], ...]) -> Mapping[str, FieldInfo]:
     return {key: field for section in sections for key, field in fields_of(section).items()}
 
 
@@ -114,6 +119,6 @@ def _kinds_in(kind: Any, step: Step) -> Iterator[Any]:
         yield from _kinds(parts[min(step, len(parts) - 1)])
 
 
-def _carries(section: type[BaseModel], tag: Step) -> bool:
+def _carries(section: type[Section], tag: Step) -> bool:
     """Whether a section is the one of a union that a tag chooses."""
     return any(tag in get_args(field.annotation) for field in fields_of(section).values())
