@@ -6,7 +6,7 @@ from collections.abc import Mapping
 
 from cbdsl.checking.compositions import Compositions
 from cbdsl.checking.context import Context, Steps
-from cbdsl.checking.parsing import ends_within_a_call
+from cbdsl.checking.lookup.parsing import ends_within_a_call
 from cbdsl.language.expression import Expression, Term
 from cbdsl.program.checked import Action, CheckedProgram
 

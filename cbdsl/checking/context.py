@@ -5,11 +5,11 @@ from __future__ import annotations
 from collections.abc import Callable, Collection
 from typing import Any
 
-from cbdsl.checking.body import Body
 from cbdsl.checking.findings import Findings
-from cbdsl.checking.missing import MissingResources
-from cbdsl.checking.parsing import parse_at
-from cbdsl.checking.scope import Scope
+from cbdsl.checking.lookup.parsing import parse_at
+from cbdsl.checking.lookup.resources import MissingResources
+from cbdsl.checking.lookup.scope import Scope
+from cbdsl.checking.robot.checked_robot import Body
 from cbdsl.documents.program import ProgramDocument
 from cbdsl.errors.diagnostic import Place
 from cbdsl.language.expression import Expression, Span

@@ -5,12 +5,12 @@ from __future__ import annotations
 from collections.abc import Collection
 from pathlib import Path
 
-from cbdsl.checking.body import Body
 from cbdsl.checking.context import Steps
 from cbdsl.checking.findings import Findings
 from cbdsl.checking.knowledge.model import model_resource
+from cbdsl.checking.lookup.documents import first_stage, for_robot, report_unknown
+from cbdsl.checking.robot.checked_robot import Body
 from cbdsl.checking.session import Session
-from cbdsl.checking.unknown import first_stage, for_robot, report_unknown
 from cbdsl.documents.document import Document
 from cbdsl.documents.model import ModelDocument
 from cbdsl.documents.program import ProgramDocument

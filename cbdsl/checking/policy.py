@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from cbdsl.checking.findings import Findings
 from cbdsl.checking.knowledge.learned import check_policy
+from cbdsl.checking.lookup.documents import report_unknown
 from cbdsl.checking.program import examine_program
 from cbdsl.checking.session import Session
-from cbdsl.checking.unknown import report_unknown
 from cbdsl.documents.policy import PolicyDocument
 from cbdsl.documents.program import ProgramDocument
 from cbdsl.yaml_text.reader import Loaded

@@ -11,9 +11,9 @@ from cbdsl.checking.compositions import Compositions
 from cbdsl.checking.context import Context, Steps
 from cbdsl.checking.dependencies import Dependencies
 from cbdsl.checking.findings import Findings
-from cbdsl.checking.scope import Scope
+from cbdsl.checking.knowledge.states import check_states
+from cbdsl.checking.lookup.scope import Scope
 from cbdsl.checking.session import Session
-from cbdsl.checking.states import check_states
 from cbdsl.checking.suspicious import check_suspicious
 from cbdsl.checking.unused import check_unused
 from cbdsl.checking.used_programs import Budget, UsedPrograms

@@ -6,10 +6,10 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import TypeVar
 
-from cbdsl.checking.body import Body
 from cbdsl.checking.findings import Findings
+from cbdsl.checking.lookup.uses import Uses
+from cbdsl.checking.robot.checked_robot import Body
 from cbdsl.checking.robot.robot import examine_robot
-from cbdsl.checking.uses import Uses
 from cbdsl.documents.document import Document
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.errors.errors import DiagnosticsError

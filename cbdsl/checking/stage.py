@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Collection, Iterator
 
-from cbdsl.checking.body import Body
 from cbdsl.checking.controller.reach import farthest_tip
 from cbdsl.checking.findings import Findings
-from cbdsl.checking.limits import limits_told
+from cbdsl.checking.lookup.documents import report_unknown
+from cbdsl.checking.robot.checked_robot import Body
+from cbdsl.checking.robot.limits import limits_told
 from cbdsl.checking.session import Session
-from cbdsl.checking.unknown import report_unknown
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.documents.stage import Ball, Box, Context, Cylinder, Fixture, Place, StageDocument
 from cbdsl.yaml_text.node import Node

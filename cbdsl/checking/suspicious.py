@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 
 from cbdsl.checking.context import Context, Steps
-from cbdsl.checking.impossible import check_possible, reads_what_is_known
-from cbdsl.checking.pace import check_gain, check_window
-from cbdsl.checking.states import ANY
+from cbdsl.checking.knowledge.impossible import check_possible, reads_what_is_known
+from cbdsl.checking.knowledge.states import ANY
+from cbdsl.checking.robot.pace import check_gain, check_window
 from cbdsl.documents import program as written
 from cbdsl.program.checked import Action, CheckedProgram
 from cbdsl.program.controller import AlongNormals, Controller, Literal

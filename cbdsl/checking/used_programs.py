@@ -9,9 +9,9 @@ from cbdsl.checking.context import Steps
 from cbdsl.checking.dependencies import Dependencies
 from cbdsl.checking.findings import Findings
 from cbdsl.checking.knowledge.learned import check_policy, with_policy
-from cbdsl.checking.scope import Scope
+from cbdsl.checking.lookup.documents import report_unknown
+from cbdsl.checking.lookup.scope import Scope
 from cbdsl.checking.session import Session
-from cbdsl.checking.unknown import report_unknown
 from cbdsl.documents.policy import PolicyDocument
 from cbdsl.documents.program import ProgramDocument, Use
 from cbdsl.errors.errors import DiagnosticsError

@@ -7,7 +7,7 @@ from typing import NamedTuple
 from cbdsl.checking.context import Context, Steps
 from cbdsl.checking.controller.references import LiteralError, is_literal, read_literal
 from cbdsl.checking.findings import Findings
-from cbdsl.checking.scope import Scope
+from cbdsl.checking.lookup.scope import Scope
 from cbdsl.program.controller import AlongNormals, Literal, Reference
 from cbdsl.types.resource import Resource
 

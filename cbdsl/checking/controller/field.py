@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from typing import NamedTuple
 
 from cbdsl.checking.context import Context, Steps
-from cbdsl.checking.scope import Scope
+from cbdsl.checking.lookup.scope import Scope
 from cbdsl.documents import program as written
 from cbdsl.errors.counting import count
 from cbdsl.program.controller import Ball, Box, Field, Literal, Reference

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from cbdsl.checking.body import Body
+from cbdsl.checking.robot.checked_robot import Body
 from cbdsl.types.casts import chains
 from cbdsl.types.resource import Origin, Resource
 

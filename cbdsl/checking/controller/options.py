@@ -7,7 +7,7 @@ from typing import NamedTuple, TypeVar
 
 from cbdsl.checking.context import Context, Steps
 from cbdsl.checking.findings import Findings
-from cbdsl.checking.settings import check_settings
+from cbdsl.checking.robot.settings import check_settings
 from cbdsl.documents import program as written
 from cbdsl.documents.robot import TaskSettings
 from cbdsl.program.controller import Quiescence

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import math
 
-from cbdsl.checking.body import Body
 from cbdsl.checking.context import Context, Steps
+from cbdsl.checking.robot.checked_robot import Body
 from cbdsl.program.controller import Literal
 from cbdsl.types.resource import Centroid, Resource, Separation, Tip
 

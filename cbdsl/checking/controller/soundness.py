@@ -7,8 +7,8 @@ from collections.abc import Iterator
 
 from cbdsl.checking.context import Context, Steps
 from cbdsl.checking.controller.reach import check_reach
-from cbdsl.checking.limits import limits_told
 from cbdsl.checking.robot.constants import check_signs
+from cbdsl.checking.robot.limits import limits_told
 from cbdsl.documents import program as written
 from cbdsl.errors.counting import count
 from cbdsl.program.controller import AlongNormals, Literal, Reference

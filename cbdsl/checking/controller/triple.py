@@ -8,7 +8,7 @@ from cbdsl.checking.controller.comparison import read_comparison
 from cbdsl.checking.controller.field import Wish, check_field
 from cbdsl.checking.controller.options import MANIPULABILITY, Settings, settings_of
 from cbdsl.checking.controller.soundness import check_numbers, check_reference, suits_body
-from cbdsl.checking.scope import Scope
+from cbdsl.checking.lookup.scope import Scope
 from cbdsl.documents import program as written
 from cbdsl.errors.diagnostic import Place
 from cbdsl.program.controller import Controller, Field, Funnel, Reference, Seek, Standoff

@@ -5,11 +5,11 @@ from __future__ import annotations
 from pathlib import Path
 
 from cbdsl.checking.findings import Findings
-from cbdsl.checking.impossible import check_possible
+from cbdsl.checking.knowledge.impossible import check_possible
 from cbdsl.checking.knowledge.model import examine_model
+from cbdsl.checking.knowledge.states import check_states
+from cbdsl.checking.lookup.documents import report_unknown
 from cbdsl.checking.session import Session
-from cbdsl.checking.states import check_states
-from cbdsl.checking.unknown import report_unknown
 from cbdsl.documents.model import ModelDocument
 from cbdsl.documents.policy import PolicyDocument
 from cbdsl.errors.counting import count

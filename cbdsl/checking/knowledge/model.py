@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from cbdsl.checking.body import Body
 from cbdsl.checking.findings import Findings
+from cbdsl.checking.lookup.documents import report_unknown
+from cbdsl.checking.robot.checked_robot import Body
 from cbdsl.checking.session import Session
-from cbdsl.checking.unknown import report_unknown
 from cbdsl.documents.model import Gaussian, ModelDocument
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.errors.counting import count

@@ -7,12 +7,12 @@ import os
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
 
-from cbdsl.checking.body import Body
 from cbdsl.checking.findings import Findings
-from cbdsl.checking.limits import limits_told
+from cbdsl.checking.robot.checked_robot import Body
 from cbdsl.checking.robot.constants import check_constants, check_margins
+from cbdsl.checking.robot.limits import limits_told
 from cbdsl.checking.robot.names import check_names
-from cbdsl.checking.settings import check_settings
+from cbdsl.checking.robot.settings import check_settings
 from cbdsl.documents.robot import Effector, RobotDocument
 from cbdsl.errors.counting import count
 from cbdsl.errors.diagnostic import Place

@@ -7,7 +7,7 @@ from collections.abc import Callable, Collection
 from typing import Any
 
 from cbdsl.checking.findings import Findings
-from cbdsl.checking.scope import Scope, parameters_in
+from cbdsl.checking.lookup.scope import Scope, parameters_in
 from cbdsl.errors.diagnostic import Place
 from cbdsl.errors.nearest import nearest_name
 from cbdsl.yaml_text.source_map import SourceMap, Step
