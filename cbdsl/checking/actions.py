@@ -55,8 +55,6 @@ class Actions:
     def _read(self) -> list[tuple[Expression, Steps]]:
         """The actions that can be parsed, with their paths."""
         found: dict[str, tuple[Expression, Steps]] = {}
-        if self._context.source.broken.holds("actions"):
-            return []
         is_cut = False
         for i, text in enumerate(self._context.document.actions):
             steps: Steps = ("actions", i)
@@ -150,10 +148,5 @@ class Actions:
 
     def is_declared(self, expression: Expression) -> bool:
         """Whether there are controllers or programs of all names, if only faulty ones."""
-        known, is_whole = self._context.document, self._context.source.is_whole
-        return all(
-            term.name in known.controllers
-            or term.name in known.use
-            or not (is_whole("controllers", term.name) and is_whole("use", term.name))
-            for term in expression.terms
-        )
+        known = (self._context.controllers, self._context.programs)
+        return all(any(term.name in section for section in known) for term in expression.terms)

@@ -21,6 +21,7 @@ from cbdsl.documents.stage import StageDocument
 from cbdsl.errors.diagnostic import Diagnostic
 from cbdsl.errors.errors import DiagnosticsError
 from cbdsl.yaml_text.reader import Loaded
+from cbdsl.yaml_text.unknown import UNKNOWN
 
 
 def check_document(
@@ -47,8 +48,7 @@ def check_document(
 def _named_like_its_file(loaded: Loaded[Document], findings: Findings) -> None:
     """What is on a disk is found by its file's name; what an editor holds may not have one."""
     name, path = loaded.document.name, loaded.path
-    is_known = loaded.source.is_whole("name")
-    if is_known and name != path.stem and path.is_file():
+    if name not in (path.stem, UNKNOWN) and path.is_file():
         findings.add("CB704", loaded.source.place("name"), name=name, file=path.name)
 
 

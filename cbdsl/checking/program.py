@@ -46,9 +46,9 @@ def check_program(
     path = session.library.locate(ProgramDocument, path_or_name)
     values = with_ or {}
     loaded = session.library.read_sound_parts(path, ProgramDocument)
-    known = loaded.document.parameters
+    known = loaded.source.declared(loaded.document.parameters, "parameters")
     for name in values:
-        if name not in known and loaded.source.is_whole("parameters", name):
+        if name not in known:
             raise UsageError(f"{path}: {_no_parameter(name, list(known))}")
     checked = examine_program(path, values, session, findings)
     if checked is None or findings.failed:
@@ -117,9 +117,9 @@ class _ProgramCheck:
     ) -> None:
         self._document = loaded.document
         source = loaded.source
-        own = [name for name in loaded.document.parameters if name not in values]
-        places = {name: source.place("parameters", name) for name in own}
-        self._scope = Scope({**loaded.document.parameters, **values}, places)
+        own = source.declared(loaded.document.parameters, "parameters")
+        places = {name: source.place("parameters", name) for name in own if name not in values}
+        self._scope = Scope(own.extended(values), places)
         dependencies = Dependencies(loaded, session, findings)
         dependencies.check_stage()
 
@@ -129,10 +129,9 @@ class _ProgramCheck:
         used = UsedPrograms(loaded, session, findings, dependencies, self._scope, budget, examine)
         self._used, programs = used, used.check()
         body = dependencies.body()
-        context = self._context = Context(loaded, body, self._scope, findings, dependencies.explain)
-        if body is not None:
-            drawn = {name.rpartition(".")[2] for name in body.resources}
-            context.lost_models.update(set(loaded.document.models) - drawn)
+        context = self._context = Context(
+            loaded, body, self._scope, findings, dependencies.is_unknown
+        )
         self._compositions = Compositions(context)
         self._actions = Actions(context, self._compositions, programs)
 
@@ -168,7 +167,7 @@ class _ProgramCheck:
             name=document.name,
             robot=document.robot,
             stage=document.stage,
-            parameters=self._scope.values,
+            parameters=dict(self._scope.values),
             members=self._actions.members,
             primitives=_primitives(actions),
             actions=tuple(action for action in actions if action is not None),
@@ -200,7 +199,7 @@ class _ProgramCheck:
             condition = self._context.parse(text, steps)
             if condition is None or str(condition) in names:
                 continue
-            missed = {term.name for term in condition.terms} <= self._compositions.unknown
+            missed = {term.name for term in condition.terms} <= self._compositions.missing
             if complete or not (missed or self._actions.is_declared(condition)):
                 place = self._context.source.place(*steps)
                 self._context.add("CB514", place, names=names, name=str(condition))

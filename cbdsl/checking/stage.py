@@ -6,7 +6,7 @@ from collections.abc import Collection, Iterator
 
 from cbdsl.checking.controller.reach import farthest_tip
 from cbdsl.checking.findings import Findings
-from cbdsl.checking.lookup.documents import report_unknown
+from cbdsl.checking.lookup.documents import find_document
 from cbdsl.checking.robot.checked_robot import Body
 from cbdsl.checking.robot.limits import limits_told
 from cbdsl.checking.session import Session
@@ -22,13 +22,8 @@ _FOR_THINGS = ("place", "motion", "removed_after", "returned_after")
 def examine_stage(loaded: Loaded[StageDocument], session: Session, findings: Findings) -> None:
     """Check that a stage names only what there is."""
     name, source = loaded.document.robot, loaded.source
-    path = session.library.find(RobotDocument, name, loaded.path)
-    body = None
-    if path is not None:
-        body = session.body(path, findings)
-    elif source.is_whole("robot"):
-        place = source.place("robot")
-        report_unknown(RobotDocument, name, place, session.library, findings)
+    path = find_document(RobotDocument, name, source.place("robot"), session.library, findings)
+    body = session.body(path, findings)
     for node, (first, last) in _reversed_spans(loaded.document, source.root):
         findings.add("CB352", node.place, first=f"{first:g}", last=f"{last:g}")
     for key, context in loaded.document.contexts.items():
@@ -91,11 +86,11 @@ class _ContextCheck:
     def all(self, body: Body | None) -> None:
         context, place = self._context, self._context.place
         for i, name in enumerate(context.things):
-            if self._source.is_whole("things", name):
-                self._known(name, self._stage.things, "thing of this stage", "things", i)
+            things = self._source.declared(self._stage.things, "things")
+            self._known(name, things, "thing of this stage", "things", i)
         if place is not None and place.on is not None:
-            if self._source.is_whole("fixtures", place.on):
-                self._known(place.on, self._stage.fixtures, "fixture of this stage", "place", "on")
+            fixtures = self._source.declared(self._stage.fixtures, "fixtures")
+            self._known(place.on, fixtures, "fixture of this stage", "place", "on")
             self._on_fixture(place, place.on)
         if body is not None:
             self._on_robot(body)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from cbdsl.checking.findings import Findings
-from cbdsl.checking.lookup.documents import report_unknown
+from cbdsl.checking.lookup.documents import find_document
 from cbdsl.checking.robot.checked_robot import Body
 from cbdsl.checking.session import Session
 from cbdsl.documents.model import Gaussian, ModelDocument
@@ -20,15 +20,10 @@ def examine_model(loaded: Loaded[ModelDocument], session: Session, findings: Fin
     """Check a model against its robot."""
     if loaded.faults:
         return  # a density makes sense as a whole
-    name, library = loaded.document.robot, session.library
-    path = library.find(RobotDocument, name, loaded.path)
-    if path is None:
-        place = loaded.source.place("robot")
-        report_unknown(RobotDocument, name, place, library, findings)
-        return
+    name, place = loaded.document.robot, loaded.source.place("robot")
+    path = find_document(RobotDocument, name, place, session.library, findings)
     body = session.body(path, findings)
-    # What the robot's own document misses, too, has been reported there.
-    if body is not None and loaded.document.effector not in session.missed_by(path):
+    if body is not None and loaded.document.effector not in body.missed:
         _fits(loaded, body, findings)
 
 

@@ -39,11 +39,14 @@ class Body(NamedTuple):
         loaded: its document.
         resources: everything programs can name.
         model: its URDF, or ``None`` where that cannot be read.
+        missed: names in its document of effectors and channels that are not there, and of what
+            lacks them; nobody can know the resources that begin or end with them.
     """
 
     loaded: Loaded[RobotDocument]
     resources: Mapping[str, Resource]
     model: UrdfModel | None
+    missed: frozenset[str] = frozenset()
 
     @property
     def document(self) -> RobotDocument:

@@ -23,10 +23,11 @@ from cbdsl.yaml_text.repair.faults import faults, path_of
 from cbdsl.yaml_text.repair.misplaced import find_moves, move
 from cbdsl.yaml_text.repair.shape import Shape
 from cbdsl.yaml_text.source_map import SourceMap, Step
+from cbdsl.yaml_text.unknown import UNKNOWN
 
 Steps = tuple[Step, ...]
 
-# What takes the place of a required value that was left out; checks do not look at it.
+# Values that stand for required ones that were left out, so that the rest is valid.
 _STAND_INS: dict[str, Any] = {
     "name": "unknown",
     "robot": "unknown",
@@ -41,6 +42,8 @@ _STAND_INS: dict[str, Any] = {
     "effectors": {},
     "control": {"rate": 1, "tasks": {}},
 }
+# Of these the valid document has the error value afterwards, and of actions none.
+_UNKNOWN = dict.fromkeys(("name", "robot", "program", "model", "base"), UNKNOWN) | {"actions": ()}
 # Each round leaves out what encloses the faults of the one before.
 _MOST_ROUNDS = 12
 
@@ -82,6 +85,7 @@ class _Salvage(Generic[D]):
         self._faults = list(found)
         self._broken = Broken()
         self._respelt: set[Steps] = set()
+        self._unknown: dict[str, object] = {}
 
     def salvage(self) -> Salvaged[D]:
         if self._faults:
@@ -92,6 +96,7 @@ class _Salvage(Generic[D]):
             except ValidationError as error:
                 self._mend(error.errors(include_url=False))
             else:
+                document = document.model_copy(update=self._unknown)
                 return Salvaged(document, tuple(self._faults), self._broken)
         raise self._hopeless()
 
@@ -152,6 +157,8 @@ class _Salvage(Generic[D]):
             raise self._hopeless()
         root.value[key] = _node(_STAND_INS[key], root.place)
         self._broken.add([(key,)])
+        if key in _UNKNOWN:
+            self._unknown[key] = _UNKNOWN[key]
 
     def _hopeless(self) -> DiagnosticsError:
         return DiagnosticsError(self._faults)
