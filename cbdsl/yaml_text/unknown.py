@@ -18,9 +18,13 @@ class Unknown(str):
     """A name, or what has a name, that nobody can know; equal to nothing but itself."""
 
     __slots__ = ()
-    __eq__ = object.__eq__
-    __ne__ = object.__ne__
     __hash__ = object.__hash__
+
+    def __eq__(self, other: object) -> bool:
+        return self is other
+
+    def __ne__(self, other: object) -> bool:
+        return self is not other
 
 
 UNKNOWN: Final = Unknown("unknown")
