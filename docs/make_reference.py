@@ -17,8 +17,8 @@ import typer
 
 from cbdsl.cli.main import build_app
 from cbdsl.documents.json_schema import json_schema
+from cbdsl.documents.kinds import entries, models
 from cbdsl.documents.robot import RobotDocument
-from cbdsl.errors.catalogue import CATALOGUE
 from cbdsl.errors.entry import Entry
 from cbdsl.robot.channel_names import channel_names
 from cbdsl.robot.resources import resources
@@ -28,7 +28,6 @@ from cbdsl.types.resource import Resource
 from cbdsl.types.resource_type import TYPES
 from cbdsl.types.unit import UNITS
 from cbdsl.yaml_text.library import Library
-from cbdsl.yaml_text.reader import KINDS
 from cbdsl.yaml_text.writer import write_text
 
 ROOT = Path(__file__).parents[1]
@@ -255,7 +254,7 @@ def _preset(parameter: Any) -> str:
 
 def _documents() -> str:
     words = "Every key of every kind; what is a section of its own is linked.\n"
-    return _section(2, "Documents", words, *(_kind(kind) for kind in KINDS))
+    return _section(2, "Documents", words, *(_kind(kind) for kind in models()))
 
 
 def _kind(kind: str) -> str:
@@ -269,7 +268,7 @@ def _kind(kind: str) -> str:
 
 @cache
 def _schema(kind: str) -> dict[str, Any]:
-    return json_schema(KINDS[kind])
+    return json_schema(models()[kind])
 
 
 def _keys(level: int, title: str, schema: Mapping[str, Any], kind: str) -> str:
@@ -328,8 +327,8 @@ def _named(definition: str, kind: str) -> str:
 
 
 def _findings() -> str:
-    entries = sorted(CATALOGUE.values(), key=lambda entry: entry.code)
-    rows = ((_finding(entry), entry.title, entry.severity.value) for entry in entries)
+    by_code = sorted(entries().values(), key=lambda entry: entry.code)
+    rows = ((_finding(entry), entry.title, entry.severity.value) for entry in by_code)
     words = "`cb explain CODE` explains one, with an example.\n"
     return _section(2, "Findings", words, _table(("code", "what is wrong", "severity"), rows))
 

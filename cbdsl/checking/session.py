@@ -27,11 +27,14 @@ class Session:
 
     Attributes:
         library: where documents are found by name.
+        values: values of programs' parameters.
         uses: which programs use which.
     """
 
-    def __init__(self, library: Library | None = None) -> None:
-        self.library = library or Library()
+    def __init__(
+        self, library: Library | None = None, values: Mapping[str, str] | None = None
+    ) -> None:
+        self.library, self.values = library or Library(), values or {}
         self.uses = Uses(self.library)
         self._bodies: dict[Path, tuple[Body | None, Findings]] = {}
         self._programs: dict[_Key, tuple[CheckedProgram | None, Findings]] = {}

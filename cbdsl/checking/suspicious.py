@@ -6,7 +6,6 @@ from collections.abc import Iterable, Mapping
 
 from cbdsl.checking.context import Context, Steps
 from cbdsl.checking.knowledge.impossible import check_possible, reads_what_is_known
-from cbdsl.checking.knowledge.states import ANY
 from cbdsl.checking.robot.pace import check_gain, check_window
 from cbdsl.documents import program as written
 from cbdsl.program.checked import Action, CheckedProgram
@@ -14,6 +13,7 @@ from cbdsl.program.controller import AlongNormals, Controller, Literal
 from cbdsl.program.dry_run import Level, levels
 from cbdsl.types.potential import POTENTIALS
 from cbdsl.types.resource import Heading, Headings, Resource, StereoPosition
+from cbdsl.types.state import ANY
 
 
 def check_suspicious(

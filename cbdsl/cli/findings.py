@@ -74,18 +74,22 @@ def _examine(paths: Iterable[str], values: Mapping[str, str], stdin: Path) -> Ou
     from cbdsl.checking.session import Session
     from cbdsl.cli.ignores import heed_ignores
     from cbdsl.cli.outcome import Outcome
+    from cbdsl.cli.terminal import print_problem
+    from cbdsl.documents.kinds import KINDS
     from cbdsl.yaml_text.library import Library
 
     words = list(paths)
     given = {stdin: sys.stdin.buffer.read()} if STANDARD_INPUT in words else {}
     library = Library(given=given)
     files = [file for word in words for file in _documents(word, stdin, library)]
-    session = Session(library)
+    session = Session(library, values)
     # A robot's findings come with every program on it: each is told once.
     found: dict[Diagnostic, None] = {}
     for file in files:
-        found.update(dict.fromkeys(check_document(file, values, session)))
+        found.update(dict.fromkeys(check_document(file, session)))
     findings = heed_ignores(found, files, session.library)
+    for fault in KINDS.met_faults:
+        print_problem(f"warning: {fault}")
     told = _first_of_each_file(findings)
     return Outcome(told, len(files), len(findings) - len(told), _texts(session.library))
 

@@ -63,10 +63,10 @@ def _ignores(path: Path, library: Library) -> list[Ignore]:
 
 
 def _faults(ignore: Ignore, hits: set[Ignore]) -> Iterator[Diagnostic]:
-    from cbdsl.errors.catalogue import CATALOGUE
+    from cbdsl.documents.kinds import entry_of
     from cbdsl.errors.wording import diagnostic
 
-    if ignore.code not in CATALOGUE:
+    if entry_of(ignore.code) is None:
         yield diagnostic("CB803", ignore.place, name=ignore.code)
         return
     if ignore not in hits:

@@ -88,10 +88,10 @@ def _start_quickly() -> None:
 
 
 def _stand_in_for_metadata() -> None:
-    """Spare pydantic ``importlib.metadata``, by which it would look for plugins if it may.
+    """Put off ``importlib.metadata``, which pydantic imports to look for plugins if it may.
 
     With all that it imports, such as mail and archives, it takes a fifteenth of the time. Whoever
-    wants more of it than pydantic does gets the real one.
+    calls or wants anything of it gets the real one, as registries do for names of other packages.
     """
     name = "importlib.metadata"
     if name in sys.modules:  # somebody else has paid for it
@@ -104,7 +104,9 @@ def _stand_in_for_metadata() -> None:
         return getattr(import_module(name), attribute)
 
     sys.modules[name] = stand_in = ModuleType(name)
-    stand_in.__dict__.update(entry_points=lambda **_: (), __getattr__=really)
+    stand_in.__dict__.update(
+        entry_points=lambda **selected: really("entry_points")(**selected), __getattr__=really
+    )
 
 
 def _print_anything() -> None:

@@ -102,9 +102,9 @@ def _stage(robot: RobotDocument) -> str:
 
 
 def _folder(kind: type[Document], to: Path | None) -> Path:
-    from cbdsl.yaml_text.library import FOLDERS
+    from cbdsl.documents.kinds import kind_of
 
-    return Path(FOLDERS[kind]) if to is None else to
+    return Path(kind_of(kind).folder) if to is None else to
 
 
 def _write(

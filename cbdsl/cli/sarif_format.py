@@ -10,7 +10,7 @@ from typing import Any
 from urllib.parse import quote
 
 from cbdsl.cli.outcome import Outcome
-from cbdsl.errors.catalogue import CATALOGUE
+from cbdsl.documents.kinds import entry_of
 from cbdsl.errors.diagnostic import Diagnostic, Place
 from cbdsl.errors.entry import Entry
 
@@ -25,7 +25,7 @@ def sarif(outcome: Outcome) -> str:
     driver = {
         "name": "cbdsl",
         "version": version("cbdsl"),
-        "rules": [_rule(CATALOGUE[code]) for code in codes],
+        "rules": [_rule(entry) for code in codes if (entry := entry_of(code))],
     }
     run = {
         "tool": {"driver": driver},

@@ -5,8 +5,9 @@ from typing import Annotated, Literal, Self
 from pydantic import Field, model_validator
 
 from cbdsl.documents.document import Count, Document, Name, Number, PositiveCount, Section
+from cbdsl.types.state import STATE
 
-State = Annotated[str, Field(pattern=r"^[X01-]+$")]
+State = Annotated[str, Field(pattern=STATE)]
 """Predicates, one letter each."""
 
 

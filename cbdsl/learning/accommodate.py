@@ -16,6 +16,7 @@ from cbdsl.learning.prior import Form, learned_density
 from cbdsl.learning.q_learning import QLearning
 from cbdsl.learning.transition_counts import TransitionCounts
 from cbdsl.program.transition import Transition
+from cbdsl.types.state import ANY
 
 
 @dataclass(frozen=True)
@@ -120,7 +121,7 @@ class Accommodate:
             state: self._decisions.running(state) or self.values.best(state)[0]
             for state, _ in self.counts.items()
         }
-        return known | {"*" * len(state): self.values.actions[0] for state in known}
+        return known | {ANY * len(state): self.values.actions[0] for state in known}
 
 
 class Explorer:

@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from dataclasses import replace
 
 from cbdsl.program.transition import Transition
+from cbdsl.types.state import Predicate
 
 
 class Decisions:
@@ -25,7 +26,10 @@ class Decisions:
 
     def running(self, state: str) -> str | None:
         """The program that runs in a state, ``None`` where an action can be chosen."""
-        return next((name for place, name in self._programs.items() if state[place] == "0"), None)
+        return next(
+            (name for place, name in self._programs.items() if state[place] == Predicate.TRANSIENT),
+            None,
+        )
 
     def over(self, transition: Transition) -> Transition | None:
         """The decision that is over with a transition, from the state that it was made in.

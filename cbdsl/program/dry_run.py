@@ -9,9 +9,7 @@ from cbdsl.program.checked import Action, CheckedProgram
 from cbdsl.program.controller import AlongNormals, Composition, Controller
 from cbdsl.types.potential import POTENTIALS
 from cbdsl.types.resource import Resource
-
-_ANY = "*"
-_PREDICATES = "X-01"
+from cbdsl.types.state import ANY, PREDICATES, closest_first, matches, overlap, split
 
 
 class Level(NamedTuple):
@@ -115,27 +113,18 @@ class Coverage(NamedTuple):
 def coverage(program: CheckedProgram) -> Coverage:
     """How the policy of a program shares the states among its patterns."""
     decided = dict.fromkeys(program.policy, 0)
-    closest_first = sorted(program.policy, key=lambda pattern: pattern.count(_ANY))
     size = len(program.members)
-    undecided = _share(_ANY * size, closest_first, decided)
-    return Coverage(len(_PREDICATES) ** size, decided, undecided)
+    undecided = _decide(ANY * size, closest_first(program.policy), decided)
+    return Coverage(len(PREDICATES) ** size, decided, undecided)
 
 
-def _share(region: str, patterns: Sequence[str], decided: dict[str, int]) -> int:
+def _decide(region: str, patterns: Sequence[str], decided: dict[str, int]) -> int:
     """Add a region's states to the patterns that decide them; how many are left over."""
-    touching = [pattern for pattern in patterns if _overlap(region, pattern)]
-    states: int = len(_PREDICATES) ** region.count(_ANY)
+    touching = [pattern for pattern in patterns if overlap(region, pattern) is not None]
+    states: int = len(PREDICATES) ** region.count(ANY)
     if not touching:
         return states
-    first = touching[0]
-    if all(letter in (_ANY, own) for letter, own in zip(first, region, strict=True)):
-        decided[first] += states
+    if matches(touching[0], region):
+        decided[touching[0]] += states
         return 0
-    pairs = enumerate(zip(region, first, strict=True))
-    split = next(i for i, (own, letter) in pairs if own == _ANY != letter)
-    parts = (region[:split] + letter + region[split + 1 :] for letter in _PREDICATES)
-    return sum(_share(part, touching, decided) for part in parts)
-
-
-def _overlap(one: str, other: str) -> bool:
-    return all(a == b or _ANY in (a, b) for a, b in zip(one, other, strict=True))
+    return sum(_decide(part, touching, decided) for part in split(region, touching[0]))

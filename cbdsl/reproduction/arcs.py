@@ -10,7 +10,7 @@ from typing import NamedTuple
 from cbdsl.language.expression import SUBJECT_TO
 from cbdsl.learning.experience import Experience
 from cbdsl.reporting.drawing.policy_graph import ABOVE
-from cbdsl.runtime.policy import matches
+from cbdsl.types.state import matches
 
 
 class Arc(NamedTuple):

@@ -27,8 +27,8 @@ from cbdsl.reproduction.lesson import (
 from cbdsl.reproduction.quantity import Interval, Quantity, above, at_least, at_most
 from cbdsl.reproduction.school import School, school
 from cbdsl.reproduction.worth import worth_quantities
-from cbdsl.runtime.policy import WILDCARD
 from cbdsl.training.trial import Trial
+from cbdsl.types.state import ANY
 
 _REACH, _INSPECT, _BRING = (
     "reach ◁ touch",
@@ -53,7 +53,7 @@ class DrawnPolicy:
 
     def choices(self) -> list[tuple[str, str]]:
         """States and what is chosen there, where the source's arcs leave a single state."""
-        single = [(arc.state, arc.action) for arc in self.arcs if WILDCARD not in arc.state]
+        single = [(arc.state, arc.action) for arc in self.arcs if ANY not in arc.state]
         return list(dict.fromkeys(single))
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Protocol
 
-WILDCARD = "*"
+from cbdsl.types.state import closest_first, matches
 
 
 class Policy(Protocol):
@@ -29,17 +29,12 @@ class WrittenPolicy:
     """
 
     def __init__(self, table: Mapping[str, str]) -> None:
-        self._table = sorted(table.items(), key=lambda item: item[0].count(WILDCARD))
+        self._table = {pattern: table[pattern] for pattern in closest_first(table)}
 
     def choose(self, state: str, *, changed: bool) -> str | None:
         """See ``Policy.choose``."""
         if not changed:
             return None
-        return next((action for pattern, action in self._table if matches(pattern, state)), None)
-
-
-def matches(pattern: str, state: str) -> bool:
-    """Whether a state fits a pattern of the same length."""
-    return all(
-        letter in (WILDCARD, predicate) for letter, predicate in zip(pattern, state, strict=True)
-    )
+        return next(
+            (action for pattern, action in self._table.items() if matches(pattern, state)), None
+        )

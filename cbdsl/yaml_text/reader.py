@@ -9,27 +9,15 @@ from typing import Any, Generic, NamedTuple, TypeVar
 from pydantic import ValidationError
 
 from cbdsl.documents.document import Document
-from cbdsl.documents.model import ModelDocument
-from cbdsl.documents.policy import PolicyDocument
-from cbdsl.documents.program import ProgramDocument
-from cbdsl.documents.robot import RobotDocument
-from cbdsl.documents.stage import StageDocument
+from cbdsl.documents.kinds import KINDS, kind_name, models
 from cbdsl.errors.diagnostic import Diagnostic, Place
-from cbdsl.errors.errors import DiagnosticsError
+from cbdsl.errors.errors import DiagnosticsError, UsageError
 from cbdsl.errors.lines import lines_of
 from cbdsl.errors.nearest import nearest_name
 from cbdsl.errors.wording import diagnostic
 from cbdsl.yaml_text.composer import compose
 from cbdsl.yaml_text.node import Node
 from cbdsl.yaml_text.source_map import SourceMap
-
-KINDS: dict[str, type[Document]] = {
-    "robot": RobotDocument,
-    "program": ProgramDocument,
-    "stage": StageDocument,
-    "policy": PolicyDocument,
-    "model": ModelDocument,
-}
 
 D = TypeVar("D", bound=Document, covariant=True)
 
@@ -98,7 +86,7 @@ def read_sound_parts(path: Path, kind: type[D], text: str | None = None) -> Load
     source = SourceMap(path, composed.lines, composed.root)
     model, found = _model(source, composed.findings)
     if not issubclass(model, kind):
-        wanted = next(name for name, known in KINDS.items() if known is kind)
+        wanted = kind_name(kind)
         given = str(source.node(("kind",)).value)
         raise _error("CB201", source.place("kind"), wanted=wanted, found=given)
     if not found:
@@ -165,37 +153,51 @@ def _model(
     if kind is not None and (kind.faulty or any(part.faulty for part in kind.children())):
         raise DiagnosticsError(found)
     said = None if kind is None else str(kind.value)
-    meant = _contradicted(root.value, said)
-    wrong = () if said in KINDS and meant is None else (_wrong_kind(source, said, meant),)
-    known = meant or said
-    if known not in KINDS:
+    model = None if said is None else _model_of(said)
+    meant = _contradicted(root.value, said, model)
+    is_right = model is not None and meant is None
+    wrong = () if is_right else (_wrong_kind(source, said, model, meant),)
+    model = _model_of(meant) if meant else model
+    if model is None:
         raise DiagnosticsError([*found, *wrong])
     place = root.place if kind is None else kind.place
-    root.value["kind"] = Node(place, known)
-    return KINDS[known], (*found, *wrong)
+    root.value["kind"] = Node(place, kind_name(model))
+    return model, (*found, *wrong)
 
 
-def _contradicted(keys: Iterable[str], said: str | None) -> str | None:
+def _model_of(kind: str) -> type[Document] | None:
+    """The model of a kind; ``None`` where there is none that can be used."""
+    try:
+        return KINDS.get(kind).model
+    except UsageError:
+        return None
+
+
+def _contradicted(
+    keys: Iterable[str], said: str | None, model: type[Document] | None
+) -> str | None:
     """The kind that the keys of a document are those of, where it says that it is another."""
-    if said in KINDS and KINDS[said].model_fields.keys() >= set(keys):
+    if model is not None and model.model_fields.keys() >= set(keys):
         return None
     from cbdsl.yaml_text.repair.kind import kind_by_keys  # only a fault needs it
 
-    return kind_by_keys(keys, said, KINDS)
+    return kind_by_keys(keys, said, models())
 
 
-def _wrong_kind(source: SourceMap, said: str | None, meant: str | None) -> Diagnostic:
+def _wrong_kind(
+    source: SourceMap, said: str | None, model: type[Document] | None, meant: str | None
+) -> Diagnostic:
     """What is to be said of a kind that is missing, unknown or contradicted by the keys."""
     if said is None:
-        names = [meant] if meant else list(KINDS)
+        names = [meant] if meant else list(models())
         return diagnostic("CB203", source.root.place, names=names, key="kind")
     place = source.place("kind")
-    if said not in KINDS:
-        return diagnostic("CB206", place, names=list(KINDS), name=said)
+    if model is None:
+        return diagnostic("CB206", place, names=list(models()), name=said)
     from cbdsl.yaml_text.repair.kind import telling_keys  # only a fault needs it
 
     assert meant is not None, "nothing is wrong with it otherwise"
-    keys = ", ".join(telling_keys(source.root.keys, meant, said, KINDS))
+    keys = ", ".join(telling_keys(source.root.keys, meant, said, models()))
     return diagnostic("CB210", place, said=said, found=meant, keys=keys)
 
 

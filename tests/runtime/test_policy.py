@@ -5,31 +5,8 @@ from __future__ import annotations
 from itertools import product
 
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
 
-from cbdsl.runtime.policy import WILDCARD, WrittenPolicy, matches
-
-STATES = st.text("X-01", min_size=1, max_size=5)
-
-
-@given(STATES, st.data())
-def test_a_state_fits_itself_with_any_letters_left_open(state: str, data: st.DataObject) -> None:
-    hidden = data.draw(st.lists(st.booleans(), min_size=len(state), max_size=len(state)))
-    pattern = "".join(WILDCARD if h else s for h, s in zip(hidden, state, strict=True))
-    assert matches(pattern, state)
-
-
-@given(STATES, st.data())
-def test_one_other_letter_and_it_does_not_fit(state: str, data: st.DataObject) -> None:
-    place = data.draw(st.integers(0, len(state) - 1))
-    other = data.draw(st.sampled_from(sorted(set("X-01") - {state[place]})))
-    assert not matches(state[:place] + other + state[place + 1 :], state)
-
-
-def test_a_pattern_of_another_length_is_a_fault() -> None:
-    with pytest.raises(ValueError, match="shorter"):
-        matches("X*", "X")
+from cbdsl.runtime.policy import WrittenPolicy
 
 
 @pytest.mark.parametrize("turned", [False, True])

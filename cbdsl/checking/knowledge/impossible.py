@@ -9,10 +9,10 @@ from cbdsl.program.checked import CheckedProgram
 from cbdsl.program.controller import Controller
 from cbdsl.types.potential import POTENTIALS
 from cbdsl.types.resource import Origin
+from cbdsl.types.state import Predicate
 from cbdsl.yaml_text.source_map import SourceMap
 
 _ALWAYS_KNOWN = frozenset({Origin.PROPRIOCEPTION, Origin.KINEMATICS, Origin.CONSTANT, Origin.MODEL})
-_UNDEFINED = "-"
 
 
 def reads_what_is_known(controller: Controller) -> bool:
@@ -41,6 +41,6 @@ def check_possible(
     known = {name for name, lead in leads.items() if is_always_defined(lead)}
     for pattern in policy:
         pairs = zip(program.members, pattern, strict=True)
-        never = [name for name, letter in pairs if letter == _UNDEFINED and name in known]
+        never = [name for name, letter in pairs if letter == Predicate.UNDEFINED and name in known]
         if never:
             findings.add("CB717", source.key("policy", pattern), name=never[0])

@@ -6,10 +6,9 @@ from collections.abc import Iterator, Mapping, Sequence
 
 from cbdsl.checking.findings import Findings
 from cbdsl.errors.counting import count
+from cbdsl.types.state import ANY, PREDICATES, matches, overlap, split
 from cbdsl.yaml_text.source_map import SourceMap
 
-PREDICATES = "X-01"
-ANY = "*"
 # What is written for a predicate, and looks or sounds like it.
 _MEANT = {"x": "X", "o": "0", "O": "0", "l": "1", "I": "1", "_": "-", "?": ANY}
 # Enough for every policy that a person wrote; a document made on purpose needs any number.
@@ -61,7 +60,7 @@ def _contradictions(
             for one in patterns[:i]:
                 if sound[one] == sound[other] or not _meet(sets[one], sets[other], ones):
                     continue
-                both = _overlap(one, other)
+                both = overlap(one, other)
                 example = _left_over(both, closer, patience) if both is not None else None
                 if example is not None:
                     yield other, one, example
@@ -100,16 +99,6 @@ def _is_sound(
         findings.add("CB611", place, members=", ".join(members), **counts)
         return False
     return True
-
-
-def _overlap(one: str, other: str) -> str | None:
-    """The pattern of the states that both patterns match, or ``None``."""
-    letters = []
-    for a, b in zip(one, other, strict=True):
-        if a != b and ANY not in (a, b):
-            return None
-        letters.append(b if a == ANY else a)
-    return "".join(letters)
 
 
 def _bits(pattern: str) -> int:
@@ -154,15 +143,11 @@ def _left_over(region: str, covers: Sequence[str], patience: _Patience) -> str |
     """
     if patience.ends():
         return None
-    touching = [cover for cover in covers if _overlap(region, cover) is not None]
+    touching = [cover for cover in covers if overlap(region, cover) is not None]
     if not touching:
         return region
-    if any(_overlap(region, cover) == region for cover in touching):
+    if any(matches(cover, region) for cover in touching):
         return None
     # Some cover fixes a letter that the region leaves open: split the region there.
-    split = next(i for i, letter in enumerate(region) if letter == ANY and touching[0][i] != ANY)
-    for letter in PREDICATES:
-        part = _left_over(region[:split] + letter + region[split + 1 :], touching, patience)
-        if part is not None:
-            return part
-    return None
+    parts = (_left_over(part, touching, patience) for part in split(region, touching[0]))
+    return next((part for part in parts if part is not None), None)

@@ -6,24 +6,12 @@ from pathlib import Path
 
 from cbdsl.checking.findings import Findings
 from cbdsl.documents.document import Document
-from cbdsl.documents.model import ModelDocument
-from cbdsl.documents.policy import PolicyDocument
-from cbdsl.documents.program import ProgramDocument
-from cbdsl.documents.robot import RobotDocument
+from cbdsl.documents.kinds import kind_of
 from cbdsl.documents.stage import StageDocument
 from cbdsl.errors.diagnostic import Place
 from cbdsl.errors.errors import DiagnosticsError
 from cbdsl.yaml_text.library import Library
 from cbdsl.yaml_text.unknown import UNKNOWN
-
-_CODES: dict[type[Document], str] = {
-    RobotDocument: "CB601",
-    StageDocument: "CB602",
-    ProgramDocument: "CB604",
-    PolicyDocument: "CB625",
-    ModelDocument: "CB632",
-}
-_OF_A_ROBOT = (StageDocument, ProgramDocument, ModelDocument)
 
 
 def find_document(
@@ -55,7 +43,7 @@ def find_document(
     )
     names = [each for each in names if each != own]
     hint = "" if robot is None or names else first_stage(kind, robot)
-    findings.add(_CODES[kind], place, names=names, name=name, hint=hint)
+    findings.add(kind_of(kind).unknown, place, names=names, name=name, hint=hint)
     return None
 
 
@@ -70,18 +58,19 @@ def for_robot(kind: type[Document], robot: str, beside: Path | None, library: Li
     """The names of the documents of a kind that are for a robot.
 
     Args:
-        kind: stages, programs or models.
+        kind: of those documents; none is for a robot where its kind refers to none.
         robot: the robot's name.
         beside: the file that would name them, if there is one.
         library: where documents are found by name.
     """
     found = []
+    key = next((k for k, of in kind_of(kind).references.items() if of == "robot"), "")
     for name in library.names(kind, beside):
         file = library.find(kind, name, beside)
         try:
             document = None if file is None else library.read_sound_parts(file, kind).document
         except DiagnosticsError:
             continue
-        if isinstance(document, _OF_A_ROBOT) and document.robot == robot:
+        if getattr(document, key, None) == robot:
             found.append(name)
     return found

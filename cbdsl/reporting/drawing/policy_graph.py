@@ -9,11 +9,12 @@ from typing import NamedTuple
 
 from cbdsl.documents.policy import PolicyDocument
 from cbdsl.errors.errors import UsageError
+from cbdsl.types.state import ANY, PREDICATES
 
 #: Arcs of a larger share are drawn, as in the figures of Chapter 4.
 ABOVE = 0.2
 
-_LETTERS = frozenset("X-01*")
+_LETTERS = frozenset(PREDICATES + ANY)
 
 
 class Decision(NamedTuple):

@@ -14,6 +14,7 @@ from pydantic import BaseModel, ValidationError
 from pydantic_core import ErrorDetails
 
 from cbdsl.documents.document import Document
+from cbdsl.documents.kinds import kind_of
 from cbdsl.errors.diagnostic import Diagnostic, Place
 from cbdsl.errors.errors import DiagnosticsError
 from cbdsl.errors.nearest import nearest_name
@@ -27,23 +28,6 @@ from cbdsl.yaml_text.unknown import UNKNOWN
 
 Steps = tuple[Step, ...]
 
-# Values that stand for required ones that were left out, so that the rest is valid.
-_STAND_INS: dict[str, Any] = {
-    "name": "unknown",
-    "robot": "unknown",
-    "program": "unknown",
-    "predicates": [],
-    "policy": {},
-    "controllers": {},
-    "actions": ["unknown"],
-    "contexts": {"unknown": {}},
-    "model": "unknown",
-    "base": "unknown",
-    "effectors": {},
-    "control": {"rate": 1, "tasks": {}},
-}
-# Of these the valid document has the error value afterwards, and of actions none.
-_UNKNOWN = dict.fromkeys(("name", "robot", "program", "model", "base"), UNKNOWN) | {"actions": ()}
 # Each round leaves out what encloses the faults of the one before.
 _MOST_ROUNDS = 12
 
@@ -153,12 +137,16 @@ class _Salvage(Generic[D]):
 
     def _stand_in(self, key: str) -> None:
         root = self._source.root
-        if key not in _STAND_INS or not isinstance(root.value, dict):
+        # They take the place of required values; checks do not look at them.
+        stand_ins = {"name": "unknown", **kind_of(self._model).stand_ins}
+        if key not in stand_ins or not isinstance(root.value, dict):
             raise self._hopeless()
-        root.value[key] = _node(_STAND_INS[key], root.place)
+        root.value[key] = _node(stand_ins[key], root.place)
         self._broken.add([(key,)])
-        if key in _UNKNOWN:
-            self._unknown[key] = _UNKNOWN[key]
+        if stand_ins[key] == "unknown":
+            self._unknown[key] = UNKNOWN
+        elif "unknown" in stand_ins[key]:
+            self._unknown[key] = type(stand_ins[key])()
 
     def _hopeless(self) -> DiagnosticsError:
         return DiagnosticsError(self._faults)

@@ -8,10 +8,12 @@ from typing import Any
 import pytest
 from pydantic import BaseModel
 
+from cbdsl.documents.kinds import models
 from cbdsl.documents.program import Controller, ProgramDocument
 from cbdsl.documents.stage import Ball, Box, Cylinder, StageDocument, Thing
-from cbdsl.yaml_text.reader import KINDS
 from cbdsl.yaml_text.repair.shape import Shape
+
+KINDS = models()
 
 
 def _sections(model: type[BaseModel]) -> Iterator[type[BaseModel]]:
