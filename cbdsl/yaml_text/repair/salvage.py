@@ -145,8 +145,8 @@ class _Salvage(Generic[D]):
         self._broken.add([(key,)])
         if stand_ins[key] == "unknown":
             self._unknown[key] = UNKNOWN
-        elif "unknown" in stand_ins[key]:
-            self._unknown[key] = type(stand_ins[key])()
+        elif stand_ins[key] == ["unknown"]:
+            self._unknown[key] = ()
 
     def _hopeless(self) -> DiagnosticsError:
         return DiagnosticsError(self._faults)
