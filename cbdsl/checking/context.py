@@ -14,7 +14,7 @@ from cbdsl.documents.program import ProgramDocument
 from cbdsl.errors.diagnostic import Place
 from cbdsl.language.expression import Expression, Span
 from cbdsl.types.resource import Resource
-from cbdsl.yaml_text.reader import Loaded
+from cbdsl.yaml_text.loaded import Loaded
 from cbdsl.yaml_text.source_map import SourceMap, Step
 
 Steps = tuple[Step, ...]

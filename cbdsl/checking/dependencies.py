@@ -17,7 +17,7 @@ from cbdsl.documents.program import ProgramDocument
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.documents.stage import StageDocument
 from cbdsl.types.resource import Resource
-from cbdsl.yaml_text.reader import Loaded
+from cbdsl.yaml_text.loaded import Loaded
 from cbdsl.yaml_text.unknown import UNKNOWN, Unknown
 
 _KINDS: dict[str, type[Document]] = {

@@ -9,7 +9,7 @@ from cbdsl.checking.program import examine_program
 from cbdsl.checking.session import Session
 from cbdsl.documents.policy import PolicyDocument
 from cbdsl.documents.program import ProgramDocument
-from cbdsl.yaml_text.reader import Loaded
+from cbdsl.yaml_text.loaded import Loaded
 
 
 def examine_policy(loaded: Loaded[PolicyDocument], session: Session, findings: Findings) -> None:

@@ -23,7 +23,7 @@ from cbdsl.errors.nearest import meant
 from cbdsl.program.checked import Action, CheckedProgram
 from cbdsl.program.controller import Composition, Primitive
 from cbdsl.yaml_text.library import Library
-from cbdsl.yaml_text.reader import Loaded
+from cbdsl.yaml_text.loaded import Loaded
 
 
 def check_program(

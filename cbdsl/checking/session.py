@@ -15,7 +15,7 @@ from cbdsl.documents.robot import RobotDocument
 from cbdsl.errors.errors import DiagnosticsError
 from cbdsl.program.checked import CheckedProgram
 from cbdsl.yaml_text.library import Library
-from cbdsl.yaml_text.reader import Loaded
+from cbdsl.yaml_text.loaded import Loaded
 
 D = TypeVar("D", bound=Document)
 

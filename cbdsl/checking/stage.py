@@ -12,8 +12,8 @@ from cbdsl.checking.robot.limits import limits_told
 from cbdsl.checking.session import Session
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.documents.stage import Ball, Box, Context, Cylinder, Fixture, Place, StageDocument
+from cbdsl.yaml_text.loaded import Loaded
 from cbdsl.yaml_text.node import Node
-from cbdsl.yaml_text.reader import Loaded
 from cbdsl.yaml_text.source_map import Step
 
 _FOR_THINGS = ("place", "motion", "removed_after", "returned_after")

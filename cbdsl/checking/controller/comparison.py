@@ -115,7 +115,7 @@ def _in_its_units(
     try:
         return read_literal(literal, feedback)
     except LiteralError as error:
-        from cbdsl.yaml_text.repair.comma import decimal_comma  # only a fault needs it
+        from cbdsl.yaml_text.comma import decimal_comma  # only a fault needs it
 
         comma = decimal_comma(source.node(steps))
         if comma is not None and error.code == "CB505":

@@ -12,7 +12,7 @@ from cbdsl.errors.counting import count
 from cbdsl.program.binding import density_source
 from cbdsl.types.resource import Origin, Resource
 from cbdsl.types.resource_type import configuration
-from cbdsl.yaml_text.reader import Loaded
+from cbdsl.yaml_text.loaded import Loaded
 from cbdsl.yaml_text.source_map import Step
 
 

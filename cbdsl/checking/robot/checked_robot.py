@@ -28,7 +28,7 @@ from cbdsl.types.resource import (
     Tip,
     UniformSample,
 )
-from cbdsl.yaml_text.reader import Loaded
+from cbdsl.yaml_text.loaded import Loaded
 from cbdsl.yaml_text.source_map import Step
 
 

@@ -10,7 +10,7 @@ from cbdsl.checking.robot.pace import check_gain, check_window
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.robot.hindrance import hindrance
 from cbdsl.robot.urdf import UrdfModel
-from cbdsl.yaml_text.reader import Loaded
+from cbdsl.yaml_text.loaded import Loaded
 from cbdsl.yaml_text.source_map import SourceMap, Step
 
 Steps = tuple[Step, ...]

@@ -22,7 +22,7 @@ from cbdsl.robot.hindrance import Hindrance, hindrance
 from cbdsl.robot.resources import resources
 from cbdsl.robot.urdf import UrdfError, UrdfJoint, UrdfModel, read_urdf
 from cbdsl.types.resource_type import TYPES
-from cbdsl.yaml_text.reader import Loaded
+from cbdsl.yaml_text.loaded import Loaded
 from cbdsl.yaml_text.source_map import Step
 from cbdsl.yaml_text.unknown import UNKNOWN, Unknown
 

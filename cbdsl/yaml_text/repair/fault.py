@@ -12,7 +12,7 @@ from cbdsl.errors.diagnostic import Diagnostic
 from cbdsl.errors.wording import diagnostic
 from cbdsl.types.quantity_slip import told
 from cbdsl.types.unit import QuantityError
-from cbdsl.yaml_text.repair.comma import decimal_comma
+from cbdsl.yaml_text.comma import decimal_comma
 from cbdsl.yaml_text.repair.entry_slip import left_out, named_instead, slip_in_key, slip_in_text
 from cbdsl.yaml_text.repair.form import form
 from cbdsl.yaml_text.repair.row import meant_row

@@ -8,7 +8,7 @@ said to be missing because of it.
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
-from typing import Any, Generic, NamedTuple, TypeVar
+from typing import Any, Generic, TypeVar
 
 from pydantic import BaseModel, ValidationError
 from pydantic_core import ErrorDetails
@@ -19,6 +19,7 @@ from cbdsl.errors.diagnostic import Diagnostic, Place
 from cbdsl.errors.errors import DiagnosticsError
 from cbdsl.errors.nearest import nearest_name
 from cbdsl.yaml_text.broken import Broken
+from cbdsl.yaml_text.loaded import Loaded
 from cbdsl.yaml_text.node import Node
 from cbdsl.yaml_text.repair.faults import faults, path_of
 from cbdsl.yaml_text.repair.misplaced import find_moves, move
@@ -34,21 +35,7 @@ _MOST_ROUNDS = 12
 D = TypeVar("D", bound=Document)
 
 
-class Salvaged(NamedTuple, Generic[D]):
-    """What is left of a text.
-
-    Attributes:
-        document: without what is faulty.
-        faults: what is wrong with the text.
-        broken: what was left out.
-    """
-
-    document: D
-    faults: tuple[Diagnostic, ...]
-    broken: Broken
-
-
-def salvage(source: SourceMap, model: type[D], found: Iterable[Diagnostic]) -> Salvaged[D]:
+def salvage(source: SourceMap, model: type[D], found: Iterable[Diagnostic]) -> Loaded[D]:
     """Read a document from its nodes, from which faulty ones are taken away.
 
     Args:
@@ -71,7 +58,7 @@ class _Salvage(Generic[D]):
         self._respelt: set[Steps] = set()
         self._unknown: dict[str, object] = {}
 
-    def salvage(self) -> Salvaged[D]:
+    def salvage(self) -> Loaded[D]:
         if self._faults:
             self._leave_out(_faulty(self._source.root, ()))
         for _ in range(_MOST_ROUNDS):
@@ -81,7 +68,8 @@ class _Salvage(Generic[D]):
                 self._mend(error.errors(include_url=False))
             else:
                 document = document.model_copy(update=self._unknown)
-                return Salvaged(document, tuple(self._faults), self._broken)
+                source = self._source._replace(broken=self._broken)
+                return Loaded(document, source, tuple(self._faults))
         raise self._hopeless()
 
     def _mend(self, errors: list[ErrorDetails]) -> None:

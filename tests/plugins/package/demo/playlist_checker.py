@@ -6,7 +6,7 @@ from cbdsl.checking.findings import Findings
 from cbdsl.checking.lookup.documents import find_document
 from cbdsl.checking.session import Session
 from cbdsl.documents.program import ProgramDocument
-from cbdsl.yaml_text.reader import Loaded
+from cbdsl.yaml_text.loaded import Loaded
 from demo.playlist import REPEATED, PlaylistDocument
 
 
