@@ -45,7 +45,8 @@ def examine_robot(loaded: Loaded[RobotDocument], findings: Findings) -> Body:
     check_names(loaded, findings)
     check_constants(loaded, findings)
     missed = frozenset(found.given for found in findings.sorted() if found.code == "CB308")
-    body = Body(loaded, resources(robot), model, missed | frozenset(_lacking(robot, missed)))
+    missed |= frozenset(_lacking(robot, missed))
+    body = Body(loaded, resources(robot), model, missed).with_idle_tips()
     if model is not None:
         _ModelCheck(body, findings, model).all()
         check_margins(loaded, model, findings)
@@ -233,7 +234,7 @@ class _ModelCheck:
         movable = [name for name in self._free if hindrance(self._model.joints[name]) is None]
         self._joints(places, hindrance, movable)
         self._postures(name, effector)
-        if effector.tip is not None and self._body.has_idle_tip(name):
+        if effector.tip is not None and name in self._body.idle:
             self._idle_tip(name, effector.tip.link)
 
     def _turning(self, steps: Steps, joints: Iterable[str], names: Sequence[str]) -> None:
