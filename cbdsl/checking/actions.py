@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 from cbdsl.checking.compositions import Compositions
-from cbdsl.checking.context import Context, Steps
+from cbdsl.checking.context import ProgramContext, Steps
 from cbdsl.checking.lookup.parsing import ends_within_a_call
 from cbdsl.language.expression import Expression, Term
 from cbdsl.program.checked import Action, CheckedProgram
@@ -27,7 +27,7 @@ class Actions:
 
     def __init__(
         self,
-        context: Context,
+        context: ProgramContext,
         compositions: Compositions,
         programs: Mapping[str, CheckedProgram | None],
     ) -> None:

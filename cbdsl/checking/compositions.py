@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 
-from cbdsl.checking.context import Context, Steps
+from cbdsl.checking.context import ProgramContext, Steps
 from cbdsl.checking.controller.triple import check_triple
 from cbdsl.documents import program as written
 from cbdsl.errors.counting import count
@@ -25,7 +25,7 @@ class Compositions:
         missing: names that nothing has.
     """
 
-    def __init__(self, context: Context) -> None:
+    def __init__(self, context: ProgramContext) -> None:
         self.repetitive: set[Expression] = set()
         self.missing: set[str] = set()
         self._context = context
@@ -96,7 +96,7 @@ class Compositions:
         self,
         key: str,
         name: str,
-        document: written.Controller,
+        document: written.ControllerSection,
         arguments: Mapping[str, str],
         places: Mapping[str, Place],
     ) -> tuple[Controller, ...] | None:

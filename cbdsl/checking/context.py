@@ -9,7 +9,7 @@ from cbdsl.checking.findings import Findings
 from cbdsl.checking.lookup.parsing import parse_at
 from cbdsl.checking.lookup.resources import MissingResources
 from cbdsl.checking.lookup.scope import Scope
-from cbdsl.checking.robot.checked_robot import Body
+from cbdsl.checking.robot.checked_robot import CheckedRobot
 from cbdsl.documents.program import ProgramDocument
 from cbdsl.errors.diagnostic import Place
 from cbdsl.language.expression import Expression, Span
@@ -20,7 +20,7 @@ from cbdsl.yaml_text.source_map import SourceMap, Step
 Steps = tuple[Step, ...]
 
 
-class Context:
+class ProgramContext:
     """What every check of one program needs.
 
     Args:
@@ -44,7 +44,7 @@ class Context:
     def __init__(
         self,
         loaded: Loaded[ProgramDocument],
-        body: Body | None,
+        body: CheckedRobot | None,
         scope: Scope,
         findings: Findings,
         is_unknown: Callable[[str], bool],
@@ -62,7 +62,7 @@ class Context:
         self._is_unknown = is_unknown
 
     @property
-    def body(self) -> Body:
+    def body(self) -> CheckedRobot:
         """The program's robot, which has to be there."""
         assert self._body is not None, "without a robot nothing asks for its resources"
         return self._body

@@ -9,7 +9,7 @@ from cbdsl.checking.context import Steps
 from cbdsl.checking.findings import Findings
 from cbdsl.checking.knowledge.model import model_resource
 from cbdsl.checking.lookup.documents import find_document, first_stage, for_robot
-from cbdsl.checking.robot.checked_robot import Body
+from cbdsl.checking.robot.checked_robot import CheckedRobot
 from cbdsl.checking.session import Session
 from cbdsl.documents.document import Document
 from cbdsl.documents.model import ModelDocument
@@ -46,7 +46,7 @@ class Dependencies:
         self._session, self._findings = session, findings
         self._others: set[str] = set()
         self._models: dict[str, Resource | Unknown] = {}
-        self._body: Body | None = None
+        self._body: CheckedRobot | None = None
         self.robot = self._find_robot()
 
     def _find_robot(self) -> Path | None:
@@ -111,7 +111,7 @@ class Dependencies:
         body = self._session.body(path, Findings())
         return () if body is None else body.resources
 
-    def body(self) -> Body | None:
+    def body(self) -> CheckedRobot | None:
         """The robot with the internal models that the program draws from."""
         body = self._body = self._session.body(self.robot, self._findings)
         if body is None:
@@ -122,7 +122,7 @@ class Dependencies:
         named = {resource.name: resource for resource in drawn}
         return body._replace(resources={**body.resources, **named}) if named else body
 
-    def _model(self, alias: str, name: str, body: Body) -> Resource | None:
+    def _model(self, alias: str, name: str, body: CheckedRobot) -> Resource | None:
         steps: Steps = ("models", alias)
         path = self.find(ModelDocument, name, steps)
         model = self._session.read(path, ModelDocument, self._findings)

@@ -8,7 +8,7 @@ from pathlib import Path
 from cbdsl.checking.actions import Actions
 from cbdsl.checking.causes import causes_first
 from cbdsl.checking.compositions import Compositions
-from cbdsl.checking.context import Context, Steps
+from cbdsl.checking.context import ProgramContext, Steps
 from cbdsl.checking.dependencies import Dependencies
 from cbdsl.checking.findings import Findings
 from cbdsl.checking.knowledge.states import check_states
@@ -129,7 +129,7 @@ class _ProgramCheck:
         used = UsedPrograms(loaded, session, findings, dependencies, self._scope, budget, examine)
         self._used, programs = used, used.check()
         body = dependencies.body()
-        context = self._context = Context(
+        context = self._context = ProgramContext(
             loaded, body, self._scope, findings, dependencies.is_unknown
         )
         self._compositions = Compositions(context)

@@ -8,7 +8,7 @@ from typing import TypeVar
 
 from cbdsl.checking.findings import Findings
 from cbdsl.checking.lookup.uses import Uses
-from cbdsl.checking.robot.checked_robot import Body
+from cbdsl.checking.robot.checked_robot import CheckedRobot
 from cbdsl.checking.robot.robot import examine_robot
 from cbdsl.documents.document import Document
 from cbdsl.documents.robot import RobotDocument
@@ -36,7 +36,7 @@ class Session:
     ) -> None:
         self.library, self.values = library or Library(), values or {}
         self.uses = Uses(self.library)
-        self._bodies: dict[Path, tuple[Body | None, Findings]] = {}
+        self._bodies: dict[Path, tuple[CheckedRobot | None, Findings]] = {}
         self._programs: dict[_Key, tuple[CheckedProgram | None, Findings]] = {}
 
     def read(self, path: Path | None, kind: type[D], findings: Findings) -> Loaded[D] | None:
@@ -47,7 +47,7 @@ class Session:
             findings.extend(error.diagnostics)
             return None
 
-    def body(self, path: Path | None, findings: Findings) -> Body | None:
+    def body(self, path: Path | None, findings: Findings) -> CheckedRobot | None:
         """The robot of a file, whose own findings are added.
 
         Returns:
@@ -64,7 +64,7 @@ class Session:
         findings.extend(own.sorted())
         return body
 
-    def _examine_robot(self, path: Path, findings: Findings) -> Body | None:
+    def _examine_robot(self, path: Path, findings: Findings) -> CheckedRobot | None:
         try:
             loaded = self.library.read_sound_parts(path, RobotDocument)
         except DiagnosticsError as error:

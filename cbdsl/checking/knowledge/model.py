@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from cbdsl.checking.findings import Findings
 from cbdsl.checking.lookup.documents import find_document
-from cbdsl.checking.robot.checked_robot import Body
+from cbdsl.checking.robot.checked_robot import CheckedRobot
 from cbdsl.checking.session import Session
 from cbdsl.documents.model import Gaussian, ModelDocument
 from cbdsl.documents.robot import RobotDocument
@@ -28,7 +28,7 @@ def examine_model(loaded: Loaded[ModelDocument], session: Session, findings: Fin
 
 
 def model_resource(
-    alias: str, loaded: Loaded[ModelDocument], body: Body, findings: Findings
+    alias: str, loaded: Loaded[ModelDocument], body: CheckedRobot, findings: Findings
 ) -> Resource | None:
     """What a program names ``<effector>.<alias>``, or ``None`` where the model does not fit."""
     if not _fits(loaded, body, findings):
@@ -39,7 +39,7 @@ def model_resource(
     return Resource(f"{effector}.{alias}", kind, Origin.MODEL, source)
 
 
-def _fits(loaded: Loaded[ModelDocument], body: Body, findings: Findings) -> bool:
+def _fits(loaded: Loaded[ModelDocument], body: CheckedRobot, findings: Findings) -> bool:
     """Whether a model's effector is there, and has as many joints as the model has angles."""
     document, source, robot = loaded.document, loaded.source, body.document
     names = [*robot.effectors, *robot.groups]

@@ -32,7 +32,7 @@ from cbdsl.yaml_text.loaded import Loaded
 from cbdsl.yaml_text.source_map import Step
 
 
-class Body(NamedTuple):
+class CheckedRobot(NamedTuple):
     """A checked robot.
 
     Attributes:

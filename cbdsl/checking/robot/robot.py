@@ -8,7 +8,7 @@ from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, S
 from pathlib import Path
 
 from cbdsl.checking.findings import Findings
-from cbdsl.checking.robot.checked_robot import Body
+from cbdsl.checking.robot.checked_robot import CheckedRobot
 from cbdsl.checking.robot.constants import check_constants, check_margins
 from cbdsl.checking.robot.limits import limits_told
 from cbdsl.checking.robot.names import check_names
@@ -29,7 +29,7 @@ from cbdsl.yaml_text.unknown import UNKNOWN, Unknown
 Steps = tuple[Step, ...]
 
 
-def examine_robot(loaded: Loaded[RobotDocument], findings: Findings) -> Body:
+def examine_robot(loaded: Loaded[RobotDocument], findings: Findings) -> CheckedRobot:
     """Check a robot's document; programs can be checked on it even where it has faults."""
     robot = loaded.document
     try:
@@ -46,7 +46,7 @@ def examine_robot(loaded: Loaded[RobotDocument], findings: Findings) -> Body:
     check_constants(loaded, findings)
     missed = frozenset(found.given for found in findings.sorted() if found.code == "CB308")
     missed |= frozenset(_lacking(robot, missed))
-    body = Body(loaded, resources(robot), model, missed).with_idle_tips()
+    body = CheckedRobot(loaded, resources(robot), model, missed).with_idle_tips()
     if model is not None:
         _ModelCheck(body, findings, model).all()
         check_margins(loaded, model, findings)
@@ -204,7 +204,7 @@ class _RobotCheck:
 class _ModelCheck:
     """What the model says."""
 
-    def __init__(self, body: Body, findings: Findings, model: UrdfModel) -> None:
+    def __init__(self, body: CheckedRobot, findings: Findings, model: UrdfModel) -> None:
         self._body = body
         self._robot = body.document
         self._source = body.loaded.source

@@ -23,7 +23,7 @@ from cbdsl.yaml_text.loaded import Loaded
 from cbdsl.yaml_text.node import Node
 from cbdsl.yaml_text.repair.faults import faults, path_of
 from cbdsl.yaml_text.repair.misplaced import find_moves, move
-from cbdsl.yaml_text.repair.shape import Shape
+from cbdsl.yaml_text.repair.shape import SchemaShape
 from cbdsl.yaml_text.source_map import SourceMap, Step
 from cbdsl.yaml_text.unknown import UNKNOWN
 
@@ -103,7 +103,7 @@ class _Salvage(Generic[D]):
         parent, key = self._source.node(path[:-1]), str(path[-1])
         if not isinstance(parent.value, dict) or key not in parent.value:
             return False
-        shape = Shape((self._model,)).located(loc[:-1])
+        shape = SchemaShape((self._model,)).located(loc[:-1])
         free = sorted(shape.keys.keys() - parent.value)
         new = shape.renamed.get(key)
         meant = nearest_name(key, free) if new is None else new if new in free else None

@@ -13,7 +13,7 @@ from cbdsl.documents.document import Section
 from cbdsl.yaml_text.source_map import Step
 
 
-class Shape(NamedTuple):
+class SchemaShape(NamedTuple):
     """The shape of a value.
 
     Attributes:
@@ -42,15 +42,15 @@ class Shape(NamedTuple):
         """Whether its keys are names that the document chooses."""
         return any(get_origin(kind) is dict for kind in self.kinds)
 
-    def child(self, step: Step) -> Shape:
+    def child(self, step: Step) -> SchemaShape:
         """The shape of a value or an item in it."""
-        return Shape(tuple(kind for outer in self.kinds for kind in _kinds_in(outer, step)))
+        return SchemaShape(tuple(kind for outer in self.kinds for kind in _kinds_in(outer, step)))
 
-    def at(self, steps: Iterable[Step]) -> Shape:
+    def at(self, steps: Iterable[Step]) -> SchemaShape:
         """The shape at a path below it."""
-        return reduce(Shape.child, steps, self)
+        return reduce(SchemaShape.child, steps, self)
 
-    def located(self, loc: Iterable[Step]) -> Shape:
+    def located(self, loc: Iterable[Step]) -> SchemaShape:
         """The shape at a ``loc`` of pydantic's, which also names what it chose of unions."""
         shape = self
         for step in loc:
@@ -62,14 +62,16 @@ class Shape(NamedTuple):
         """Whether some section of it has all that it needs in these keys."""
         return any(required_keys(section) <= keys for section in self.sections)
 
-    def _tagged(self, tag: Step) -> Shape:
+    def _tagged(self, tag: Step) -> SchemaShape:
         """The sections that carry a tag, or all where it is none."""
-        return Shape(tuple(known for known in self.sections if _carries(known, tag)) or self.kinds)
+        return SchemaShape(
+            tuple(known for known in self.sections if _carries(known, tag)) or self.kinds
+        )
 
 
-def shape_of(annotation: Any) -> Shape:
+def shape_of(annotation: Any) -> SchemaShape:
     """The shape that an annotation of a model's field stands for."""
-    return Shape(tuple(_kinds(annotation)))
+    return SchemaShape(tuple(_kinds(annotation)))
 
 
 def is_section(kind: Any) -> TypeGuard[type[Section]]:
