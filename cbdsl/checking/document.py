@@ -7,16 +7,17 @@ from pathlib import Path
 
 from cbdsl.checking.causes import causes_first
 from cbdsl.checking.findings import Findings
+from cbdsl.checking.lookup.documents import find_document
 from cbdsl.checking.program import examine_program
 from cbdsl.checking.session import Session
-from cbdsl.checking.unknown import report_unknown
 from cbdsl.documents.document import Document
 from cbdsl.documents.kinds import KINDS, kind_name, kind_of
 from cbdsl.documents.program import ProgramDocument
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.errors.diagnostic import Diagnostic
 from cbdsl.errors.errors import DiagnosticsError
-from cbdsl.yaml_text.reader import Loaded
+from cbdsl.yaml_text.loaded import Loaded
+from cbdsl.yaml_text.unknown import UNKNOWN
 
 
 def check_document(path: Path, session: Session | None = None) -> list[Diagnostic]:
@@ -56,8 +57,7 @@ def check_program(loaded: Loaded[ProgramDocument], session: Session, findings: F
 def _named_like_its_file(loaded: Loaded[Document], findings: Findings) -> None:
     """What is on a disk is found by its file's name; what an editor holds may not have one."""
     name, path = loaded.document.name, loaded.path
-    is_known = loaded.source.is_whole("name")
-    if is_known and name != path.stem and path.is_file():
+    if name not in (path.stem, UNKNOWN) and path.is_file():
         findings.add("CB704", loaded.source.place("name"), name=name, file=path.name)
 
 
@@ -66,9 +66,8 @@ def _references(loaded: Loaded[Document], session: Session, findings: Findings) 
     library = session.library
     for key, kind in kind_of(type(loaded.document)).references.items():
         name, model = getattr(loaded.document, key), KINDS.get(kind).model
-        known = name is None or library.find(model, name, loaded.path) is not None
-        if not known and loaded.source.is_whole(key):
-            report_unknown(model, name, loaded.source.place(key), library, findings)
+        if name is not None:
+            find_document(model, name, loaded.source.place(key), library, findings)
 
 
 def _examine(loaded: Loaded[Document], session: Session, findings: Findings) -> None:

@@ -91,7 +91,7 @@ def _posture(robot: RobotDocument) -> tuple[str, str]:
 
 def _stage(robot: RobotDocument) -> str:
     """The line of a program that names a stage of its robot, if there is one."""
-    from cbdsl.checking.unknown import for_robot
+    from cbdsl.checking.lookup.documents import for_robot
     from cbdsl.documents.stage import StageDocument
     from cbdsl.yaml_text.library import Library
 

@@ -100,7 +100,7 @@ def _meant(kind: type[Document], name: str, program_file: Path, library: Library
 
 def _stages_for(robot: str, program_file: Path, library: Library) -> str:
     """The names of the stages on which a robot is shown something."""
-    from cbdsl.checking.unknown import for_robot
+    from cbdsl.checking.lookup.documents import for_robot
     from cbdsl.documents.stage import StageDocument
 
     names = for_robot(StageDocument, robot, program_file, library)

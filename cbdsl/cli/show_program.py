@@ -99,7 +99,7 @@ def _controller(controller: Controller) -> dict[str, object]:
         "joints": list(controller.joints),
         "casts": " → ".join(controller.chain),
         "gain": f"{controller.gain:g} /s",
-        "given": controller.given,
+        "requires": controller.requires,
         "rewarded": controller.rewarded,
     }
 

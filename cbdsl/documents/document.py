@@ -1,7 +1,8 @@
 """Base of all documents: strict, immutable sections with quantities in named units."""
 
+from collections.abc import Mapping
 from functools import partial
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any, ClassVar, Literal
 
 from pydantic import BaseModel, ConfigDict, GetCoreSchemaHandler
 from pydantic_core import CoreSchema, PydanticCustomError
@@ -107,6 +108,9 @@ class Section(BaseModel):
 
     # Sections are built with the document that holds them, which halves the time to start.
     model_config = ConfigDict(frozen=True, extra="forbid", defer_build=True)
+
+    renamed: ClassVar[Mapping[str, str]] = {}
+    """Keys of older documents, and their names now."""
 
 
 class Document(Section):

@@ -11,7 +11,7 @@ import numpy as np
 
 from cbdsl.control.localizability import Localizability
 from cbdsl.control.signal import Floats, Signal
-from cbdsl.documents.stage import Box
+from cbdsl.documents.stage import BoxForm
 from cbdsl.reproduction.barcode import Barcode
 from cbdsl.reproduction.simulation_fixture import SimulationFixture, simulation_fixture
 from cbdsl.runtime.episode import Tick
@@ -136,7 +136,7 @@ def _look(lab: SimulationFixture, signals: Signals) -> Look:
     view = lab.backend.cameras.views()[_CAMERA]
     times = FINENESS * _WIDTH // view.camera.width
     box = lab.stage.things[_BOX].form
-    assert isinstance(box, Box)
+    assert isinstance(box, BoxForm)
     pose = lab.backend.truth.pose(_BOX)
     side = pose.position - pose.rotation[:, 0] * box.size[0][0] / 2
     depth = float((side - view.pose.position) @ view.pose.rotation[:, 0])

@@ -76,7 +76,7 @@ class ControllerRun:
         self.member = Member(self._potential, self._task, self._monitor, len(signals.joints))
         self._constant = _constant_reference(controller, signals)
         # What may be undefined is asked anew in every tick.
-        self._follows_joints = controller.given is None and self._can_follow_joints()
+        self._follows_joints = controller.requires is None and self._can_follow_joints()
 
     def begin(self, rng: np.random.Generator) -> None:
         """Begin an episode, in which ``rng`` is for all that is drawn."""
@@ -349,10 +349,10 @@ class ControllerRun:
 
     def _is_given(self, peers: Mapping[str, ControllerRun]) -> bool:
         """Whether the controller without which it is undefined is engaged, if there is one."""
-        given = self.controller.given
-        if given is None:
+        required = self.controller.requires
+        if required is None:
             return True
-        condition = peers.get(given)
+        condition = peers.get(required)
         return condition is not None and condition.engaged
 
     def _may_seek(self, peers: Mapping[str, ControllerRun]) -> bool:

@@ -11,7 +11,8 @@ from cbdsl.documents.document import Document
 from cbdsl.documents.kinds import KINDS, kind_name, kind_of, models
 from cbdsl.errors.errors import UsageError
 from cbdsl.errors.nearest import meant
-from cbdsl.yaml_text.reader import Loaded, decode, flawless, read_sound_parts, read_text
+from cbdsl.yaml_text.loaded import Loaded
+from cbdsl.yaml_text.reader import decode, flawless, read_sound_parts, read_text
 
 _KIND_LINE = re.compile(r"^kind:\s*(\w+)", re.MULTILINE)
 

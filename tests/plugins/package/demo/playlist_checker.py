@@ -3,10 +3,10 @@
 from itertools import pairwise
 
 from cbdsl.checking.findings import Findings
+from cbdsl.checking.lookup.documents import find_document
 from cbdsl.checking.session import Session
-from cbdsl.checking.unknown import report_unknown
 from cbdsl.documents.program import ProgramDocument
-from cbdsl.yaml_text.reader import Loaded
+from cbdsl.yaml_text.loaded import Loaded
 from demo.playlist import REPEATED, PlaylistDocument
 
 
@@ -16,9 +16,8 @@ def check(loaded: Loaded[PlaylistDocument], session: Session, findings: Findings
         return
     document, library = loaded.document, session.library
     for place, name in enumerate(document.programs):
-        if library.find(ProgramDocument, name, loaded.path) is None:
-            where = loaded.source.place("programs", place)
-            report_unknown(ProgramDocument, name, where, library, findings, document.robot)
+        where = loaded.source.place("programs", place)
+        find_document(ProgramDocument, name, where, library, findings, document.robot)
     for place, (name, following) in enumerate(pairwise(document.programs)):
         if name == following:
             findings.add(REPEATED, loaded.source.place("programs", place + 1), name=name)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from typing import NamedTuple
+from typing import NamedTuple, Self
 
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.errors.diagnostic import Place
@@ -28,22 +28,27 @@ from cbdsl.types.resource import (
     Tip,
     UniformSample,
 )
-from cbdsl.yaml_text.reader import Loaded
+from cbdsl.yaml_text.loaded import Loaded
 from cbdsl.yaml_text.source_map import Step
 
 
-class Body(NamedTuple):
+class CheckedRobot(NamedTuple):
     """A checked robot.
 
     Attributes:
         loaded: its document.
         resources: everything programs can name.
         model: its URDF, or ``None`` where that cannot be read.
+        missed: names in its document of effectors and channels that are not there, and of what
+            lacks them; nobody can know the resources that begin or end with them.
+        idle: effectors with a tip that their joints, which are sound, do not move.
     """
 
     loaded: Loaded[RobotDocument]
     resources: Mapping[str, Resource]
     model: UrdfModel | None
+    missed: frozenset[str] = frozenset()
+    idle: frozenset[str] = frozenset()
 
     @property
     def document(self) -> RobotDocument:
@@ -106,13 +111,18 @@ class Body(NamedTuple):
         moved = [link for link, many in moving.items() if many]
         return sorted(moved, key=lambda link: (-moving[link], link))
 
-    def has_idle_tip(self, effector: str) -> bool:
-        """Whether an effector has a tip that its joints, which are sound, do not move."""
-        of, model = self.document.effectors[effector], self.model
-        if of.tip is None or model is None or of.tip.link not in model.links:
-            return False
-        are_sound = set(model.revolute).issuperset(of.joints)
-        return are_sound and not self.moves(effector, of.tip.link)
+    def with_idle_tips(self) -> Self:
+        """The same robot, of which ``idle`` is known."""
+        model, effectors = self.model, self.document.effectors
+        sound = set() if model is None else set(model.revolute)
+        return self._replace(
+            idle=frozenset(
+                name
+                for name, of in effectors.items()
+                if of.tip is not None and model is not None and of.tip.link in model.links
+                if sound.issuperset(of.joints) and not self.moves(name, of.tip.link)
+            )
+        )
 
     def influence(self, resource: Resource) -> frozenset[str] | None:
         """The actuated joints that a resource depends on, or ``None`` where nobody can tell."""
@@ -125,12 +135,12 @@ class Body(NamedTuple):
         if not self.model.links.issuperset(links):
             return None
         if isinstance(source, (Tip, Centroid, Separation)) and self._is_idle(source):
-            return None  # which has been reported
+            return None
         return frozenset(joint for link in links for joint in self._above(link))
 
     def _is_idle(self, source: Tip | Centroid | Separation) -> bool:
         name = source.effector if isinstance(source, Tip) else source.group
-        return any(self.has_idle_tip(member) for member in self.document.members(name))
+        return not self.idle.isdisjoint(self.document.members(name))
 
     def sensing(self, resource: Resource) -> frozenset[str] | None:
         """The joints that move the cameras which see a resource; ``None`` if nothing sees it."""

@@ -6,7 +6,7 @@ import math
 
 import pytest
 
-from cbdsl.checking.limits import limits_told
+from cbdsl.checking.robot.limits import limits_told
 from cbdsl.types.unit import UNITS
 
 ANGLES = [unit.symbol for unit in UNITS.values() if unit.dimension == "angle"]

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Collection
+from collections.abc import Collection
 from typing import Any
 
 from cbdsl.checking.findings import Findings
-from cbdsl.checking.scope import Scope, parameters_in
+from cbdsl.checking.lookup.scope import Scope, parameters_in
 from cbdsl.errors.diagnostic import Place
 from cbdsl.errors.nearest import nearest_name
 from cbdsl.yaml_text.source_map import SourceMap, Step
@@ -23,7 +23,6 @@ class MissingResources:
         known: the names of its resources, and of the program's internal models.
         source: the program's text.
         findings: where findings go.
-        is_explained: whether what makes a resource unknown has been reported.
 
     Attributes:
         parameters: those parameters of the program whose values name nothing.
@@ -35,15 +34,14 @@ class MissingResources:
         known: Collection[str],
         source: SourceMap,
         findings: Findings,
-        is_explained: Callable[[str], bool],
     ) -> None:
         self._robot, self._known = robot, known
-        self._source, self._findings, self._is_explained = source, findings, is_explained
+        self._source, self._findings = source, findings
         self._wrong_values: set[str] = set()
         self.parameters: set[str] = set()
 
     def report(self, text: str, name: str, steps: Steps, scope: Scope) -> None:
-        """Report that there is no such resource, unless its cause has been reported.
+        """Report that there is no such resource.
 
         Args:
             text: what the document says.
@@ -51,8 +49,6 @@ class MissingResources:
             steps: path of the text.
             scope: values of the parameters.
         """
-        if self._is_explained(name):
-            return
         values = {parameter: scope.values[parameter] for parameter in parameters_in(text)}
         parts = {part for known in self._known for part in known.split(".")}
         wrong = {p: v for p, v in values.items() if not parts.issuperset(v.split("."))}

@@ -1,4 +1,4 @@
-"""Names of documents that are not there, and those that would do."""
+"""Documents by name; where there is none, those that would do are proposed."""
 
 from __future__ import annotations
 
@@ -11,9 +11,10 @@ from cbdsl.documents.stage import StageDocument
 from cbdsl.errors.diagnostic import Place
 from cbdsl.errors.errors import DiagnosticsError
 from cbdsl.yaml_text.library import Library
+from cbdsl.yaml_text.unknown import UNKNOWN
 
 
-def report_unknown(
+def find_document(
     kind: type[Document],
     name: str,
     place: Place,
@@ -21,25 +22,29 @@ def report_unknown(
     findings: Findings,
     robot: str | None = None,
     own: str = "",
-) -> None:
-    """Report that there is no document of this name.
+) -> Path | None:
+    """The file of a document; that there is none is reported, unless nobody knows its name.
 
     Args:
         kind: the kind of document that is wanted.
-        name: what is written instead.
-        place: where.
+        name: its name.
+        place: where that is written.
         library: where documents are found by name.
         findings: where the finding goes.
         robot: the robot that the document has to be for, if that is known.
         own: the name of the document itself, where it cannot be what is meant.
     """
     beside = Path(place.file)
+    path = None if name is UNKNOWN else library.find(kind, name, beside)
+    if path is not None or name is UNKNOWN:
+        return path
     names = (
         library.names(kind, beside) if robot is None else for_robot(kind, robot, beside, library)
     )
     names = [each for each in names if each != own]
     hint = "" if robot is None or names else first_stage(kind, robot)
     findings.add(kind_of(kind).unknown, place, names=names, name=name, hint=hint)
+    return None
 
 
 def first_stage(kind: type[Document], robot: str) -> str:

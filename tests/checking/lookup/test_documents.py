@@ -7,8 +7,8 @@ from pathlib import Path
 import pytest
 
 from cbdsl.checking.document import check_document
+from cbdsl.checking.lookup.documents import for_robot
 from cbdsl.checking.session import Session
-from cbdsl.checking.unknown import for_robot
 from cbdsl.documents.program import ProgramDocument
 from cbdsl.documents.stage import StageDocument
 from cbdsl.errors.codes.example import URDF, robot

@@ -8,6 +8,7 @@ from collections.abc import Mapping
 from cbdsl.checking.findings import Findings
 from cbdsl.errors.diagnostic import Place
 from cbdsl.yaml_text.source_map import SourceMap, Step
+from cbdsl.yaml_text.unknown import UNKNOWN, Declared
 
 # Values made of values would double in length from program to program.
 _LONGEST = 1_000
@@ -29,7 +30,7 @@ class Scope:
 
     def __init__(
         self,
-        values: Mapping[str, str],
+        values: Declared[str],
         places: Mapping[str, Place],
         used: set[str] | None = None,
     ) -> None:
@@ -45,7 +46,7 @@ class Scope:
         """This scope with further parameters, which hide those of the same name."""
         visible = self.used if not values else _Hiding(self.used, frozenset(values))
         outer = {name: place for name, place in self._places.items() if name not in values}
-        return Scope({**self.values, **values}, {**outer, **places}, visible)
+        return Scope(self.values.extended(values), {**outer, **places}, visible)
 
     def substitute(
         self,
@@ -71,11 +72,10 @@ class Scope:
         for match in _PARAMETER.finditer(text):
             name = match[1]
             self.used.add(name)
-            length += len(self.values.get(name, ""))
-            if name in self.values:
-                continue
-            known = False
-            if source.is_whole("parameters", name):
+            value = self.values.get(name, UNKNOWN)
+            length += len(value)
+            known = known and value is not UNKNOWN
+            if name not in self.values:
                 place = source.inside(steps, offset + match.start() + 1, offset + match.end() + 1)
                 hint = "" if self.values else "; declare it in 'parameters'"
                 findings.add("CB402", place, names=sorted(self.values), name=name, hint=hint)

@@ -19,7 +19,7 @@ def parse_at(
         return parse(text)
     except LookAlikeError as error:
         place = source.inside(steps, error.span.start, error.span.end)
-        findings.add("CB408", place, found=error.found, meant=error.meant)
+        findings.add("CB408", place, sign=error.sign, suggestion=error.suggestion)
     except CompositionError as error:
         if _is_of_a_faulty_name(text, source):
             return None

@@ -10,7 +10,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from cbdsl.checking.findings import Findings
-from cbdsl.checking.states import check_states
+from cbdsl.checking.knowledge.states import check_states
 from cbdsl.yaml_text.composer import compose
 from cbdsl.yaml_text.source_map import SourceMap
 
