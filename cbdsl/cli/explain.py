@@ -32,11 +32,13 @@ def _entries(code: str | None, every: bool) -> list[Entry]:
         return sorted(CATALOGUE.values(), key=lambda entry: entry.code)
     entry = CATALOGUE.get(code.upper())
     if entry is None:
-        raise UsageError(f"there is no finding '{code}'{_meant(code)} (cb explain --all has all)")
+        raise UsageError(
+            f"there is no finding '{code}'{_suggestion(code)} (cb explain --all has all)"
+        )
     return [entry]
 
 
-def _meant(code: str) -> str:
+def _suggestion(code: str) -> str:
     """The question for the nearest code; all begin alike, which says nothing."""
     from cbdsl.errors.catalogue import CATALOGUE
     from cbdsl.errors.nearest import nearest_name

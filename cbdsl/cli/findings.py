@@ -74,7 +74,7 @@ def _writer(form: str) -> Callable[[ValidationReport], str]:
 def _examine(paths: Iterable[str], values: Mapping[str, str], stdin: Path) -> ValidationReport:
     from cbdsl.checking.document import check_document
     from cbdsl.checking.session import Session
-    from cbdsl.cli.ignores import heed_ignores
+    from cbdsl.cli.ignores import apply_suppressions
     from cbdsl.cli.validation_report import ValidationReport
     from cbdsl.yaml_text.library import Library
 
@@ -87,7 +87,7 @@ def _examine(paths: Iterable[str], values: Mapping[str, str], stdin: Path) -> Va
     diagnostics: dict[Diagnostic, None] = {}
     for file in files:
         diagnostics.update(dict.fromkeys(check_document(file, values, session)))
-    findings = heed_ignores(diagnostics, files, session.library)
+    findings = apply_suppressions(diagnostics, files, session.library)
     shown = _first_of_each_file(findings)
     return ValidationReport(shown, len(files), len(findings) - len(shown), _texts(session.library))
 
