@@ -14,7 +14,7 @@ _PAUSE = 1.0
 
 # As wide as the time in front of a table.
 _INDENT = " " * 12
-_HEADINGS = ("level", "phi", "predicted", "measured", "share", "rank", "s_min", "held by")
+_HEADINGS = ("level", "phi", "predicted", "measured", "achieved", "rank", "s_min", "held by")
 
 
 class StackNarration:
