@@ -88,9 +88,9 @@ def main() -> None:
     if options.json:
         sys.stdout.write(json.dumps(result) + "\n")
         return
-    for name, found in result.items():
-        wall, processor = 1e3 * found["seconds"], 1e3 * found["processor_seconds"]
-        times_as_long = f"{found['ratio']:.2f} x and {found['processor_ratio']:.2f} x"
+    for name, figures in result.items():
+        wall, processor = 1e3 * figures["seconds"], 1e3 * figures["processor_seconds"]
+        times_as_long = f"{figures['ratio']:.2f} x and {figures['processor_ratio']:.2f} x"
         sys.stdout.write(
             f"{name:10}{wall:6.0f} ms, {processor:4.0f} ms of processor; "
             f"validate takes {times_as_long}\n"

@@ -36,12 +36,12 @@ def _entries(code: str | None, every: bool) -> list[Entry]:
     entry = entry_of(code.upper())
     if entry is None:
         raise UsageError(
-            f"there is no finding '{code}'{_meant(code, entries())} (cb explain --all has all)"
+            f"there is no finding '{code}'{_suggestion(code, entries())} (cb explain --all has all)"
         )
     return [entry]
 
 
-def _meant(code: str, known: Iterable[str]) -> str:
+def _suggestion(code: str, known: Iterable[str]) -> str:
     """The question for the nearest code; all begin alike, which says nothing."""
     from cbdsl.errors.nearest import nearest_name
 

@@ -74,7 +74,7 @@ def _writer(form: str) -> Callable[[ValidationReport], str]:
 def _examine(paths: Iterable[str], values: Mapping[str, str], stdin: Path) -> ValidationReport:
     from cbdsl.checking.document import check_document
     from cbdsl.checking.session import Session
-    from cbdsl.cli.ignores import heed_ignores
+    from cbdsl.cli.ignores import apply_suppressions
     from cbdsl.cli.terminal import print_problem
     from cbdsl.cli.validation_report import ValidationReport
     from cbdsl.documents.kinds import KINDS
@@ -89,7 +89,7 @@ def _examine(paths: Iterable[str], values: Mapping[str, str], stdin: Path) -> Va
     diagnostics: dict[Diagnostic, None] = {}
     for file in files:
         diagnostics.update(dict.fromkeys(check_document(file, session)))
-    findings = heed_ignores(diagnostics, files, session.library)
+    findings = apply_suppressions(diagnostics, files, session.library)
     for fault in KINDS.met_faults:
         print_problem(f"warning: {fault}")
     shown = _first_of_each_file(findings)

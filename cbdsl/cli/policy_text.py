@@ -90,7 +90,7 @@ def _branch(
 ) -> Iterator[str]:
     again = state in shown
     shown.add(state)
-    yield f"{margin}{share}{_told(graph, known[state], again)}"
+    yield f"{margin}{share}{_node_text(graph, known[state], again)}"
     arcs: list[Arc] = [] if again else [arc for arc in graph.arcs if arc.source == state]
     below = margin.replace("├", "│").replace("└", " ")
     for arc in arcs:
@@ -101,7 +101,7 @@ def _branch(
         )  # fmt: skip
 
 
-def _told(graph: PolicyTransitions, decision: Decision, again: bool) -> str:
+def _node_text(graph: PolicyTransitions, decision: Decision, again: bool) -> str:
     if again:
         return f"{decision.state} (above)"
     parts = [decision.state, *([decision.action] if decision.action else [])]

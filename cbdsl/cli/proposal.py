@@ -145,7 +145,7 @@ def _nothing_to_move(model: UrdfModel) -> str:
 
 
 def _word(why: Hindrance) -> str:
-    """A hindrance in a word or two."""
+    """The reason why joints are left out, in a word or two."""
     return why.trait.partition(",")[0]
 
 

@@ -82,7 +82,7 @@ def _read_stage(
     if wanted is None:
         known = _stages_for(program.robot, program_file, library)
         raise UsageError(f"{program.name} names no stage; give one with --stage (known: {known})")
-    file = _meant(StageDocument, wanted, program_file, library)
+    file = _locate(StageDocument, wanted, program_file, library)
     _require_clean(file, library)
     stage = library.read(file, StageDocument).document
     if stage.robot != program.robot:
@@ -93,7 +93,7 @@ def _read_stage(
     return stage
 
 
-def _meant(kind: type[Document], name: str, program_file: Path, library: Library) -> Path:
+def _locate(kind: type[Document], name: str, program_file: Path, library: Library) -> Path:
     """The file that is meant by a path, or by a name beside the program or here."""
     return library.find(kind, name, program_file) or library.locate(kind, name)
 
@@ -114,7 +114,7 @@ def _under_policy(
     from cbdsl.documents.policy import PolicyDocument
     from cbdsl.errors.errors import UsageError
 
-    file = _meant(PolicyDocument, name, program_file, library)
+    file = _locate(PolicyDocument, name, program_file, library)
     if _is_recording(file):
         raise UsageError(f"{file}: this is no policy document; it looks like a recording")
     _require_clean(file, library)
@@ -130,8 +130,8 @@ def _is_recording(file: Path) -> bool:
     """Whether a file is one of the two that ``cb run --record`` writes for an episode."""
     if not file.is_file():
         return False
-    is_told = file.suffix == ".json" and b'"kind": "recording"' in file.read_bytes()
-    return is_told or file.suffix == ".npz"
+    is_summary = file.suffix == ".json" and b'"kind": "recording"' in file.read_bytes()
+    return is_summary or file.suffix == ".npz"
 
 
 def _require_clean(file: Path, library: Library) -> None:

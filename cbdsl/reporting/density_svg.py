@@ -80,7 +80,7 @@ def _map(model: InternalModel, landscape: Landscape) -> str:
     ]
     title = f"Density of {first.name} and {second.name}"
     size = (across.end + _RIGHT, up.start + _BOTTOM)
-    return _svg(size, title, _told(where, most), parts)
+    return _svg(size, title, _peak(where, most), parts)
 
 
 def _curve(joint: Joint, place: int, landscape: Landscape) -> str:
@@ -103,11 +103,11 @@ def _curve(joint: Joint, place: int, landscape: Landscape) -> str:
             for center in landscape.centers[:, place]
         ),
     ]
-    description = _told(_degrees(angles[values.argmax()]), float(values.max()))
+    description = _peak(_degrees(angles[values.argmax()]), float(values.max()))
     return _svg((across.end + 16, bottom + _BOTTOM), f"Density of {joint.name}", description, parts)
 
 
-def _told(where: str, most: float) -> str:
+def _peak(where: str, most: float) -> str:
     return f"Likeliest at {where}: {most:.3g} times as likely as in a uniform density."
 
 

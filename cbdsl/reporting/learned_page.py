@@ -50,7 +50,7 @@ def learned_page(learned: Sequence[Learned], above: float) -> str:
         "heading": escape(", ".join(programs)),
         "where": escape(_where(groups)),
         "verdict": escape(_verdict(learned)),
-        "trial_groups": _trial_groups(results),
+        "groups": _summary(results),
         "contexts": _contexts(groups),
         "choice": _choice(learned),
         "trials": "\n".join(_trial(each, place, above) for place, each in enumerate(learned)),
@@ -77,7 +77,7 @@ def _verdict(learned: Sequence[Learned]) -> str:
     return f"{percent(sum(e.reward > 0 for e in episodes) / len(episodes))} rewarded"
 
 
-def _trial_groups(results: Sequence[Measured]) -> str:
+def _summary(results: Sequence[Measured]) -> str:
     """A table with the results of each group."""
     rows = [
         (
@@ -91,7 +91,7 @@ def _trial_groups(results: Sequence[Measured]) -> str:
         for each in results
     ]
     some = f"{_SOME} episodes"
-    headings = ("group", "trials", "episodes", "rewarded", f"first {some}", f"last {some}")
+    headings = ("learning task", "trials", "episodes", "rewarded", f"first {some}", f"last {some}")
     caption = "Reward per transition: interquartile mean over trials, and its 95 % interval"
     if all(len(each.group.trials) == 1 for each in results):
         caption = "Reward per transition, on average"
@@ -114,8 +114,8 @@ def _contexts(groups: Sequence[TrialGroup]) -> str:
             steps = float(np.median([each.transitions for each in own]))
             rows.append((group.name, context, len(own), hits, percent(hits / len(own)),
                          f"{rate:.3f}", f"{steps:g}"))  # fmt: skip
-    headings = ("group", "context", "episodes", "rewarded", "share", "reward per transition",
-                "transitions, median")  # fmt: skip
+    headings = ("learning task", "context", "episodes", "rewarded", "success rate",
+                "reward per transition", "transitions, median")  # fmt: skip
     return table("By the stage's contexts", headings, rows, words=(0, 1))
 
 
@@ -253,7 +253,7 @@ def _digest(sha256: str) -> Markup:
 def _data(results: Sequence[Measured], learned: Sequence[Learned]) -> str:
     bundle = Bundle()
     header: dict[str, Any] = {
-        "trial_groups": [_curves(each, bundle) for each in results],
+        "groups": [_curves(each, bundle) for each in results],
         "trials": [
             {
                 "again": _again(each),

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from itertools import product
 from typing import Any
 
@@ -20,7 +20,8 @@ from cbdsl.control.signal import Floats, Signal
 from cbdsl.documents.stage import StageDocument
 from cbdsl.reproduction.chart import Chart, Line
 from cbdsl.reproduction.experiment import Result, RunSettings
-from cbdsl.reproduction.interval import bootstrap_interval, exact_interval
+from cbdsl.reproduction.interval import bootstrap_interval
+from cbdsl.reproduction.percentage import percentage
 from cbdsl.reproduction.quantity import Quantity, at_least, at_most, clearly_below
 from cbdsl.reproduction.simulation_fixture import SimulationFixture, simulation_fixture
 from cbdsl.runtime.episode import Runner, Tick
@@ -153,8 +154,8 @@ def _tip(tick: Tick, columns: Any) -> Signal:
 def _quantities(reaches: Mapping[str, Sequence[_Reach]], seed: int) -> Iterator[Quantity]:
     everything = [reach for runs in reaches.values() for reach in runs]
     arrived = sum(reach.arrived for reach in everything)
-    share = _share("reaches that come to rest at the ball", "all", arrived, len(everything), 100)
-    yield replace(share, note=f"{share.note}; {_touching(reaches)}")
+    name, note = "reaches that come to rest at the ball", _touching(reaches)
+    yield percentage(name, "all", arrived, len(everything), at_least(100), note=note)
     for law, runs in reaches.items():
         yield _fall(law, runs)
     yield from _less("range", "φ_r", reaches["c1"], reaches["c0"], "c1", seed)
@@ -166,19 +167,6 @@ def _touching(reaches: Mapping[str, Sequence[_Reach]]) -> str:
     counts = {law: sum(reach.touched for reach in runs) for law, runs in reaches.items()}
     return "the arm touched the table in " + ", ".join(
         f"{n} under {law}" for law, n in counts.items()
-    )
-
-
-def _share(name: str, source: str, hits: int, trials: int, least: float) -> Quantity:
-    low, high = exact_interval(hits, trials)
-    return Quantity(
-        name,
-        "%",
-        source,
-        100 * hits / trials,
-        at_least(least),
-        interval=(100 * low, 100 * high),
-        note=f"{hits} of {trials}",
     )
 
 
@@ -230,7 +218,7 @@ def _less(
     )
     less = sum(difference < 0 for difference in differences)
     name = f"places where {symbol} rises less under {law}"
-    yield _share(name, "on average", less, len(alone), _MOST_PLACES)
+    yield percentage(name, "on average", less, len(alone), at_least(_MOST_PLACES))
 
 
 def _change(curve: Sequence[float]) -> float:

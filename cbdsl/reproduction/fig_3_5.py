@@ -11,7 +11,8 @@ from cbdsl.reproduction.barcode import barcodes
 from cbdsl.reproduction.chart import Chart, Line
 from cbdsl.reproduction.experiment import Result, RunSettings
 from cbdsl.reproduction.inspection import InspectionRun, Look, inspection
-from cbdsl.reproduction.interval import bootstrap_interval, exact_interval
+from cbdsl.reproduction.interval import bootstrap_interval
+from cbdsl.reproduction.percentage import percentage
 from cbdsl.reproduction.quantity import Quantity, above, at_least, at_most, near
 
 _TRIALS, _QUICK_TRIALS = 10, 1
@@ -92,18 +93,9 @@ def _quantities(
 
 def _held(in_hands: Sequence[InspectionRun]) -> Quantity:
     held, trials = sum(each.is_held for each in in_hands), len(in_hands)
-    low, high = exact_interval(held, trials)
     slips = [100 * each.slip for each in in_hands if each.held is not None]
-    note = f"{held} of {trials}"
-    return Quantity(
-        "boxes held to the end",
-        "%",
-        "held",
-        100 * held / trials,
-        at_least(95),
-        interval=(100 * low, 100 * high),
-        note=f"{note}; largest slip in the hands {max(slips):.1f} cm" if slips else note,
-    )
+    note = f"largest slip in the hands {max(slips):.1f} cm" if slips else ""
+    return percentage("boxes held to the end", "held", held, trials, at_least(95), note=note)
 
 
 def _depth(place: str, source: float, depths: Sequence[float], seed: int) -> Quantity:

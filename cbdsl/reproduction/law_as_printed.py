@@ -20,7 +20,8 @@ from cbdsl.control.signal import Floats, Signal
 from cbdsl.control.spring import Spring
 from cbdsl.reproduction.chart import Chart, Line
 from cbdsl.reproduction.experiment import Result, RunSettings
-from cbdsl.reproduction.interval import bootstrap_interval, exact_interval
+from cbdsl.reproduction.interval import bootstrap_interval
+from cbdsl.reproduction.percentage import percentage
 from cbdsl.reproduction.quantity import Quantity, above, at_least, at_most
 from cbdsl.reproduction.shipped import shipped_robot
 from cbdsl.sensing.kinematics import Kinematics
@@ -194,17 +195,14 @@ def _growths(starts: Sequence[_Curves]) -> Iterator[Quantity]:
         ("ours", [each.ours for each in starts]),
     ):
         grown = sum(float(curve[-1]) >= float(curve[0]) for curve in curves)
-        low, high = exact_interval(grown, len(curves))
-        yield Quantity(
+        yield percentage(
             f"{law}: starts from which manipulability grows",
-            "%",
             source,
-            100 * grown / len(curves),
+            grown,
+            len(curves),
             at_least(100),
             ordering=above(50),
-            interval=(100 * low, 100 * high),
-            note=f"{grown} of {len(curves)}; "
-            f"mean {_mean(curves, 0):.3g} -> {_mean(curves, -1):.3g} m²",
+            note=f"mean {_mean(curves, 0):.3g} -> {_mean(curves, -1):.3g} m²",
         )
 
 

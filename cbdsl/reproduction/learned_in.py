@@ -8,7 +8,8 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 
 from cbdsl.reproduction.checks import Check
-from cbdsl.reproduction.interval import exact_interval, median_interval
+from cbdsl.reproduction.interval import median_interval
+from cbdsl.reproduction.percentage import percentage
 from cbdsl.reproduction.quantity import Claim, Quantity, at_most
 from cbdsl.reproduction.series import Series
 
@@ -54,13 +55,5 @@ def learned_in_quantities(
         note=f"{finite.min():g} to {finite.max():g}" if len(finite) else "",
     )
     never = len(episodes) - len(finite)
-    low, high = exact_interval(never, len(episodes))
-    yield Quantity(
-        f"{series.label}: trials that never learned",
-        "%",
-        "none",
-        100 * never / len(episodes),
-        at_most(0),
-        interval=(100 * low, 100 * high),
-        note=f"{never} of {len(episodes)}",
-    )
+    name = f"{series.label}: trials that never learned"
+    yield percentage(name, "none", never, len(episodes), at_most(0))

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
@@ -13,9 +12,9 @@ from cbdsl.reproduction.arcs import ActionArc, DrawnArc, diagram_of
 from cbdsl.reproduction.checks import Check, Schedule, checks, schedule
 from cbdsl.reproduction.diagram import Diagram, graph_of
 from cbdsl.reproduction.experiment import Result, RunSettings
-from cbdsl.reproduction.interval import exact_interval
 from cbdsl.reproduction.learned_in import learned_in_quantities
-from cbdsl.reproduction.quantity import Interval, Quantity, above, at_least, at_most
+from cbdsl.reproduction.percentage import percentage
+from cbdsl.reproduction.quantity import Quantity, above, at_least, at_most
 from cbdsl.reproduction.series import (
     BIMANUALTOUCH,
     COARTICULATED,
@@ -196,15 +195,15 @@ def _quantities(drawn: DrawnPolicy, last: Sequence[Check]) -> Iterator[Quantity]
     label = drawn.series.label
     pairs = [[(arc, _diagram(arc, check)) for arc in drawn.arcs] for check in last]
     whole = [all(arc.is_among(arcs) for arc, arcs in row if arcs) for row in pairs]
-    yield _share(f"{label}: policies with all arcs", whole, "")
+    yield _drawn(f"{label}: policies with all arcs", whole)
     if any(SUBJECT_TO in arc.action for arc in drawn.arcs):
         turned = [all(arc.is_turned_among(arcs) for arc, arcs in row if arcs) for row in pairs]
-        yield _share(f"{label}: policies with all arcs, whichever part leads", turned, "")
+        yield _drawn(f"{label}: policies with all arcs, whichever part leads", turned)
     for column in zip(*pairs, strict=True):
         has = [arc.is_among(arcs) for arc, arcs in column if arcs]
         joined = sum(arc.is_joined(arcs) for arc, arcs in column if arcs)
         arc, _ = column[0]
-        yield _share(f"{label}: {arc}", has, f"{joined} with whatever action")
+        yield _drawn(f"{label}: {arc}", has, f"{joined} with whatever action")
 
 
 def _diagram(arc: DrawnArc, check: Check) -> Mapping[ActionArc, float]:
@@ -219,34 +218,14 @@ def _rewarded(series: Series, last: Sequence[Check]) -> Quantity:
         for experience in check.experiences
         if experience.context not in series.hopeless
     ]
-    hits, trials = sum(rewarded), len(rewarded)
-    return Quantity(
-        f"{series.label}: held-out episodes that the greedy policy is rewarded in",
-        "%",
-        "its reward is found",
-        100 * hits / trials if trials else math.nan,
-        at_least(95),
-        interval=_percent(hits, trials) if trials else None,
-        note=f"{hits} of {trials}",
-    )
+    name = f"{series.label}: held-out episodes that the greedy policy is rewarded in"
+    hits = sum(rewarded)
+    return percentage(name, "its reward is found", hits, len(rewarded), at_least(95))
 
 
-def _share(name: str, has: Sequence[bool], note: str) -> Quantity:
-    counted = f"{sum(has)} of {len(has)} trials"
-    return Quantity(
-        name,
-        "%",
-        "drawn",
-        100 * sum(has) / len(has) if has else math.nan,
-        above(50),
-        interval=_percent(sum(has), len(has)) if has else None,
-        note=f"{counted}; {note}" if note else counted,
-    )
-
-
-def _percent(hits: int, trials: int) -> Interval:
-    low, high = exact_interval(hits, trials)
-    return 100 * low, 100 * high
+def _drawn(name: str, has: Sequence[bool], note: str = "") -> Quantity:
+    """The percentage of trials that have what the source draws."""
+    return percentage(name, "drawn", sum(has), len(has), above(50), of="trials", note=note)
 
 
 def _typical(name: str, series: Series, program: CheckedProgram, last: Sequence[Check]) -> Diagram:

@@ -74,7 +74,7 @@ def test_the_share_of_arcs_can_be_chosen(learned: list[Learned]) -> None:
 
 def test_data_hold_every_episode(learned: list[Learned], text: str) -> None:
     told = header(text)
-    assert [group["trials"] for group in told["trial_groups"]] == [3]
+    assert [group["trials"] for group in told["groups"]] == [3]
     for each, trial in zip(learned, told["trials"], strict=True):
         assert [row["seed"] for row in trial["episodes"]] == [e.seed for e in each.episodes]
 
