@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 from cbdsl.checking.compositions import Compositions
-from cbdsl.checking.context import Context, Steps
-from cbdsl.checking.parsing import ends_within_a_call
+from cbdsl.checking.context import ProgramContext, Steps
+from cbdsl.checking.lookup.parsing import ends_within_a_call
 from cbdsl.language.expression import Expression, Term
 from cbdsl.program.checked import Action, CheckedProgram
 
@@ -27,7 +27,7 @@ class Actions:
 
     def __init__(
         self,
-        context: Context,
+        context: ProgramContext,
         compositions: Compositions,
         programs: Mapping[str, CheckedProgram | None],
     ) -> None:
@@ -55,8 +55,6 @@ class Actions:
     def _read(self) -> list[tuple[Expression, Steps]]:
         """The actions that can be parsed, with their paths."""
         found: dict[str, tuple[Expression, Steps]] = {}
-        if self._context.source.broken.holds("actions"):
-            return []
         is_cut = False
         for i, text in enumerate(self._context.document.actions):
             steps: Steps = ("actions", i)
@@ -150,10 +148,5 @@ class Actions:
 
     def is_declared(self, expression: Expression) -> bool:
         """Whether there are controllers or programs of all names, if only faulty ones."""
-        known, is_whole = self._context.document, self._context.source.is_whole
-        return all(
-            term.name in known.controllers
-            or term.name in known.use
-            or not (is_whole("controllers", term.name) and is_whole("use", term.name))
-            for term in expression.terms
-        )
+        known = (self._context.controllers, self._context.programs)
+        return all(any(term.name in section for section in known) for term in expression.terms)

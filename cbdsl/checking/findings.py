@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Iterable
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from cbdsl.errors.counting import count
 from cbdsl.errors.diagnostic import Diagnostic, Place, Related
 from cbdsl.errors.wording import diagnostic
+
+if TYPE_CHECKING:
+    from cbdsl.errors.entry import Entry
 
 # These have their cause in one place, and may show in many: a name that is missed, for example,
 # or an action that is lacking.
@@ -25,7 +28,7 @@ class Findings:
     def __init__(self) -> None:
         self._found: dict[Diagnostic, None] = {}
 
-    def add(self, code: str, place: Place, **details: Any) -> None:
+    def add(self, code: str | Entry, place: Place, **details: Any) -> None:
         """Add a finding in the catalogue's words; see ``diagnostic``."""
         self.extend([diagnostic(code, place, **details)])
 

@@ -9,14 +9,14 @@ from cbdsl.checking.context import Steps
 from cbdsl.checking.dependencies import Dependencies
 from cbdsl.checking.findings import Findings
 from cbdsl.checking.knowledge.learned import check_policy, with_policy
-from cbdsl.checking.scope import Scope
+from cbdsl.checking.lookup.documents import find_document
+from cbdsl.checking.lookup.scope import Scope
 from cbdsl.checking.session import Session
-from cbdsl.checking.unknown import report_unknown
 from cbdsl.documents.policy import PolicyDocument
 from cbdsl.documents.program import ProgramDocument, Use
 from cbdsl.errors.errors import DiagnosticsError
 from cbdsl.program.checked import CheckedProgram
-from cbdsl.yaml_text.reader import Loaded
+from cbdsl.yaml_text.loaded import Loaded
 
 # Programs within one another, and programs that one uses in all, each with other values.
 _DEEPEST = 64
@@ -88,8 +88,7 @@ class UsedPrograms:
         except DiagnosticsError as error:
             self._findings.extend(error.diagnostics)
             return None
-        robot, is_whole = used.document.robot, used.source.is_whole("robot")
-        if is_whole and not self._dependencies.is_for_the_robot(robot, use.program, steps):
+        if not self._dependencies.is_for_the_robot(used.document.robot, use.program, steps):
             return None
         values = self._values(name, use, used)
         found = Findings()
@@ -141,10 +140,9 @@ class UsedPrograms:
 
     def _find(self, use: Use, steps: Steps) -> Path | None:
         """The file of a program that can be used here."""
-        source, library = self._source, self._session.library
-        path = library.find(ProgramDocument, use.program, self._loaded.path)
+        source = self._source
+        path = self._dependencies.find(ProgramDocument, use.program, steps)
         if path is None:
-            self._dependencies.report_unknown(ProgramDocument, use.program, steps)
             return None
         way = self._session.uses.way(path, self._loaded.path)
         if way:
@@ -159,13 +157,12 @@ class UsedPrograms:
     def _values(self, name: str, use: Use, used: Loaded[ProgramDocument]) -> dict[str, str]:
         """The parameters of a used program, with this program's own replaced."""
         source, values = self._source, {}
+        parameters = used.source.declared(used.document.parameters, "parameters")
         for key, text in use.with_.items():
             steps = ("use", name, "with", key)
-            if key not in used.document.parameters:
-                names = list(used.document.parameters)
+            if key not in parameters:
                 details = {"name": key, "program": use.program}
-                if used.source.is_whole("parameters", key):
-                    self._findings.add("CB606", source.key(*steps), names=names, **details)
+                self._findings.add("CB606", source.key(*steps), names=list(parameters), **details)
                 continue
             value = self._scope.substitute(text, source, steps, self._findings)
             if value is not None:
@@ -177,10 +174,7 @@ class UsedPrograms:
     ) -> CheckedProgram | None:
         """A used program under a policy of its own, or ``None`` where that does not fit."""
         source, library = self._source, self._session.library
-        file = library.find(PolicyDocument, name, self._loaded.path)
-        if file is None:
-            report_unknown(PolicyDocument, name, source.place(*steps), library, self._findings)
-            return None
+        file = find_document(PolicyDocument, name, source.place(*steps), library, self._findings)
         loaded = self._session.read(file, PolicyDocument, self._findings)
         if loaded is None:
             return None

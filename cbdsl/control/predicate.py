@@ -3,24 +3,15 @@
 from __future__ import annotations
 
 import math
-from enum import StrEnum
 
 import numpy as np
 from numpy.typing import NDArray
 
 from cbdsl.numeric.compiled import compiled, compiled_once
+from cbdsl.types.state import Predicate
 
 Floats = NDArray[np.float64]
 Integers = NDArray[np.int64]
-
-
-class Predicate(StrEnum):
-    """What a controller's potential does; its values join into states such as ``X0-``."""
-
-    INACTIVE = "X"
-    UNDEFINED = "-"
-    TRANSIENT = "0"
-    QUIESCENT = "1"
 
 
 PREDICATES = tuple(Predicate)

@@ -185,7 +185,7 @@ def _peers(item: Active) -> tuple[int, int]:
     """Slots of the controllers that one follows and requires; -1 where none acts with it."""
     controller = item.run.controller
     seek = controller.seek
-    return _slot(item.peers, seek.once if seek else None), _slot(item.peers, controller.given)
+    return _slot(item.peers, seek.once if seek else None), _slot(item.peers, controller.requires)
 
 
 def _slot(peers: Mapping[str, ControllerRun], name: str | None) -> int:

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from cbdsl.control.field import NoPathError
 from cbdsl.control.obstacle import Obstacle
 from cbdsl.control.plan import ControllerPlan, Search, SlotForm
-from cbdsl.control.predicate import PREDICATE, PREDICATES, Predicate, restart, settings_of
+from cbdsl.control.predicate import PREDICATE, PREDICATES, restart, settings_of
 from cbdsl.control.rate import bounds_of
 from cbdsl.control.registry import build
 from cbdsl.control.rotation import exp
@@ -32,6 +32,7 @@ from cbdsl.types.resource import (
     Resource,
     Tip,
 )
+from cbdsl.types.state import Predicate
 
 Floats = NDArray[np.float64]
 Integers = NDArray[np.int64]
@@ -99,7 +100,7 @@ class ControllerRun:
                 self.reference,
                 controller.funnel or _NO_FUNNEL,
                 None if controller.seek is None else self._search(controller.seek),
-                controller.given is not None,
+                controller.requires is not None,
             )
         )
 

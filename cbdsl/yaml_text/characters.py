@@ -44,6 +44,15 @@ _BULLET = rf"^(\s*)[{_BULLETS}{_DASHES}]\s+(?=\S)"
 _COLON = rf"(?a:^(\s*(?:- +)*[\w.$*-]+)(?:[\uff1a\u2236]\s*|:[{_SPACES}]\s*))"
 
 
+# What lines begin with that git, or a comparison of two versions, leaves behind.
+_MARKS = ("<<<<<<<", "|||||||", "=======", ">>>>>>>", "\n+")
+
+
+def is_suspect(text: str) -> bool:
+    """Whether a text may hold a conflict or characters that no editor shows."""
+    return any(mark in text for mark in _MARKS) or invisible_in(text) is not None
+
+
 def control_in(text: str) -> re.Match[str] | None:
     """The first character that no YAML text holds."""
     return None if _is_visible(text) else re.search(_CONTROL, text)

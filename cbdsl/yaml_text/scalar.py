@@ -56,7 +56,8 @@ def resolve(text: str) -> Scalar:
     Raises:
         ScalarError: YAML 1.1 would read it as something else, or no number of 64 bits holds it.
     """
-    if text and text[0] not in _FIRST:
+    # No pattern has a space, which most quantities have.
+    if text and (text[0] not in _FIRST or " " in text):
         return text
     if _SIMPLE.match(text):
         return float(text) if "." in text else int(text)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from cbdsl.checking.context import Context, Steps
+from cbdsl.checking.context import ProgramContext, Steps
 from cbdsl.checking.controller.comparison import Comparison, compare
 from cbdsl.checking.controller.influence import is_measured, movers, moves
 from cbdsl.checking.controller.options import check_options, misplaced
@@ -35,9 +35,9 @@ class Agreement:
 
     def __init__(
         self,
-        context: Context,
+        context: ProgramContext,
         steps: Steps,
-        document: written.Controller,
+        document: written.ControllerSection,
         potential: PotentialType | None,
         comparison: Comparison,
         effector: Resource | None,

@@ -12,11 +12,11 @@ from cbdsl.errors.diagnostic import Diagnostic
 from cbdsl.errors.wording import diagnostic
 from cbdsl.types.quantity_slip import told
 from cbdsl.types.unit import QuantityError
-from cbdsl.yaml_text.repair.comma import decimal_comma
+from cbdsl.yaml_text.comma import decimal_comma
 from cbdsl.yaml_text.repair.entry_slip import left_out, named_instead, slip_in_key, slip_in_text
 from cbdsl.yaml_text.repair.form import form
 from cbdsl.yaml_text.repair.row import meant_row
-from cbdsl.yaml_text.repair.shape import Shape
+from cbdsl.yaml_text.repair.shape import SchemaShape
 from cbdsl.yaml_text.source_map import SourceMap, Step
 
 _EXPECTED = {
@@ -147,7 +147,10 @@ def _special(
             said = [(place, text) for text in _said_of(path, model)]
             return diagnostic("CB203", place, key=name, related=said)
         case "extra_forbidden":
-            keys = sorted(Shape((model,)).located(error["loc"][:-1]).keys)
+            shape = SchemaShape((model,)).located(error["loc"][:-1])
+            if new := shape.renamed.get(name):
+                return diagnostic("CB211", source.key(*path), old=name, new=new)
+            keys = sorted(shape.keys)
             return diagnostic("CB202", source.key(*path), names=keys, key=name)
         case "literal_error" | "union_tag_invalid":
             expected = str(context.get("expected") or context.get("expected_tags"))
@@ -177,7 +180,7 @@ def _said_of(path: tuple[Step, ...], model: type[BaseModel]) -> set[str]:
 
     return {
         f"{path[-1]}: {text}"
-        for section in Shape((model,)).at(path[:-1]).sections
+        for section in SchemaShape((model,)).at(path[:-1]).sections
         if (text := docstrings(section).get(str(path[-1])))
     }
 

@@ -12,7 +12,7 @@ from cbdsl.errors.nearest import nearest_name
 from cbdsl.errors.wording import diagnostic
 from cbdsl.yaml_text.repair.fault import Fault, diagnose
 from cbdsl.yaml_text.repair.form import form
-from cbdsl.yaml_text.repair.shape import Shape
+from cbdsl.yaml_text.repair.shape import SchemaShape
 from cbdsl.yaml_text.source_map import SourceMap, Step, child_of
 
 
@@ -60,7 +60,7 @@ def _numbered_again(by_path: Mapping[tuple[Step, ...], list[Fault]]) -> set[tupl
 
 def _is_nameless(path: tuple[Step, ...], source: SourceMap, model: type[BaseModel]) -> bool:
     """Whether where names are wanted there is what should be below one of them."""
-    found, shape = source.node(path).value, Shape((model,)).at(path)
+    found, shape = source.node(path).value, SchemaShape((model,)).at(path)
     keys = shape.child("").keys
     if not (shape.is_of_names and keys and isinstance(found, dict)):
         return False

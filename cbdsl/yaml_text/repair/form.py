@@ -7,7 +7,7 @@ from typing import Any, get_args, get_origin
 from pydantic import BaseModel
 
 from cbdsl.yaml_text.node import Node
-from cbdsl.yaml_text.repair.shape import Shape, fields_of, is_section, required_keys, shape_of
+from cbdsl.yaml_text.repair.shape import SchemaShape, fields_of, is_section, required_keys, shape_of
 from cbdsl.yaml_text.source_map import Step
 
 # What is further inside is left to the imagination.
@@ -27,7 +27,7 @@ def form(model: type[BaseModel], steps: tuple[Step, ...], found: Node | None = N
     Returns:
         ``None`` where neither a mapping nor a list may be.
     """
-    wanted = [kind for kind in Shape((model,)).at(steps).kinds if _is_collection(kind)]
+    wanted = [kind for kind in SchemaShape((model,)).at(steps).kinds if _is_collection(kind)]
     return _sketch(wanted[0], _DEPTH, found) if wanted else None
 
 

@@ -1,13 +1,77 @@
-"""Which kind of document a text is, by what it says and by its keys."""
+"""The kind of document that a text is, by what it says and by its keys."""
 
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 
 from cbdsl.documents.document import Document
+from cbdsl.documents.kinds import KINDS, kind_name, models
+from cbdsl.errors.diagnostic import Diagnostic
+from cbdsl.errors.errors import DiagnosticsError, UsageError
+from cbdsl.errors.wording import diagnostic
+from cbdsl.yaml_text.node import Node
+from cbdsl.yaml_text.repair.fault import describe
+from cbdsl.yaml_text.source_map import SourceMap
 
 # Fewer keys of another kind are mistakes of their own.
 _LEAST_EVIDENCE = 2
+
+
+def identify(
+    source: SourceMap, found: tuple[Diagnostic, ...]
+) -> tuple[type[Document], tuple[Diagnostic, ...]]:
+    """The kind of document that a text is, and what was found with what it says of that."""
+    root = source.root
+    if not isinstance(root.value, dict):
+        described = describe(root.value)
+        fault = diagnostic("CB204", root.place, expected="a mapping", found=described)
+        raise DiagnosticsError([*found, fault])
+    kind: Node | None = root.value.get("kind")
+    if kind is not None and (kind.faulty or any(part.faulty for part in kind.children())):
+        raise DiagnosticsError(found)
+    said = None if kind is None else str(kind.value)
+    model = None if said is None else _model_of(said)
+    meant = _contradicted(root.value, said, model)
+    is_right = model is not None and meant is None
+    wrong = () if is_right else (_wrong_kind(source, said, model, meant),)
+    model = _model_of(meant) if meant else model
+    if model is None:
+        raise DiagnosticsError([*found, *wrong])
+    place = root.place if kind is None else kind.place
+    root.value["kind"] = Node(place, kind_name(model))
+    return model, (*found, *wrong)
+
+
+def _model_of(kind: str) -> type[Document] | None:
+    """The model of a kind; ``None`` where there is none that can be used."""
+    try:
+        return KINDS.get(kind).model
+    except UsageError:
+        return None
+
+
+def _contradicted(
+    keys: Iterable[str], said: str | None, model: type[Document] | None
+) -> str | None:
+    """The kind that the keys of a document are those of, where it says that it is another."""
+    if model is not None and model.model_fields.keys() >= set(keys):
+        return None
+    return kind_by_keys(keys, said, models())
+
+
+def _wrong_kind(
+    source: SourceMap, said: str | None, model: type[Document] | None, meant: str | None
+) -> Diagnostic:
+    """What is to be said of a kind that is missing, unknown or contradicted by the keys."""
+    if said is None:
+        names = [meant] if meant else list(models())
+        return diagnostic("CB203", source.root.place, names=names, key="kind")
+    place = source.place("kind")
+    if model is None:
+        return diagnostic("CB206", place, names=list(models()), name=said)
+    assert meant is not None, "nothing is wrong with it otherwise"
+    keys = ", ".join(telling_keys(source.root.keys, meant, said, models()))
+    return diagnostic("CB210", place, said=said, found=meant, keys=keys)
 
 
 def kind_by_keys(
