@@ -8,20 +8,21 @@ from typing import NamedTuple
 import numpy as np
 import pytest
 
-from cbdsl.control.body import Body
 from cbdsl.control.registry import build
-from cbdsl.control.signal import Floats, Signal
+from cbdsl.control.setting import Setting
+from cbdsl.control.signal import Floats
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.sensing.camera import heading, sighting_jacobian
 from cbdsl.sensing.kinematics import Frame, Kinematics
-from cbdsl.sensing.reading import Reading, mean
-from cbdsl.sensing.tips import Tips
+from cbdsl.sensing.observation import Observation
+from cbdsl.sensing.signals import Signals
 from cbdsl.types.potential import POTENTIALS
 from cbdsl.types.resource import Tip
 from cbdsl.types.resource_type import HEADING, TYPES, ResourceType, configuration
 from cbdsl.yaml_text.library import Library
 from tests.conftest import ROOT
-from tests.control.test_registry import controller, gradient
+from tests.control.evaluation import Signal, evaluate, gradient
+from tests.control.test_registry import controller
 
 LIBRARY = Library(ROOT)
 ROBOTS = {
