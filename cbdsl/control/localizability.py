@@ -45,7 +45,7 @@ def seen_by(cameras: Sequence[Frame]) -> Potential:
     """The localizability by a left and a right camera, in one frame that moves with them."""
     if len(cameras) != 2:
         raise ValueError("localizability needs two cameras that keep their distance")
-    if not np.any(cameras[0].position != cameras[1].position):
+    if not np.linalg.norm(cameras[0].position - cameras[1].position) > 0.0:
         raise ValueError("localizability needs two cameras with a distance between them")
     parameters = [part.ravel() for camera in cameras for part in camera]
     return Potential(uncertainty, 1, Rule.TO_ZERO, np.concatenate(parameters), refuse=_refuse)

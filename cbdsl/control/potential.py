@@ -80,12 +80,13 @@ def address_of(function: Callable[..., float]) -> int:
         raise PotentialError(f"potential '{name}' is not compiled: decorate it with @potential")
     try:
         compile_for(SIGNATURE.args)
-    except NumbaError as error:
+    except (NumbaError, TypeError, RuntimeError) as error:
         first = str(error).strip().splitlines()[0]
         raise PotentialError(f"potential '{name}' cannot be compiled: {first}") from None
     returned = function.overloads[SIGNATURE.args].signature.return_type  # type: ignore[attr-defined]
     if returned != types.float64:
-        raise PotentialError(f"potential '{name}' returns {returned}, not a float")
+        kind = types.unliteral(returned)
+        raise PotentialError(f"potential '{name}' returns {kind}, not a float")
     address: int = _get_jit_address(function, SIGNATURE)  # type: ignore[no-untyped-call]
     return address
 

@@ -7,7 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from cbdsl.control.rotation import exp
-from cbdsl.control.signal import Floats, Signal
+from cbdsl.control.signal import Floats
+from tests.control.evaluation import Signal
 
 
 @dataclass(frozen=True)
@@ -53,11 +54,11 @@ class Chain:
         """The chain's tip, or its joints, as a signal of a type."""
         position, rotation, jacobian = self.pose(q)
         if kind == "position":
-            return Signal("tip.position", position, jacobian[:3])
+            return Signal(position, jacobian[:3])
         if kind == "orientation":
-            return Signal("tip.orientation", rotation, jacobian[3:])
+            return Signal(rotation, jacobian[3:])
         if kind == "pose":
             transform = np.eye(4)
             transform[:3, :3], transform[:3, 3] = rotation, position
-            return Signal("tip.pose", transform, jacobian)
-        return Signal("chain", q, np.eye(self.joints))
+            return Signal(transform, jacobian)
+        return Signal(q, np.eye(self.joints))

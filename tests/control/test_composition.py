@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from cbdsl.control.composition import compose, midway
+from cbdsl.control.composition import compose, extrapolate_half_tick
 from cbdsl.control.signal import Floats
 
 FREE = 1e300
@@ -81,7 +81,7 @@ def test_rows_half_a_tick_ahead_are_exact_for_parabolas(rng: np.random.Generator
         return found
 
     # The newest of the three may be anywhere in them.
-    found = midway(np.stack((rows(-1), rows(0), rows(-2))), 1, np.array([3]), np.array([2]))
+    found = extrapolate_half_tick(np.stack((rows(-1), rows(0), rows(-2))), 1, np.array([3]), np.array([2]))
     np.testing.assert_allclose(found, rows(0.5), atol=1e-12)
 
 
@@ -91,7 +91,7 @@ def test_rows_half_a_tick_ahead_go_by_as_many_ticks_as_each_level_has_acted(
     position, rate, unknown = rng.normal(size=(3, 4, 5))
     rows = np.stack((position - rate, unknown, position))
     ages, ends = np.array([2, 1, 0]), np.array([1, 2, 4])
-    found = midway(rows, 2, ages, ends)
+    found = extrapolate_half_tick(rows, 2, ages, ends)
     np.testing.assert_allclose(found[0], position[0] + 0.5 * (position[0] - unknown[0]), atol=1e-12)
     np.testing.assert_array_equal(found[1], position[1])
     np.testing.assert_array_equal(found[2:], 0.0)

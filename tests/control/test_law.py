@@ -10,9 +10,9 @@ from hypothesis import strategies as st
 from cbdsl.control.law import Law, LawSettings, Step
 from cbdsl.control.level import Level
 from cbdsl.control.signal import Floats, SignalError
-from cbdsl.control.spring import Spring
-from cbdsl.types.resource_type import POSITION
+from cbdsl.control.spring import spring
 from tests.control.chain import Chain
+from tests.control.evaluation import evaluate
 
 WIDE = LawSettings(joint_step=1e3)
 TICK = 1 / 120
@@ -180,7 +180,7 @@ def test_damping_is_exact_away_from_singularities_and_continuous_where_it_sets_i
 
 def reach(chain: Chain, q: Floats, goal: Floats) -> tuple[Floats, Floats]:
     """Planar rows of a spring on the tip, and its residual."""
-    evaluation = Spring(POSITION).evaluate(chain.signal("position", q), goal)
+    evaluation = evaluate(spring("position", 3), chain.signal("position", q), goal)
     return evaluation.jacobian[:2], evaluation.residual[:2]
 
 

@@ -5,24 +5,21 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from cbdsl.control.manipulability import Manipulability
-from cbdsl.control.potential import Evaluation
-from cbdsl.control.signal import Floats, Signal, SignalError
+from cbdsl.control.manipulability import of_jacobian
+from cbdsl.control.signal import Floats
 from tests.control.chain import Chain
-from tests.control.test_registry import with_curvature
+from tests.control.evaluation import Evaluation, evaluate
+from tests.control.test_registry import curved, manipulator
 
 
 def planar(chain: Chain, q: Floats) -> Evaluation:
     """Of the tip's position in the plane that the chain moves in."""
-    tip = with_curvature(chain, q)
-    assert tip.curvature is not None
-    flat = Signal(tip.name, tip.value[:2], tip.jacobian[:2], tip.curvature[:2])
-    return Manipulability().evaluate(flat, None)
+    jacobian, curvature = curved(chain, q)
+    return of(jacobian[:2], curvature[:2])
 
 
 def of(jacobian: Floats, curvature: Floats) -> Evaluation:
-    signal = Signal("tip", np.zeros(len(jacobian)), jacobian, curvature)
-    return Manipulability().evaluate(signal, None)
+    return evaluate(of_jacobian(*jacobian.shape), manipulator(jacobian, curvature))
 
 
 def orthonormal(rows: int, columns: int, rng: np.random.Generator) -> Floats:
@@ -123,10 +120,6 @@ def test_the_printed_law_seeks_singularities_and_ours_leaves_them(rng: np.random
         assert planar(chain, ours).phi == pytest.approx(best, abs=1e-6)
 
 
-def test_what_it_cannot_be_computed_from_is_refused_by_name() -> None:
-    potential = Manipulability()
-    with pytest.raises(SignalError, match=r"curvature of right_arm\.position"):
-        potential.evaluate(Signal("right_arm.position", np.zeros(3), np.ones((3, 7))), None)
-    short = Signal("head.pose", np.zeros(6), np.ones((6, 2)), np.ones((6, 2, 2)))
-    with pytest.raises(SignalError, match=r"head\.pose has 6 components, which 2 joints"):
-        potential.evaluate(short, None)
+def test_fewer_joints_than_components_are_refused() -> None:
+    with pytest.raises(ValueError, match="2 joints cannot all move 6 components"):
+        of_jacobian(6, 2)

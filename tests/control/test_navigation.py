@@ -6,22 +6,24 @@ why not (Koditschek and Rimon 1990; Section 3.1).
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Iterator
 from typing import NamedTuple
 
 import numpy as np
 import pytest
 
-from cbdsl.control.body import Body
-from cbdsl.control.localizability import Localizability
-from cbdsl.control.manipulability import Manipulability
-from cbdsl.control.registry import build
+from cbdsl.control.localizability import seen_by
+from cbdsl.control.manipulability import of_jacobian
+from cbdsl.control.range import between
 from cbdsl.control.rotation import exp
-from cbdsl.control.signal import Floats, Signal, SignalError
+from cbdsl.control.signal import Floats, SignalError
+from cbdsl.control.spring import spring
 from cbdsl.types.potential import POTENTIALS, Condition
 from tests.control.chain import Chain
+from tests.control.evaluation import Signal, evaluate, gradient
 from tests.control.test_localizability import ahead, headings
-from tests.control.test_registry import controller, feedback_type, gradient, with_curvature
+from tests.control.test_registry import bent, curved, feedback_type, manipulator
 
 CONDITIONS = ("analytic", "polar", "admissible", "morse")
 CAMERAS = ahead(0.35)
@@ -48,7 +50,7 @@ def springs(rng: np.random.Generator) -> Iterator[Function]:
     longest = 3.0
     for kind in sorted(POTENTIALS["spring"].accepts):
         typed = feedback_type(POTENTIALS["spring"], kind, 5)
-        law = build(controller("spring", typed), Body(np.zeros(5), np.zeros(5)))
+        law = spring(kind, typed.size)
 
         def move(value: Floats, by: Floats) -> Floats:
             if value.shape == (4, 4):
@@ -62,7 +64,7 @@ def springs(rng: np.random.Generator) -> Iterator[Function]:
 
         def at(value: Floats) -> tuple[float, Floats]:
             identity = np.eye(typed.size)  # noqa: B023
-            evaluation = law.evaluate(Signal("feedback", value, identity), reference)  # noqa: B023
+            evaluation = evaluate(law, Signal(value, identity), reference)  # noqa: B023
             return evaluation.phi, gradient("spring", evaluation)
 
         def draw() -> Floats:
@@ -75,13 +77,12 @@ def springs(rng: np.random.Generator) -> Iterator[Function]:
 
 def ranges(rng: np.random.Generator) -> Iterator[Function]:
     lower, upper = -rng.uniform(0.5, 3, 6), rng.uniform(0.5, 3, 6)
-    typed = feedback_type(POTENTIALS["range"], "configuration", 6)
-    law = build(controller("range", typed), Body(lower, upper))
+    law = between(lower, upper)
 
     def at(q: Floats) -> tuple[float, Floats]:
         if ((q < lower) | (q > upper)).any():
             raise SignalError("beyond a limit")
-        evaluation = law.evaluate(Signal("feedback", q, np.eye(6)), None)
+        evaluation = evaluate(law, Signal(q, np.eye(6)))
         return evaluation.phi, gradient("range", evaluation)
 
     inner = 0.05 * (upper - lower)
@@ -98,7 +99,7 @@ def chains(rng: np.random.Generator) -> Iterator[Function]:
         chain = Chain.random(joints, rng)
 
         def at(q: Floats) -> tuple[float, Floats]:
-            evaluation = Manipulability().evaluate(with_curvature(chain, q), None)  # noqa: B023
+            evaluation = evaluate(of_jacobian(3, len(q)), bent(chain, q))  # noqa: B023
             return evaluation.phi, evaluation.jacobian[0]
 
         scale = max(-at(q)[0] for q in rng.uniform(-3, 3, (30, joints)))
@@ -119,8 +120,9 @@ def sights(rng: np.random.Generator) -> Iterator[Function]:
     """Lines of sight that nearly meet, ahead of the cameras."""
 
     def at(angles: Floats) -> tuple[float, Floats]:
-        signal = Signal("cameras", angles, np.eye(4))
-        evaluation = Localizability(CAMERAS).evaluate(signal, None)
+        evaluation = evaluate(seen_by(CAMERAS), Signal(angles, np.eye(4)))
+        if math.isnan(evaluation.phi):
+            raise SignalError("the lines of sight do not meet")
         return evaluation.phi, evaluation.jacobian[0]
 
     def draw() -> Floats:
@@ -268,10 +270,9 @@ def flat(chain: Chain, coupling: Floats) -> Callable[[Floats], tuple[float, Floa
     """Manipulability in the plane of a chain whose joints follow actuated ones."""
 
     def at(q: Floats) -> tuple[float, Floats]:
-        tip = with_curvature(chain, coupling @ q)
-        assert tip.curvature is not None
-        rows, bent = tip.jacobian[:2] @ coupling, coupling.T @ tip.curvature[:2] @ coupling
-        evaluation = Manipulability().evaluate(Signal("tip", tip.value[:2], rows, bent), None)
+        jacobian, curvature = curved(chain, coupling @ q)
+        rows, change = jacobian[:2] @ coupling, coupling.T @ curvature[:2] @ coupling
+        evaluation = evaluate(of_jacobian(*rows.shape), manipulator(rows, change))
         return evaluation.phi, evaluation.jacobian[0]
 
     return at
@@ -305,17 +306,14 @@ def manipulability_morse(rng: np.random.Generator) -> None:
 
 def at_point(point: Floats) -> tuple[float, Floats]:
     """Localizability as a function of the seen point."""
-    signal = Signal("cameras", headings(CAMERAS, point), np.eye(4))
-    phi = Localizability(CAMERAS).evaluate(signal, None).phi
+    phi = evaluate(seen_by(CAMERAS), Signal(headings(CAMERAS, point), np.eye(4))).phi
     return phi, np.array([slope_along(point, axis) for axis in np.eye(3)])
 
 
 def slope_along(point: Floats, axis: Floats) -> float:
     small = 1e-6
     ahead, behind = (
-        Localizability(CAMERAS)
-        .evaluate(Signal("cameras", headings(CAMERAS, point + way * axis), np.eye(4)), None)
-        .phi
+        evaluate(seen_by(CAMERAS), Signal(headings(CAMERAS, point + way * axis), np.eye(4))).phi
         for way in (small, -small)
     )
     return (ahead - behind) / (2 * small)
@@ -381,10 +379,9 @@ def test_manipulability_is_analytic_only_away_from_singularities() -> None:
 
 def test_rotations_by_half_a_turn_are_left_out() -> None:
     """There the shortest way back changes its side, and the gradient with it."""
-    typed = feedback_type(POTENTIALS["spring"], "orientation", 1)
-    law = build(controller("spring", typed), Body(np.zeros(1), np.zeros(1)))
+    law = spring("orientation", 3)
     before, after = (
-        law.evaluate(Signal("tip", exp(np.array([0, 0, angle])), np.eye(3)), np.eye(3))
+        evaluate(law, Signal(exp(np.array([0, 0, angle])), np.eye(3)), np.eye(3))
         for angle in (np.pi - 1e-6, np.pi + 1e-6)
     )
     assert before.phi == pytest.approx(after.phi)

@@ -14,8 +14,9 @@ from cbdsl.control.field import HarmonicField
 from cbdsl.control.grid import Grid
 from cbdsl.control.harmonic import Harmonic
 from cbdsl.control.obstacle import Obstacle
-from cbdsl.control.signal import Floats, Signal
+from cbdsl.control.signal import Floats
 from cbdsl.types.potential import POTENTIALS, Condition
+from tests.control.test_harmonic import prepared
 
 LOWER, UPPER = -np.ones(2), np.ones(2)
 GOAL = np.array([-0.5, 0.0])
@@ -51,12 +52,11 @@ def analytic(rng: np.random.Generator) -> None:
 
 def polar(rng: np.random.Generator) -> None:
     """Every way down ends at the goal."""
-    potential = Harmonic(LOWER, UPPER, spacing=0.05, scale=0.05)
+    potential = Harmonic(LOWER, UPPER, spacing=0.05, scale=0.05).potential
     for _ in range(8):
         point = free(rng, 0.1)
         for _ in range(300):
-            signal = Signal("tip", point, np.eye(2), obstacles=OBSTACLES)
-            point = point + potential.evaluate(signal, GOAL).step
+            point = point + prepared(potential, point, GOAL, OBSTACLES).step
         np.testing.assert_allclose(point, GOAL, atol=1e-3)
 
 
@@ -112,7 +112,7 @@ def test_claims_are_those_that_hold(condition: str, rng: np.random.Generator) ->
 
 def test_displacements_are_bounded_where_the_gradient_is_not(rng: np.random.Generator) -> None:
     """Which is why the gradient gives only their direction (Eq 7.1)."""
-    potential = Harmonic(LOWER, UPPER, spacing=0.05, scale=0.05)
+    potential = Harmonic(LOWER, UPPER, spacing=0.05, scale=0.05).potential
     for _ in range(50):
-        signal = Signal("tip", free(rng, 0.02), np.eye(2), obstacles=OBSTACLES)
-        assert np.linalg.norm(potential.evaluate(signal, GOAL).residual) <= 0.05 + 1e-12
+        found = prepared(potential, free(rng, 0.02), GOAL, OBSTACLES)
+        assert np.linalg.norm(found.residual) <= 0.05 + 1e-12

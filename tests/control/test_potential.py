@@ -8,20 +8,20 @@ from typing import NamedTuple
 import numpy as np
 import pytest
 
-from cbdsl.control.body import Body
 from cbdsl.control.registry import build
-from cbdsl.control.signal import Floats, Signal
+from cbdsl.control.setting import Setting
+from cbdsl.control.signal import Floats
 from cbdsl.documents.robot import RobotDocument
+from cbdsl.robot.resources import resources
 from cbdsl.sensing.camera import heading, sighting_jacobian
 from cbdsl.sensing.kinematics import Frame, Kinematics
-from cbdsl.sensing.reading import Reading, mean
-from cbdsl.sensing.tips import Tips
+from cbdsl.sensing.signals import Signals
 from cbdsl.types.potential import POTENTIALS
-from cbdsl.types.resource import Tip
 from cbdsl.types.resource_type import HEADING, TYPES, ResourceType, configuration
 from cbdsl.yaml_text.library import Library
 from tests.conftest import ROOT
-from tests.control.test_registry import controller, gradient
+from tests.control.evaluation import Signal, evaluate, gradient
+from tests.control.test_registry import controller
 
 LIBRARY = Library(ROOT)
 ROBOTS = {
@@ -41,8 +41,13 @@ class Case(NamedTuple):
 
 
 @cache
+def signals(robot: str) -> Signals:
+    document = ROBOTS[robot]
+    return Signals(document, Kinematics(document, ROOT / "robots" / document.model), ())
+
+
 def kinematics(robot: str) -> Kinematics:
-    return Kinematics(ROBOTS[robot], ROOT / "robots" / ROBOTS[robot].model)
+    return signals(robot).kinematics
 
 
 def cases() -> list[Case]:
@@ -77,28 +82,30 @@ CASES = cases()
 def measure(case: Case, q: Floats, anchor: Floats) -> Signal:
     model, robot = kinematics(case.robot), ROBOTS[case.robot]
     model.update(q)
-    reader = Tips(robot, model)
-    if case.part == "configuration":
-        own = model.joints.of(case.effector)
-        return Signal("configuration", q[own], np.eye(len(q))[own])
-    if case.potential == "manipulability":
-        return signal(reader.manipulator(case.effector, case.part))
     if case.potential == "localizability":
         return sighting(case, anchor)
-    return signal(reader.read(Tip(case.effector, case.part)))
+    table = signals(case.robot)
+    if case.potential == "manipulability":
+        row = table.bind_manipulator(case.effector, case.part, robot.joints(case.effector))
+        found = table.reading(row)
+    else:
+        name = case.effector
+        if case.part != "configuration":
+            name = f"{name}.{case.part}"
+        found = table.read(resources(robot)[name])
+    assert found is not None
+    assert found.jacobian is not None
+    return Signal(found.value, found.jacobian)
 
 
-def signal(reading: Reading) -> Signal:
-    return Signal("tip", reading.value, reading.jacobian, reading.curvature)
-
-
-def carried(case: Case) -> Reading:
+def carried(case: Case) -> Signal:
     """Where what an effector or a group holds would move with it."""
-    model, robot = kinematics(case.robot), ROBOTS[case.robot]
-    reader = Tips(robot, model)
-    centre = mean([reader.position(arm) for arm in robot.members(case.effector)])
-    share = float(case.part == "held")
-    return Reading(share * centre.value, share * centre.jacobian, 0)
+    tips, share = signals(case.robot).tips, float(case.part == "held")
+    points = [tips.point(arm) for arm in ROBOTS[case.robot].members(case.effector)]
+    return Signal(
+        share * np.mean([point.position for point in points], axis=0),
+        share * np.mean([point.jacobian[:3] for point in points], axis=0),
+    )
 
 
 def cameras(case: Case) -> list[Frame]:
@@ -115,7 +122,7 @@ def sighting(case: Case, anchor: Floats) -> Signal:
         passing = carrier.jacobian - moves[:3] - np.cross(moves[3:].T, sight).T
         values.append(heading(frame.rotation.T @ sight))
         rows.append(sighting_jacobian(frame.rotation.T @ sight) @ frame.rotation.T @ passing)
-    return Signal("cameras", np.concatenate(values), np.vstack(rows))
+    return Signal(np.concatenate(values), np.vstack(rows))
 
 
 def ahead(case: Case, q: Floats, rng: np.random.Generator) -> Floats:
@@ -137,8 +144,8 @@ def feedback(case: Case) -> ResourceType:
     return TYPES[case.part].times(len(robot.members(case.effector)))
 
 
-def body(case: Case) -> Body:
-    model = kinematics(case.robot)
+def setting(case: Case) -> Setting:
+    model, robot = kinematics(case.robot), ROBOTS[case.robot]
     own = model.joints.of(case.effector)
     frames = cameras(case)
     relative = [
@@ -148,22 +155,24 @@ def body(case: Case) -> Body:
         )
         for frame in frames
     ]
-    return Body(model.lower[own], model.upper[own], tuple(relative))
+    rows = {"position": 3, "pose": 6}.get(case.part, 0)
+    components = rows * len(robot.members(case.effector)) * len(robot.joints(case.effector))
+    return Setting(model.lower[own], model.upper[own], components, tuple(relative))
 
 
 @pytest.mark.parametrize("case", CASES, ids=lambda case: "-".join(case))
 def test_gradient_equals_finite_differences(case: Case, rng: np.random.Generator) -> None:
     model = kinematics(case.robot)
-    law = build(controller(case.potential, feedback(case)), body(case))
+    law = build(controller(case.potential, feedback(case)), setting(case))
     for q, goal in rng.uniform(model.lower, model.upper, (3, 2, len(model.joints))):
         anchor = ahead(case, q, rng)
         reference = None
         if POTENTIALS[case.potential].reference:
             reference = measure(case, goal, anchor).value
-        here = law.evaluate(measure(case, q, anchor), reference)
+        here = evaluate(law, measure(case, q, anchor), reference)
         slopes = [
-            law.evaluate(measure(case, q + step, anchor), reference).phi
-            - law.evaluate(measure(case, q - step, anchor), reference).phi
+            evaluate(law, measure(case, q + step, anchor), reference).phi
+            - evaluate(law, measure(case, q - step, anchor), reference).phi
             for step in SMALL * np.eye(len(q))
         ]
         np.testing.assert_allclose(

@@ -10,13 +10,43 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from cbdsl.control.predicate import Predicate, QuiescenceMonitor
+from cbdsl.control.predicate import (
+    PREDICATE,
+    PREDICATES,
+    ROOM,
+    Predicate,
+    note,
+    note_undefined,
+    reset,
+    restart,
+    room_of,
+    settings_of,
+)
 
 TICK = 1 / 120
 IMAGE = 8  # ticks per image at 15 Hz
 
 
-def watch(monitor: QuiescenceMonitor, values: Sequence[float], fresh: Callable[[int], bool]) -> str:
+class Monitor:
+    """What a slot of the plan keeps of one potential."""
+
+    def __init__(self, rate: float, window: float, period: float) -> None:
+        self.settings = settings_of(rate, window, period)
+        self.window = np.zeros(room_of(self.settings))
+        self.notes = np.zeros(6, dtype=np.int64)
+        self.notes[ROOM] = len(self.window)
+        reset(self.notes)
+
+    def update(self, phi: float, stamp: int) -> str:
+        note(phi, stamp, self.settings, self.window, self.notes)
+        return self.predicate
+
+    @property
+    def predicate(self) -> str:
+        return str(PREDICATES[self.notes[PREDICATE]])
+
+
+def watch(monitor: Monitor, values: Sequence[float], fresh: Callable[[int], bool]) -> str:
     """States for values in ticks, some of which bring a measurement with a stamp of its own."""
     stamps = np.cumsum([fresh(tick) for tick, _ in enumerate(values)])
     return "".join(
@@ -37,41 +67,41 @@ def test_states_are_strings() -> None:
 
 
 def test_rest_needs_a_full_window() -> None:
-    monitor = QuiescenceMonitor(rate=1e-4, window=0.25, period=TICK)
+    monitor = Monitor(rate=1e-4, window=0.25, period=TICK)
     assert watch(monitor, [2.0] * 40, every_tick) == "0" * 30 + "1" * 10
 
 
 @given(slope=st.floats(0.01, 100), excess=st.sampled_from([0.9, 1.1]))
 def test_threshold_is_a_rate(slope: float, excess: float) -> None:
-    monitor = QuiescenceMonitor(rate=slope / excess, window=0.25, period=TICK)
+    monitor = Monitor(rate=slope / excess, window=0.25, period=TICK)
     ramp = [10 - slope * tick * TICK for tick in range(60)]
     assert watch(monitor, ramp, every_tick)[-20:] == ("1" if excess < 1 else "0") * 20
 
 
 def test_a_decaying_potential_comes_to_rest_once() -> None:
-    monitor = QuiescenceMonitor(rate=1e-3, window=0.3, period=TICK)
+    monitor = Monitor(rate=1e-3, window=0.3, period=TICK)
     states = watch(monitor, [math.exp(-4 * tick * TICK) for tick in range(600)], every_tick)
     assert states.strip("1").strip("0") == ""
     assert states.endswith("1")
 
 
-def test_what_is_unsettled_rests_after_another_window() -> None:
-    monitor = QuiescenceMonitor(rate=1e-4, window=0.25, period=TICK)
+def test_what_is_restarted_rests_after_another_window() -> None:
+    monitor = Monitor(rate=1e-4, window=0.25, period=TICK)
     watch(monitor, [2.0] * 40, every_tick)
-    monitor.unsettle()
+    restart(monitor.notes)
     assert monitor.predicate == "0"
     assert watch(monitor, [2.0] * 40, every_tick) == "0" * 30 + "1" * 10
 
 
-def test_what_is_unsettled_while_undefined_stays_so() -> None:
-    monitor = QuiescenceMonitor(rate=1e-4, window=0.25, period=TICK)
-    monitor.undefined()
-    monitor.unsettle()
+def test_what_is_restarted_while_undefined_stays_so() -> None:
+    monitor = Monitor(rate=1e-4, window=0.25, period=TICK)
+    note_undefined(monitor.notes)
+    restart(monitor.notes)
     assert monitor.predicate == "-"
 
 
 def test_a_disturbance_ends_the_rest() -> None:
-    monitor = QuiescenceMonitor(rate=1e-3, window=0.1, period=TICK)
+    monitor = Monitor(rate=1e-3, window=0.1, period=TICK)
     states = watch(monitor, [0.0] * 20 + [0.5] * 20, every_tick)
     assert states[19] == "1"
     assert states[20:32] == "0" * 12
@@ -82,28 +112,28 @@ def test_a_potential_repeated_between_images_is_not_at_rest() -> None:
     """The potential falls with every image; between images it only looks constant."""
     window = 0.05  # shorter than the 66.7 ms between two images
     falling = [1.0 / (1 + tick // IMAGE) for tick in range(IMAGE * 12)]
-    assert "1" in watch(QuiescenceMonitor(1e-3, window, TICK), falling, every_tick)
-    assert "1" not in watch(QuiescenceMonitor(1e-3, window, TICK), falling, every_image)
+    assert "1" in watch(Monitor(1e-3, window, TICK), falling, every_tick)
+    assert "1" not in watch(Monitor(1e-3, window, TICK), falling, every_image)
 
 
 def test_rest_over_images_is_counted_in_time() -> None:
     window = 0.2  # three images
-    states = watch(QuiescenceMonitor(1e-3, window, TICK), [0.3] * (IMAGE * 6), every_image)
+    states = watch(Monitor(1e-3, window, TICK), [0.3] * (IMAGE * 6), every_image)
     assert states == "0" * (3 * IMAGE) + "1" * (3 * IMAGE)
 
 
 def test_undefined_forgets_and_says_so() -> None:
-    monitor = QuiescenceMonitor(rate=1e-3, window=0.1, period=TICK)
+    monitor = Monitor(rate=1e-3, window=0.1, period=TICK)
     assert watch(monitor, [0.0] * 20, every_tick)[-1] == "1"
-    monitor.undefined()
+    note_undefined(monitor.notes)
     assert monitor.predicate == Predicate.UNDEFINED
     assert watch(monitor, [0.0] * 13, every_tick) == "0" * 12 + "1"
 
 
 def test_reset_forgets() -> None:
-    monitor = QuiescenceMonitor(rate=1e-3, window=0.1, period=TICK)
+    monitor = Monitor(rate=1e-3, window=0.1, period=TICK)
     watch(monitor, [0.0] * 20, every_tick)
-    monitor.reset()
+    reset(monitor.notes)
     assert monitor.predicate == Predicate.INACTIVE
     assert monitor.update(0.0, -1) == Predicate.TRANSIENT  # nothing was measured
     assert watch(monitor, [0.0] * 13, every_tick) == "0" * 12 + "1"
@@ -112,4 +142,4 @@ def test_reset_forgets() -> None:
 @pytest.mark.parametrize(("rate", "window"), [(0, 1), (1, 0), (-1, 1), (math.nan, 1)])
 def test_rate_and_window_are_positive(rate: float, window: float) -> None:
     with pytest.raises(ValueError, match="positive"):
-        QuiescenceMonitor(rate, window, TICK)
+        Monitor(rate, window, TICK)

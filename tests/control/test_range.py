@@ -5,21 +5,21 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from cbdsl.control.range import Range
-from cbdsl.control.signal import Signal
+from cbdsl.control.range import between
+from tests.control.evaluation import Signal, evaluate
 
 
 def test_equals_the_cosine_field(rng: np.random.Generator) -> None:
     lower, upper = -rng.uniform(0.5, 3, 7), rng.uniform(0.5, 3, 7)
     for q in rng.uniform(lower, upper, (50, 7)):
         angles = np.pi * (q - (lower + upper) / 2) / (upper - lower)
-        phi = Range(lower, upper).evaluate(Signal("arm", q, np.eye(7)), None).phi
+        phi = evaluate(between(lower, upper), Signal(q, np.eye(7))).phi
         assert phi == pytest.approx(7 - np.cos(angles).sum(), abs=1e-14)
 
 
 def test_rows_keep_their_rank_at_the_centre() -> None:
     lower, upper = -np.ones(5), np.full(5, 2.0)
-    evaluation = Range(lower, upper).evaluate(Signal("arm", np.full(5, 0.5), np.eye(5)), None)
+    evaluation = evaluate(between(lower, upper), Signal(np.full(5, 0.5), np.eye(5)))
     assert evaluation.phi == 0.0
     assert np.linalg.matrix_rank(evaluation.jacobian) == 5
 
@@ -27,4 +27,4 @@ def test_rows_keep_their_rank_at_the_centre() -> None:
 @pytest.mark.parametrize("upper", [np.inf, -1.0, np.nan])
 def test_needs_a_range(upper: float) -> None:
     with pytest.raises(ValueError, match="finite joint limits"):
-        Range(-np.ones(2), np.array([1.0, upper]))
+        between(-np.ones(2), np.array([1.0, upper]))

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from cbdsl.control.level import Level
-from cbdsl.control.stack import Stack
+from cbdsl.control.stack import TICKS, Stack
 
 
 def level(name: str, number: float, rows: int) -> Level:
@@ -26,10 +26,11 @@ def test_what_rested_begins_anew() -> None:
     """A level that comes back has no past, whatever its neighbours have."""
     stack = Stack([("high", 2), ("low", 1)], 3)
     for tick in range(5):
-        stack.turn()
+        # The next of three ticks, as ``tick`` begins it.
+        stack.clock[0] = (stack.newest + 1) % TICKS
         stack.put(0, level("high", float(tick), 2))
         if tick == 3:
-            stack.rest(1)
+            stack.ages[1] = 0
         else:
             stack.put(1, level("low", float(tick * tick), 1))
     assert stack.ages.tolist() == [3, 1]

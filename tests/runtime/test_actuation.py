@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from cbdsl.control.plan import ControllerPlan
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.program.checked import CheckedProgram
 from cbdsl.runtime.actuation import Actuation
@@ -16,7 +17,6 @@ from cbdsl.runtime.program_run import ProgramRun
 from cbdsl.sensing.kinematics import Kinematics
 from cbdsl.sensing.observation import Observation
 from cbdsl.sensing.signals import Signals
-from cbdsl.types.resource import Tip as TipSource
 from tests.conftest import Checked
 from tests.runtime.conftest import Play, Played, on_table
 
@@ -83,17 +83,19 @@ def test_the_same_controllers_beside_others_are_another_composition(
     """Who seeks once another has arrived must not ask one that it does not act with."""
     program = checked("reachtouch")
     signals = Signals(dexter, Kinematics(dexter, urdf), resources_of(program))
-    run = ProgramRun(program, signals, 1 / 60)
+    plan = ControllerPlan()
+    run = ProgramRun(program, signals, plan, 1 / 60)
     run.begin(np.random.default_rng(0), lambda transition: None)
     run.activate()
     together = run.active()
     alone = tuple(item._replace(peers={}) for item in together)
-    actuation = Actuation(dexter, signals, 1 / 60)
+    actuation = Actuation(dexter, signals, plan, 1 / 60)
     actuation.reset(np.zeros(len(signals.joints)))
-    found = [actuation._composition(active) for active in (together, alone, together)]
+    found = [actuation._batch(active) for active in (together, alone, together)]
     assert found[0].runs == found[1].runs
     assert found[0] is found[2] is not found[1]
-    assert [item.peers for item in found[1].active] == [{}] * len(alone)
+    assert (found[0].acting[:, 1:] >= 0).any()
+    assert (found[1].acting[:, 1:] == -1).all()
 
 
 @pytest.mark.parametrize(("angle", "end"), [(1.7, "upper"), (-1.7, "lower")])
@@ -150,11 +152,10 @@ def test_a_hand_stays_where_it_is_while_its_arm_turns_below_it(
     positions[own] = dexter.effectors["right_arm"].postures["ready"]
     inside = kinematics.lower[own] + 0.05, kinematics.upper[own] - 0.05
     goals = np.random.default_rng(seed).uniform(*inside).tolist()
-    hand = TipSource("right_arm", "position")
 
     def place(positions: np.ndarray) -> np.ndarray:
         kinematics.update(positions)
-        return signals.tips.tip(hand, 0.0).value
+        return signals.tips.point("right_arm").position
 
     goal = place(positions)
     program = written(
@@ -167,10 +168,11 @@ def test_a_hand_stays_where_it_is_while_its_arm_turns_below_it(
         "actions: [held]\npolicy: {X: held}\n"
     )
     period = 1 / dexter.control.rate
-    run = ProgramRun(program, signals, period)
+    plan = ControllerPlan()
+    run = ProgramRun(program, signals, plan, period)
     run.begin(np.random.default_rng(0), lambda transition: None)
     run.activate()
-    actuation = Actuation(dexter, signals, period)
+    actuation = Actuation(dexter, signals, plan, period)
     actuation.reset(positions)
     loads = {
         (name, finger): np.zeros(6) for name, cells in dexter.load_cells.items() for finger in cells

@@ -11,15 +11,16 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from cbdsl.control.crew import Crew, gather
 from cbdsl.control.level import Level
-from cbdsl.control.stack import Stack
+from cbdsl.control.plan import ControllerPlan
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.program.checked import CheckedProgram
 from cbdsl.program.controller import Controller, Literal
 from cbdsl.robot.resources import resources
+from cbdsl.runtime.actuation import Actuation
 from cbdsl.runtime.controller_run import ControllerRun
 from cbdsl.runtime.episode import resources_of
+from cbdsl.runtime.program_run import Active
 from cbdsl.sensing.kinematics import Kinematics
 from cbdsl.sensing.signals import Signals
 from cbdsl.types.resource import NetForces, Tip
@@ -61,39 +62,32 @@ def look_at(ball: Ball | None, signals: Signals, backend: SyntheticBackend) -> N
     signals.update(backend.observe())
 
 
-def evaluate(run: ControllerRun) -> Floats | None:
-    """One tick; the wanted displacement of the task coordinates."""
-    level = level_of(run, 24)
-    return None if level is None else level.velocity
+class Started:
+    """A controller that acts by itself, with what it acts through."""
 
+    def __init__(self, robot: RobotDocument, controller: Controller, signals: Signals) -> None:
+        plan = ControllerPlan()
+        self.run = ControllerRun(controller, signals, plan, PERIOD)
+        self._signals, self._active = signals, (Active(self.run, {}),)
+        self._actuation = Actuation(robot, signals, plan, PERIOD)
+        self._actuation.reset(signals.positions)
+        self.run.begin(np.random.default_rng(3))
+        self.run.activate()
 
-def level_of(run: ControllerRun, joints: int) -> Level | None:
-    """One tick in a composition of all joints."""
-    stack = Stack([(run.controller.name, run.size)], joints)
-    columns = np.where(np.isin(np.arange(joints), run.own), np.arange(joints), -1)
-    gather([run.member])
-    crew = Crew([run.member], stack, columns[None])
-    run.join(stack, 0, columns)
-    if not run.sense({}):
-        return None
-    signals = run._signals
-    if crew.act(0, 1, signals.positions, signals.tips.stamp) < 1:
-        run.evaluate()
-    return stack.midway()[0]
+    def tick(self) -> Level | None:
+        """What it wants in one tick; nothing that follows from it is done."""
+        self._actuation.reference[:] = self._signals.positions
+        self._actuation.move(self._active)
+        step = self._actuation.step
+        return None if step is None else step.levels[0]
 
 
 @pytest.fixture
-def start(signals: Signals) -> Callable[[Controller], ControllerRun]:
-    def activated(controller: Controller) -> ControllerRun:
-        run = ControllerRun(controller, signals, PERIOD)
-        run.begin(np.random.default_rng(3))
-        run.activate()
-        return run
-
-    return activated
+def start(dexter: RobotDocument, signals: Signals) -> Callable[[Controller], Started]:
+    return lambda controller: Started(dexter, controller, signals)
 
 
-Start = Callable[[Controller], ControllerRun]
+Start = Callable[[Controller], Started]
 
 
 def approach_of(program: CheckedProgram) -> Controller:
@@ -112,8 +106,9 @@ def test_the_standoff_grows_with_what_is_seen_between_its_bounds(
     camera = signals.kinematics.frame("left_camera")
     look_at(Ball(camera.position + 1.8 * camera.rotation[:, 0], radius), signals, backend)
     approach = replace(approach_of(reachtouch), funnel=None)
-    run = start(approach)
-    evaluate(run)
+    started = start(approach)
+    run = started.run
+    started.tick()
     palm = signals.kinematics.frame("right_palm")
     tip = palm.position + palm.rotation @ np.array([0, -0.006, 0])
     assert approach.standoff is not None
@@ -135,13 +130,15 @@ def test_a_funnel_leads_to_its_reference_from_above(
     assert funnel is not None
     source = approach.feedback.source
     assert isinstance(source, Tip)
-    here = signals.tips.tip(source, 0.0).value
+    here = signals.tips.point(source.effector).position
     signals.vision.memories["sat_10"].position = here + np.array([lateral, 0, -0.05])
-    run = start(approach)
-    velocity = evaluate(run)
+    started = start(approach)
+    run = started.run
+    level = started.tick()
     height = min(max(funnel.slope * (lateral - funnel.within), 0.0), funnel.height)
     wanted = np.array([lateral, 0, height - 0.05])
-    assert velocity is not None
+    assert level is not None
+    velocity = level.velocity
     assert velocity / np.linalg.norm(velocity) == pytest.approx(wanted / np.linalg.norm(wanted))
     # What it is raised to is not what it is after.
     assert run.error == pytest.approx(math.hypot(lateral, 0.05))
@@ -150,20 +147,21 @@ def test_a_funnel_leads_to_its_reference_from_above(
 def test_a_sample_is_kept_until_it_was_reached(
     checked: Checked, signals: Signals, backend: SyntheticBackend, start: Start
 ) -> None:
-    run = start(checked("searchtrack").primitives["search"].lead)
-    evaluate(run)
+    started = start(checked("searchtrack").primitives["search"].lead)
+    run = started.run
+    started.tick()
     first = run.error
     for _ in range(3):
         run.activate()
-        evaluate(run)
+        started.tick()
         assert run.error == first
     # Nothing moves, so that it comes to rest.
     for _ in range(30):
         signals.update(backend.observe())
-        evaluate(run)
+        started.tick()
     assert run.predicate == "1"
     run.activate()
-    evaluate(run)
+    started.tick()
     assert run.predicate == "0"
     assert run.error != first
 
@@ -174,9 +172,10 @@ def test_samples_lie_within_the_joint_limits_and_differ(
     search = checked("searchtrack").primitives["search"].lead
     errors = []
     for _ in range(20):
-        run = start(search)
+        started = start(search)
+        run = started.run
         for _ in range(3):
-            evaluate(run)
+            started.tick()
             errors.append(run.error)
             run.predicate = "1"
             run.activate()
@@ -193,8 +192,9 @@ def test_a_literal_orientation_is_a_rotation_vector(
 ) -> None:
     """The palm is to look down; how far it is from that, is how far its normal is."""
     orient = reachtouch.primitives["reach"].controllers[1]
-    run = start(orient)
-    evaluate(run)
+    started = start(orient)
+    run = started.run
+    started.tick()
     normal = signals.kinematics.frame("right_palm").rotation[:, 2]
     assert run.error == pytest.approx(math.acos(np.clip(-normal[2], -1, 1)), abs=1e-6)
 
@@ -211,8 +211,9 @@ def test_a_literal_pose_is_a_position_and_a_rotation_vector(
         standoff=None,
         funnel=None,
     )
-    run = start(controller)
-    evaluate(run)
+    started = start(controller)
+    run = started.run
+    started.tick()
     found = signals.read(pose)
     assert found is not None
     quarter = np.array([[0, -1, 0], [1, 0, 0], [0, 0, 1]])
@@ -232,14 +233,15 @@ def test_it_has_settled_within_a_share_of_its_reference(
 ) -> None:
     """Fingers that feel ``share`` of what they are to feel miss ``1 - share`` of it."""
     touch = reachtouch.primitives["touch"].lead
-    run = start(touch)
+    started = start(touch)
+    run = started.run
     forces = 2.0 * share * signals.touch.shares("right_hand")
     cells = dexter.load_cells["right_hand"].items()
     for force, (finger, cell) in zip(forces, cells, strict=True):
         normal = signals.kinematics.frame(cell.link).rotation @ np.array(cell.normal)
         backend.world.broken["right_hand", finger] = np.r_[force * normal, np.zeros(3)]
     signals.update(backend.observe())
-    evaluate(run)
+    started.tick()
     if share == 0.0:
         assert run.predicate == "-"
         assert not run.settled
@@ -259,8 +261,9 @@ def test_it_has_settled_within_its_tolerance(
     approach = approach_of(reachtouch)
     quiescence = approach.quiescence._replace(tolerance=tolerance)
     signals.vision.memories["sat_10"].position = np.array([0.5, -0.2, -0.3])
-    run = start(replace(approach, quiescence=quiescence))
-    evaluate(run)
+    started = start(replace(approach, quiescence=quiescence))
+    run = started.run
+    started.tick()
     assert 0.01 < run.error < 10.0
     assert run.settled == (tolerance == 10.0)
 
@@ -269,8 +272,9 @@ def test_without_a_reference_it_is_undefined_and_wants_nothing(
     reachtouch: CheckedProgram, signals: Signals, backend: SyntheticBackend, start: Start
 ) -> None:
     look_at(None, signals, backend)
-    run = start(approach_of(reachtouch))
-    assert evaluate(run) is None
+    started = start(approach_of(reachtouch))
+    run = started.run
+    assert started.tick() is None
     assert (run.predicate, math.isnan(run.phi), math.isnan(run.error)) == ("-", True, True)
 
 
@@ -280,16 +284,28 @@ def test_joints_other_than_the_effectors_count_as_still(
     """Eq 3.21: fingers move the net forces of the hands too, but pressing is up to the arms."""
     squeeze = checked("bimanualgrab").primitives["squeeze"].lead
     assert isinstance(squeeze.feedback.source, NetForces)
-    signals = Signals(dexter, kinematics, [squeeze.feedback])
+    signals, plan = Signals(dexter, kinematics, [squeeze.feedback]), ControllerPlan()
     look_at(None, signals, backend)
-    run = ControllerRun(squeeze, signals, PERIOD)
-    run.begin(np.random.default_rng(0))
-    level = level_of(run, len(signals.joints))
-    assert level is not None
+    fingers = checked("reachtouch").primitives["touch"].lead
+    runs = [ControllerRun(each, signals, plan, PERIOD) for each in (squeeze, fingers)]
+    actuation = Actuation(dexter, signals, plan, PERIOD)
+    actuation.reset(signals.positions)
+    for hand, cells in dexter.load_cells.items():
+        for finger in cells:
+            backend.world.broken[hand, finger] = np.r_[2.0, 2.0, 2.0, np.zeros(3)]
+    signals.update(backend.observe())
+    for run in runs:
+        run.begin(np.random.default_rng(0))
+    actuation.move(tuple(Active(run, {}) for run in runs))
+    assert actuation.step is not None
+    level = actuation.step.levels[0]
     arms, hands = signals.joints.of("arms"), signals.joints.of("hands")
-    assert signals.touch.normal_forces(squeeze.feedback.source).jacobian[:, hands].any()
-    assert level.jacobian[:, arms].any()
-    assert not np.delete(level.jacobian, arms, axis=1).any()
+    assert signals.table.rows(runs[0].feedback)[:, hands].any()
+    (columns,) = np.nonzero(level.jacobian.any(axis=0))
+    moved = signals.joints.pick([*squeeze.joints, *fingers.joints])
+    assert set(moved[columns]) <= set(arms)
+    assert len(columns) > 7
+    assert set(actuation.step.levels[1].jacobian.any(axis=0).nonzero()[0]).isdisjoint(columns)
 
 
 def test_deactivated_it_is_as_good_as_new(
@@ -299,14 +315,16 @@ def test_deactivated_it_is_as_good_as_new(
     used, new = start(orient), start(orient)
     for _ in range(30):
         signals.update(backend.observe())
-        evaluate(used)
-    assert used.predicate == "1"
-    used.deactivate()
-    assert used.predicate == "X"
-    used.activate()
+        used.tick()
+    assert used.run.predicate == "1"
+    used.run.deactivate()
+    assert used.run.predicate == "X"
+    used.run.activate()
     for _ in range(3):
-        assert evaluate(used) == pytest.approx(evaluate(new))
-        assert (used.predicate, used.error) == (new.predicate, new.error)
+        ours, theirs = used.tick(), new.tick()
+        assert ours is not None and theirs is not None
+        assert ours.velocity == pytest.approx(theirs.velocity)
+        assert (used.run.predicate, used.run.error) == (new.run.predicate, new.run.error)
 
 
 def test_what_was_lost_is_approached_from_rest_again(
@@ -315,13 +333,14 @@ def test_what_was_lost_is_approached_from_rest_again(
     """Its speed before the loss says nothing about the robot's now."""
     approach = replace(approach_of(reachtouch), funnel=None, standoff=None)
     memory = signals.vision.memories["sat_10"]
-    run = start(approach)
+    started = start(approach)
+    run = started.run
     rates = []
     for tick in range(40):
         signals.update(replace(backend.observe(), images={}))
         memory.position = None if tick == 30 else TABLE_BALL
-        velocity = evaluate(run)
-        rates.append(0.0 if velocity is None else float(np.linalg.norm(velocity)))
+        level = started.tick()
+        rates.append(0.0 if level is None else float(np.linalg.norm(level.velocity)))
     assert approach.acceleration is not None
     step = approach.acceleration * PERIOD**2
     assert rates[29] > 5 * step

@@ -9,12 +9,12 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from cbdsl.control.localizability import Localizability
+from cbdsl.control.localizability import seen_by
 from cbdsl.control.rotation import exp
-from cbdsl.control.signal import Signal
 from cbdsl.sensing.camera import direction, heading, heading_jacobian, sighting_jacobian
 from cbdsl.sensing.kinematics import Frame
 from cbdsl.sensing.stereo import Ray, triangulate
+from tests.control.evaluation import Signal, evaluate
 
 Floats = NDArray[np.float64]
 Cameras = tuple[Frame, Frame]
@@ -77,8 +77,7 @@ def sightings(eyes: Cameras, at: Floats) -> Floats:
 
 def phi(eyes: Cameras, at: Floats) -> Floats:
     """Localizability of a position, shape (1,)."""
-    signal = Signal("cameras.int_10", headings(eyes, at), np.eye(4))
-    return np.array([Localizability(eyes).evaluate(signal, None).phi])
+    return np.array([evaluate(seen_by(eyes), Signal(headings(eyes, at), np.eye(4))).phi])
 
 
 def test_headings_change_with_the_cameras_rotation_as_their_jacobian_says(
@@ -118,7 +117,7 @@ def test_localizability_changes_with_the_position_as_its_gradient_by_the_heading
     """The gradient goes through the oculomotor Jacobian, and the headings' Jacobian back."""
     for _ in range(POINTS):
         eyes, at = cameras(rng), point(rng)
-        signal = Signal("cameras.int_10", headings(eyes, at), sightings(eyes, at))
-        gradient = Localizability(eyes).evaluate(signal, None).jacobian
+        signal = Signal(headings(eyes, at), sightings(eyes, at))
+        gradient = evaluate(seen_by(eyes), signal).jacobian
         found = slopes(partial(phi, eyes), at)
         np.testing.assert_allclose(gradient, found, rtol=1e-5, atol=2e-6)

@@ -131,12 +131,12 @@ def test_one_hand_holds_with_all_of_its_fingers(
     touching = [("right_hand", f"finger_{number + 1}") for number in range(fingers)]
     feel(dexter, signals, positions, 0.0)
     feel(dexter, signals, positions, 5.0, touching)
-    tip = signals.tips.position("right_arm").value
+    tip = signals.tips.point("right_arm").position
     see(dexter, signals, tip)
     positions = positions.copy()
     positions[signals.joints.of("right_arm")] += 0.05
     feel(dexter, signals, positions, 5.0, touching)
-    taken = signals.tips.position("right_arm").value
+    taken = signals.tips.point("right_arm").position
     assert np.linalg.norm(taken - tip) > 0.01
     remembered = signals.vision.memories[CHANNEL].position
     assert remembered == pytest.approx(taken if fingers == 3 else tip)

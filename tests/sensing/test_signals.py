@@ -5,6 +5,7 @@ from cbdsl.documents.robot import RobotDocument
 from cbdsl.robot.resources import resources
 from cbdsl.sensing.kinematics import Kinematics
 from cbdsl.sensing.observation import Observation
+from cbdsl.sensing.reading import Reading
 from cbdsl.sensing.signals import SensorError, Signals
 from cbdsl.types.resource import NetForces, Origin, Tip
 
@@ -82,14 +83,17 @@ def test_jacobians_of_moved_resources_by_finite_differences(
 def test_curvature_by_finite_differences(
     dexter: RobotDocument, signals: Signals, posture: np.ndarray, effector: str, part: str
 ) -> None:
+    """The Jacobian of a tip's Jacobian."""
+    row = signals.bind_manipulator(effector, part, dexter.joints(effector))
     signals.update(observe(dexter, posture))
-    here = signals.tips.manipulator(effector, part)
-    assert here.curvature is not None
+    here = signals.reading(row)
+    assert here is not None and here.jacobian is not None
     for column in range(len(posture)):
         signals.update(observe(dexter, posture + STEP * np.eye(len(posture))[column]))
-        there = signals.tips.manipulator(effector, part)
-        slope = (there.jacobian - here.jacobian) / STEP
-        assert here.curvature[:, :, column] == pytest.approx(slope, abs=1e-4)
+        there = signals.reading(row)
+        assert there is not None
+        slope = (there.value - here.value) / STEP
+        assert here.jacobian[:, column] == pytest.approx(slope, abs=1e-4)
 
 
 def test_a_load_follows_the_displacement_of_what_feels_it(
@@ -124,10 +128,15 @@ def test_a_hand_presses_along_its_palms_normal(
     source = resources(dexter)["hands.net_forces"].source
     assert isinstance(source, NetForces)
     signals.update(observe(dexter, posture))
-    assert signals.touch.normal_forces(source).value == pytest.approx([0, 0])
+    untouched = signals.touch.palm_forces(source)
+    assert untouched.value == pytest.approx([0, 0])
+    assert not untouched.measured
     signals.update(observe(dexter, posture, force=1.0))
     down = [float(-signals.tips.normal(arm)[2]) for arm in ("left_arm", "right_arm")]
-    assert signals.touch.normal_forces(source).value == pytest.approx(3.0 * np.array(down))
+    assert signals.touch.palm_forces(source).value == pytest.approx(3.0 * np.array(down))
+    found = signals.reading(signals.bind_normal_forces(source))
+    assert found is not None
+    assert found.value == pytest.approx(3.0 * np.array(down))
 
 
 def test_a_standoff_moves_the_control_point_along_the_tips_normal(
@@ -136,9 +145,15 @@ def test_a_standoff_moves_the_control_point_along_the_tips_normal(
     source = resources(dexter)["left_arm.position"].source
     assert isinstance(source, Tip)
     signals.update(observe(dexter, posture))
-    near, far = signals.tips.tip(source, 0.0), signals.tips.tip(source, 0.1)
+    ball = signals.bind_written(3)
+    near = signals.bind(resources(dexter)["left_arm.position"])
+    far = signals.bind_tip(source, ball, (0.03, 0.05, 0.12))
     normal = signals.kinematics.frame("left_palm").rotation[:, 2]
-    assert far.value - near.value == pytest.approx(0.1 * normal)
+    for radius, distance in ((0.0, 0.05), (0.07, 0.1), (0.2, 0.12)):
+        signals.table.write(ball, Reading(np.zeros(3), None, 0, radius))
+        found = [signals.reading(row) for row in (near, far)]
+        assert found[0] is not None and found[1] is not None
+        assert found[1].value - found[0].value == pytest.approx(distance * normal)
 
 
 def test_without_contact_force_signals_are_undefined(

@@ -1,0 +1,371 @@
+"""Slots in one compiled call do what evaluating, bounding and noting each by itself do."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import NamedTuple
+
+import numpy as np
+import pytest
+
+from cbdsl.control.law import Law, LawSettings, Step
+from cbdsl.control.manipulability import of_jacobian
+from cbdsl.control.plan import ControllerPlan, Search, SlotForm
+from cbdsl.control.potential import Potential, Rule, potential
+from cbdsl.control.predicate import PREDICATE, PREDICATES, settings_of
+from cbdsl.control.range import between
+from cbdsl.control.rate import bounds_of, displace
+from cbdsl.control.rotation import exp
+from cbdsl.control.signal import Floats
+from cbdsl.control.spring import spring
+from cbdsl.control.stack import Stack
+from cbdsl.control.tick import IDLE, MOVED, RESTED, SEARCH, TRACK, UNSOUND, tick
+from cbdsl.program.controller import Controller
+from cbdsl.sensing.forward import JOINT
+from cbdsl.sensing.reading import Reading
+from cbdsl.sensing.refresh import WRITTEN
+from cbdsl.sensing.table import Form, SignalTable
+from cbdsl.types.resource_type import FORCE, ORIENTATION, POSITION, ResourceType, configuration
+from tests.control.evaluation import Signal, evaluate
+from tests.control.test_predicate import Monitor
+from tests.control.test_rate import TICK, controller
+
+ALL = 9  # joints
+JOINTS = np.array([5, 2, 0, 3, 7])  # those that the slots move
+ROWS = 3
+SEARCHING = Search(False, math.inf, math.nan, ())
+
+
+class Case(NamedTuple):
+    """A potential, the controller that bounds it, and what else its slot has."""
+
+    potential: Potential
+    controller: Controller
+    funnel: Sequence[float] = (0.0, 0.0, 0.0)
+    search: Search | None = None
+    requires: bool = False
+
+    def value(self, rng: np.random.Generator) -> Floats:
+        """Of its feedback."""
+        if self.controller.feedback.type == ORIENTATION:
+            return exp(rng.normal(size=ROWS)).ravel()
+        return rng.normal(size=2 * ROWS if self.potential.rule == Rule.DESCENT else ROWS)
+
+    def reading(self, rng: np.random.Generator) -> Reading:
+        value = self.value(rng)
+        rows = ROWS if len(value) == ROWS * ROWS else len(value)
+        return Reading(value, rng.normal(size=(rows, ALL)), 0)
+
+
+def made(name: str, kind: ResourceType, **settings: float) -> Controller:
+    return replace(controller(kind, **settings), potential=name)
+
+
+#: Every way to be bounded, and every rule.
+CASES = [
+    Case(spring("position", 3), made("spring", POSITION)),
+    Case(spring("position", 3), made("spring", POSITION, speed=0.1, acceleration=1.5)),
+    Case(spring("configuration", 3), made("spring", configuration(3), speed=0.1)),
+    Case(spring("force", 3), made("spring", FORCE.times(3), speed=0.3)),
+    Case(spring("orientation", 3, "z"), made("spring", ORIENTATION, speed=0.4)),
+    Case(between(np.full(3, -3.0), np.full(3, 4.0)), made("range", configuration(3))),
+    Case(of_jacobian(2, 3), made("manipulability", configuration(3), speed=0.2)),
+]
+
+
+class Bench:
+    """Slots over rows that a test writes, highest priority first."""
+
+    def __init__(self, cases: Sequence[Case], rng: np.random.Generator) -> None:
+        self.cases, self.table, self.plan = cases, SignalTable(ALL), ControllerPlan()
+        self.feedback, self.reference, self.windows = [], [], rng.uniform(0.02, 0.1, len(cases))
+        for case, window in zip(cases, self.windows, strict=True):
+            drawn = case.reading(rng)
+            assert drawn.jacobian is not None
+            self.feedback.append(self.table.bind(Form(WRITTEN, len(drawn.value), len(drawn.jacobian))))
+            self.reference.append(self.table.bind(Form(WRITTEN, len(drawn.value), 0)))
+            self.plan.add(
+                SlotForm(
+                    case.potential, bounds_of(case.controller, TICK),
+                    settings_of(1e-3, window, TICK), self.feedback[-1], self.reference[-1],
+                    case.funnel, case.search, case.requires,
+                )  # fmt: skip
+            )
+        sizes = [(str(i), case.potential.size) for i, case in enumerate(cases)]
+        self.stack = Stack(sizes, len(JOINTS))
+        self.step = Step.of(self.stack)
+        mine = rng.random((len(cases), len(JOINTS))) < 0.7
+        self.columns = np.where(mine, JOINTS, -1)
+        self.acting = np.array([(slot, -1, -1) for slot in range(len(cases))])
+        self.positions, self.references = np.zeros(ALL), np.zeros(ALL)
+
+    def write(self, place: int, reading: Reading, reference: Floats | None, stamp: int = 0) -> None:
+        self.table.write(self.feedback[place], reading._replace(stamp=stamp))
+        if reference is not None:
+            self.table.write(self.reference[place], Reading(reference, None, 0))
+
+    def draw(self, rng: np.random.Generator, stamp: int = 0) -> None:
+        """Let everything be defined."""
+        for place, case in enumerate(self.cases):
+            self.write(place, case.reading(rng), case.value(rng), stamp)
+
+    def tick(self) -> int:
+        table, stack, step = self.table, self.stack, self.step
+        law = Law(np.full(5, -1e3), np.full(5, 1e3), LawSettings(joint_step=1e3))
+        return tick(
+            np.zeros(0, np.int64), np.zeros(1, np.int64), self.positions,
+            np.zeros((0, 6)), np.zeros(0, np.bool_),
+            table.records, table.parts, table.support, table.value, table.jacobian,
+            np.zeros(0, JOINT), np.zeros((1, 12)), np.zeros((0, 3)),
+            *self.plan.arrays, self.acting, self.columns,
+            stack.clock, stack.rows, stack.ages, stack.wanted, stack.ends,
+            self.references, JOINTS, *law.arrays,
+            step.displacement, step.locked, step.singular_values,
+        )  # fmt: skip
+
+    def predicates(self) -> str:
+        return "".join(PREDICATES[note] for note in self.plan.slots["notes"][:, PREDICATE])
+
+
+class Alone:
+    """One case in turn: evaluated, bounded and noted."""
+
+    def __init__(self, case: Case, window: float, columns: np.ndarray) -> None:
+        self.case, self.columns = case, columns
+        self.bounds = bounds_of(case.controller, TICK)
+        self.displacement = np.zeros(case.potential.size)
+        self.monitor = Monitor(1e-3, window, TICK)
+
+    def tick(self, reading: Reading, reference: Floats, stamp: int) -> tuple[float, float, Floats]:
+        """phi, error and rows."""
+        assert reading.jacobian is not None
+        jacobian = np.where(self.columns >= 0, reading.jacobian[:, self.columns], 0.0)
+        found = evaluate(self.case.potential, Signal(reading.value, jacobian), reference)
+        rows, scale = found.jacobian, 1.0
+        if self.case.potential.rule != Rule.RESIDUAL:
+            scale = 1.0 / float(np.linalg.norm(rows))
+        assert displace(
+            found.step.copy(), found.residual, scale * rows, scale, self.bounds, self.displacement
+        )
+        self.monitor.update(found.phi, stamp)
+        return found.phi, float(np.linalg.norm(found.residual)), scale * rows
+
+
+@pytest.fixture
+def bench(rng: np.random.Generator) -> Bench:
+    return Bench(CASES, rng)
+
+
+def test_together_they_do_what_each_does_by_itself(bench: Bench, rng: np.random.Generator) -> None:
+    alone = [
+        Alone(case, window, columns)
+        for case, window, columns in zip(CASES, bench.windows, bench.columns, strict=True)
+    ]
+    streams = [[case.reading(rng) for _ in range(8)] for case in CASES]
+    references = [case.value(rng) for case in CASES]
+    for now in range(30):
+        # From the eighth on nothing changes, and some come to rest.
+        readings = [stream[min(now, 7)] for stream in streams]
+        for place, reading in enumerate(readings):
+            bench.write(place, reading, references[place], stamp=now)
+        assert bench.tick() == MOVED
+        expected = [
+            one.tick(reading, reference, now)
+            for one, reading, reference in zip(alone, readings, references, strict=True)
+        ]
+        slots, stack = bench.plan.slots, bench.stack
+        np.testing.assert_allclose(slots["phi"], [phi for phi, _, _ in expected], rtol=1e-9)
+        np.testing.assert_allclose(slots["error"], [error for _, error, _ in expected], rtol=1e-9)
+        rows = np.vstack([rows for _, _, rows in expected])
+        np.testing.assert_allclose(stack.rows[stack.newest], rows, atol=1e-9)
+        wanted = np.concatenate([one.displacement for one in alone])
+        np.testing.assert_allclose(stack.wanted, wanted, atol=1e-12)
+        assert stack.ages.tolist() == [min(now + 1, 3)] * len(CASES)
+        assert bench.predicates() == "".join(one.monitor.predicate for one in alone)
+    assert set(bench.predicates()) == {"1"}
+
+
+def test_references_move_by_the_laws_displacement(bench: Bench, rng: np.random.Generator) -> None:
+    bench.draw(rng)
+    assert bench.tick() == MOVED
+    assert bench.step.displacement.any()
+    np.testing.assert_array_equal(bench.references[JOINTS], bench.step.displacement)
+    assert not np.delete(bench.references, JOINTS).any()
+
+
+def test_modes(rng: np.random.Generator) -> None:
+    """What is undefined is idle, or searches where there is something to move for."""
+    searching = [case._replace(search=SEARCHING) for case in CASES[:4]]
+    bench = Bench([CASES[0], *searching], rng)
+    for now in range(2):
+        bench.draw(rng, now)
+        bench.table.forget(bench.feedback[0])
+        bench.write(1, CASES[0].reading(rng)._replace(measured=now == 0), None, now)
+        bench.table.forget(bench.feedback[2])
+        bench.table.forget(bench.reference[3])
+        assert bench.tick() == MOVED
+    assert bench.plan.slots["mode"].tolist() == [IDLE, SEARCH, IDLE, IDLE, TRACK]
+    # What was defined and searches is as good as defined to those who require it.
+    assert bench.plan.slots["engaged"].tolist() == [False, True, False, False, True]
+    assert bench.stack.ages.tolist() == [0, 2, 0, 0, 2]
+    assert np.isfinite(bench.plan.slots["phi"]).tolist() == [False, False, False, False, True]
+    assert bench.predicates() == "----0"
+
+
+def test_what_no_joint_of_a_slot_changes_is_undefined(
+    bench: Bench, rng: np.random.Generator
+) -> None:
+    bench.draw(rng)
+    reading = CASES[0].reading(rng)
+    assert reading.jacobian is not None
+    reading.jacobian[:, bench.columns[0][bench.columns[0] >= 0]] = 0.0
+    bench.write(0, reading, None)
+    assert bench.tick() == MOVED
+    assert bench.plan.slots["mode"].tolist() == [IDLE, *[TRACK] * (len(CASES) - 1)]
+
+
+def test_where_nothing_acts_nothing_moves(bench: Bench) -> None:
+    assert bench.tick() == RESTED
+    assert bench.predicates() == "-" * len(CASES)
+    assert not bench.references.any()
+
+
+def test_it_acts_while_what_it_requires_does(rng: np.random.Generator) -> None:
+    bench = Bench([CASES[0], CASES[1]._replace(requires=True)], rng)
+    bench.draw(rng)
+    for condition, condition_defined, engaged in ((-1, True, False), (0, True, True), (0, False, False)):
+        bench.acting[1, 2] = condition
+        if not condition_defined:
+            bench.table.forget(bench.feedback[0])
+        bench.tick()
+        assert bool(bench.plan.slots["engaged"][1]) == engaged
+        assert (bench.plan.slots["mode"][1] == TRACK) == engaged
+
+
+def test_a_search_begins_once_its_leader_is_near_and_ends_with_its_joints(
+    rng: np.random.Generator,
+) -> None:
+    follower = CASES[1]._replace(search=Search(True, 0.1, 0.5, (4, 8)))
+    bench = Bench([CASES[0], follower], rng)
+    bench.acting[1, 1] = 0
+    leading = CASES[0].reading(rng)
+    found = []
+    for error, angle in ((0.2, 0.0), (0.09, 0.0), (0.2, 0.0), (0.2, 0.6), (0.05, 0.0)):
+        bench.write(0, leading, leading.value + np.array([error, 0.0, 0.0]))
+        bench.write(1, follower.reading(rng)._replace(measured=False), np.zeros(3))
+        # One of both joints beyond the end is not enough.
+        bench.positions[[4, 8]] = 0.6, angle
+        bench.tick()
+        slot = bench.plan.slots[1]
+        found.append((int(slot["mode"]), bool(slot["exhausted"])))
+    # Once begun it goes on; once in vain it is over.
+    assert found == [(IDLE, False), (SEARCH, False), (SEARCH, False), (IDLE, True), (IDLE, True)]
+    bench.write(1, follower.reading(rng), None)
+    bench.tick()
+    assert bench.plan.slots["mode"][1] == TRACK
+    assert not bench.plan.slots["exhausted"][1]
+
+
+def test_what_was_lost_starts_from_rest(rng: np.random.Generator) -> None:
+    bench, first = Bench(CASES[1:2], rng), CASES[1].reading(rng)
+    wanted = []
+    for now in range(6):
+        bench.write(0, first, np.full(3, 9.0), now)
+        if now == 4:
+            bench.table.forget(bench.feedback[0])
+        bench.tick()
+        wanted.append(float(np.linalg.norm(bench.plan.before)))
+    assert wanted[0] == wanted[5] > wanted[4] == 0.0
+    assert wanted[3] > 3 * wanted[0]
+
+
+def test_a_position_is_sent_above_its_reference_and_judged_by_it(rng: np.random.Generator) -> None:
+    raised = CASES[0]._replace(funnel=(0.2, 0.01, 3.0))
+    bench = Bench([raised, CASES[0]], rng)
+    bench.columns[1] = bench.columns[0]
+    reading = raised.reading(rng)
+    reference = reading.value + np.array([0.03, 0.04, 0.3])
+    height = 3.0 * (0.05 - 0.01)
+    bench.write(0, reading, reference)
+    bench.write(1, reading, reference + np.array([0.0, 0.0, height]))
+    bench.tick()
+    np.testing.assert_allclose(bench.stack.wanted[:3], bench.stack.wanted[3:], atol=1e-12)
+    assert bench.plan.slots["error"][0] == pytest.approx(math.hypot(0.05, 0.3))
+
+
+@pytest.mark.parametrize("place", range(len(CASES)))
+@pytest.mark.parametrize("bad", [math.nan, math.inf, -math.inf])
+def test_it_stops_at_what_is_not_finite_and_moves_nothing(
+    bench: Bench, place: int, bad: float, rng: np.random.Generator
+) -> None:
+    bench.draw(rng)
+    bench.columns[place] = JOINTS
+    bench.table.rows(bench.feedback[place])[1, JOINTS[0]] = bad
+    assert bench.tick() == place
+    assert not bench.references.any()
+    assert bench.stack.ages.tolist() == [1] * place + [0] * (len(CASES) - place)
+    bench.draw(rng)
+    assert bench.tick() == MOVED
+
+
+def test_numbers_too_large_for_the_law_move_nothing(bench: Bench, rng: np.random.Generator) -> None:
+    bench.draw(rng)
+    bench.positions[JOINTS[0]] = math.nan
+    assert bench.tick() == UNSOUND
+    assert not bench.references.any()
+
+
+@pytest.mark.parametrize("size", [1e-6, 1e-2, 10.0])
+def test_a_gradient_moves_the_joints_by_gain_times_itself_however_short_it_is(
+    size: float, rng: np.random.Generator
+) -> None:
+    """The law must not mistake a short gradient for a singularity."""
+    case = Case(of_jacobian(1, 3), made("manipulability", configuration(3), gain=2.0))
+    bench = Bench([case._replace(potential=of_jacobian(2, 3))], rng)
+    bench.columns[0] = JOINTS
+    rows = np.zeros((6, ALL))
+    # w = s t of two rows of lengths s and t at right angles; only the first changes, by joint 5.
+    rows[0, 5] = size
+    bench.write(0, Reading(np.array([0.5, 0, 0, 0, 3.0, 0]), rows, 0), np.zeros(6))
+    assert bench.tick() == MOVED
+    expected = np.where(JOINTS == 5, 2.0 * 3.0 * size * TICK, 0.0)
+    np.testing.assert_allclose(bench.step.displacement, expected, rtol=1e-9)
+
+
+def test_a_potential_at_rest_asks_for_nothing(rng: np.random.Generator) -> None:
+    bench = Bench(CASES[-1:], rng)
+    # A joint that changes w only to second order: at the optimum.
+    rows = np.zeros((6, ALL))
+    rows[1, JOINTS] = 1.0
+    bench.columns[0] = JOINTS
+    bench.write(0, Reading(np.array([0.5, 0, 0, 0, 3.0, 0]), rows, 0), np.zeros(6))
+    assert bench.tick() == MOVED
+    assert not bench.stack.wanted.any()
+
+
+def test_another_potential_runs_without_compiling_the_tick_again(
+    bench: Bench, rng: np.random.Generator
+) -> None:
+    @potential
+    def towards(
+        value: Floats, reference: Floats, parameters: Floats, residual: Floats, slope: Floats
+    ) -> float:
+        if parameters[0] < 0.0:
+            raise ValueError("a weight is negative")
+        for i in range(len(residual)):
+            residual[i] = parameters[0] * (reference[i] - value[i])
+            slope[i, i] = parameters[0]
+        return 0.5 * residual[0] ** 2
+
+    bench.draw(rng)
+    bench.tick()
+    versions = len(tick.overloads)  # type: ignore[attr-defined]
+    own = Bench([CASES[0]._replace(potential=Potential(towards, 3, parameters=np.array([2.0])))], rng)
+    own.draw(rng)
+    assert own.tick() == MOVED
+    assert len(tick.overloads) == versions  # type: ignore[attr-defined]
+    own.plan.parameters[0] = -1.0
+    with pytest.raises(ValueError, match="a weight is negative"):
+        own.tick()

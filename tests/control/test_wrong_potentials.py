@@ -1,0 +1,72 @@
+"""Functions that are none of a potential: named when a controller gets its slot, before any tick."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+import pytest
+from numba import njit
+
+from cbdsl.control.plan import ControllerPlan, SlotForm
+from cbdsl.control.potential import Potential, PotentialError, address_of, potential
+from cbdsl.control.predicate import settings_of
+
+
+def plain(value: Any, reference: Any, parameters: Any, residual: Any, slope: Any) -> float:
+    return 0.0
+
+
+@potential
+def short(value: Any, reference: Any, residual: Any) -> float:
+    return 0.0
+
+
+@potential
+def whole(value: Any, reference: Any, parameters: Any, residual: Any, slope: Any) -> int:
+    return 1
+
+
+@potential
+def empty(value: Any, reference: Any, parameters: Any, residual: Any, slope: Any) -> None:
+    residual[0] = 1.0
+
+
+@potential
+def untyped(value: Any, reference: Any, parameters: Any, residual: Any, slope: Any) -> float:
+    return value.no_such_thing()
+
+
+@njit("float32(float64[::1], float64[::1], float64[::1], float64[::1], float64[:, ::1])")
+def single(value: Any, reference: Any, parameters: Any, residual: Any, slope: Any) -> float:
+    return 1.0
+
+
+WRONG = {
+    "plain": (plain, "is not compiled: decorate it with @potential"),
+    "short": (short, "cannot be compiled"),
+    "whole": (whole, "returns int64, not a float"),
+    "empty": (empty, "returns none, not a float"),
+    "untyped": (untyped, "cannot be compiled"),
+    "single": (single, "cannot be compiled: compilation disabled"),
+}
+
+
+@pytest.mark.parametrize("name", WRONG)
+def test_it_is_named_with_what_is_wrong(name: str) -> None:
+    function, message = WRONG[name]
+    with pytest.raises(PotentialError, match=f"^potential '{name}' .*{message}"):
+        address_of(function)
+
+
+@pytest.mark.parametrize("name", WRONG)
+def test_a_plan_takes_none_of_them(name: str) -> None:
+    plan = ControllerPlan()
+    function: Callable[..., Any] = WRONG[name][0]
+    settings = settings_of(1e-3, 0.3, 0.01)
+    form = SlotForm(Potential(function, 1), np.zeros(6), settings, 0, -1, (0.0,) * 3, None, False)
+    with pytest.raises(PotentialError):
+        plan.add(form)
+    assert len(plan.slots) == 0
+    assert plan.version == 0
