@@ -105,6 +105,17 @@ def test_svg_escapes_names() -> None:
     assert {'a"<b>&\\', "`*_-", "<m>", 'x & y; below: "'} <= texts
 
 
+def test_the_way_back_is_dashed_and_ends_at_the_state() -> None:
+    assert dot(hostile()).count('p_1 -> p_0 [label="" penwidth=0.8 style=dashed') == 1
+    assert "p_1 -.-> p_0\n" in mermaid(hostile())
+    root = ElementTree.fromstring(svg(hostile()))
+    paths = [each.attrib["d"] for each in root.iter(f"{SVG}path") if each.get("class") == "back"]
+    state = next(r for r in root.iter(f"{SVG}rect") if r.get("class") == "selector-node")
+    foot = float(state.attrib["y"]) + float(state.attrib["height"])
+    assert len(paths) == 2  # from the action to the track, and along it
+    assert float(paths[1].rsplit("V", 1)[1]) == pytest.approx(foot + 9, abs=0.1)
+
+
 def test_mermaid_labels_hold_nothing_that_has_a_meaning() -> None:
     labels = re.findall(r'"([^"]*)"', mermaid(hostile()))
     assert len(labels) == 4  # title, two nodes, an edge
