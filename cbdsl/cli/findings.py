@@ -72,7 +72,7 @@ def _writer(form: str) -> Callable[[Outcome], str]:
 def _examine(paths: Iterable[str], values: Mapping[str, str], stdin: Path) -> Outcome:
     from cbdsl.checking.document import check_document
     from cbdsl.checking.session import Session
-    from cbdsl.cli.ignores import heed_ignores
+    from cbdsl.cli.ignores import apply_suppressions
     from cbdsl.cli.outcome import Outcome
     from cbdsl.cli.terminal import print_problem
     from cbdsl.documents.kinds import KINDS
@@ -87,7 +87,7 @@ def _examine(paths: Iterable[str], values: Mapping[str, str], stdin: Path) -> Ou
     found: dict[Diagnostic, None] = {}
     for file in files:
         found.update(dict.fromkeys(check_document(file, session)))
-    findings = heed_ignores(found, files, session.library)
+    findings = apply_suppressions(found, files, session.library)
     for fault in KINDS.met_faults:
         print_problem(f"warning: {fault}")
     told = _first_of_each_file(findings)

@@ -12,7 +12,7 @@ if TYPE_CHECKING:
     from cbdsl.yaml_text.library import Library
 
 
-def heed_ignores(
+def apply_suppressions(
     found: Iterable[Diagnostic], files: Iterable[Path], library: Library
 ) -> list[Diagnostic]:
     """Take away what is ignored, and add findings about ignores; causes come first.

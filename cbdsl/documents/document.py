@@ -1,4 +1,4 @@
-"""What every document shares: strictness, immutability, the version key and named quantities."""
+"""Base of all documents: strictness, immutability, the version key and named quantities."""
 
 from collections.abc import Mapping
 from functools import partial
@@ -121,4 +121,4 @@ class Document(Section):
     name: Name
     """Name by which other documents refer to this one."""
     description: str = ""
-    """What it is for, in a sentence or two."""
+    """Purpose, in a sentence or two."""

@@ -205,7 +205,7 @@ def _references(schema: Any) -> Iterator[str]:
 
 
 def _said_of(field: FieldInfo) -> str:
-    """What the section that a field holds says of itself."""
+    """Docstring of the section that a field holds."""
     parts = (field.annotation, *get_args(field.annotation))
     sections = (part for part in parts if isinstance(part, type) and issubclass(part, BaseModel))
     return next((_one_line(section.__doc__ or "") for section in sections), "")
@@ -213,11 +213,11 @@ def _said_of(field: FieldInfo) -> str:
 
 def docstrings(model: type[BaseModel]) -> dict[str, str]:
     """The literals that follow the fields of a model and of what it derives from."""
-    found: dict[str, str] = {}
+    texts: dict[str, str] = {}
     for section in reversed(model.__mro__):
         if issubclass(section, BaseModel) and section is not BaseModel:
-            found |= _literals(section.__module__).get(section.__name__, {})
-    return found
+            texts |= _literals(section.__module__).get(section.__name__, {})
+    return texts
 
 
 @cache

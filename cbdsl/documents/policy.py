@@ -21,7 +21,7 @@ class Identity(Section):
 
 
 class Provenance(Section):
-    """What a policy was learned from: everything that makes it come out the same again."""
+    """Origin of a learned policy: everything that makes it come out the same again."""
 
     command: str
     """Command that learns it again."""
@@ -46,9 +46,9 @@ class Provenance(Section):
     episodes: PositiveCount
     """How many episodes were learned from."""
     backend: str
-    """What embodied the robot."""
+    """Backend that embodied the robot."""
     renderer: str
-    """What made the images."""
+    """Renderer that made the images."""
     versions: dict[str, str]
     """Of the packages that the outcome depends on."""
 

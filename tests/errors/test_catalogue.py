@@ -12,7 +12,7 @@ from cbdsl.checking.document import check_document
 from cbdsl.checking.program import check_program
 from cbdsl.checking.reward import check_rewarded
 from cbdsl.checking.session import Session
-from cbdsl.cli.ignores import heed_ignores
+from cbdsl.cli.ignores import apply_suppressions
 from cbdsl.documents.kinds import entries
 from cbdsl.errors.catalogue import CATALOGUE
 from cbdsl.errors.diagnostic import Diagnostic
@@ -37,7 +37,7 @@ def findings(entry: Entry, example: str | bytes | None, folder: Path) -> list[Di
     found = check_document(path, session=Session(library))
     if entry.code == "CB720":  # which only matters to whoever learns, and is told by cb learn
         found = [*found, *check_rewarded(check_program(path, library=library), path, library)]
-    return heed_ignores(found, [path], library)
+    return apply_suppressions(found, [path], library)
 
 
 @pytest.mark.parametrize("entry", ENTRIES.values(), ids=ENTRIES)

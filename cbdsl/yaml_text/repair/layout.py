@@ -39,7 +39,7 @@ class Row(NamedTuple):
 
 
 class Shift(NamedTuple):
-    """What is to be done about a line that is out of line.
+    """Remedy for a line that is out of line.
 
     Attributes:
         problem: as a sentence without a full stop.
@@ -60,8 +60,8 @@ def find_shift(lines: Sequence[str], line: int) -> Shift | None:
     index = next((i for i, row in enumerate(rows) if row.line == line), 0)
     if index == 0:
         return None
-    found = _Outline(lines, rows, index)
-    return found.children() or found.dash() or found.odd_one()
+    outline = _Outline(lines, rows, index)
+    return outline.children() or outline.dash() or outline.odd_one()
 
 
 def _rows(lines: Sequence[str]) -> Iterator[Row]:
