@@ -7,7 +7,7 @@ depth, while libyaml's composer recurses, and crashes the process on deep input.
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import yaml
@@ -110,7 +110,7 @@ class _Composer:
         self.findings: list[Diagnostic] = []
         self.lines = lines_of(text)
         self._file = file
-        self._loader = LOADER(text)
+        self._next: Callable[[], Any] = LOADER(text).get_event
         self._anchors: dict[str, Node] = {}
         self._nodes = 0
 
@@ -124,9 +124,6 @@ class _Composer:
         if not isinstance(event, yaml.StreamEndEvent):
             raise self._fatal("CB106", self._place(event, 3))
         return root
-
-    def _next(self) -> Any:
-        return self._loader.get_event()
 
     def _node(self, event: Any, depth: int) -> Node:
         place = self._place(event)
