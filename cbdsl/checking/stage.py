@@ -17,7 +17,7 @@ from cbdsl.documents.stage import (
     Context,
     CylinderForm,
     Fixture,
-    Placement,
+    PlaceSection,
     StageDocument,
 )
 from cbdsl.yaml_text.loaded import Loaded
@@ -125,7 +125,7 @@ class _ContextCheck:
                 limits_text = limit_details(node.value, span[beyond[0]], limits)
                 self._findings.add("CB355", node.place, joint=joint, **limits_text)
 
-    def _on_fixture(self, place: Placement, name: str) -> None:
+    def _on_fixture(self, place: PlaceSection, name: str) -> None:
         """A thing on a fixture has its centre above it, wherever it is drawn."""
         if place.hand is not None:
             self._lacks("place", "a place on a fixture is in the world, not in reach of a hand")

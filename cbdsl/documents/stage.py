@@ -151,7 +151,7 @@ class ThingSection(Surface):
     """Mass, or the span that it is drawn from."""
 
 
-class Placement(Section):
+class PlaceSection(Section):
     """Where a thing is put: on a fixture, at a height, or in reach of a hand."""
 
     x: LengthSpan = (0.0, 0.0)
@@ -204,7 +204,7 @@ class Context(Section):
     """Relative frequency."""
     things: tuple[Name, ...] = ()
     """One of these is presented, drawn evenly; none: nothing is."""
-    place: Placement | None = None
+    place: PlaceSection | None = None
     motion: Motion | None = None
     joints: dict[str, AngleSpan] = {}
     """Where these joints start, instead of their effector's start posture."""
