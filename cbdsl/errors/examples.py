@@ -15,7 +15,11 @@ _BALL = "things:\n  ball: {form: {shape: ball, radius: 4 cm}, mass: 100 g}\n"
 
 #: Frames of examples: ``$name`` is the file's, ``$body`` what the catalogue has.
 _FRAMES = {
-    **{kind: f"{_HEAD.format(kind)}$body\n" for kind in ["program", "robot", "stage", "policy", "model"]},
+    "program": f"{_HEAD.format('program')}$body\n",
+    "robot": f"{_HEAD.format('robot')}$body\n",
+    "stage": f"{_HEAD.format('stage')}$body\n",
+    "policy": f"{_HEAD.format('policy')}$body\n",
+    "model": f"{_HEAD.format('model')}$body\n",
     "tracking": f"{_DEXTER}{_TRACK}\n$body\n",
     "controller": f"{_DEXTER}{{$body}}\nactions: [track]\n",
     "effectors": f"{_ROBOT}$body\n{_CONTROL}",
