@@ -1,6 +1,8 @@
 # Everything that has to hold before a change lands. CI calls `make check`; so can you.
 PYTHON ?= .venv/bin/python
 BIN = $(dir $(PYTHON))
+# The tests to run, by pytest's marks: all. CI has already run the fast ones and asks for `slow`.
+MARK ?= slow or not slow
 
 .PHONY: check format lint types layers spelling documents tests fix
 
@@ -24,9 +26,9 @@ spelling:
 documents:
 	$(BIN)cb validate robots programs knowledge
 
-# The slow tests too: they run episodes on the simulator.
+# The slow ones run episodes on the simulator.
 tests:
-	$(BIN)pytest -n auto -m "slow or not slow"
+	$(BIN)pytest -n auto -m "$(MARK)"
 
 fix:
 	$(BIN)ruff check --fix .

@@ -130,16 +130,16 @@ def main() -> None:
     urdf = ROOT / "robots" / robot.model
     backends = {"bullet": BulletBackend(robot, urdf), "kinematic": KinematicBackend(robot, urdf)}
     for name in options.programs:
-        found = compare(robot, backends, library, name, options.episodes)
+        row = compare(robot, backends, library, name, options.episodes)
         if options.json:
-            sys.stdout.write(json.dumps(found) + "\n")
+            sys.stdout.write(json.dumps(row) + "\n")
             continue
-        times = found["ms_per_episode"]
-        parts = "  ".join(f"{part} {us:.0f}" for part, us in found["us_per_tick_by_part"].items())
+        times = row["ms_per_episode"]
+        parts = "  ".join(f"{part} {us:.0f}" for part, us in row["us_per_tick_by_part"].items())
         sys.stdout.write(
             f"{name}: {times['bullet']:.0f} ms an episode on bullet, {times['kinematic']:.0f} on "
-            f"kinematic: {found['ratio']:.1f} times as fast; "
-            f"{found['ratio_of_a_backend_that_takes_no_time']:.1f} without any backend\n"
+            f"kinematic: {row['ratio']:.1f} times as fast; "
+            f"{row['ratio_of_a_backend_that_takes_no_time']:.1f} without any backend\n"
             f"  microseconds a tick: {parts}\n"
         )
 

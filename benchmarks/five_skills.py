@@ -78,7 +78,7 @@ SKILLS = (
 
 
 def run(folder: Path, words: Sequence[str]) -> str:
-    """What a ``cb`` command prints; an error ends the benchmark."""
+    """The output of a ``cb`` command; an error ends the benchmark."""
     done = subprocess.run([*CB, *words], cwd=folder, stdout=subprocess.PIPE, text=True, check=False)
     if done.returncode not in (0, 1):
         sys.exit(f"cb {' '.join(words)}: exit {done.returncode}")

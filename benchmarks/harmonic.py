@@ -149,16 +149,16 @@ def direct(
     times += [seconds(scene.field) for _ in range(repeats)]
     u = scene.field().u[scene.grid.owners(scene.obstacles) == FREE]
     ours = statistics.median(times)
-    found: dict[str, Any] = {"cells": cells, "multigrid, s": round(ours, 4)}
+    row: dict[str, Any] = {"cells": cells, "multigrid, s": round(ours, 4)}
     for ordering, (theirs, exact) in solved.items():
-        found[f"{ordering}, s"] = round(theirs, 3)
+        row[f"{ordering}, s"] = round(theirs, 3)
         if exact is None:
-            found[f"{ordering}, not finished; times faster, more than"] = round(theirs / ours, 1)
+            row[f"{ordering}, not finished; times faster, more than"] = round(theirs / ours, 1)
             continue
         difference = float(np.max(np.abs(u / exact - 1)))
-        found[f"{ordering}, times faster"] = round(theirs / ours, 1)
-        found[f"{ordering}, largest difference, share of the value"] = float(f"{difference:.1e}")
-    return {**found, **algebraic(matrix, source)}
+        row[f"{ordering}, times faster"] = round(theirs / ours, 1)
+        row[f"{ordering}, largest difference, share of the value"] = float(f"{difference:.1e}")
+    return {**row, **algebraic(matrix, source)}
 
 
 def factorized(
@@ -232,7 +232,7 @@ def main() -> None:
     parser.add_argument("--memory", type=float, default=8.0, help="of each direct solution, GB")
     parser.add_argument("--json", action="store_true", help="print one JSON object")
     options = parser.parse_args()
-    found = {
+    row = {
         "growth": growth(options.sizes, options.repeats),
         "warm": warm(64, options.repeats),
         "direct": direct(
@@ -240,9 +240,9 @@ def main() -> None:
         ),
     }
     if options.json:
-        sys.stdout.write(json.dumps(found) + "\n")
+        sys.stdout.write(json.dumps(row) + "\n")
         return
-    for title, values in found.items():
+    for title, values in row.items():
         sys.stdout.write(f"{title}\n")
         for name, value in values.items():
             sys.stdout.write(f"  {name}: {value}\n")

@@ -29,7 +29,7 @@ CB = [sys.executable, "-c", "from cbdsl.cli.main import main; main()"]
 
 @dataclass(frozen=True)
 class Measurement:
-    """What one run of ``cb learn`` took, or several at the same time.
+    """The time of one run of ``cb learn``, or of several at the same time.
 
     Attributes:
         wall: seconds that passed.
@@ -44,7 +44,7 @@ class Measurement:
 
 @dataclass(frozen=True)
 class Round:
-    """What one turn took: all trials in one process and in two, half of them alone and in pairs."""
+    """Times of one turn: all trials in one process and in two, half of them alone and in pairs."""
 
     one: Measurement
     two: Measurement
@@ -86,7 +86,7 @@ def learn(
 
 
 def documents(folder: Path) -> dict[str, bytes]:
-    """What was learned."""
+    """The learned policies, file by file."""
     return {file.name: file.read_bytes() for file in folder.glob("*.yaml")}
 
 
@@ -110,10 +110,10 @@ def turn(place: Path, options: argparse.Namespace) -> Round:
     return Round(one, two, alone, learn(pair, 1, trials // 2, episodes, options))
 
 
-def summary(found: Sequence[Round], trials: int) -> dict[str, object]:
+def summary(rounds: Sequence[Round], trials: int) -> dict[str, object]:
     """Medians by number of workers, ratios, and the bound."""
-    runs = {"workers_1": [each.one for each in found], "workers_2": [each.two for each in found]}
-    ratios, bounds = [each.ratio for each in found], [each.bound for each in found]
+    runs = {"workers_1": [each.one for each in rounds], "workers_2": [each.two for each in rounds]}
+    ratios, bounds = [each.ratio for each in rounds], [each.bound for each in rounds]
     return {
         **{name: row(each, trials) for name, each in runs.items()},
         "ratio": round(statistics.median(ratios), 3),

@@ -60,7 +60,7 @@ class Condition:
 
 @dataclass(frozen=True)
 class Sighting:
-    """What the robot takes for the place and size of the thing, and where it is, m."""
+    """The estimated place and size of the thing, and its true place, m."""
 
     position: Floats
     radius: float
@@ -91,7 +91,7 @@ CONDITIONS = (
 )
 
 
-class Laboratory:
+class SimulatedRobot:
     """The robot with cameras of some resolution, on the simulator."""
 
     def __init__(self, times: int) -> None:
@@ -171,11 +171,11 @@ def _aim(point: Floats) -> Floats:
     return np.array([np.arctan2(y, x), np.arctan2(-z, np.hypot(x, y))])
 
 
-def summarise(condition: Condition, size: str, found: list[Sighting | None]) -> dict[str, Any]:
+def summarise(condition: Condition, size: str, sightings: list[Sighting | None]) -> dict[str, Any]:
     """One row of the table; lengths in mm."""
-    seen = [sighting for sighting in found if sighting is not None]
+    seen = [sighting for sighting in sightings if sighting is not None]
     row: dict[str, Any] = asdict(condition) | {"size": size}
-    row |= {"places": len(found), "positions": len(seen)}
+    row |= {"places": len(sightings), "positions": len(seen)}
     if not seen:
         return row
     errors = 1000 * np.array([sighting.error for sighting in seen])
@@ -206,12 +206,12 @@ def _spread(values: list[float]) -> list[float]:
 def rows(only: str | None, places: tuple[tuple[float, ...], ...]) -> Iterator[dict[str, Any]]:
     """The table, row by row."""
     for times in (1, 2):
-        laboratory = Laboratory(times)
+        simulated = SimulatedRobot(times)
         for condition in CONDITIONS:
             if condition.times == times and only in (None, condition.form):
-                found = [laboratory.look(condition, at, seed) for seed, at in enumerate(places)]
-                yield summarise(condition, laboratory.size, found)
-        laboratory.close()
+                sightings = [simulated.look(condition, at, seed) for seed, at in enumerate(places)]
+                yield summarise(condition, simulated.size, sightings)
+        simulated.close()
 
 
 def main() -> None:

@@ -1,7 +1,7 @@
 """``cb validate robots programs`` against the start-up that its libraries need anyway.
 
 Whole processes, from start to exit, turn by turn: one validates everything that is shipped, one
-only imports pydantic, PyYAML and Lark, one also makes a model of pydantic's, which loads the rest
+only imports pydantic and PyYAML, one also makes a model of pydantic's, which loads the rest
 of it, and the last is Python alone. Processor time is told as well, which other processes disturb
 less. All find their bytecode in a folder of their own, as installed packages do: where a
 checkout's may not be written, every start would compile it. Run with
@@ -23,10 +23,10 @@ from time import perf_counter
 
 ROOT = Path(__file__).parents[1]
 VALIDATE = "from cbdsl.cli.main import main; main()"
-MODEL = "import lark, pydantic, yaml\nclass M(pydantic.BaseModel):\n    x: float\nM(x=1)"
+MODEL = "import pydantic, yaml\nclass M(pydantic.BaseModel):\n    x: float\nM(x=1)"
 COMMANDS = {
     "validate": [sys.executable, "-c", VALIDATE, "validate", "robots", "programs"],
-    "imports": [sys.executable, "-c", "import lark, pydantic, yaml"],
+    "imports": [sys.executable, "-c", "import pydantic, yaml"],
     "model": [sys.executable, "-c", MODEL],
     "python": [sys.executable, "-c", ""],
 }
@@ -88,9 +88,9 @@ def main() -> None:
     if options.json:
         sys.stdout.write(json.dumps(result) + "\n")
         return
-    for name, found in result.items():
-        wall, processor = 1e3 * found["seconds"], 1e3 * found["processor_seconds"]
-        times_as_long = f"{found['ratio']:.2f} x and {found['processor_ratio']:.2f} x"
+    for name, figures in result.items():
+        wall, processor = 1e3 * figures["seconds"], 1e3 * figures["processor_seconds"]
+        times_as_long = f"{figures['ratio']:.2f} x and {figures['processor_ratio']:.2f} x"
         sys.stdout.write(
             f"{name:10}{wall:6.0f} ms, {processor:4.0f} ms of processor; "
             f"validate takes {times_as_long}\n"

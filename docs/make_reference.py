@@ -16,10 +16,11 @@ from typing import Any
 import typer
 
 from cbdsl.cli.main import build_app
-from cbdsl.documents.json_schema import json_schema
+from cbdsl.documents.json_schema import json_schema, meaning, properties
+from cbdsl.documents.kinds import entries, models
 from cbdsl.documents.robot import RobotDocument
-from cbdsl.errors.catalogue import CATALOGUE
 from cbdsl.errors.entry import Entry
+from cbdsl.learning.learner import LEARNERS, LearnerClass, first_line
 from cbdsl.robot.channel_names import channel_names
 from cbdsl.robot.resources import resources
 from cbdsl.types.casts import CASTS, Cast
@@ -28,7 +29,6 @@ from cbdsl.types.resource import Resource
 from cbdsl.types.resource_type import TYPES
 from cbdsl.types.unit import UNITS
 from cbdsl.yaml_text.library import Library
-from cbdsl.yaml_text.reader import KINDS
 from cbdsl.yaml_text.writer import write_text
 
 ROOT = Path(__file__).parents[1]
@@ -38,9 +38,10 @@ _HEAD = """\
 # Reference
 
 [Types and casts](#types-and-casts), [potentials](#potentials), [resources](#resources-of-dexter),
-[units](#units), [commands](#commands), [documents](#documents) and [findings](#findings). This page
-is written from the code by `python docs/make_reference.py`: it lists what
-[documents.md](documents.md) and [control.md](control.md) explain.
+[units](#units), [commands](#commands), [learners](#learners), [documents](#documents) and
+[findings](#findings). This page is written from the code by
+`python docs/make_reference.py`: it lists what [documents.md](documents.md) and
+[control.md](control.md) explain.
 """
 
 Rows = Iterable[Sequence[object]]
@@ -48,8 +49,8 @@ Rows = Iterable[Sequence[object]]
 
 def page() -> str:
     """The whole page."""
-    parts = (_types(), _potentials(), _dexter(), _units(), _commands(), _documents(), _findings())
-    return "\n".join([_HEAD, *parts])
+    made = (_types, _potentials, _dexter, _units, _commands, _learners, _documents, _findings)
+    return "\n".join([_HEAD, *(part() for part in made)])
 
 
 def _section(level: int, title: str, *parts: str) -> str:
@@ -253,9 +254,23 @@ def _preset(parameter: Any) -> str:
     return _code(parameter.opts[0] if value is True else value)
 
 
+def _learners() -> str:
+    words = "What `cb learn --learner` takes, and the constants of each for `--set`.\n"
+    return _section(2, "Learners", words, *(_learner(*each) for each in LEARNERS.all().items()))
+
+
+def _learner(name: str, learner: LearnerClass) -> str:
+    rows = (
+        (_code(key), *_meaning(value), _filled(value, needed=False))
+        for key, value in properties(learner.Constants).items()
+    )
+    table = _table(("constant", "meaning", "unit", "default"), rows)
+    return _section(3, f"Learner {name}", first_line(learner) + "\n", table)
+
+
 def _documents() -> str:
     words = "Every key of every kind; what is a section of its own is linked.\n"
-    return _section(2, "Documents", words, *(_kind(kind) for kind in KINDS))
+    return _section(2, "Documents", words, *(_kind(kind) for kind in models()))
 
 
 def _kind(kind: str) -> str:
@@ -269,7 +284,7 @@ def _kind(kind: str) -> str:
 
 @cache
 def _schema(kind: str) -> dict[str, Any]:
-    return json_schema(KINDS[kind])
+    return json_schema(models()[kind])
 
 
 def _keys(level: int, title: str, schema: Mapping[str, Any], kind: str) -> str:
@@ -284,8 +299,7 @@ def _keys(level: int, title: str, schema: Mapping[str, Any], kind: str) -> str:
 
 def _meaning(value: Mapping[str, Any]) -> tuple[str, str]:
     """What a key says, and the SI units that it may have."""
-    words, _, units = value["description"].partition(" Unit: ")
-    symbols = re.sub(r" \(or written: [^)]*\)", "", units.rstrip("."))
+    words, symbols = meaning(value)
     return words, ", ".join(map(_code, symbols.split(", "))) if symbols else ""
 
 
@@ -328,8 +342,8 @@ def _named(definition: str, kind: str) -> str:
 
 
 def _findings() -> str:
-    entries = sorted(CATALOGUE.values(), key=lambda entry: entry.code)
-    rows = ((_finding(entry), entry.title, entry.severity.value) for entry in entries)
+    by_code = sorted(entries().values(), key=lambda entry: entry.code)
+    rows = ((_finding(entry), entry.title, entry.severity.value) for entry in by_code)
     words = "`cb explain CODE` explains one, with an example.\n"
     return _section(2, "Findings", words, _table(("code", "what is wrong", "severity"), rows))
 

@@ -23,7 +23,7 @@ import runpy
 import shlex
 import shutil
 import tomllib
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -38,6 +38,7 @@ from cbdsl.reproduction.registry import EXPERIMENTS
 from cbdsl.types import potential as potentials
 from tests.cli.test_main import cb
 from tests.control import test_navigation, test_registry
+from tests.plugins.installed import refresh, write_package
 from tests.test_readme import leaves, options
 
 ROOT = Path(__file__).parents[1]
@@ -193,15 +194,9 @@ def is_quick(words: list[str]) -> bool:
 def install(project: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """Make a package known as ``pip install -e .`` would."""
     said = tomllib.loads(project.read_text("utf-8"))["project"]
-    about = project.parent / f"{said['name']}-{said['version']}.dist-info"
-    about.mkdir()
-    (about / "METADATA").write_text(f"Metadata-Version: 2.1\nName: {said['name']}\n")
-    groups = said["entry-points"].items()
-    lines = [
-        f"[{g}]\n" + "".join(f"{k} = {v}\n" for k, v in points.items()) for g, points in groups
-    ]
-    (about / "entry_points.txt").write_text("".join(lines))
+    write_package(project.parent, said["name"], said["entry-points"])
     monkeypatch.syspath_prepend(str(project.parent))
+    refresh()
 
 
 @pytest.fixture
@@ -210,7 +205,7 @@ def session(
     tmp_path: Path,
     monkeypatch: pytest.MonkeyPatch,
     capsys: pytest.CaptureFixture[str],
-) -> Session:
+) -> Iterator[Session]:
     """The session of the page that a test is for."""
     page: Path = request.getfixturevalue("page")
     text = page.read_text("utf-8")
@@ -220,7 +215,9 @@ def session(
     if "kuka_iiwa" in text:
         data = Path(importlib.import_module("pybullet_data").getDataPath())
         shutil.copytree(data / "kuka_iiwa", tmp_path / "kuka_iiwa")
-    return Session(page, tmp_path, monkeypatch, capsys)
+    yield Session(page, tmp_path, monkeypatch, capsys)
+    monkeypatch.undo()  # nothing of it stays installed
+    refresh()
 
 
 @pytest.mark.parametrize("page", WRITTEN, ids=WRITTEN_IDS)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Collection
-from importlib.metadata import entry_points
 from pathlib import Path
 from typing import Any, Protocol
 
@@ -14,11 +13,9 @@ from cbdsl.documents.robot import RobotDocument
 from cbdsl.documents.stage import StageDocument
 from cbdsl.errors.errors import UsageError
 from cbdsl.sensing.observation import Observation
+from cbdsl.types.registry import PluginError, Registry
 
 Floats = NDArray[np.float64]
-
-#: Entry point group under which packages offer backends.
-GROUP = "cbdsl.backends"
 
 
 class BackendError(UsageError):
@@ -92,26 +89,38 @@ class BackendFactory(Protocol):
 _METHODS = ("reset", "observe", "apply", "step", "close")
 
 
+def _factory(_: str, factory: Any) -> BackendFactory:
+    """Backend class with all methods of ``Backend``."""
+    lacking = [method for method in _METHODS if not callable(getattr(factory, method, None))]
+    if lacking:
+        raise PluginError(f"lacks the methods {', '.join(lacking)}")
+    checked: BackendFactory = factory
+    return checked
+
+
+BACKENDS: Registry[BackendFactory] = Registry(
+    "backend",
+    "cbdsl.backends",
+    {
+        "bullet": "cbdsl.backends.bullet.backend:BulletBackend",
+        "kinematic": "cbdsl.backends.kinematic.backend:KinematicBackend",
+    },
+    _factory,
+)
+
+
 def find_backend(name: str) -> BackendFactory:
-    """The backend of this name among the installed ones.
+    """Backend class of a name.
 
     Raises:
         BackendError: there is none of this name, what it needs is not installed, or it is no
             backend.
     """
-    installed = {point.name: point for point in entry_points(group=GROUP)}
-    if name not in installed:
-        raise BackendError.unknown("backend", name, sorted(installed))
     try:
-        factory: Any = installed[name].load()
+        return BACKENDS.get(name)
     except ImportError as error:
-        ours = installed[name].value.startswith("cbdsl.")
-        remedy = "; try: pip install 'cbdsl[sim]'" if ours else ""
-        raise BackendError(f"backend '{name}' cannot be loaded: {error}{remedy}") from error
-    except AttributeError as error:
-        raise BackendError(f"backend '{name}' cannot be loaded: {error}") from error
-    lacking = [method for method in _METHODS if not callable(getattr(factory, method, None))]
-    if lacking:
-        raise BackendError(f"backend '{name}' lacks the methods {', '.join(lacking)}")
-    backend: BackendFactory = factory
-    return backend
+        raise BackendError(
+            f"backend '{name}' cannot be loaded: {error}; try: pip install 'cbdsl[sim]'"
+        ) from error
+    except UsageError as error:
+        raise BackendError(str(error)) from error

@@ -5,14 +5,14 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 from cbdsl.checking.compositions import Compositions
-from cbdsl.checking.context import Context, Steps
-from cbdsl.checking.parsing import ends_within_a_call
+from cbdsl.checking.context import ProgramContext, Steps
+from cbdsl.checking.lookup.parsing import ends_within_a_call
 from cbdsl.language.expression import Expression, Term
 from cbdsl.program.checked import Action, CheckedProgram
 
 
 class Actions:
-    """What the policy of one program can choose from.
+    """The actions that the policy of one program chooses from.
 
     Args:
         context: the program.
@@ -20,14 +20,14 @@ class Actions:
         programs: those that it uses, by name.
 
     Attributes:
-        members: what a state has a predicate for: the actions of a single term.
+        members: the actions of a single term; a state has one predicate for each.
         are_read: whether every action could be read, and is there once.
         lack_a_member: whether the policy chooses something that a state would have a letter for.
     """
 
     def __init__(
         self,
-        context: Context,
+        context: ProgramContext,
         compositions: Compositions,
         programs: Mapping[str, CheckedProgram | None],
     ) -> None:
@@ -54,9 +54,7 @@ class Actions:
 
     def _read(self) -> list[tuple[Expression, Steps]]:
         """The actions that can be parsed, with their paths."""
-        found: dict[str, tuple[Expression, Steps]] = {}
-        if self._context.source.broken.holds("actions"):
-            return []
+        actions: dict[str, tuple[Expression, Steps]] = {}
         is_cut = False
         for i, text in enumerate(self._context.document.actions):
             steps: Steps = ("actions", i)
@@ -67,11 +65,11 @@ class Actions:
             expression = self._context.parse(text, steps)
             if expression is None:
                 continue
-            if str(expression) in found:
+            if str(expression) in actions:
                 place = self._context.source.place(*steps)
                 self._context.add("CB607", place, name=str(expression))
-            found.setdefault(str(expression), (expression, steps))
-        return list(found.values())
+            actions.setdefault(str(expression), (expression, steps))
+        return list(actions.values())
 
     def check(self) -> list[Action | None]:
         """The actions in their order, ``None`` for those with faults."""
@@ -150,10 +148,5 @@ class Actions:
 
     def is_declared(self, expression: Expression) -> bool:
         """Whether there are controllers or programs of all names, if only faulty ones."""
-        known, is_whole = self._context.document, self._context.source.is_whole
-        return all(
-            term.name in known.controllers
-            or term.name in known.use
-            or not (is_whole("controllers", term.name) and is_whole("use", term.name))
-            for term in expression.terms
-        )
+        known = (self._context.controllers, self._context.programs)
+        return all(any(term.name in section for section in known) for term in expression.terms)

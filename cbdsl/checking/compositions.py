@@ -4,13 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 
-from cbdsl.checking.context import Context, Steps
+from cbdsl.checking.context import ProgramContext, Steps
 from cbdsl.checking.controller.triple import check_triple
 from cbdsl.documents import program as written
 from cbdsl.errors.counting import count
 from cbdsl.errors.diagnostic import Place
 from cbdsl.language.expression import Expression, Term
 from cbdsl.program.controller import Composition, Controller, Primitive
+from cbdsl.yaml_text.unknown import Unknown
 
 # Compositions of compositions; Python gives up where people long have.
 _DEEPEST = 64
@@ -21,12 +22,12 @@ class Compositions:
 
     Attributes:
         repetitive: the compositions in which a controller occurs twice.
-        unknown: names that nothing has.
+        missing: names that nothing has.
     """
 
-    def __init__(self, context: Context) -> None:
+    def __init__(self, context: ProgramContext) -> None:
         self.repetitive: set[Expression] = set()
-        self.unknown: set[str] = set()
+        self.missing: set[str] = set()
         self._context = context
         self._built: dict[str, tuple[Controller, ...] | None] = {}
 
@@ -61,9 +62,10 @@ class Compositions:
     def _controllers(
         self, term: Term, steps: Steps, stack: tuple[str, ...]
     ) -> tuple[Controller, ...] | None:
-        document = self._context.document.controllers.get(term.name)
-        if document is None:
-            self._unknown(term, steps)
+        document = self._context.controllers.get(term.name)
+        if document is None or isinstance(document, Unknown):
+            if document is None:
+                self._missing(term, steps)
             return None
         self._context.used.add(term.name)
         parameters = () if isinstance(document, str) else document.parameters
@@ -94,7 +96,7 @@ class Compositions:
         self,
         key: str,
         name: str,
-        document: written.Controller,
+        document: written.ControllerSection,
         arguments: Mapping[str, str],
         places: Mapping[str, Place],
     ) -> tuple[Controller, ...] | None:
@@ -158,20 +160,16 @@ class Compositions:
         place = self._context.at(steps, terms[1].span)
         self._context.add("CB407", place, related=related, name=name)
 
-    def _unknown(self, term: Term, steps: Steps) -> None:
+    def _missing(self, term: Term, steps: Steps) -> None:
+        """Report a term that names no controller, unless nobody can know what it names."""
         document, place = self._context.document, self._context.at(steps, term.span)
         if term.name in document.use:
             self._context.used.add(term.name)
             self._context.add("CB406", place, name=term.name)
-            return
-        is_whole = self._context.source.is_whole
-        if not (is_whole("controllers", term.name) and is_whole("use", term.name)):
-            return  # what it names has been reported
-        if self._was_overwritten():
-            return
-        names = [*document.controllers, *document.use]
-        self.unknown.add(term.name)
-        self._context.add("CB404", place, names=names, name=term.name)
+        elif term.name not in self._context.programs and not self._was_overwritten():
+            names = [*document.controllers, *document.use]
+            self.missing.add(term.name)
+            self._context.add("CB404", place, names=names, name=term.name)
 
     def _was_overwritten(self) -> bool:
         """Whether a controller or program is declared twice, one of them for another name."""
@@ -181,12 +179,12 @@ class Compositions:
 
     def wrong_arity(self, term: Term, steps: Steps, parameters: tuple[str, ...]) -> None:
         """Report a call with too many or too few arguments."""
-        found = len(term.arguments)
+        given = len(term.arguments)
         names = f" ({', '.join(parameters)})" if parameters else ""
         self._context.add(
             "CB403",
             self._context.at(steps, term.span),
             name=term.name,
             wanted=count(len(parameters), "argument") + names,
-            found=f"{found or 'none'} {'is' if found <= 1 else 'are'}",
+            found=f"{given or 'none'} {'is' if given <= 1 else 'are'}",
         )

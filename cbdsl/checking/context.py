@@ -5,30 +5,30 @@ from __future__ import annotations
 from collections.abc import Callable, Collection
 from typing import Any
 
-from cbdsl.checking.body import Body
 from cbdsl.checking.findings import Findings
-from cbdsl.checking.missing import MissingResources
-from cbdsl.checking.parsing import parse_at
-from cbdsl.checking.scope import Scope
+from cbdsl.checking.lookup.parsing import parse_at
+from cbdsl.checking.lookup.resources import MissingResources
+from cbdsl.checking.lookup.scope import Scope
+from cbdsl.checking.robot.checked_robot import CheckedRobot
 from cbdsl.documents.program import ProgramDocument
 from cbdsl.errors.diagnostic import Place
 from cbdsl.language.expression import Expression, Span
 from cbdsl.types.resource import Resource
-from cbdsl.yaml_text.reader import Loaded
+from cbdsl.yaml_text.loaded import Loaded
 from cbdsl.yaml_text.source_map import SourceMap, Step
 
 Steps = tuple[Step, ...]
 
 
-class Context:
-    """What every check of one program needs.
+class ProgramContext:
+    """One program, its robot and its scope, as every check of it needs them.
 
     Args:
         loaded: the program's document.
         body: its robot.
         scope: values of its parameters.
         findings: where findings go.
-        is_explained: whether what makes a resource unknown has been reported.
+        is_unknown: whether a name is that of a resource that nobody can know.
 
     Attributes:
         loaded: the program's document.
@@ -36,30 +36,33 @@ class Context:
         has_body: whether there is one; without it no resource is known.
         scope: values of its parameters.
         findings: what was found so far.
+        controllers: the program's controllers and compositions.
+        programs: the programs that it uses.
         used: names of controllers and programs that something refers to.
-        lost_models: names of internal models that cannot be used.
     """
 
     def __init__(
         self,
         loaded: Loaded[ProgramDocument],
-        body: Body | None,
+        body: CheckedRobot | None,
         scope: Scope,
         findings: Findings,
-        is_explained: Callable[[str], bool],
+        is_unknown: Callable[[str], bool],
     ) -> None:
         self.loaded = loaded
         self.has_body = body is not None
         self._body = body
         self.scope = scope
         self.findings = findings
+        self.controllers = loaded.source.declared(loaded.document.controllers, "controllers")
+        self.programs = loaded.source.declared(loaded.document.use, "use")
         self.used: set[str] = set()
-        self.lost_models: set[str] = set()
         robot, known = loaded.document.robot, {} if body is None else body.resources
-        self._missing = MissingResources(robot, known, loaded.source, findings, is_explained)
+        self._missing = MissingResources(robot, known, loaded.source, findings)
+        self._is_unknown = is_unknown
 
     @property
-    def body(self) -> Body:
+    def body(self) -> CheckedRobot:
         """The program's robot, which has to be there."""
         assert self._body is not None, "without a robot nothing asks for its resources"
         return self._body
@@ -101,11 +104,6 @@ class Context:
         if name is None:
             return None
         resource = self.body.resources.get(name)
-        if resource is None and not self._is_of_a_lost_model(name):
+        if resource is None and not self._is_unknown(name):
             self._missing.report(text, name, steps, scope)
         return resource
-
-    def _is_of_a_lost_model(self, name: str) -> bool:
-        """Whether a name is that of an internal model with faults, which have been reported."""
-        part = name.rpartition(".")[2]
-        return part in self.lost_models or not self.source.is_whole("models", part)

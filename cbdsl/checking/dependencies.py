@@ -5,19 +5,20 @@ from __future__ import annotations
 from collections.abc import Collection
 from pathlib import Path
 
-from cbdsl.checking.body import Body
 from cbdsl.checking.context import Steps
 from cbdsl.checking.findings import Findings
 from cbdsl.checking.knowledge.model import model_resource
+from cbdsl.checking.lookup.documents import find_document, first_stage, for_robot
+from cbdsl.checking.robot.checked_robot import CheckedRobot
 from cbdsl.checking.session import Session
-from cbdsl.checking.unknown import first_stage, for_robot, report_unknown
 from cbdsl.documents.document import Document
 from cbdsl.documents.model import ModelDocument
 from cbdsl.documents.program import ProgramDocument
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.documents.stage import StageDocument
 from cbdsl.types.resource import Resource
-from cbdsl.yaml_text.reader import Loaded
+from cbdsl.yaml_text.loaded import Loaded
+from cbdsl.yaml_text.unknown import UNKNOWN, Unknown
 
 _KINDS: dict[str, type[Document]] = {
     "stage": StageDocument,
@@ -44,35 +45,30 @@ class Dependencies:
         self._loaded, self._document, self._source = loaded, loaded.document, loaded.source
         self._session, self._findings = session, findings
         self._others: set[str] = set()
+        self._models: dict[str, Resource | Unknown] = {}
+        self._body: CheckedRobot | None = None
         self.robot = self._find_robot()
 
     def _find_robot(self) -> Path | None:
-        name, library = self._document.robot, self._session.library
-        path = library.find(RobotDocument, name, self._loaded.path)
-        if path is None and self._source.is_whole("robot"):
-            place = self._source.place("robot")
-            report_unknown(RobotDocument, name, place, library, self._findings)
-        return path
+        place, library = self._source.place("robot"), self._session.library
+        return find_document(RobotDocument, self._document.robot, place, library, self._findings)
 
     def check_stage(self) -> None:
         """Check that the stage is there, and for the same robot."""
         name = self._document.stage
         if name is None:
             return
-        path = self._session.library.find(StageDocument, name, self._loaded.path)
-        if path is None:
-            self.report_unknown(StageDocument, name, ("stage",))
-            return
+        path = self.find(StageDocument, name, ("stage",))
         stage = self._session.read(path, StageDocument, self._findings)
         if stage is not None:
             self.is_for_the_robot(stage.document.robot, name, ("stage",))
 
-    def report_unknown(self, kind: type[Document], name: str, steps: Steps) -> None:
-        """Report that a document is not there; those for the program's robot are proposed."""
+    def find(self, kind: type[Document], name: str, steps: Steps) -> Path | None:
+        """The file of a document; where there is none, those for the robot are proposed."""
         place, library = self._source.place(*steps), self._session.library
         robot = None if self.robot is None else self._document.robot
         own = self._document.name if kind is ProgramDocument else ""
-        report_unknown(kind, name, place, library, self._findings, robot, own)
+        return find_document(kind, name, place, library, self._findings, robot, own)
 
     def is_for_the_robot(self, other: str, name: str, steps: Steps) -> bool:
         """Whether a document is for the program's robot, as far as anybody knows.
@@ -83,7 +79,7 @@ class Dependencies:
             steps: path of what names it.
         """
         robot, source = self._document.robot, self._source
-        if other == robot or self.robot is None or not source.is_whole("robot"):
+        if self.robot is None or robot in (other, UNKNOWN) or other is UNKNOWN:
             return True
         kind, library = _KINDS[str(steps[0])], self._session.library
         names = for_robot(kind, robot, self._loaded.path, library)
@@ -95,39 +91,40 @@ class Dependencies:
         self._others.add(other)
         return False
 
-    def explain(self, name: str) -> bool:
-        """Whether something that was reported is why the robot does not have a resource.
+    def is_unknown(self, name: str) -> bool:
+        """Whether a resource is unknown because of a fault elsewhere.
 
-        Either the robot's own document misses what the resource begins or ends with, or the
-        resource is one of another robot, for which a document is that is named here.
+        Either it is drawn from a model with faults, or the robot's own document misses what its
+        name begins or ends with, or it is one of another robot, for which a document is that is
+        named here.
         """
-        ends = {name.partition(".")[0], name.rpartition(".")[2]}
-        if self.robot is not None and not ends.isdisjoint(self._session.missed_by(self.robot)):
-            return True
-        return any(name in self._resources(other) for other in self._others)
+        first, last = name.partition(".")[0], name.rpartition(".")[2]
+        models = self._source.declared(self._models, "models")
+        return (
+            models.get(last) is UNKNOWN
+            or (self._body is not None and not self._body.missed.isdisjoint((first, last)))
+            or any(name in self._resources(other) for other in self._others)
+        )
 
     def _resources(self, robot: str) -> Collection[str]:
         path = self._session.library.find(RobotDocument, robot, self._loaded.path)
-        body = None if path is None else self._session.body(path, Findings())
+        body = self._session.body(path, Findings())
         return () if body is None else body.resources
 
-    def body(self) -> Body | None:
+    def body(self) -> CheckedRobot | None:
         """The robot with the internal models that the program draws from."""
-        if self.robot is None:
-            return None
-        body = self._session.body(self.robot, self._findings)
+        body = self._body = self._session.body(self.robot, self._findings)
         if body is None:
             return None
-        found = [self._model(alias, name, body) for alias, name in self._document.models.items()]
-        named = {resource.name: resource for resource in found if resource is not None}
+        for alias, name in self._document.models.items():
+            self._models[alias] = self._model(alias, name, body) or UNKNOWN
+        drawn = [model for model in self._models.values() if isinstance(model, Resource)]
+        named = {resource.name: resource for resource in drawn}
         return body._replace(resources={**body.resources, **named}) if named else body
 
-    def _model(self, alias: str, name: str, body: Body) -> Resource | None:
+    def _model(self, alias: str, name: str, body: CheckedRobot) -> Resource | None:
         steps: Steps = ("models", alias)
-        path = self._session.library.find(ModelDocument, name, self._loaded.path)
-        if path is None:
-            self.report_unknown(ModelDocument, name, steps)
-            return None
+        path = self.find(ModelDocument, name, steps)
         model = self._session.read(path, ModelDocument, self._findings)
         if model is None:
             return None

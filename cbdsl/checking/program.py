@@ -8,22 +8,22 @@ from pathlib import Path
 from cbdsl.checking.actions import Actions
 from cbdsl.checking.causes import causes_first
 from cbdsl.checking.compositions import Compositions
-from cbdsl.checking.context import Context, Steps
+from cbdsl.checking.context import ProgramContext, Steps
 from cbdsl.checking.dependencies import Dependencies
 from cbdsl.checking.findings import Findings
-from cbdsl.checking.scope import Scope
+from cbdsl.checking.knowledge.states import check_states
+from cbdsl.checking.lookup.scope import Scope
 from cbdsl.checking.session import Session
-from cbdsl.checking.states import check_states
 from cbdsl.checking.suspicious import check_suspicious
 from cbdsl.checking.unused import check_unused
 from cbdsl.checking.used_programs import Budget, UsedPrograms
 from cbdsl.documents.program import ProgramDocument
 from cbdsl.errors.errors import DiagnosticsError, UsageError
-from cbdsl.errors.nearest import meant
+from cbdsl.errors.nearest import suggestion
 from cbdsl.program.checked import Action, CheckedProgram
 from cbdsl.program.controller import Composition, Primitive
 from cbdsl.yaml_text.library import Library
-from cbdsl.yaml_text.reader import Loaded
+from cbdsl.yaml_text.loaded import Loaded
 
 
 def check_program(
@@ -46,9 +46,9 @@ def check_program(
     path = session.library.locate(ProgramDocument, path_or_name)
     values = with_ or {}
     loaded = session.library.read_sound_parts(path, ProgramDocument)
-    known = loaded.document.parameters
+    known = loaded.source.declared(loaded.document.parameters, "parameters")
     for name in values:
-        if name not in known and loaded.source.is_whole("parameters", name):
+        if name not in known:
             raise UsageError(f"{path}: {_no_parameter(name, list(known))}")
     checked = examine_program(path, values, session, findings)
     if checked is None or findings.failed:
@@ -58,7 +58,7 @@ def check_program(
 
 def _no_parameter(name: str, known: list[str]) -> str:
     listed = ", ".join(known) or "none"
-    return f"there is no parameter '{name}'{meant(name, known)} (known: {listed})"
+    return f"there is no parameter '{name}'{suggestion(name, known)} (known: {listed})"
 
 
 def examine_program(
@@ -117,22 +117,21 @@ class _ProgramCheck:
     ) -> None:
         self._document = loaded.document
         source = loaded.source
-        own = [name for name in loaded.document.parameters if name not in values]
-        places = {name: source.place("parameters", name) for name in own}
-        self._scope = Scope({**loaded.document.parameters, **values}, places)
+        own = source.declared(loaded.document.parameters, "parameters")
+        places = {name: source.place("parameters", name) for name in own if name not in values}
+        self._scope = Scope(own.extended(values), places)
         dependencies = Dependencies(loaded, session, findings)
         dependencies.check_stage()
 
-        def examine(path: Path, with_: Mapping[str, str], found: Findings) -> CheckedProgram | None:
-            return examine_program(path, with_, session, found, budget)
+        def examine(path: Path, with_: Mapping[str, str], own: Findings) -> CheckedProgram | None:
+            return examine_program(path, with_, session, own, budget)
 
         used = UsedPrograms(loaded, session, findings, dependencies, self._scope, budget, examine)
         self._used, programs = used, used.check()
         body = dependencies.body()
-        context = self._context = Context(loaded, body, self._scope, findings, dependencies.explain)
-        if body is not None:
-            drawn = {name.rpartition(".")[2] for name in body.resources}
-            context.lost_models.update(set(loaded.document.models) - drawn)
+        context = self._context = ProgramContext(
+            loaded, body, self._scope, findings, dependencies.is_unknown
+        )
         self._compositions = Compositions(context)
         self._actions = Actions(context, self._compositions, programs)
 
@@ -168,7 +167,7 @@ class _ProgramCheck:
             name=document.name,
             robot=document.robot,
             stage=document.stage,
-            parameters=self._scope.values,
+            parameters=dict(self._scope.values),
             members=self._actions.members,
             primitives=_primitives(actions),
             actions=tuple(action for action in actions if action is not None),
@@ -200,7 +199,7 @@ class _ProgramCheck:
             condition = self._context.parse(text, steps)
             if condition is None or str(condition) in names:
                 continue
-            missed = {term.name for term in condition.terms} <= self._compositions.unknown
+            missed = {term.name for term in condition.terms} <= self._compositions.missing
             if complete or not (missed or self._actions.is_declared(condition)):
                 place = self._context.source.place(*steps)
                 self._context.add("CB514", place, names=names, name=str(condition))
@@ -213,8 +212,8 @@ def _named(document: ProgramDocument) -> Iterator[tuple[Steps, str]]:
             continue
         if controller.seek is not None and controller.seek.once is not None:
             yield ("controllers", key, "seek", "once"), controller.seek.once
-        if controller.given is not None:
-            yield ("controllers", key, "given"), controller.given
+        if controller.requires is not None:
+            yield ("controllers", key, "requires"), controller.requires
 
 
 def _primitives(actions: list[Action | None]) -> dict[str, Primitive]:

@@ -1,4 +1,4 @@
-"""What several checks share: documents and robots, each read and checked once."""
+"""Documents and robots that several checks share, each read and checked once."""
 
 from __future__ import annotations
 
@@ -6,16 +6,16 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import TypeVar
 
-from cbdsl.checking.body import Body
 from cbdsl.checking.findings import Findings
+from cbdsl.checking.lookup.uses import Uses
+from cbdsl.checking.robot.checked_robot import CheckedRobot
 from cbdsl.checking.robot.robot import examine_robot
-from cbdsl.checking.uses import Uses
 from cbdsl.documents.document import Document
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.errors.errors import DiagnosticsError
 from cbdsl.program.checked import CheckedProgram
 from cbdsl.yaml_text.library import Library
-from cbdsl.yaml_text.reader import Loaded
+from cbdsl.yaml_text.loaded import Loaded
 
 D = TypeVar("D", bound=Document)
 
@@ -27,29 +27,35 @@ class Session:
 
     Attributes:
         library: where documents are found by name.
+        values: values of programs' parameters.
         uses: which programs use which.
     """
 
-    def __init__(self, library: Library | None = None) -> None:
-        self.library = library or Library()
+    def __init__(
+        self, library: Library | None = None, values: Mapping[str, str] | None = None
+    ) -> None:
+        self.library, self.values = library or Library(), values or {}
         self.uses = Uses(self.library)
-        self._bodies: dict[Path, tuple[Body | None, Findings]] = {}
+        self._bodies: dict[Path, tuple[CheckedRobot | None, Findings]] = {}
         self._programs: dict[_Key, tuple[CheckedProgram | None, Findings]] = {}
 
-    def read(self, path: Path, kind: type[D], findings: Findings) -> Loaded[D] | None:
-        """A file's document, or ``None`` where it has faults, which are added."""
+    def read(self, path: Path | None, kind: type[D], findings: Findings) -> Loaded[D] | None:
+        """A file's document, or ``None`` without one or where it has faults, which are added."""
         try:
-            return self.library.read(path, kind)
+            return None if path is None else self.library.read(path, kind)
         except DiagnosticsError as error:
             findings.extend(error.diagnostics)
             return None
 
-    def body(self, path: Path, findings: Findings) -> Body | None:
+    def body(self, path: Path | None, findings: Findings) -> CheckedRobot | None:
         """The robot of a file, whose own findings are added.
 
         Returns:
-            ``None`` where parts of it had to be left out, so that nobody knows what it has.
+            ``None`` without a file, or where parts of the robot had to be left out, so that nobody
+            knows what it has.
         """
+        if path is None:
+            return None
         key = self.library.real(path)
         if key not in self._bodies:
             own = Findings()
@@ -58,22 +64,7 @@ class Session:
         findings.extend(own.sorted())
         return body
 
-    def missed_by(self, path: Path) -> frozenset[str]:
-        """Names of effectors and channels that a robot's own document misses, and what lacks them.
-
-        Groups lack effectors, and the aliases of channels lack channels.
-
-        Whoever misses them in another document does so for the same cause.
-        """
-        body, own = self._bodies.get(self.library.real(path), (None, Findings()))
-        missed = frozenset(found.given for found in own.sorted() if found.code == "CB308")
-        if body is None or not missed:
-            return missed
-        groups, aliases = body.document.groups, body.document.vision.channels.aliases
-        lacking = {name for name, group in groups.items() if not missed.isdisjoint(group.members)}
-        return missed | lacking | {alias for alias, of in aliases.items() if of in missed}
-
-    def _examine_robot(self, path: Path, findings: Findings) -> Body | None:
+    def _examine_robot(self, path: Path, findings: Findings) -> CheckedRobot | None:
         try:
             loaded = self.library.read_sound_parts(path, RobotDocument)
         except DiagnosticsError as error:
@@ -86,7 +77,7 @@ class Session:
     def recall(
         self, path: Path, values: Mapping[str, str]
     ) -> tuple[CheckedProgram | None, Findings] | None:
-        """What was remembered of a program with these values of its parameters."""
+        """Outcome of the earlier check of a program with these values of its parameters."""
         return self._programs.get((self.library.real(path), frozenset(values.items())))
 
     def remember(

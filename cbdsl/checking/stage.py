@@ -4,16 +4,24 @@ from __future__ import annotations
 
 from collections.abc import Collection, Iterator
 
-from cbdsl.checking.body import Body
 from cbdsl.checking.controller.reach import farthest_tip
 from cbdsl.checking.findings import Findings
-from cbdsl.checking.limits import limits_told
+from cbdsl.checking.lookup.documents import find_document
+from cbdsl.checking.robot.checked_robot import CheckedRobot
+from cbdsl.checking.robot.limits import limit_details
 from cbdsl.checking.session import Session
-from cbdsl.checking.unknown import report_unknown
 from cbdsl.documents.robot import RobotDocument
-from cbdsl.documents.stage import Ball, Box, Context, Cylinder, Fixture, Place, StageDocument
+from cbdsl.documents.stage import (
+    BallForm,
+    BoxForm,
+    Context,
+    CylinderForm,
+    Fixture,
+    PlaceSection,
+    StageDocument,
+)
+from cbdsl.yaml_text.loaded import Loaded
 from cbdsl.yaml_text.node import Node
-from cbdsl.yaml_text.reader import Loaded
 from cbdsl.yaml_text.source_map import Step
 
 _FOR_THINGS = ("place", "motion", "removed_after", "returned_after")
@@ -22,13 +30,8 @@ _FOR_THINGS = ("place", "motion", "removed_after", "returned_after")
 def examine_stage(loaded: Loaded[StageDocument], session: Session, findings: Findings) -> None:
     """Check that a stage names only what there is."""
     name, source = loaded.document.robot, loaded.source
-    path = session.library.find(RobotDocument, name, loaded.path)
-    body = None
-    if path is not None:
-        body = session.body(path, findings)
-    elif source.is_whole("robot"):
-        place = source.place("robot")
-        report_unknown(RobotDocument, name, place, session.library, findings)
+    path = find_document(RobotDocument, name, source.place("robot"), session.library, findings)
+    body = session.body(path, findings)
     for node, (first, last) in _reversed_spans(loaded.document, source.root):
         findings.add("CB352", node.place, first=f"{first:g}", last=f"{last:g}")
     for key, context in loaded.document.contexts.items():
@@ -38,24 +41,24 @@ def examine_stage(loaded: Loaded[StageDocument], session: Session, findings: Fin
         _sizes(loaded, body, findings)
 
 
-def _sizes(loaded: Loaded[StageDocument], body: Body, findings: Findings) -> None:
+def _sizes(loaded: Loaded[StageDocument], body: CheckedRobot, findings: Findings) -> None:
     """Warn of things that are wider, whichever way they are turned, than any tip can go far."""
     farthest = farthest_tip(body)
     for name, thing in loaded.document.things.items():
         width = _narrowest(thing.form)
         if farthest is not None and width > farthest:
-            key = "size" if isinstance(thing.form, Box) else "radius"
+            key = "size" if isinstance(thing.form, BoxForm) else "radius"
             place = loaded.source.place("things", name, "form", key)
             ends = {"width": f"{width:.4g}", "farthest": f"{farthest:.3g}"}
             findings.add("CB721", place, name=name, robot=body.document.name, **ends)
 
 
-def _narrowest(form: Ball | Box | Cylinder) -> float:
+def _narrowest(form: BallForm | BoxForm | CylinderForm) -> float:
     """The least extent of a thing, at its smallest, m."""
-    if isinstance(form, Box):
+    if isinstance(form, BoxForm):
         return min(size[0] for size in form.size)
     across = 2 * form.radius[0]
-    return min(across, form.height[0]) if isinstance(form, Cylinder) else across
+    return min(across, form.height[0]) if isinstance(form, CylinderForm) else across
 
 
 def _names(loaded: Loaded[StageDocument], findings: Findings) -> None:
@@ -88,21 +91,21 @@ class _ContextCheck:
         self._steps = steps
         self._context = context
 
-    def all(self, body: Body | None) -> None:
+    def all(self, body: CheckedRobot | None) -> None:
         context, place = self._context, self._context.place
         for i, name in enumerate(context.things):
-            if self._source.is_whole("things", name):
-                self._known(name, self._stage.things, "thing of this stage", "things", i)
+            things = self._source.declared(self._stage.things, "things")
+            self._known(name, things, "thing of this stage", "things", i)
         if place is not None and place.on is not None:
-            if self._source.is_whole("fixtures", place.on):
-                self._known(place.on, self._stage.fixtures, "fixture of this stage", "place", "on")
+            fixtures = self._source.declared(self._stage.fixtures, "fixtures")
+            self._known(place.on, fixtures, "fixture of this stage", "place", "on")
             self._on_fixture(place, place.on)
         if body is not None:
             self._on_robot(body)
         self._complete()
         self._deeds()
 
-    def _on_robot(self, body: Body) -> None:
+    def _on_robot(self, body: CheckedRobot) -> None:
         place, robot = self._context.place, body.document
         if place is not None and place.hand is not None:
             tips = [name for name, effector in robot.effectors.items() if effector.tip]
@@ -112,18 +115,18 @@ class _ContextCheck:
             self._known(joint, joints, "actuated joint", "joints", joint, at_key=True)
         self._within_limits(body)
 
-    def _within_limits(self, body: Body) -> None:
+    def _within_limits(self, body: CheckedRobot) -> None:
         """Joints can start where their context puts them."""
         starts = self._context.joints
         for (joint, span), limits in zip(starts.items(), body.limits(starts), strict=True):
             beyond = [i for i, a in enumerate(span) if limits and not limits[0] <= a <= limits[1]]
             if limits is not None and beyond:
                 node = self._source.node((*self._steps, "joints", joint, beyond[0]))
-                told = limits_told(node.value, span[beyond[0]], limits)
-                self._findings.add("CB355", node.place, joint=joint, **told)
+                limits_text = limit_details(node.value, span[beyond[0]], limits)
+                self._findings.add("CB355", node.place, joint=joint, **limits_text)
 
-    def _on_fixture(self, place: Place, name: str) -> None:
-        """What stands on a fixture has its centre above it, wherever it is drawn."""
+    def _on_fixture(self, place: PlaceSection, name: str) -> None:
+        """A thing on a fixture has its centre above it, wherever it is drawn."""
         if place.hand is not None:
             self._lacks("place", "a place on a fixture is in the world, not in reach of a hand")
             return
@@ -149,7 +152,7 @@ class _ContextCheck:
             self._findings.add("CB351", place, names=list(names), name=name, what=what)
 
     def _complete(self) -> None:
-        """What is said of a thing needs a thing, and the other way round."""
+        """Keys about a thing need a thing, and the other way round."""
         context, place = self._context, self._context.place
         if context.things and place is None:
             self._lacks("things", "things need a place")
@@ -164,7 +167,7 @@ class _ContextCheck:
             self._lacks("released_after", "released_after needs a place with `held: true`")
 
     def _deeds(self) -> None:
-        """What the experimenter does with a thing happens in some order."""
+        """Actions of the experimenter on a thing happen in an order that is possible."""
         context = self._context
         removed, released = context.removed_after, context.released_after
         is_held = context.place is not None and context.place.held
@@ -186,14 +189,14 @@ class _ContextCheck:
 
 
 def _idle(context: Context) -> list[str]:
-    """What a context says of the thing that it shows."""
+    """Keys of a context that are about the thing that it shows."""
     return [key for key in _FOR_THINGS if getattr(context, key) is not None]
 
 
 def _halves(fixture: Fixture) -> tuple[float, float]:
     """Half the largest extent of a fixture along x and y, m."""
     form = fixture.form
-    if isinstance(form, Box):
+    if isinstance(form, BoxForm):
         return form.size[0][1] / 2, form.size[1][1] / 2
     return form.radius[1], form.radius[1]
 

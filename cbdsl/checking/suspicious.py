@@ -4,20 +4,20 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 
-from cbdsl.checking.context import Context, Steps
-from cbdsl.checking.impossible import check_possible, reads_what_is_known
-from cbdsl.checking.pace import check_gain, check_window
-from cbdsl.checking.states import ANY
+from cbdsl.checking.context import ProgramContext, Steps
+from cbdsl.checking.knowledge.impossible import check_possible, reads_what_is_known
+from cbdsl.checking.robot.pace import check_gain, check_window
 from cbdsl.documents import program as written
 from cbdsl.program.checked import Action, CheckedProgram
 from cbdsl.program.controller import AlongNormals, Controller, Literal
-from cbdsl.program.dry_run import Level, levels
+from cbdsl.program.dry_run import StackLevel, levels
 from cbdsl.types.potential import POTENTIALS
 from cbdsl.types.resource import Heading, Headings, Resource, StereoPosition
+from cbdsl.types.state import ANY
 
 
 def check_suspicious(
-    context: Context,
+    context: ProgramContext,
     program: CheckedProgram,
     controllers: Iterable[tuple[str, Controller]],
     actions: Mapping[str, Steps],
@@ -33,7 +33,7 @@ def check_suspicious(
     checked = list(controllers)
     for key, controller in checked:
         document = context.document.controllers[key]
-        assert isinstance(document, written.Controller), "compositions are no controllers"
+        assert isinstance(document, written.ControllerSection), "compositions are no controllers"
         _ControllerCheck(context, key, document, controller).all()
     _hasty(context, checked, program)
     _start(context, program)
@@ -49,7 +49,11 @@ def check_suspicious(
 
 class _ControllerCheck:
     def __init__(
-        self, context: Context, key: str, document: written.Controller, controller: Controller
+        self,
+        context: ProgramContext,
+        key: str,
+        document: written.ControllerSection,
+        controller: Controller,
     ) -> None:
         self._context = context
         self._steps = ("controllers", key)
@@ -68,7 +72,7 @@ class _ControllerCheck:
             place = source.place(*self._steps, "reference")
             self._context.add("CB708", place, name=reference.name)
         once = None if controller.seek is None else controller.seek.once
-        for steps, waited_for in ((("seek", "once"), once), (("given",), controller.given)):
+        for steps, waited_for in ((("seek", "once"), once), (("requires",), controller.requires)):
             if waited_for == controller.name:
                 place = source.place(*self._steps, *steps)
                 self._context.add("CB710", place, name=controller.name)
@@ -110,7 +114,7 @@ def _is_zero(controller: Controller) -> bool:
 
 
 def _hasty(
-    context: Context, controllers: Iterable[tuple[str, Controller]], program: CheckedProgram
+    context: ProgramContext, controllers: Iterable[tuple[str, Controller]], program: CheckedProgram
 ) -> None:
     """Warn of controllers that are watched for longer than an action lasts."""
     source, longest, limit = context.source, program.transition_time, ("limits", "transition_time")
@@ -124,7 +128,7 @@ def _hasty(
         context.add("CB714", place, name=name, **details)
 
 
-def _start(context: Context, program: CheckedProgram) -> None:
+def _start(context: ProgramContext, program: CheckedProgram) -> None:
     """Every program begins with no predicate active."""
     patterns = [pattern for pattern in program.policy if not pattern.strip("X" + ANY)]
     if program.policy and not patterns:
@@ -132,20 +136,20 @@ def _start(context: Context, program: CheckedProgram) -> None:
         context.add("CB706", context.source.key("policy"), state=state)
 
 
-def _background(context: Context, program: CheckedProgram) -> None:
+def _background(context: ProgramContext, program: CheckedProgram) -> None:
     name = str(program.background)
     if program.background is not None and name in (action.name for action in program.actions):
         context.add("CB716", context.source.place("background"), name=name)
 
 
-def _used(context: Context, program: CheckedProgram) -> None:
+def _used(context: ProgramContext, program: CheckedProgram) -> None:
     for action in program.actions:
         if action.program is not None and not action.program.policy:
             place = context.source.place("use", action.name, "program")
             context.add("CB705", place, name=action.program.name)
 
 
-def _levels(context: Context, program: CheckedProgram, action: Action, steps: Steps) -> None:
+def _levels(context: ProgramContext, program: CheckedProgram, action: Action, steps: Steps) -> None:
     """Warn of controllers to which one above leaves nothing, whatever happens."""
     own = [level for level in levels(program, action) if not level.background]
     idle: dict[str, list[str]] = {}
@@ -159,7 +163,7 @@ def _levels(context: Context, program: CheckedProgram, action: Action, steps: St
         context.add("CB709", context.source.place(*steps), above=name, names_below=names)
 
 
-def _takes_all(above: Level, joints: frozenset[str]) -> bool:
+def _takes_all(above: StackLevel, joints: frozenset[str]) -> bool:
     """Whether a level always fixes all of some joints: it is never undefined."""
     controller = above.controller
     return (

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Collection
 
-from cbdsl.checking.context import Context
+from cbdsl.checking.context import ProgramContext
 
 
-def check_unused(context: Context, used: Collection[str]) -> None:
+def check_unused(context: ProgramContext, used: Collection[str]) -> None:
     """Warn of unused controllers, programs and parameters, and of hidden names.
 
     Args:
@@ -25,7 +25,7 @@ def check_unused(context: Context, used: Collection[str]) -> None:
     _hidden(context)
 
 
-def _hidden(context: Context) -> None:
+def _hidden(context: ProgramContext) -> None:
     document, source = context.document, context.source
     for name in document.controllers:
         if name in document.use:

@@ -9,14 +9,14 @@ from cbdsl.checking.context import Steps
 from cbdsl.checking.dependencies import Dependencies
 from cbdsl.checking.findings import Findings
 from cbdsl.checking.knowledge.learned import check_policy, with_policy
-from cbdsl.checking.scope import Scope
+from cbdsl.checking.lookup.documents import find_document
+from cbdsl.checking.lookup.scope import Scope
 from cbdsl.checking.session import Session
-from cbdsl.checking.unknown import report_unknown
 from cbdsl.documents.policy import PolicyDocument
 from cbdsl.documents.program import ProgramDocument, Use
 from cbdsl.errors.errors import DiagnosticsError
 from cbdsl.program.checked import CheckedProgram
-from cbdsl.yaml_text.reader import Loaded
+from cbdsl.yaml_text.loaded import Loaded
 
 # Programs within one another, and programs that one uses in all, each with other values.
 _DEEPEST = 64
@@ -88,30 +88,29 @@ class UsedPrograms:
         except DiagnosticsError as error:
             self._findings.extend(error.diagnostics)
             return None
-        robot, is_whole = used.document.robot, used.source.is_whole("robot")
-        if is_whole and not self._dependencies.is_for_the_robot(robot, use.program, steps):
+        if not self._dependencies.is_for_the_robot(used.document.robot, use.program, steps):
             return None
         values = self._values(name, use, used)
-        found = Findings()
-        program = self._examine(path, values, found)
-        if found.failed and not found.holds(_ENDLESS):
+        faults = Findings()
+        program = self._examine(path, values, faults)
+        if faults.failed and not faults.holds(_ENDLESS):
             own = Findings()
             self._examine(path, {}, own)
             if not own.failed:
                 wrong = [key for key in values if not self._runs(path, {key: values[key]})]
-                self._unsuitable.append((name, path, (*wrong, *values)[0], found))
+                self._unsuitable.append((name, path, (*wrong, *values)[0], faults))
                 return None
-            found = own  # with its own values it has faults already
-        self._findings.extend(found.sorted())
+            faults = own  # with its own values it has faults already
+        self._findings.extend(faults.sorted())
         if program is None or use.policy is None:
             return program
         return self._learned(use.policy, program, path, ("use", name, "policy"))
 
     def _runs(self, path: Path, values: Mapping[str, str]) -> bool:
         """Whether a program has no faults with some values of its parameters."""
-        found = Findings()
-        self._examine(path, values, found)
-        return not found.failed
+        findings = Findings()
+        self._examine(path, values, findings)
+        return not findings.failed
 
     def report_values(self, reported: Collection[str]) -> None:
         """Report values with which used programs cannot run.
@@ -120,11 +119,11 @@ class UsedPrograms:
             reported: parameters of this program whose values have been reported.
         """
         source = self._source
-        for name, path, key, found in self._unsuitable:
+        for name, path, key, faults in self._unsuitable:
             text = self._loaded.document.use[name].with_[key]
             if text.startswith("$") and text[1:] in reported:
                 continue
-            fault = next(fault for fault in found.sorted() if fault.is_error)
+            fault = next(fault for fault in faults.sorted() if fault.is_error)
             passed_on = self._scope.place(text[1:]) if text.startswith("$") else None
             here = source.place("use", name, "with", key)
             self._findings.add(
@@ -141,15 +140,14 @@ class UsedPrograms:
 
     def _find(self, use: Use, steps: Steps) -> Path | None:
         """The file of a program that can be used here."""
-        source, library = self._source, self._session.library
-        path = library.find(ProgramDocument, use.program, self._loaded.path)
+        source = self._source
+        path = self._dependencies.find(ProgramDocument, use.program, steps)
         if path is None:
-            self._dependencies.report_unknown(ProgramDocument, use.program, steps)
             return None
-        way = self._session.uses.way(path, self._loaded.path)
-        if way:
-            cycle = " → ".join(file.stem for file in (way[-1], *way))
-            self._findings.add("CB605", source.place(*steps), name=way[-1].stem, cycle=cycle)
+        path_back = self._session.uses.find_path(path, self._loaded.path)
+        if path_back:
+            cycle = " → ".join(file.stem for file in (path_back[-1], *path_back))
+            self._findings.add("CB605", source.place(*steps), name=path_back[-1].stem, cycle=cycle)
             return None
         if self._budget.ended:
             self._findings.add("CB610", source.place(*steps), depth=_DEEPEST, bound=_MOST)
@@ -159,13 +157,12 @@ class UsedPrograms:
     def _values(self, name: str, use: Use, used: Loaded[ProgramDocument]) -> dict[str, str]:
         """The parameters of a used program, with this program's own replaced."""
         source, values = self._source, {}
+        parameters = used.source.declared(used.document.parameters, "parameters")
         for key, text in use.with_.items():
             steps = ("use", name, "with", key)
-            if key not in used.document.parameters:
-                names = list(used.document.parameters)
+            if key not in parameters:
                 details = {"name": key, "program": use.program}
-                if used.source.is_whole("parameters", key):
-                    self._findings.add("CB606", source.key(*steps), names=names, **details)
+                self._findings.add("CB606", source.key(*steps), names=list(parameters), **details)
                 continue
             value = self._scope.substitute(text, source, steps, self._findings)
             if value is not None:
@@ -177,10 +174,7 @@ class UsedPrograms:
     ) -> CheckedProgram | None:
         """A used program under a policy of its own, or ``None`` where that does not fit."""
         source, library = self._source, self._session.library
-        file = library.find(PolicyDocument, name, self._loaded.path)
-        if file is None:
-            report_unknown(PolicyDocument, name, source.place(*steps), library, self._findings)
-            return None
+        file = find_document(PolicyDocument, name, source.place(*steps), library, self._findings)
         loaded = self._session.read(file, PolicyDocument, self._findings)
         if loaded is None:
             return None
@@ -188,7 +182,7 @@ class UsedPrograms:
             details = {"name": name, "other": loaded.document.program, "program": program.name}
             self._findings.add("CB626", source.place(*steps), **details)
             return None
-        found = Findings()
-        check_policy(loaded, program, path, self._session, found)
-        self._findings.extend(found.sorted())
-        return None if found.failed else with_policy(program, loaded, library)
+        findings = Findings()
+        check_policy(loaded, program, path, self._session, findings)
+        self._findings.extend(findings.sorted())
+        return None if findings.failed else with_policy(program, loaded, library)

@@ -1,4 +1,4 @@
-"""Parameters given as ``--with name=value``."""
+"""Values given as ``--with name=value``."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from collections.abc import Iterable
 from cbdsl.errors.errors import UsageError
 
 
-def read_assignments(texts: Iterable[str]) -> dict[str, str]:
+def read_assignments(texts: Iterable[str], option: str = "--with") -> dict[str, str]:
     """Value by name.
 
     Raises:
@@ -17,8 +17,8 @@ def read_assignments(texts: Iterable[str]) -> dict[str, str]:
     for text in texts:
         name, equals, value = text.partition("=")
         if not (name and equals and value):
-            raise UsageError(f"--with {text}: expected name=value")
+            raise UsageError(f"{option} {text}: expected name=value")
         if name in values:
-            raise UsageError(f"--with {text}: '{name}' is given twice")
+            raise UsageError(f"{option} {text}: '{name}' is given twice")
         values[name] = value
     return values

@@ -25,12 +25,12 @@ class _Teller(event.Listener):
     """Hears when the compiler begins and ends."""
 
     def __init__(self) -> None:
-        self._told = False
+        self._announced = False
 
     def on_start(self, event: event.Event) -> None:
         """Tell of the first function."""
-        if not self._told:
-            self._told = True
+        if not self._announced:
+            self._announced = True
             print(NOTICE, file=sys.stderr, flush=True)
 
     def on_end(self, event: event.Event) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from typing import TYPE_CHECKING, Annotated
 
 import typer
@@ -15,7 +16,7 @@ Markdown = Annotated[bool, typer.Option("--markdown", help="Print a page of docu
 
 
 def explain(code: Code = None, every: All = False, markdown: Markdown = False) -> None:
-    """What a finding means, why it is a fault, and an example with and without it."""
+    """Print the meaning of a finding, why it is a fault, and an example with and without it."""
     from cbdsl.cli.explanation import explanation, page
 
     entries = _entries(code, every)
@@ -23,24 +24,27 @@ def explain(code: Code = None, every: All = False, markdown: Markdown = False) -
 
 
 def _entries(code: str | None, every: bool) -> list[Entry]:
-    from cbdsl.errors.catalogue import CATALOGUE
+    from cbdsl.cli.plugins import warn_of_faults
+    from cbdsl.documents.kinds import KINDS, entries, entry_of
     from cbdsl.errors.errors import UsageError
 
     if every != (code is None):
         raise UsageError("explain wants a code such as CB504, or --all")
     if code is None:
-        return sorted(CATALOGUE.values(), key=lambda entry: entry.code)
-    entry = CATALOGUE.get(code.upper())
+        warn_of_faults(KINDS)
+        return sorted(entries().values(), key=lambda entry: entry.code)
+    entry = entry_of(code.upper())
     if entry is None:
-        raise UsageError(f"there is no finding '{code}'{_meant(code)} (cb explain --all has all)")
+        raise UsageError(
+            f"there is no finding '{code}'{_suggestion(code, entries())} (cb explain --all has all)"
+        )
     return [entry]
 
 
-def _meant(code: str) -> str:
+def _suggestion(code: str, known: Iterable[str]) -> str:
     """The question for the nearest code; all begin alike, which says nothing."""
-    from cbdsl.errors.catalogue import CATALOGUE
     from cbdsl.errors.nearest import nearest_name
 
-    numbers = {known.removeprefix("CB"): known for known in CATALOGUE}
+    numbers = {each.removeprefix("CB"): each for each in known}
     nearest = nearest_name(code.upper().removeprefix("CB"), numbers)
     return f"; did you mean '{numbers[nearest]}'?" if nearest else ""

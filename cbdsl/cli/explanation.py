@@ -19,7 +19,7 @@ has none. This page is written by `cb explain --all --markdown`.
 
 
 def explanation(entry: Entry) -> str:
-    """What a person reads in a terminal."""
+    """The explanation of a finding for a terminal."""
     parts = [f"{entry.code}: {entry.title}", textwrap.fill(entry.explanation, 88)]
     example = "\n".join(_difference(entry))
     if example:

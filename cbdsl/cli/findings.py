@@ -11,11 +11,11 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from cbdsl.cli.outcome import Outcome
+    from cbdsl.cli.validation_report import ValidationReport
     from cbdsl.errors.diagnostic import Diagnostic
     from cbdsl.yaml_text.library import Library
 
-#: Where each format is written: a module of this package, and its function of an outcome.
+#: Where each format is written: a module of this package, and its function of an report.
 FORMATS = {
     "text": ("text_format", "text"),
     "json": ("json_format", "json_report"),
@@ -52,42 +52,48 @@ def check_paths(
         UsageError: a folder holds no documents, or there is no such format.
     """
     write = _writer(form)
-    outcome = _examine(paths, values, Path(stdin_name))
-    written = write(outcome)
+    report = _examine(paths, values, Path(stdin_name))
+    written = write(report)
     if written:
         print(written)
-    return 1 if outcome.errors or (strict and outcome.warnings) else 0
+    return 1 if report.errors or (strict and report.warnings) else 0
 
 
-def _writer(form: str) -> Callable[[Outcome], str]:
+def _writer(form: str) -> Callable[[ValidationReport], str]:
     from cbdsl.errors.errors import UsageError
 
     if form not in FORMATS:
         raise UsageError.unknown("format", form, FORMATS)
     module, function = FORMATS[form]
-    writer: Callable[[Outcome], str] = getattr(import_module(f"cbdsl.cli.{module}"), function)
+    writer: Callable[[ValidationReport], str] = getattr(
+        import_module(f"cbdsl.cli.{module}"), function
+    )
     return writer
 
 
-def _examine(paths: Iterable[str], values: Mapping[str, str], stdin: Path) -> Outcome:
+def _examine(paths: Iterable[str], values: Mapping[str, str], stdin: Path) -> ValidationReport:
     from cbdsl.checking.document import check_document
     from cbdsl.checking.session import Session
-    from cbdsl.cli.ignores import heed_ignores
-    from cbdsl.cli.outcome import Outcome
+    from cbdsl.cli.ignores import apply_suppressions
+    from cbdsl.cli.terminal import print_problem
+    from cbdsl.cli.validation_report import ValidationReport
+    from cbdsl.documents.kinds import KINDS
     from cbdsl.yaml_text.library import Library
 
     words = list(paths)
     given = {stdin: sys.stdin.buffer.read()} if STANDARD_INPUT in words else {}
     library = Library(given=given)
     files = [file for word in words for file in _documents(word, stdin, library)]
-    session = Session(library)
+    session = Session(library, values)
     # A robot's findings come with every program on it: each is told once.
-    found: dict[Diagnostic, None] = {}
+    diagnostics: dict[Diagnostic, None] = {}
     for file in files:
-        found.update(dict.fromkeys(check_document(file, values, session)))
-    findings = heed_ignores(found, files, session.library)
-    told = _first_of_each_file(findings)
-    return Outcome(told, len(files), len(findings) - len(told), _texts(session.library))
+        diagnostics.update(dict.fromkeys(check_document(file, session)))
+    findings = apply_suppressions(diagnostics, files, session.library)
+    for fault in KINDS.met_faults:
+        print_problem(f"warning: {fault}")
+    shown = _first_of_each_file(findings)
+    return ValidationReport(shown, len(files), len(findings) - len(shown), _texts(session.library))
 
 
 def _documents(word: str, stdin: Path, library: Library) -> Iterator[Path]:
@@ -108,11 +114,11 @@ def _documents(word: str, stdin: Path, library: Library) -> Iterator[Path]:
 
 
 def _first_of_each_file(findings: Iterable[Diagnostic]) -> tuple[Diagnostic, ...]:
-    told: Counter[str] = Counter()
+    counts: Counter[str] = Counter()
     first = []
     for diagnostic in findings:
-        told[diagnostic.place.file] += 1
-        if told[diagnostic.place.file] <= _MOST_PER_FILE:
+        counts[diagnostic.place.file] += 1
+        if counts[diagnostic.place.file] <= _MOST_PER_FILE:
             first.append(diagnostic)
     return tuple(first)
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from cbdsl.cli.outcome import Outcome
+from cbdsl.cli.validation_report import ValidationReport
 from cbdsl.errors.diagnostic import Diagnostic
 
 # What a workflow command may not hold as it is; the sign of the escapes comes first.
@@ -12,9 +12,9 @@ _IN_MESSAGES = {"%": "%25", "\r": "%0D", "\n": "%0A"}
 _IN_PROPERTIES = {**_IN_MESSAGES, ":": "%3A", ",": "%2C"}
 
 
-def github(outcome: Outcome) -> str:
+def github(report: ValidationReport) -> str:
     """One line per finding."""
-    return "\n".join(_annotation(diagnostic) for diagnostic in outcome.findings)
+    return "\n".join(_annotation(diagnostic) for diagnostic in report.findings)
 
 
 def _annotation(diagnostic: Diagnostic) -> str:
@@ -36,10 +36,10 @@ def _annotation(diagnostic: Diagnostic) -> str:
 
 
 def _message(diagnostic: Diagnostic) -> str:
-    """The message, the name that was probably meant, and the places that it speaks of."""
-    meant = [f"did you mean '{diagnostic.nearest}'?"] if diagnostic.nearest else []
+    """The message, the suggested name, and the related places."""
+    suggestion = [f"did you mean '{diagnostic.nearest}'?"] if diagnostic.nearest else []
     related = [f"{related.place}: {related.message}" for related in diagnostic.related]
-    return "\n".join([diagnostic.message, *meant, *related])
+    return "\n".join([diagnostic.message, *suggestion, *related])
 
 
 def _escaped(text: str, escapes: dict[str, str]) -> str:

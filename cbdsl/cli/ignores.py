@@ -12,19 +12,19 @@ if TYPE_CHECKING:
     from cbdsl.yaml_text.library import Library
 
 
-def heed_ignores(
-    found: Iterable[Diagnostic], files: Iterable[Path], library: Library
+def apply_suppressions(
+    diagnostics: Iterable[Diagnostic], files: Iterable[Path], library: Library
 ) -> list[Diagnostic]:
     """Take away what is ignored, and add findings about ignores; causes come first.
 
     Args:
-        found: findings in some files and in what they refer to.
+        diagnostics: findings in some files and in what they refer to.
         files: the files that were checked for themselves; only there an ignore can be idle.
         library: where their texts are.
     """
     from cbdsl.checking.causes import causes_first
 
-    findings = list(found)
+    findings = list(diagnostics)
     # The same file may have been read by a shorter path before.
     own = {library.real(file): file for file in files}
     places = (Path(diagnostic.place.file) for diagnostic in findings)
@@ -63,10 +63,10 @@ def _ignores(path: Path, library: Library) -> list[Ignore]:
 
 
 def _faults(ignore: Ignore, hits: set[Ignore]) -> Iterator[Diagnostic]:
-    from cbdsl.errors.catalogue import CATALOGUE
+    from cbdsl.documents.kinds import entry_of
     from cbdsl.errors.wording import diagnostic
 
-    if ignore.code not in CATALOGUE:
+    if entry_of(ignore.code) is None:
         yield diagnostic("CB803", ignore.place, name=ignore.code)
         return
     if ignore not in hits:

@@ -5,22 +5,22 @@ from __future__ import annotations
 import json
 from typing import Any
 
-from cbdsl.cli.outcome import Outcome
+from cbdsl.cli.validation_report import ValidationReport
 from cbdsl.errors.diagnostic import Diagnostic, Place
 
 #: Grows when a key changes its meaning or goes; new keys may come without it.
 VERSION = 1
 
 
-def json_report(outcome: Outcome) -> str:
+def json_report(report: ValidationReport) -> str:
     """One object: the version of this format, how much was found, and every finding."""
     data = {
         "version": VERSION,
-        "documents": outcome.documents,
-        "errors": outcome.errors,
-        "warnings": outcome.warnings,
-        "left_out": outcome.left_out,
-        "findings": [_finding(diagnostic) for diagnostic in outcome.findings],
+        "documents": report.documents,
+        "errors": report.errors,
+        "warnings": report.warnings,
+        "left_out": report.left_out,
+        "findings": [_finding(diagnostic) for diagnostic in report.findings],
     }
     return json.dumps(data, indent=2, ensure_ascii=False)
 

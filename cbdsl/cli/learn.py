@@ -1,27 +1,31 @@
-"""``cb learn``: teach a program what to do, from episodes that are run."""
+"""``cb learn``: learn the policy of a program from episodes."""
 
 from __future__ import annotations
 
+import inspect
 import re
 import shlex
-from collections.abc import Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from cbdsl.documents.json_schema import docstrings
+from cbdsl.learning.constants import AccommodateConstants, read_constants
+
 if TYPE_CHECKING:
-    from cbdsl.cli.order import Order
-    from cbdsl.learning.accommodate import Constants
-    from cbdsl.learning.prior import Form
+    from cbdsl.cli.run_request import RunRequest
+    from cbdsl.documents.document import Section
     from cbdsl.program.checked import CheckedProgram
-    from cbdsl.training.assignment import Assignment
+    from cbdsl.training.learning_task import LearningTask
 
 # What a command names even where it is the default: they say how much was done, and by what chance.
 _ALWAYS = ("episodes", "seed", "backend")
-# The program stands without an option, and how a trial gets to its end does not matter to it.
-_NEVER = ("program", "resume", "workers", "scheduler")
+# The program stands without an option, how a trial gets to its end does not matter to it, and
+# constants are all told together.
+_NEVER = ("program", "resume", "workers", "scheduler", *AccommodateConstants.model_fields)
 
 Program = Annotated[str, typer.Argument(help="A program: its file, or its name.")]
 Out = Annotated[
@@ -69,30 +73,12 @@ Resume = Annotated[
 Sequential = Annotated[
     bool, typer.Option("--sequential", help="Leave out the actions that are compositions.")
 ]
-Gamma = Annotated[float, typer.Option("--gamma", min=0, max=0.999999, help="Discount.")]
-Alpha = Annotated[float, typer.Option("--alpha", min=1e-6, max=1, help="Learning rate.")]
-Epsilon = Annotated[
-    float, typer.Option("--epsilon", min=0, max=1, help="Share of actions chosen at random.")
+LearnerName = Annotated[
+    str, typer.Option("--learner", help="Algorithm, of those that cb show learners has.")
 ]
-ExploringEpisodes = Annotated[
-    int | None,
-    typer.Option(
-        "--exploring-episodes",
-        min=0,
-        help="Episodes with --epsilon; later ones do what is best, and learn from it [all].",
-    ),
-]
-Density = Annotated[
-    str, typer.Option("--density", help="Form of the internal models: kernel or gaussian.")
-]
-Bandwidth = Annotated[
-    float, typer.Option("--bandwidth", min=1e-6, max=100, help="Width of their kernels, rad.")
-]
-Prior = Annotated[
-    float,
-    typer.Option(
-        "--prior", min=0, max=1e9, help="As how many samples the uniform density counts in them."
-    ),
+Set = Annotated[
+    list[str],
+    typer.Option("--set", help="A constant of the learner, as epsilon=0.1; may be repeated."),
 ]
 Transitions = Annotated[
     int | None,
@@ -115,10 +101,39 @@ IdleTime = Annotated[
 ]
 
 
+def with_constants(command: Callable[..., None]) -> Callable[..., None]:
+    """Command with an option for each constant of ACCOMMODATE, before ``transitions``."""
+    signature = inspect.signature(command, eval_str=True)
+    *given, _ = signature.parameters.values()
+    place = next(i for i, each in enumerate(given) if each.name == "transitions")
+    words = docstrings(AccommodateConstants)
+    options = [
+        inspect.Parameter(
+            name,
+            inspect.Parameter.KEYWORD_ONLY,
+            default=None,
+            annotation=Annotated[
+                str | None,
+                typer.Option(f"--{name.replace('_', '-')}", help=_help(words[name], field.default)),
+            ],
+        )
+        for name, field in AccommodateConstants.model_fields.items()
+    ]
+    parameters = [*given[:place], *options, *given[place:]]
+    command.__signature__ = signature.replace(parameters=parameters)  # type: ignore[attr-defined]
+    return command
+
+
+def _help(words: str, default: object) -> str:
+    return words if default is None else f"{words.rstrip('.')} [{default}]."
+
+
+@with_constants
 def learn(
     context: typer.Context,
     program: Program,
     out: Out,
+    *,
     stage: Stage = None,
     episodes: Episodes = 50,
     seed: Seed = 0,
@@ -129,16 +144,12 @@ def learn(
     scheduler: Scheduler = None,
     resume: Resume = False,
     sequential: Sequential = False,
-    gamma: Gamma = 0.8,
-    alpha: Alpha = 0.1,
-    epsilon: Epsilon = 0.2,
-    exploring_episodes: ExploringEpisodes = None,
-    density: Density = "kernel",
-    bandwidth: Bandwidth = 0.1,
-    prior: Prior = 10.0,
+    learner: LearnerName = "accommodate",
+    set_: Set = [],  # noqa: B006 (typer)
     transitions: Transitions = None,
     transition_time: TransitionTime = None,
     idle_time: IdleTime = None,
+    **constants: str | None,
 ) -> None:
     """Learn what a program's actions are good for, from zero, by discovering affordances.
 
@@ -149,52 +160,61 @@ def learn(
     Exit 0 when all episodes were run, 1 when a document has errors, 2 when it could not run, 130
     when it was interrupted, by Ctrl-C or SIGTERM.
     """
+    from cbdsl.checking.knowledge.digest import program_digest
     from cbdsl.cli.assignments import read_assignments
-    from cbdsl.cli.lessons import one_by_one, side_by_side
-    from cbdsl.cli.order import read_order
+    from cbdsl.cli.learning_tasks import one_by_one, side_by_side
     from cbdsl.cli.quiet import shown_on_failure
+    from cbdsl.cli.run_request import read_request
     from cbdsl.cli.simulation import needing_simulation
     from cbdsl.cli.termination import termination_interrupts
-    from cbdsl.learning.accommodate import Constants
 
     _require_name(out)
     _require_one_place(workers, scheduler)
-    order = read_order(program, stage, None, read_assignments(with_))
-    _tell_of_no_reward(order)
-    lesson = _lesson(order.program, sequential, transitions, transition_time, idle_time)
+    request = read_request(program, stage, None, read_assignments(with_))
+    _tell_of_no_reward(request)
+    given = read_assignments(set_, "--set") | {n: v for n, v in constants.items() if v is not None}
     with needing_simulation():
-        constants = Constants(
-            gamma=gamma,
-            alpha=alpha,
-            epsilon=epsilon,
-            exploring_episodes=exploring_episodes,
-            density=_form(density),
-            bandwidth=bandwidth,
-            prior=prior,
+        from cbdsl.learning.learner import LEARNERS
+        from cbdsl.training.learning_task import LearningTask
+
+        chosen = read_constants(LEARNERS.get(learner).Constants, given, learner)
+        first = LearningTask(
+            program=_limited(request.program, sequential, transitions, transition_time, idle_time),
+            program_sha256=program_digest(request.program_file, request.library),
+            robot=request.robot,
+            urdf=request.urdf.absolute(),
+            stage=request.stage,
+            backend=backend,
+            learner=learner,
+            constants=chosen,
+            seed=seed,
+            number=0,
+            episodes=episodes,
+            command=_command(context, chosen),
+            path=out.absolute(),
         )
-        first = _assignment(order, lesson, constants, backend, seed, episodes, context, out)
-        assignments = _numbered(first, trials)
-        _require_ready(assignments, resume)
+        tasks = _numbered(first, trials)
+        _require_ready(tasks, resume)
     at_once = min(workers, trials)  # an episode needs what the one before it taught
     with shown_on_failure(), termination_interrupts():
         if at_once == 1 and scheduler is None:
-            one_by_one(assignments, order)
+            one_by_one(tasks, request)
         else:
-            side_by_side(assignments, at_once, scheduler)
+            side_by_side(tasks, at_once, scheduler)
 
 
-def _tell_of_no_reward(order: Order) -> None:
-    """Tell before the episodes, not after, that nothing can be learned from them."""
+def _tell_of_no_reward(request: RunRequest) -> None:
+    """Warn before the episodes, not after, that nothing can be learned from them."""
     from cbdsl.checking.reward import check_rewarded
     from cbdsl.cli.terminal import print_diagnostics
 
-    found = check_rewarded(order.program, order.program_file, order.library)
+    found = check_rewarded(request.program, request.program_file, request.library)
     if found:
         print_diagnostics(found)
 
 
 def _require_name(out: Path) -> None:
-    """Find out before the episodes, not after, whether --out can hold a policy."""
+    """Check before the episodes, not after, that --out can hold a policy."""
     from cbdsl.documents.document import NAME_PATTERN
     from cbdsl.errors.errors import UsageError
 
@@ -211,22 +231,14 @@ def _require_one_place(workers: int, scheduler: str | None) -> None:
         raise UsageError("--workers are processes of this machine, --scheduler has its own: choose")
 
 
-def _form(density: str) -> Form:
-    from cbdsl.errors.errors import UsageError
-
-    if density not in ("kernel", "gaussian"):
-        raise UsageError(f"--density {density}: it is kernel or gaussian")
-    return "kernel" if density == "kernel" else "gaussian"
-
-
-def _lesson(
+def _limited(
     program: CheckedProgram,
     sequential: bool,
     transitions: int | None,
     transition_time: float | None,
     idle_time: float | None,
 ) -> CheckedProgram:
-    """The program with the actions and limits of the trial."""
+    """Program with the actions and limits of the trial."""
     return program._replace(
         actions=program.sequential_actions if sequential else program.actions,
         transitions=transitions or program.transitions,
@@ -235,51 +247,36 @@ def _lesson(
     )
 
 
-def _command(context: typer.Context) -> str:
-    """What learns the same again, in one spelling, however it was typed."""
+def _command(context: typer.Context, constants: Section) -> str:
+    """Command that learns the same again, in one spelling, however it was typed."""
     given = context.params | {"out": context.params["out"].name}
     words = ["cb", "learn", given["program"]]
     for parameter in context.command.params:
-        name, value = str(parameter.name), given[str(parameter.name)]
-        if name in _NEVER or (value == parameter.default and name not in _ALWAYS):
+        name = str(parameter.name)
+        value = given[name]
+        if name == "set_":
+            words += _set(constants)
+        elif name in _NEVER or (value == parameter.default and name not in _ALWAYS):
             continue
-        flag = parameter.opts[0]
-        several = value if isinstance(value, (list, tuple)) else [value]
-        words += [flag] if value is True else [w for each in several for w in (flag, str(each))]
+        else:
+            flag = parameter.opts[0]
+            several = value if isinstance(value, (list, tuple)) else [value]
+            words += [flag] if value is True else [w for each in several for w in (flag, str(each))]
     return shlex.join(words)
 
 
-def _assignment(
-    order: Order,
-    lesson: CheckedProgram,
-    constants: Constants,
-    backend: str,
-    seed: int,
-    episodes: int,
-    context: typer.Context,
-    out: Path,
-) -> Assignment:
-    from cbdsl.checking.knowledge.digest import program_digest
-    from cbdsl.training.assignment import Assignment
-
-    return Assignment(
-        program=lesson,
-        program_sha256=program_digest(order.program_file, order.library),
-        robot=order.robot,
-        urdf=order.urdf.absolute(),
-        stage=order.stage,
-        backend=backend,
-        constants=constants,
-        seed=seed,
-        number=0,
-        episodes=episodes,
-        command=_command(context),
-        path=out.absolute(),
-    )
+def _set(constants: Section) -> Iterator[str]:
+    """Options of the constants that are not as declared."""
+    for name, field in type(constants).model_fields.items():
+        value = getattr(constants, name)
+        if value != field.default:
+            has_option = name in AccommodateConstants.model_fields
+            flag = f"--{name.replace('_', '-')}"
+            yield from (flag, str(value)) if has_option else ("--set", f"{name}={value}")
 
 
-def _numbered(first: Assignment, trials: int) -> list[Assignment]:
-    """As many trials; where they are several, their files are numbered."""
+def _numbered(first: LearningTask, trials: int) -> list[LearningTask]:
+    """One task per trial; the files of several are numbered."""
     if trials == 1:
         return [first]
     return [
@@ -288,31 +285,31 @@ def _numbered(first: Assignment, trials: int) -> list[Assignment]:
     ]
 
 
-def _require_ready(assignments: Sequence[Assignment], resume: bool) -> None:
-    """Find out before the episodes, not after, whether everything can be kept."""
+def _require_ready(tasks: Sequence[LearningTask], resume: bool) -> None:
+    """Check before the episodes, not after, that everything can be written."""
     from cbdsl.errors.errors import UsageError
     from cbdsl.errors.reason import reason
 
-    for assignment in assignments:
+    for task in tasks:
         try:
-            assignment.require_ready(resume=resume)
+            task.require_ready(resume=resume)
         except OSError as error:
             where = f" ({error.filename})" if error.filename else ""
-            told = f"--out {assignment.path}: {reason(error)}{where}"
+            told = f"--out {task.path}: {reason(error)}{where}"
             raise UsageError(told) from error
     if resume:
-        _tell_what_is_there(assignments)
+        _tell_what_is_there(tasks)
 
 
-def _tell_what_is_there(assignments: Sequence[Assignment]) -> None:
-    """What of the trials to go on with is not as one may think."""
-    from cbdsl.training.onlooker import Onlooker
+def _tell_what_is_there(tasks: Sequence[LearningTask]) -> None:
+    """Report journals that are missing or hold more episodes than asked for."""
+    from cbdsl.training.journal_follower import JournalFollower
 
-    begun = [each for each in assignments if each.journal.exists()]
+    begun = [each for each in tasks if each.journal.exists()]
     if not begun:
-        print(f"nothing to go on with: {assignments[0].journal} is not there; begins anew")
-    for assignment in begun:
-        there = len(Onlooker(assignment.journal).look())
-        if there > assignment.episodes:
-            first = f"the first {assignment.episodes} of its {there} episodes"
-            print(f"{assignment.journal}: {first} count, all are kept")
+        print(f"nothing to go on with: {tasks[0].journal} is not there; begins anew")
+    for task in begun:
+        there = len(JournalFollower(task.journal).poll())
+        if there > task.episodes:
+            first = f"the first {task.episodes} of its {there} episodes"
+            print(f"{task.journal}: {first} count, all are kept")

@@ -1,4 +1,4 @@
-"""How trials get on: a line that is replaced on a terminal, lines that stay elsewhere."""
+"""Progress of trials: one live line on a terminal, plain lines elsewhere."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ _RECENT = 10
 
 
 class LearningProgress:
-    """Tells of episodes what they were, how the last ten went, and how long the rest will take.
+    """Observer that prints each episode, the last ten in brief, and the time left.
 
     Args:
         title: what is learned.
@@ -52,16 +52,16 @@ class LearningProgress:
 
     @property
     def total(self) -> int:
-        """How many episodes there will be in all trials."""
+        """Number of episodes of all trials."""
         return self._trials * self._episodes
 
     @property
     def over(self) -> int:
-        """How many of them are over, as far as it is known."""
+        """Number of finished episodes, as far as known."""
         return sum(self._over.values())
 
     def begin(self, number: int, renderer: str, finished: Sequence[Experience]) -> None:
-        """See ``Watcher.begin``."""
+        """See ``TrialObserver.begin``."""
         if self._title is not None:
             print(f"{self._title}; images by {renderer}", flush=True)
             self._title = None
@@ -78,7 +78,7 @@ class LearningProgress:
             self._bar[0].update(self._bar[1], completed=self.over)
 
     def note(self, number: int, experience: Experience, seconds: float) -> None:
-        """See ``Watcher.note``."""
+        """See ``TrialObserver.note``."""
         self._over[number] += 1
         self._recent[number].append(experience)
         self._seconds.append(seconds)
@@ -102,14 +102,14 @@ class LearningProgress:
         return f"trial {number}{end}" if self._trials > 1 else ""
 
     def _lately(self, number: int) -> str:
-        """The last ten episodes of a trial in a few words."""
+        """Summary of the last ten episodes of a trial."""
         recent = self._recent[number]
         rewarded = sum(each.reward > 0 for each in recent)
         each_transition = sum(e.reward for e in recent) / sum(len(e.transitions) for e in recent)
         return f"last {len(recent)}: {rewarded} rewarded, {each_transition:.2f} per transition"
 
     def _left(self) -> str:
-        """How long the rest will take, if episodes stay as long as the last ones."""
+        """Time left, if episodes stay as long as the last ones."""
         each = sum(self._seconds) / len(self._seconds)
         left = each * (self.total - self.over) / self.at_once
         return f"; about {left // 60:.0f} min {left % 60:02.0f} s left" if left else ""

@@ -8,8 +8,7 @@ import os
 import sys
 from collections.abc import Iterable
 from importlib import import_module
-from types import ModuleType
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from cbdsl.cli.words import require_words
 
@@ -54,7 +53,6 @@ def main() -> None:
     try:
         require_words(words)
         if _plain_validation(words):
-            _stand_in_for_metadata()
             from cbdsl.cli.findings import check_paths
 
             sys.exit(check_paths(words[1:], {}))
@@ -85,26 +83,6 @@ def _start_quickly() -> None:
     gc.set_threshold(100_000)
     # Else pydantic reads the metadata of every installed package.
     os.environ.setdefault("PYDANTIC_DISABLE_PLUGINS", "1")
-
-
-def _stand_in_for_metadata() -> None:
-    """Spare pydantic ``importlib.metadata``, by which it would look for plugins if it may.
-
-    With all that it imports, such as mail and archives, it takes a fifteenth of the time. Whoever
-    wants more of it than pydantic does gets the real one.
-    """
-    name = "importlib.metadata"
-    if name in sys.modules:  # somebody else has paid for it
-        return
-
-    def really(attribute: str) -> Any:
-        if attribute.startswith("__"):  # the import itself asks for those
-            raise AttributeError(attribute)
-        sys.modules.pop(name, None)
-        return getattr(import_module(name), attribute)
-
-    sys.modules[name] = stand_in = ModuleType(name)
-    stand_in.__dict__.update(entry_points=lambda **_: (), __getattr__=really)
 
 
 def _print_anything() -> None:

@@ -1,4 +1,4 @@
-"""What a run tells: a line per transition for people, an object per episode for scripts."""
+"""Output of a run: a line per transition for people, an object per episode for scripts."""
 
 from __future__ import annotations
 

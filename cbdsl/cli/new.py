@@ -78,20 +78,20 @@ def _posture(robot: RobotDocument) -> tuple[str, str]:
     """An effector and a posture of it: one where it does not start, if there is one."""
     from cbdsl.errors.errors import UsageError
 
-    found = [
+    candidates = [
         (posture == effector.start, name, posture)
         for name, effector in robot.effectors.items()
         for posture in effector.postures
     ]
-    if not found:
+    if not candidates:
         raise UsageError(f"robot '{robot.name}' has no postures; give one of its effectors one")
-    _, name, posture = min(found, key=lambda candidate: candidate[0])
+    _, name, posture = min(candidates, key=lambda candidate: candidate[0])
     return name, posture
 
 
 def _stage(robot: RobotDocument) -> str:
     """The line of a program that names a stage of its robot, if there is one."""
-    from cbdsl.checking.unknown import for_robot
+    from cbdsl.checking.lookup.documents import for_robot
     from cbdsl.documents.stage import StageDocument
     from cbdsl.yaml_text.library import Library
 
@@ -102,9 +102,9 @@ def _stage(robot: RobotDocument) -> str:
 
 
 def _folder(kind: type[Document], to: Path | None) -> Path:
-    from cbdsl.yaml_text.library import FOLDERS
+    from cbdsl.documents.kinds import kind_of
 
-    return Path(FOLDERS[kind]) if to is None else to
+    return Path(kind_of(kind).folder) if to is None else to
 
 
 def _write(

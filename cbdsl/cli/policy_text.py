@@ -8,28 +8,28 @@ from textwrap import wrap
 from cbdsl.documents.policy import PolicyDocument
 from cbdsl.errors.counting import count
 from cbdsl.reporting.drawing.pictogram import LETTERS
-from cbdsl.reporting.drawing.policy_graph import Arc, Decision, PolicyGraph, decisions
-from cbdsl.reporting.drawing.policy_words import ending, percent, title
+from cbdsl.reporting.drawing.policy_graph import ending, percent, title
+from cbdsl.reporting.drawing.policy_transitions import Arc, Decision, PolicyTransitions, decisions
 
 _WIDTH = 80
 
 
-def policy_text(policy: PolicyDocument, graph: PolicyGraph) -> str:
-    """What a policy does in every state, and which state likely follows which.
+def policy_text(policy: PolicyDocument, graph: PolicyTransitions) -> str:
+    """The action of a policy in every state, and the likely transitions.
 
     Args:
-        policy: of which all states are told.
-        graph: of the same policy; of the transitions only those of the graph are.
+        policy: all of its states are listed.
+        graph: of the same policy; only its transitions are listed.
     """
     return "\n".join(_policy(policy, graph)) + "\n"
 
 
-def _policy(policy: PolicyDocument, graph: PolicyGraph) -> Iterator[str]:
+def _policy(policy: PolicyDocument, graph: PolicyTransitions) -> Iterator[str]:
     yield title(graph)
     yield from _item("state", ", ".join(policy.predicates))
     letters = [letter for letter in LETTERS if letter != "*" or "*" in "".join(policy.policy)]
-    told = (f"{letter} {LETTERS[letter].meaning}" for letter in letters)
-    yield from _item("letters", ", ".join(told))
+    meanings = (f"{letter} {LETTERS[letter].meaning}" for letter in letters)
+    yield from _item("letters", ", ".join(meanings))
     if policy.provenance is not None:
         known = policy.provenance
         where = f"{known.stage.name} ({known.backend})"
@@ -71,37 +71,37 @@ def _table(rows: Iterable[Sequence[str]]) -> Iterator[str]:
         yield f"  {'  '.join(words)}".rstrip()
 
 
-def _tree(graph: PolicyGraph) -> Iterator[str]:
+def _tree(graph: PolicyTransitions) -> Iterator[str]:
     """States below those that they follow; what followed a state is told where it comes first."""
     known = {decision.state: decision for decision in graph.decisions}
-    told: set[str] = set()
+    shown: set[str] = set()
     for decision in graph.decisions:
-        if decision.started or decision.state not in told:
-            yield from _branch(graph, known, decision.state, "  ", "", told)
+        if decision.started or decision.state not in shown:
+            yield from _branch(graph, known, decision.state, "  ", "", shown)
 
 
 def _branch(
-    graph: PolicyGraph,
+    graph: PolicyTransitions,
     known: dict[str, Decision],
     state: str,
     margin: str,
     share: str,
-    told: set[str],
+    shown: set[str],
 ) -> Iterator[str]:
-    again = state in told
-    told.add(state)
-    yield f"{margin}{share}{_told(graph, known[state], again)}"
+    again = state in shown
+    shown.add(state)
+    yield f"{margin}{share}{_node_text(graph, known[state], again)}"
     arcs: list[Arc] = [] if again else [arc for arc in graph.arcs if arc.source == state]
     below = margin.replace("├", "│").replace("└", " ")
     for arc in arcs:
         last = arc is arcs[-1]
         yield from _branch(
             graph, known, arc.target, below + ("└ " if last else "├ "),
-            f"{percent(arc.share):>5} ", told,
+            f"{percent(arc.share):>5} ", shown,
         )  # fmt: skip
 
 
-def _told(graph: PolicyGraph, decision: Decision, again: bool) -> str:
+def _node_text(graph: PolicyTransitions, decision: Decision, again: bool) -> str:
     if again:
         return f"{decision.state} (above)"
     parts = [decision.state, *([decision.action] if decision.action else [])]
@@ -110,7 +110,7 @@ def _told(graph: PolicyGraph, decision: Decision, again: bool) -> str:
     return "  ".join(parts)
 
 
-def _item(name: str, told: str) -> Iterator[str]:
-    first, *others = wrap(told, _WIDTH - 14) or [""]
+def _item(name: str, value: str) -> Iterator[str]:
+    first, *others = wrap(value, _WIDTH - 14) or [""]
     yield f"  {name:<12}{first}"
     yield from (f"{'':14}{line}" for line in others)

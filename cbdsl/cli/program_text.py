@@ -82,8 +82,8 @@ def _controller(controller: Controller) -> Iterator[str]:
     effector, joints = controller.effector, count(len(controller.joints), "joint")
     yield from _item("effector", f"{_resource(effector)}, {joints}", 4)
     yield from _item("casts", " → ".join(controller.chain), 4)
-    if controller.given is not None:
-        yield from _item("given", controller.given, 4)
+    if controller.requires is not None:
+        yield from _item("requires", controller.requires, 4)
 
 
 def _bounds(controller: Controller) -> Iterator[str]:

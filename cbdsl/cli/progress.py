@@ -23,7 +23,7 @@ class Progress:
         self._terminal = sys.stderr.isatty()
         self._pause = _PAUSE_ON_TERMINAL if self._terminal else _PAUSE_ELSEWHERE
         self._began = time.monotonic()
-        self._told = self._began + _PATIENCE - self._pause
+        self._last = self._began + _PATIENCE - self._pause
         self._shown = False
 
     def __enter__(self) -> Progress:
@@ -36,9 +36,9 @@ class Progress:
     def note(self, done: int, total: int) -> None:
         """``done`` of ``total`` parts of about the same length are over."""
         now = time.monotonic()
-        if now < self._told + self._pause:
+        if now < self._last + self._pause:
             return
-        self._told, self._shown = now, True
+        self._last, self._shown = now, True
         text = f"{self._what}: {done} of {total}"
         if done:
             left = (now - self._began) / done * (total - done)

@@ -1,4 +1,4 @@
-"""What a URDF model suggests for the document of its robot."""
+"""A robot document proposed from a URDF model."""
 
 from __future__ import annotations
 
@@ -44,7 +44,7 @@ class Proposal(NamedTuple):
 
 
 def propose(model: UrdfModel, folder: Path) -> Proposal:
-    """What a model suggests for the document of its robot.
+    """The fields of a robot document that follow from a model.
 
     Args:
         model: the robot's model.
@@ -53,18 +53,18 @@ def propose(model: UrdfModel, folder: Path) -> Proposal:
     Raises:
         UsageError: the model has no joint that could be moved.
     """
-    found = chains(model)
-    if not found:
+    effectors = chains(model)
+    if not effectors:
         raise UsageError(_nothing_to_move(model))
-    joints = sum(len(chain.joints) for chain in found)
+    joints = sum(len(chain.joints) for chain in effectors)
     description = f"A robot with {count(joints, 'joint')} that programs can move."
-    idle = _left_out(model, found)
+    idle = _left_out(model, effectors)
     values = {
         "description": _scalar(description),
         "model": _scalar(Path(os.path.relpath(model.path, folder)).as_posix()),
         "base": _scalar(root(model)),
-        "effectors": "\n".join(_effector(chain) for chain in found),
-        "couplings": _couplings(model, found),
+        "effectors": "\n".join(_effector(chain) for chain in effectors),
+        "couplings": _couplings(model, effectors),
         "left_out": _comment(idle),
     }
     counts = [f"{len(joints)} {_word(why)}" for why, joints in idle.items()]
@@ -96,9 +96,9 @@ def _ready(joint: UrdfJoint) -> float:
     return round((joint.lower + joint.upper) / 2, 4)
 
 
-def _passive(model: UrdfModel, found: Sequence[Chain]) -> dict[str, Mimic]:
+def _passive(model: UrdfModel, effectors: Sequence[Chain]) -> dict[str, Mimic]:
     """The passive joints that follow one that an effector moves, and how."""
-    actuated = {joint.name for chain in found for joint in chain.joints}
+    actuated = {joint.name for chain in effectors for joint in chain.joints}
     return {
         joint.name: joint.mimic
         for joint in model.joints.values()
@@ -106,18 +106,18 @@ def _passive(model: UrdfModel, found: Sequence[Chain]) -> dict[str, Mimic]:
     }
 
 
-def _couplings(model: UrdfModel, found: Sequence[Chain]) -> str:
+def _couplings(model: UrdfModel, effectors: Sequence[Chain]) -> str:
     lines = [
         f"  {_scalar(name)}: {{follows: {_scalar(mimic.joint)}, ratio: {mimic.ratio:g}}}\n"
-        for name, mimic in _passive(model, found).items()
+        for name, mimic in _passive(model, effectors).items()
     ]
     return "".join(("\n# Passive joints.\ncouplings:\n", *lines)) if lines else ""
 
 
-def _left_out(model: UrdfModel, found: Sequence[Chain]) -> dict[Hindrance, list[UrdfJoint]]:
+def _left_out(model: UrdfModel, effectors: Sequence[Chain]) -> dict[Hindrance, list[UrdfJoint]]:
     """The joints that are in no effector and in no coupling, by the reason."""
-    named = {joint.name for chain in found for joint in chain.joints}
-    named.update(_passive(model, found))
+    named = {joint.name for chain in effectors for joint in chain.joints}
+    named.update(_passive(model, effectors))
     return hindered(joint for name, joint in model.joints.items() if name not in named)
 
 
@@ -134,18 +134,18 @@ def _comment(idle: Mapping[Hindrance, Sequence[UrdfJoint]]) -> str:
 
 
 def _nothing_to_move(model: UrdfModel) -> str:
-    """What all joints of a model are, where none is of use."""
+    """A sentence about the joints of a model of which none can be actuated."""
     reasons = []
     for why, joints in hindered(model.joints.values()).items():
         verb = "is" if len(joints) == 1 else "are"
         cure = f" (to move them, {why.cure})" if why.cure else ""
         reasons.append(f"{len(joints)} {verb} {why.trait}{cure}")
-    told = f": {'; '.join(reasons)}" if reasons else ""
-    return f"{model.path} has no joint that programs could move{told}"
+    because = f": {'; '.join(reasons)}" if reasons else ""
+    return f"{model.path} has no joint that programs could move{because}"
 
 
 def _word(why: Hindrance) -> str:
-    """A hindrance in a word or two."""
+    """The reason why joints are left out, in a word or two."""
     return why.trait.partition(",")[0]
 
 

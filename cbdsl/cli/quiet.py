@@ -30,13 +30,13 @@ def shown_on_failure() -> Iterator[None]:
 
     It is shown on the standard error where an exception passes: it may say why.
     """
-    with tempfile.TemporaryFile() as said, _stdout_of_c(said.fileno()):
+    with tempfile.TemporaryFile() as captured, _stdout_of_c(captured.fileno()):
         try:
             yield
         except Exception:
             _flush_c()
-            said.seek(0)
-            text = said.read().decode(errors="replace").rstrip()
+            captured.seek(0)
+            text = captured.read().decode(errors="replace").rstrip()
             sys.stderr.write(f"{text}\n" if text else "")
             raise
 

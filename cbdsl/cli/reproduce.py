@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 if TYPE_CHECKING:
-    from cbdsl.reproduction.experiment import Experiment, Outcome, Settings
+    from cbdsl.reproduction.experiment import Experiment, Result, RunSettings
 
 _ALL = "all"
 
@@ -63,6 +63,7 @@ Json = Annotated[bool, typer.Option("--json", help="Print JSON instead of tables
 
 def reproduce(
     name: Name = None,
+    *,
     list_them: ListThem = False,
     seed: Seed = 0,
     quick: Quick = False,
@@ -82,7 +83,7 @@ def reproduce(
     """
     from cbdsl.cli.terminal import print_json
     from cbdsl.errors.errors import UsageError
-    from cbdsl.reproduction.experiment import Settings
+    from cbdsl.reproduction.experiment import RunSettings
     from cbdsl.reproduction.report import data
 
     if list_them:
@@ -96,25 +97,25 @@ def reproduce(
     if not any(each.learns for each in chosen):
         given = {"--backend": backend, "--trials": trials, "--workers": workers, "--keep": keep}
         _require_unused(given, name)
-    found: list[dict[str, object]] = []
+    results: list[dict[str, object]] = []
     with _kept(keep) as folder:
-        settings = Settings(
+        settings = RunSettings(
             seed=seed,
             quick=quick,
-            backend=backend or Settings.backend,
+            backend=backend or RunSettings.backend,
             trials=trials,
             folder=folder,
         )
         for experiment in chosen:
             outcome = _run(experiment, settings, workers or 1)
-            found.append(data(experiment, settings, outcome))
+            results.append(data(experiment, settings, outcome))
             if not as_json:
                 _tell(experiment, outcome)
             if out is not None:
                 # After each, so that what is done is kept when a later one is interrupted.
-                _write(out, experiment, settings, outcome, found)
+                _write(out, experiment, settings, outcome, results)
     if as_json:
-        print_json(found)
+        print_json(results)
 
 
 def _require_unused(options: Mapping[str, object], name: str) -> None:
@@ -183,12 +184,12 @@ def _chosen(name: str) -> list[Experiment]:
     return [EXPERIMENTS[name]]
 
 
-def _run(experiment: Experiment, settings: Settings, workers: int) -> Outcome:
+def _run(experiment: Experiment, settings: RunSettings, workers: int) -> Result:
     from dataclasses import replace
 
     from cbdsl.cli.progress import Progress
     from cbdsl.cli.quiet import quiet_stderr, shown_on_failure
-    from cbdsl.cli.shares import carry_out_shares
+    from cbdsl.cli.trial_jobs import run_jobs
     from cbdsl.errors.errors import UsageError
 
     try:
@@ -203,13 +204,13 @@ def _run(experiment: Experiment, settings: Settings, workers: int) -> Outcome:
         # A package is there, but not a system library that it needs, such as libgomp.
         raise UsageError(f"{experiment.name} needs more than is installed: {error}") from error
     with shown_on_failure(), Progress(experiment.name) as progress:
-        told = replace(settings, progress=progress.note)
+        reported = replace(settings, progress=progress.note)
         if workers > 1 and experiment.learns:
-            carry_out_shares(experiment, told, workers)
-        return measure(told)
+            run_jobs(experiment, reported, workers)
+        return measure(reported)
 
 
-def _tell(experiment: Experiment, outcome: Outcome) -> None:
+def _tell(experiment: Experiment, outcome: Result) -> None:
     from cbdsl.reproduction.report import row
 
     rows = [row(quantity) for quantity in outcome.quantities]
@@ -250,9 +251,9 @@ def _require_writable(out: Path) -> None:
 def _write(
     out: Path,
     experiment: Experiment,
-    settings: Settings,
-    outcome: Outcome,
-    found: list[dict[str, object]],
+    settings: RunSettings,
+    outcome: Result,
+    results: list[dict[str, object]],
 ) -> None:
     import json
 
@@ -261,7 +262,7 @@ def _write(
     from cbdsl.yaml_text.writer import write_text
 
     if out.suffix == ".json":
-        write_text(json.dumps(found, indent=1, ensure_ascii=False) + "\n", out)
+        write_text(json.dumps(results, indent=1, ensure_ascii=False) + "\n", out)
         return
     pictures = out.with_suffix("")
     if outcome.charts:

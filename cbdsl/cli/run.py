@@ -10,7 +10,7 @@ import typer
 
 if TYPE_CHECKING:
     from cbdsl.backends.backend import Backend
-    from cbdsl.cli.order import Order
+    from cbdsl.cli.run_request import RunRequest
     from cbdsl.documents.stage import StageDocument
     from cbdsl.program.transition import Transition
     from cbdsl.runtime.episode import (
@@ -75,6 +75,7 @@ class Telling:
 
 def run(
     program: Program,
+    *,
     stage: Stage = None,
     context: Context = None,
     seed: Seed = 0,
@@ -94,44 +95,44 @@ def run(
     Exit 0 when it ran, rewarded or not, 1 when a document has errors, 2 when it could not run.
     """
     from cbdsl.cli.assignments import read_assignments
-    from cbdsl.cli.order import read_order
     from cbdsl.cli.quiet import shown_on_failure
+    from cbdsl.cli.run_request import read_request
     from cbdsl.cli.simulation import simulation
     from cbdsl.errors.errors import UsageError
 
     if explain and as_json:
         raise UsageError("--explain tells people and --json tells scripts: choose one")
-    order = read_order(program, stage, policy, read_assignments(with_))
-    _require_context(order.stage, context)
-    with shown_on_failure(), simulation(order, backend, gui=gui) as (body, kinematics):
-        runner = _runner(order, kinematics, body)
+    request = read_request(program, stage, policy, read_assignments(with_))
+    _require_context(request.stage, context)
+    with shown_on_failure(), simulation(request, backend, gui=gui) as (body, kinematics):
+        runner = _runner(request, kinematics, body)
         if record is not None:
             _require_folder(record)
         telling = Telling(record, explain, as_json)
         if not as_json:
-            print(_introduction(order, body))
+            print(_introduction(request, body))
         results: list[EpisodeResult] = []
         for index in range(episodes):
             if not as_json:
                 print(_heading(seed + index, index, episodes, results))
-            results.append(_episode(body, runner, order, seed + index, context, telling))
+            results.append(_episode(body, runner, request, seed + index, context, telling))
     if episodes > 1 and not as_json:
         _summarise(results)
 
 
-def _introduction(order: Order, body: Backend) -> str:
-    """What runs where, and what makes the images if anything does."""
-    images = f"; images by {body.renderer}" if order.robot.cameras else ""
-    return f"{order.program.name} on {order.stage.name}{images}"
+def _introduction(request: RunRequest, body: Backend) -> str:
+    """The program, its stage, and the renderer if there are images."""
+    images = f"; images by {body.renderer}" if request.robot.cameras else ""
+    return f"{request.program.name} on {request.stage.name}{images}"
 
 
 def _require_context(stage: StageDocument, context: str | None) -> None:
     from cbdsl.errors.errors import UsageError
-    from cbdsl.errors.nearest import meant
+    from cbdsl.errors.nearest import suggestion
 
     if context is None or context in stage.contexts:
         return
-    near, known = meant(context, stage.contexts), ", ".join(stage.contexts)
+    near, known = suggestion(context, stage.contexts), ", ".join(stage.contexts)
     raise UsageError(f"stage '{stage.name}' has no context '{context}'{near} (known: {known})")
 
 
@@ -147,23 +148,28 @@ def _require_folder(folder: Path) -> None:
         raise UsageError(f"--record {folder}: {reason(error)}") from error
 
 
-def _runner(order: Order, kinematics: Kinematics, body: Backend) -> Runner:
+def _runner(request: RunRequest, kinematics: Kinematics, body: Backend) -> Runner:
     from cbdsl.runtime.episode import Runner
 
-    return Runner(order.robot, kinematics, order.program, body)
+    return Runner(request.robot, kinematics, request.program, body)
 
 
 def _episode(
-    body: Backend, runner: Runner, order: Order, seed: int, context: str | None, telling: Telling
+    body: Backend,
+    runner: Runner,
+    request: RunRequest,
+    seed: int,
+    context: str | None,
+    telling: Telling,
 ) -> EpisodeResult:
     from cbdsl.backends.backend import BackendError
     from cbdsl.cli.narration import json_line
     from cbdsl.errors.errors import UsageError
 
-    recording = None if telling.record is None else _recording(body, order)
+    recording = None if telling.record is None else _recording(body, request)
     on_transition, on_tick = _listeners(telling, recording)
     try:
-        result = runner.run(order.stage, seed, context, on_transition, on_tick)
+        result = runner.run(request.stage, seed, context, on_transition, on_tick)
     except BackendError as error:
         raise UsageError(f"seed {seed}: {error}") from error
     if recording is not None and telling.record is not None:
@@ -174,13 +180,13 @@ def _episode(
     return result
 
 
-def _recording(body: Backend, order: Order) -> Recording:
+def _recording(body: Backend, request: RunRequest) -> Recording:
     from cbdsl.backends.staging.scenery import Witness
     from cbdsl.runtime.recording import Recording
 
     # What a backend knows of its world is in the recording only: people look at that.
     scenery = (lambda: body.truth) if isinstance(body, Witness) else None
-    return Recording(order.program, order.robot, order.urdf, scenery)
+    return Recording(request.program, request.robot, request.urdf, scenery)
 
 
 def _listeners(

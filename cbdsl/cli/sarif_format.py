@@ -9,8 +9,8 @@ from pathlib import Path
 from typing import Any
 from urllib.parse import quote
 
-from cbdsl.cli.outcome import Outcome
-from cbdsl.errors.catalogue import CATALOGUE
+from cbdsl.cli.validation_report import ValidationReport
+from cbdsl.documents.kinds import entry_of
 from cbdsl.errors.diagnostic import Diagnostic, Place
 from cbdsl.errors.entry import Entry
 
@@ -19,18 +19,18 @@ _SCHEMA = (
 )
 
 
-def sarif(outcome: Outcome) -> str:
+def sarif(report: ValidationReport) -> str:
     """One run; its rules are the entries of the catalogue that were found."""
-    codes = sorted({diagnostic.code for diagnostic in outcome.findings})
+    codes = sorted({diagnostic.code for diagnostic in report.findings})
     driver = {
         "name": "cbdsl",
         "version": version("cbdsl"),
-        "rules": [_rule(CATALOGUE[code]) for code in codes],
+        "rules": [_rule(entry) for code in codes if (entry := entry_of(code))],
     }
     run = {
         "tool": {"driver": driver},
         "columnKind": "unicodeCodePoints",
-        "results": [_result(diagnostic, codes) for diagnostic in outcome.findings],
+        "results": [_result(diagnostic, codes) for diagnostic in report.findings],
     }
     log = {"$schema": _SCHEMA, "version": "2.1.0", "runs": [run]}
     return json.dumps(log, indent=2, ensure_ascii=False)
@@ -47,12 +47,12 @@ def _rule(entry: Entry) -> dict[str, Any]:
 
 
 def _result(diagnostic: Diagnostic, codes: Sequence[str]) -> dict[str, Any]:
-    meant = f"; did you mean '{diagnostic.nearest}'?" if diagnostic.nearest else ""
+    suggestion = f"; did you mean '{diagnostic.nearest}'?" if diagnostic.nearest else ""
     result: dict[str, Any] = {
         "ruleId": diagnostic.code,
         "ruleIndex": codes.index(diagnostic.code),
         "level": diagnostic.severity.value,
-        "message": {"text": diagnostic.message + meant},
+        "message": {"text": diagnostic.message + suggestion},
         "locations": [_location(diagnostic.place)],
     }
     related = [

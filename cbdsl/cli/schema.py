@@ -40,15 +40,14 @@ def schema(kind: Kind = None, write: Write = None) -> None:
 
 
 def _kinds(kind: str | None) -> dict[str, type[Document]]:
-    """The models of the kinds that are meant, by name."""
-    from cbdsl.errors.errors import UsageError
-    from cbdsl.yaml_text.reader import KINDS
+    """Models of the kind of a name, or of all kinds, by name."""
+    from cbdsl.cli.plugins import warn_of_faults
+    from cbdsl.documents.kinds import KINDS, models
 
-    if kind is None:
-        return KINDS
-    if kind in KINDS:
-        return {kind: KINDS[kind]}
-    raise UsageError.unknown("kind of document", kind, KINDS)
+    if kind is not None:
+        return {kind: KINDS.get(kind).model}
+    warn_of_faults(KINDS)
+    return models()
 
 
 def _write(kinds: dict[str, type[Document]], folder: Path) -> None:

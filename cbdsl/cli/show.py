@@ -1,4 +1,4 @@
-"""``cb show``: types, potentials, resources, programs and policies, as they are understood."""
+"""``cb show``: types, potentials, resources, plug-ins, programs and policies."""
 
 from __future__ import annotations
 
@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from cbdsl.cli.show_plugins import show_backends, show_kinds, show_learners
 from cbdsl.cli.show_policy import show_policy
 from cbdsl.cli.show_program import show_program
 
@@ -13,7 +14,7 @@ if TYPE_CHECKING:
     from cbdsl.types.potential import PotentialType
 
 show = typer.Typer(
-    help="Show types, potentials, resources, programs and policies.",
+    help="Show types, potentials, resources, learners, kinds, backends, programs and policies.",
     no_args_is_help=True,
     rich_markup_mode=None,
     pretty_exceptions_enable=False,
@@ -69,7 +70,7 @@ def show_potentials(as_json: Json = False) -> None:
 
 @show.command("resources")
 def show_resources(robot: Robot = "dexter", as_json: Json = False) -> None:
-    """What programs can name on a robot."""
+    """List the resources that programs can name on a robot."""
     from cbdsl.cli.terminal import print_json, print_table
     from cbdsl.documents.robot import RobotDocument
     from cbdsl.robot.resources import resources
@@ -93,6 +94,9 @@ def show_resources(robot: Robot = "dexter", as_json: Json = False) -> None:
         print_table(f"Resources of {document.name}", rows)
 
 
+show.command("learners")(show_learners)
+show.command("kinds")(show_kinds)
+show.command("backends")(show_backends)
 show.command("program")(show_program)
 show.command("policy")(show_policy)
 

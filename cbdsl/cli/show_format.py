@@ -3,8 +3,12 @@
 from __future__ import annotations
 
 from enum import StrEnum
+from typing import TYPE_CHECKING
 
 from cbdsl.errors.errors import UsageError
+
+if TYPE_CHECKING:
+    from cbdsl.reporting.drawing.graph import Graph
 
 
 class Format(StrEnum):
@@ -18,7 +22,7 @@ class Format(StrEnum):
 
 
 def read_format(word: str, as_json: bool) -> Format:
-    """The format that is meant.
+    """The format of a name.
 
     Args:
         word: its name.
@@ -31,3 +35,13 @@ def read_format(word: str, as_json: bool) -> Format:
     if word not in known:
         raise UsageError.unknown("format", word, known)
     return Format.JSON if as_json else known[word]
+
+
+def drawing(graph: Graph, form: Format) -> str:
+    """A graph in one of the formats for graphs."""
+    from cbdsl.reporting.drawing.dot import dot
+    from cbdsl.reporting.drawing.mermaid import mermaid
+    from cbdsl.reporting.drawing.svg import svg
+
+    draw = {Format.DOT: dot, Format.MERMAID: mermaid, Format.SVG: svg}[form]
+    return draw(graph)

@@ -7,12 +7,12 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from cbdsl.cli.show_format import Format, read_format
+from cbdsl.cli.show_format import Format, drawing, read_format
 from cbdsl.cli.show_program import Json
 
 if TYPE_CHECKING:
     from cbdsl.documents.policy import PolicyDocument
-    from cbdsl.reporting.drawing.policy_graph import Decision, PolicyGraph
+    from cbdsl.reporting.drawing.policy_transitions import Decision, PolicyTransitions
 
 Policy = Annotated[
     str,
@@ -36,7 +36,7 @@ def show_policy(
     format_: FormatOption = "text",
     as_json: Json = False,
 ) -> None:
-    """What a policy does in every state, and what follows.
+    """Show the action of a policy in every state, and the states that follow.
 
     Of a learned policy: action values, how often actions were tried, and the transitions of more
     than --above of the times; or a diagram of those (dot, mermaid, svg).
@@ -44,16 +44,17 @@ def show_policy(
     from cbdsl.cli.policy_text import policy_text
     from cbdsl.cli.terminal import print_json
     from cbdsl.reporting.drawing.policy_graph import policy_graph
+    from cbdsl.reporting.drawing.policy_transitions import policy_transitions
 
     form = read_format(format_, as_json)
     policy, programs = _read(name)
-    graph = policy_graph(policy, above, all_, programs)
+    transitions = policy_transitions(policy, above, all_, programs)
     if form is Format.JSON:
-        print_json(policy_data(policy, graph))
+        print_json(policy_data(policy, transitions))
     elif form is Format.TEXT:
-        print(policy_text(policy, graph), end="")
+        print(policy_text(policy, transitions), end="")
     else:
-        print(_drawing(graph, form), end="")
+        print(drawing(policy_graph(transitions), form), end="")
 
 
 def _read(name: str) -> tuple[PolicyDocument, frozenset[str]]:
@@ -65,7 +66,7 @@ def _read(name: str) -> tuple[PolicyDocument, frozenset[str]]:
     from cbdsl.documents.policy import PolicyDocument
     from cbdsl.documents.program import ProgramDocument
     from cbdsl.errors.errors import UsageError
-    from cbdsl.reporting.drawing.policy_graph import require_legible
+    from cbdsl.reporting.drawing.policy_transitions import require_legible
     from cbdsl.yaml_text.library import Library
     from cbdsl.yaml_text.reader import read_document
 
@@ -103,18 +104,9 @@ def _written(document: object, path: Path) -> PolicyDocument:
     )
 
 
-def _drawing(graph: PolicyGraph, form: Format) -> str:
-    from cbdsl.reporting.drawing.policy_dot import policy_dot
-    from cbdsl.reporting.drawing.policy_mermaid import policy_mermaid
-    from cbdsl.reporting.drawing.policy_svg import policy_svg
-
-    draw = {Format.DOT: policy_dot, Format.MERMAID: policy_mermaid, Format.SVG: policy_svg}
-    return draw[form](graph)
-
-
-def policy_data(policy: PolicyDocument, graph: PolicyGraph) -> dict[str, object]:
+def policy_data(policy: PolicyDocument, transitions: PolicyTransitions) -> dict[str, object]:
     """A policy as JSON has it: every state that is known, and the arcs that would be drawn."""
-    from cbdsl.reporting.drawing.policy_graph import decisions
+    from cbdsl.reporting.drawing.policy_transitions import decisions
 
     return {
         "name": policy.name,
@@ -122,8 +114,8 @@ def policy_data(policy: PolicyDocument, graph: PolicyGraph) -> dict[str, object]
         "state": list(policy.predicates),
         "models": dict(policy.models),
         "states": [_state(policy, decision) for decision in decisions(policy)],
-        "above": graph.above,
-        "arcs": [arc._asdict() for arc in graph.arcs],
+        "above": transitions.above,
+        "arcs": [arc._asdict() for arc in transitions.arcs],
         "provenance": policy.provenance and policy.provenance.model_dump(mode="json"),
     }
 

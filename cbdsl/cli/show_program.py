@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from cbdsl.cli.show_format import Format, read_format
+from cbdsl.cli.show_format import Format, drawing, read_format
 
 if TYPE_CHECKING:
     from cbdsl.program.checked import Action, CheckedProgram
@@ -37,6 +37,7 @@ def show_program(
     from cbdsl.cli.assignments import read_assignments
     from cbdsl.cli.program_text import program_text
     from cbdsl.cli.terminal import print_json
+    from cbdsl.reporting.drawing.program_graph import program_graph
 
     form = read_format(format_, as_json)
     program = check_program(name, read_assignments(with_))
@@ -45,17 +46,7 @@ def show_program(
     elif form is Format.TEXT:
         print(program_text(program), end="")
     else:
-        print(_drawing(program, form), end="")
-
-
-def _drawing(program: CheckedProgram, form: Format) -> str:
-    from cbdsl.reporting.drawing.dot import dot
-    from cbdsl.reporting.drawing.graph import graph
-    from cbdsl.reporting.drawing.mermaid import mermaid
-    from cbdsl.reporting.drawing.svg import svg
-
-    draw = {Format.DOT: dot, Format.MERMAID: mermaid, Format.SVG: svg}[form]
-    return draw(graph(program))
+        print(drawing(program_graph(program), form), end="")
 
 
 def program_data(program: CheckedProgram) -> dict[str, object]:
@@ -108,7 +99,7 @@ def _controller(controller: Controller) -> dict[str, object]:
         "joints": list(controller.joints),
         "casts": " → ".join(controller.chain),
         "gain": f"{controller.gain:g} /s",
-        "given": controller.given,
+        "requires": controller.requires,
         "rewarded": controller.rewarded,
     }
 

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from cbdsl.backends.backend import Backend
-    from cbdsl.cli.order import Order
+    from cbdsl.cli.run_request import RunRequest
     from cbdsl.sensing.kinematics import Kinematics
 
 
@@ -34,9 +34,9 @@ def needing_simulation() -> Iterator[None]:
 
 @contextmanager
 def simulation(
-    order: Order, backend: str, *, gui: bool = False
+    request: RunRequest, backend: str, *, gui: bool = False
 ) -> Iterator[tuple[Backend, Kinematics]]:
-    """The robot of an order on a backend, and its kinematics.
+    """The robot of an request on a backend, and its kinematics.
 
     Raises:
         UsageError: there is no such backend, what it needs is not installed, or the robot's model
@@ -56,9 +56,9 @@ def simulation(
     with told_of_compilation():
         try:
             with needing_simulation():
-                body = factory(order.robot, order.urdf, gui=gui)
+                body = factory(request.robot, request.urdf, gui=gui)
             try:
-                yield body, Kinematics(order.robot, order.urdf)
+                yield body, Kinematics(request.robot, request.urdf)
             finally:
                 body.close()
         except UrdfError as error:

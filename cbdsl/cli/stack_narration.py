@@ -1,4 +1,4 @@
-"""What ``cb run --explain`` tells: why each level of the stack moves as it does."""
+"""Output of ``cb run --explain``: why each level of the stack moves as it does."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ _PAUSE = 1.0
 
 # As wide as the time in front of a table.
 _INDENT = " " * 12
-_HEADINGS = ("level", "phi", "predicted", "measured", "share", "rank", "s_min", "held by")
+_HEADINGS = ("level", "phi", "predicted", "measured", "achieved", "rank", "s_min", "held by")
 
 
 class StackNarration:
@@ -26,7 +26,7 @@ class StackNarration:
 
     def __init__(self) -> None:
         self._explanation = Explanation()
-        self._told = 0.0
+        self._printed = 0.0
         self._changes: dict[str, tuple[float, float]] = {}
         self._last = TickExplanation((), ())
 
@@ -44,12 +44,12 @@ class StackNarration:
                 predicted = _sum(predicted, level.predicted)
                 measured = _sum(measured, level.measured)
             self._changes[level.name] = (predicted, measured)
-        if tick.observation.time >= self._told + _PAUSE:
+        if tick.observation.time >= self._printed + _PAUSE:
             self._tell(tick.observation.time)
 
     def _tell(self, time: float) -> None:
         rows = [_HEADINGS, *(_row(each, self._changes[each.name]) for each in self._last.levels)]
-        self._told, self._changes = time, {}
+        self._printed, self._changes = time, {}
         if len(rows) > 1:
             heading, *lines = _aligned(rows)
             print("\n".join([f"  {time:6.2f} s  {heading}", *(_INDENT + line for line in lines)]))
@@ -58,7 +58,7 @@ class StackNarration:
 
 
 def _sum(so_far: float, change: float) -> float:
-    """What was not known before counts for nothing."""
+    """The sum of a change and the changes before; NaN stands for none so far."""
     return change if math.isnan(so_far) else so_far + change
 
 

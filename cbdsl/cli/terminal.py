@@ -1,4 +1,4 @@
-"""What the commands print."""
+"""Terminal output of the commands."""
 
 from __future__ import annotations
 
@@ -9,8 +9,8 @@ from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from cbdsl.cli.outcome import Outcome
 from cbdsl.cli.text_format import text
+from cbdsl.cli.validation_report import ValidationReport
 from cbdsl.errors.diagnostic import Diagnostic
 
 if TYPE_CHECKING:
@@ -29,8 +29,8 @@ def console() -> Console:
 
 def print_diagnostics(diagnostics: Iterable[Diagnostic]) -> None:
     """Print findings with snippets, and how many there are."""
-    found = tuple(diagnostics)
-    print(text(Outcome(found, documents=0, left_out=0, text_of=_text)))
+    findings = tuple(diagnostics)
+    print(text(ValidationReport(findings, documents=0, left_out=0, text_of=_text)))
 
 
 def print_json(data: object) -> None:

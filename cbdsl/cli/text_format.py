@@ -5,25 +5,25 @@ from __future__ import annotations
 import os
 import sys
 
-from cbdsl.cli.outcome import Outcome
+from cbdsl.cli.validation_report import ValidationReport
 from cbdsl.errors.counting import count
 
 
-def text(outcome: Outcome) -> str:
+def text(report: ValidationReport) -> str:
     """Findings, and how many there are; in colour where a terminal shows them."""
-    if not outcome.findings:
-        return f"{count(outcome.documents, 'document')}, no findings"
+    if not report.findings:
+        return f"{count(report.documents, 'document')}, no findings"
     from cbdsl.errors.rendering import render  # only a finding needs it
 
     color = _is_colorful()
-    told = [render(d, outcome.text_of(d.place.file), color) for d in outcome.findings]
-    return "\n".join([*told, _tally(outcome)])
+    lines = [render(d, report.text_of(d.place.file), color) for d in report.findings]
+    return "\n".join([*lines, _tally(report)])
 
 
-def _tally(outcome: Outcome) -> str:
-    numbers = {"error": outcome.errors, "warning": outcome.warnings}
+def _tally(report: ValidationReport) -> str:
+    numbers = {"error": report.errors, "warning": report.warnings}
     tally = ", ".join(count(number, noun) for noun, number in numbers.items() if number)
-    return tally + (f"; {outcome.left_out} more are left out" if outcome.left_out else "")
+    return tally + (f"; {report.left_out} more are left out" if report.left_out else "")
 
 
 def _is_colorful() -> bool:

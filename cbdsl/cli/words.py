@@ -23,5 +23,5 @@ def require_words(words: Sequence[str]) -> None:
         if option.startswith("--") and equals and not text:
             raise UsageError(f"{option} is given an empty text")
         if not word:
-            told = f"{before} is given" if before.startswith("--") else f"after '{before}' stands"
-            raise UsageError(f"{told} an empty text")
+            place = f"{before} is given" if before.startswith("--") else f"after '{before}' stands"
+            raise UsageError(f"{place} an empty text")

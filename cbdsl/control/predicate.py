@@ -3,24 +3,15 @@
 from __future__ import annotations
 
 import math
-from enum import StrEnum
 
 import numpy as np
 from numpy.typing import NDArray
 
 from cbdsl.numeric.compiled import compiled, compiled_once
+from cbdsl.types.state import Predicate
 
 Floats = NDArray[np.float64]
 Integers = NDArray[np.int64]
-
-
-class Predicate(StrEnum):
-    """What a controller's potential does; its values join into states such as ``X0-``."""
-
-    INACTIVE = "X"
-    UNDEFINED = "-"
-    TRANSIENT = "0"
-    QUIESCENT = "1"
 
 
 PREDICATES = tuple(Predicate)
@@ -34,10 +25,10 @@ PREDICATE, _TICKS, _OLDEST, _KEPT, _STAMP, ROOM = range(6)
 def settings_of(rate: float, window: float, period: float) -> Floats:
     """The window, s, the largest range in it at rest, and the period, s, shape (3,).
 
-    A potential is at rest by its range over a window, not by its derivative at an instant, since the
-    latter flips with every ripple of the signal. Only measured values enter it: a potential that is
-    repeated between two camera images is not at rest for that. Time passes with every tick all the
-    same.
+    A potential is at rest by its range over a window, not by its derivative at an instant, since
+    the latter flips with every ripple of the signal. Only measured values enter it: a potential
+    that is repeated between two camera images is not at rest for that. Time passes with every tick
+    all the same.
 
     Args:
         rate: largest range per second at rest, in the potential's unit per second (epsilon).
@@ -58,9 +49,12 @@ def room_of(settings: Floats) -> int:
     return 2 * (math.ceil(float(settings[0] / settings[2])) + 2)
 
 
+@compiled_once
 def reset(notes: Integers) -> None:
     """Forget everything: the controller was deactivated."""
-    notes[:ROOM] = _INACTIVE, 0, 0, 0, -1
+    notes[PREDICATE] = _INACTIVE
+    notes[_TICKS] = notes[_OLDEST] = notes[_KEPT] = 0
+    notes[_STAMP] = -1
 
 
 def restart(notes: Integers) -> None:

@@ -1,4 +1,4 @@
-"""Digests: whether a document says what it said before."""
+"""Digests of documents by content."""
 
 import hashlib
 import json
@@ -8,7 +8,7 @@ from cbdsl.documents.document import Document
 
 
 def digest(document: Document, leave_out: Iterable[str] = ()) -> str:
-    """SHA-256 of what a document says, in hexadecimal.
+    """SHA-256 of a document's content, in hexadecimal.
 
     Its description, comments and layout do not matter, nor does a default that is written out.
 

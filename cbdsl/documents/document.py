@@ -1,7 +1,8 @@
-"""What every document shares: strictness, immutability, the version key and named quantities."""
+"""Base of all documents: strict, immutable sections with quantities in named units."""
 
+from collections.abc import Mapping
 from functools import partial
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any, ClassVar, Literal
 
 from pydantic import BaseModel, ConfigDict, GetCoreSchemaHandler
 from pydantic_core import CoreSchema, PydanticCustomError
@@ -18,8 +19,8 @@ from cbdsl.types.unit import read_quantity
 NAME_PATTERN = r"^[A-Za-z][A-Za-z0-9_]*$"
 
 
-class _Read:
-    """How a value is read, as a finished schema: putting one together at each use takes longer."""
+class ValueSchema:
+    """Finished schema of a value: putting one together at each use takes longer."""
 
     def __init__(self, schema: CoreSchema) -> None:
         self.schema = schema
@@ -28,27 +29,27 @@ class _Read:
         return {**self.schema}
 
 
-def _quantity(*dimensions: str, **limits: Any) -> _Read:
-    """A number in SI, or text with a unit; limits are ``gt``, ``ge`` and ``le``."""
+def quantity(*dimensions: str, **limits: Any) -> ValueSchema:
+    """Number in SI, or text with a unit; limits are ``gt``, ``ge``, ``lt`` and ``le``."""
     read, number = partial(read_quantity, dimensions=dimensions), float_schema(**limits)
-    return _Read(no_info_before_validator_function(read, number))
+    return ValueSchema(no_info_before_validator_function(read, number))
 
 
-def _several(part: _Read, count: int) -> _Read:
-    return _Read(tuple_schema([part.schema] * count))
+def _several(part: ValueSchema, count: int) -> ValueSchema:
+    return ValueSchema(tuple_schema([part.schema] * count))
 
 
-def _span(part: _Read) -> _Read:
-    """From the first to the last value; one value stands for the span from itself to itself."""
+def _span(part: ValueSchema) -> ValueSchema:
+    """Pair of first and last value; one value alone is both."""
 
     def pair(value: Any) -> Any:
         return value if isinstance(value, (list, tuple)) else (value, value)
 
-    return _Read(no_info_before_validator_function(pair, _several(part, 2).schema))
+    return ValueSchema(no_info_before_validator_function(pair, _several(part, 2).schema))
 
 
-def _named(what: str) -> _Read:
-    """A name of the URDF's; ``what`` is the element that has it."""
+def _named(what: str) -> ValueSchema:
+    """Name from the URDF; ``what`` is the element that has it."""
     wanted = f'the name of a {what}, as in <{what} name="..."> of the URDF, in quotes if a number'
 
     def require_text(value: Any) -> Any:
@@ -56,40 +57,40 @@ def _named(what: str) -> _Read:
             return value
         raise PydanticCustomError("not_named", "{expected}", {"expected": wanted})
 
-    return _Read(no_info_before_validator_function(require_text, str_schema()))
+    return ValueSchema(no_info_before_validator_function(require_text, str_schema()))
 
 
-_NUMBER, _SHARE = _quantity(), _quantity(ge=0, le=1)
-_LENGTH, _ANGLE, _SPEED = _quantity("length"), _quantity("angle"), _quantity("speed")
-_TIME, _MASS = _quantity("time", ge=0), _quantity("mass", gt=0)
-_SIZE = _quantity("length", gt=0)
+_NUMBER, _SHARE = quantity(), quantity(ge=0, le=1)
+_LENGTH, _ANGLE, _SPEED = quantity("length"), quantity("angle"), quantity("speed")
+_TIME, _MASS = quantity("time", ge=0), quantity("mass", gt=0)
+_SIZE = quantity("length", gt=0)
 
-Name = Annotated[str, _Read(str_schema(pattern=NAME_PATTERN))]
+Name = Annotated[str, ValueSchema(str_schema(pattern=NAME_PATTERN))]
 JointName = Annotated[str, _named("joint")]
 LinkName = Annotated[str, _named("link")]
-Count = Annotated[int, _Read(int_schema(ge=0))]
-PositiveCount = Annotated[int, _Read(int_schema(gt=0))]
+Count = Annotated[int, ValueSchema(int_schema(ge=0))]
+PositiveCount = Annotated[int, ValueSchema(int_schema(gt=0))]
 Number = Annotated[float, _NUMBER]
-Positive = Annotated[float, _quantity(gt=0)]
+Positive = Annotated[float, quantity(gt=0)]
 Length = Annotated[float, _LENGTH]
 Size = Annotated[float, _SIZE]
 Angle = Annotated[float, _ANGLE]
 Time = Annotated[float, _TIME]
-Duration = Annotated[float, _quantity("time", gt=0)]
-Rate = Annotated[float, _quantity("rate", gt=0)]
+Duration = Annotated[float, quantity("time", gt=0)]
+Rate = Annotated[float, quantity("rate", gt=0)]
 Mass = Annotated[float, _MASS]
-Force = Annotated[float, _quantity("force")]
-Torque = Annotated[float, _quantity("torque")]
+Force = Annotated[float, quantity("force")]
+Torque = Annotated[float, quantity("torque")]
 Speed = Annotated[float, _SPEED]
-AngularSpeed = Annotated[float, _quantity("angular speed")]
-Tolerance = Annotated[float, _quantity("length", "angle", "force", "torque", gt=0)]
-AnySpeed = Annotated[float, _quantity("speed", "angular speed", gt=0)]
-AnyAcceleration = Annotated[float, _quantity("acceleration", "angular acceleration", gt=0)]
-Coordinate = Annotated[float, _quantity("length", "angle")]
-Extent = Annotated[float, _quantity("length", "angle", gt=0)]
-Distance = Annotated[float, _quantity("length", "angle", ge=0)]
-Share = Annotated[float, _quantity(ge=0)]
-Pixels = Annotated[float, _quantity("pixels", gt=0)]
+AngularSpeed = Annotated[float, quantity("angular speed")]
+Tolerance = Annotated[float, quantity("length", "angle", "force", "torque", gt=0)]
+AnySpeed = Annotated[float, quantity("speed", "angular speed", gt=0)]
+AnyAcceleration = Annotated[float, quantity("acceleration", "angular acceleration", gt=0)]
+Coordinate = Annotated[float, quantity("length", "angle")]
+Extent = Annotated[float, quantity("length", "angle", gt=0)]
+Distance = Annotated[float, quantity("length", "angle", ge=0)]
+Share = Annotated[float, quantity(ge=0)]
+Pixels = Annotated[float, quantity("pixels", gt=0)]
 
 LengthSpan = Annotated[tuple[float, float], _span(_LENGTH)]
 SizeSpan = Annotated[tuple[float, float], _span(_SIZE)]
@@ -108,6 +109,9 @@ class Section(BaseModel):
     # Sections are built with the document that holds them, which halves the time to start.
     model_config = ConfigDict(frozen=True, extra="forbid", defer_build=True)
 
+    renamed: ClassVar[Mapping[str, str]] = {}
+    """Keys of older documents, and their names now."""
+
 
 class Document(Section):
     """The head that every document carries."""
@@ -117,4 +121,4 @@ class Document(Section):
     name: Name
     """Name by which other documents refer to this one."""
     description: str = ""
-    """What it is for, in a sentence or two."""
+    """Purpose, in a sentence or two."""

@@ -40,6 +40,18 @@ def json_schema(model: type[Document]) -> dict[str, Any]:
     return head | schema | {"$defs": definitions}
 
 
+def meaning(value: Mapping[str, Any]) -> tuple[str, str]:
+    """Description of a key and the SI units that its value may have, from its schema."""
+    words, _, units = value["description"].partition(" Unit: ")
+    return words, re.sub(r" \(or written: [^)]*\)", "", units.rstrip("."))
+
+
+def properties(model: type[BaseModel]) -> dict[str, dict[str, Any]]:
+    """Schemas of the keys of a section."""
+    found: dict[str, dict[str, Any]] = model.model_json_schema(schema_generator=_Generator)
+    return found.get("properties", {})
+
+
 def json_text(schema: Mapping[str, Any]) -> str:
     """A schema as the text of its file."""
     return json.dumps(schema, indent=2, ensure_ascii=False) + "\n"
@@ -51,7 +63,7 @@ def schema_file(kind: str) -> str:
 
 
 class _Generator(GenerateJsonSchema):
-    """Pydantic's generator, and what it cannot know: docstrings of fields, units, spans."""
+    """Pydantic's generator with docstrings of fields, units and spans."""
 
     def __init__(self, *args: Any, **kwargs: Any) -> None:
         super().__init__(*args, **kwargs)
@@ -171,7 +183,7 @@ def _symbols(dimension: str) -> list[str]:
 
 
 def _wording(dimensions: Sequence[str]) -> str:
-    """Such as ``Unit: m (or written: cm, mm, km)``."""
+    """Units in words, such as ``Unit: m (or written: cm, mm, km)``."""
     parts = []
     for dimension in dimensions:
         si, *others = _symbols(dimension)
@@ -205,19 +217,19 @@ def _references(schema: Any) -> Iterator[str]:
 
 
 def _said_of(field: FieldInfo) -> str:
-    """What the section that a field holds says of itself."""
+    """Docstring of the section that a field holds."""
     parts = (field.annotation, *get_args(field.annotation))
     sections = (part for part in parts if isinstance(part, type) and issubclass(part, BaseModel))
     return next((_one_line(section.__doc__ or "") for section in sections), "")
 
 
 def docstrings(model: type[BaseModel]) -> dict[str, str]:
-    """The literals that follow the fields of a model and of what it derives from."""
-    found: dict[str, str] = {}
+    """Docstrings of the fields of a model and its bases."""
+    texts: dict[str, str] = {}
     for section in reversed(model.__mro__):
         if issubclass(section, BaseModel) and section is not BaseModel:
-            found |= _literals(section.__module__).get(section.__name__, {})
-    return found
+            texts |= _literals(section.__module__).get(section.__name__, {})
+    return texts
 
 
 @cache

@@ -5,8 +5,9 @@ from typing import Annotated, Literal, Self
 from pydantic import Field, model_validator
 
 from cbdsl.documents.document import Count, Document, Name, Number, PositiveCount, Section
+from cbdsl.types.state import STATE
 
-State = Annotated[str, Field(pattern=r"^[X01-]+$")]
+State = Annotated[str, Field(pattern=STATE)]
 """Predicates, one letter each."""
 
 
@@ -20,7 +21,7 @@ class Identity(Section):
 
 
 class Provenance(Section):
-    """What a policy was learned from: everything that makes it come out the same again."""
+    """Origin of a policy: everything that its outcome depends on."""
 
     command: str
     """Command that learns it again."""
@@ -34,8 +35,8 @@ class Provenance(Section):
     """Robot that ran it."""
     stage: Identity
     """Training context."""
-    algorithm: Literal["accommodate"]
-    """How it was learned (Algorithm 1)."""
+    algorithm: Name
+    """Learner, such as accommodate (Algorithm 1)."""
     constants: dict[Name, Count | Number | str]
     """Constants of the algorithm, in SI."""
     seed: Count
@@ -45,9 +46,9 @@ class Provenance(Section):
     episodes: PositiveCount
     """How many episodes were learned from."""
     backend: str
-    """What embodied the robot."""
+    """Backend that embodied the robot."""
     renderer: str
-    """What made the images."""
+    """Renderer that made the images."""
     versions: dict[str, str]
     """Of the packages that the outcome depends on."""
 

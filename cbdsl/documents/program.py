@@ -1,6 +1,7 @@
 """The program document: controllers, actions and a policy over predicate states."""
 
-from typing import Annotated, Literal, Self
+from collections.abc import Mapping
+from typing import Annotated, ClassVar, Literal, Self
 
 from pydantic import Field, field_validator, model_validator
 
@@ -21,13 +22,13 @@ from cbdsl.documents.document import (
     Rate,
     Section,
 )
-from cbdsl.documents.robot import Quiescence
+from cbdsl.documents.robot import QuiescenceSection
 
 Text = str
 """A resource, a reference literal or a composition; the checker parses it."""
 
 
-class Standoff(Section):
+class StandoffSection(Section):
     """Keep the tip in front of its reference along the tip's own normal (+z).
 
     The distance is the seen radius of the reference plus ``clearance``, within ``least`` and
@@ -42,7 +43,7 @@ class Standoff(Section):
     """Largest distance between the tip and the reference."""
 
 
-class Funnel(Section):
+class FunnelSection(Section):
     """Come to the reference from above: raised in proportion to the lateral error."""
 
     height: Length
@@ -53,7 +54,7 @@ class Funnel(Section):
     """Height per lateral error."""
 
 
-class Seek(Section):
+class SeekSection(Section):
     """When a controller acts although its feedback is undefined, as to find contact."""
 
     once: Text | None = None
@@ -65,8 +66,8 @@ class Seek(Section):
     """Angle of the flexing joints past which nothing will be found."""
 
 
-class Obstacle(Section):
-    """What a motion keeps away from: a ball around a resource, or a box that stays."""
+class ObstacleSection(Section):
+    """An obstacle of a motion: a ball around a resource, or a box that stays."""
 
     center: Text | None = None
     """Resource of the feedback's type, such as the tip of another arm."""
@@ -87,7 +88,7 @@ class Obstacle(Section):
         return self
 
 
-class HarmonicField(Section):
+class FieldSection(Section):
     """Where a harmonic function is computed, and what it leads around."""
 
     lower: tuple[Coordinate, ...] | None = None
@@ -100,12 +101,14 @@ class HarmonicField(Section):
     """Displacement that is asked for where the function is 1, far from the goal."""
     clearance: Distance = 0.0
     """Distance kept from obstacles, for all of the body that surrounds the feedback."""
-    obstacles: tuple[Obstacle | Text, ...] = ()
+    obstacles: tuple[ObstacleSection | Text, ...] = ()
     """Resources of the feedback's type, with the radius that is seen, or balls and boxes."""
 
 
-class Controller(Section):
+class ControllerSection(Section):
     """A typed triple c(phi, sigma, tau)."""
+
+    renamed: ClassVar[Mapping[str, str]] = {"given": "requires"}
 
     parameters: tuple[Name, ...] = ()
     """Names that a call such as ``reach(sat_10, right_arm)`` binds, in order."""
@@ -114,7 +117,7 @@ class Controller(Section):
     feedback: Text
     """The resource sigma that is measured."""
     reference: Text | tuple[Text | Number, ...] | Number | None = None
-    """What the feedback is compared with: a resource, or a literal such as ``[0 deg, 0 deg]``."""
+    """The reference rho: a resource, or a literal such as ``[0 deg, 0 deg]``."""
     effector: Text
     """The resource tau that is moved."""
     gain: Rate | None = None
@@ -123,18 +126,18 @@ class Controller(Section):
     """Largest rate of the task; without it the robot's setting for the feedback's type."""
     acceleration: AnyAcceleration | None = None
     """Largest acceleration of the task; without it the robot's setting."""
-    quiescence: Quiescence | None = None
+    quiescence: QuiescenceSection | None = None
     free_axis: Literal["x", "y", "z"] | None = None
     """Axis of the tip about which an orientation may turn freely."""
     manipulator: Literal["position", "pose"] | None = None
     """Which Jacobian of the tip a manipulability is of; of its position without it."""
-    standoff: Standoff | None = None
-    funnel: Funnel | None = None
-    seek: Seek | None = None
-    given: Text | None = None
+    standoff: StandoffSection | None = None
+    funnel: FunnelSection | None = None
+    seek: SeekSection | None = None
+    requires: Text | None = None
     """Undefined without this controller, written as in ``actions``: acts from when that is defined,
     until that neither is nor seeks to be. What is done with a thing needs a hand that holds it."""
-    field: HarmonicField | None = None
+    field: FieldSection | None = None
 
     @field_validator("reference")
     @classmethod
@@ -196,7 +199,7 @@ class ProgramDocument(Document):
     """Other programs, usable as actions."""
     models: dict[Name, Name] = {}
     """Internal models that references can be drawn from, as ``<effector>.<name>``."""
-    controllers: dict[Name, Controller | Text]
+    controllers: dict[Name, ControllerSection | Text]
     """Triples, or compositions of them that are used as one controller."""
     background: Text | None = None
     """Composition that runs below every action with what freedom is left."""

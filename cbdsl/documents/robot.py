@@ -32,7 +32,7 @@ from cbdsl.documents.document import (
 )
 
 
-class Tip(Section):
+class TipSection(Section):
     """The frame of an effector that is moved in Cartesian space."""
 
     link: LinkName
@@ -46,7 +46,7 @@ class Effector(Section):
 
     joints: Annotated[tuple[JointName, ...], Field(min_length=1)]
     """Actuated joints of the URDF, in order."""
-    tip: Tip | None = None
+    tip: TipSection | None = None
     """The frame that gives this effector a position and an orientation."""
     postures: dict[Name, tuple[Angle, ...]] = {}
     """Named joint postures, each with one angle per joint."""
@@ -146,7 +146,7 @@ class Regions(Section):
     """Slower regions are taken to stand still."""
 
 
-class Vision(Section):
+class VisionSection(Section):
     """How images are made and read."""
 
     rate: Rate = 15.0
@@ -157,7 +157,7 @@ class Vision(Section):
     regions: Regions = Regions.model_construct()
 
 
-class Quiescence(Section):
+class QuiescenceSection(Section):
     """When a controller is at rest: the range of phi over a window, per window (Eq 4.1)."""
 
     rate: Positive
@@ -179,7 +179,7 @@ class TaskSettings(Section):
     """Largest rate of the task coordinates."""
     acceleration: AnyAcceleration | None = None
     """Largest acceleration of the task coordinates."""
-    quiescence: Quiescence
+    quiescence: QuiescenceSection
 
 
 class Control(Section):
@@ -208,7 +208,7 @@ class Control(Section):
 
 
 class Contact(Section):
-    """What counts as contact on a load cell."""
+    """Threshold and noise of contact on a load cell."""
 
     threshold: Force = 0.1
     """Smaller forces are noise."""
@@ -260,7 +260,7 @@ class RobotDocument(Document):
     base: LinkName
     """Link whose frame is the world frame."""
     effectors: dict[Name, Effector]
-    """What can be moved, by name."""
+    """Groups of joints that move, by name."""
     groups: dict[Name, Group] = {}
     """Effectors that programs can name together."""
     couplings: dict[str, Coupling] = {}
@@ -269,7 +269,7 @@ class RobotDocument(Document):
     """Load cells by hand (an effector) and finger."""
     cameras: dict[Name, Camera] = {}
     """Cameras, by name; two of them triangulate."""
-    vision: Vision = Vision.model_construct()
+    vision: VisionSection = VisionSection.model_construct()
     contact: Contact = Contact.model_construct()
     control: Control
     simulation: Simulation = Simulation.model_construct()

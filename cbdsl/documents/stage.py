@@ -42,7 +42,7 @@ class Spot(Section):
     """Red, green and blue, each from 0 to 1."""
 
 
-class Ball(Section):
+class BallForm(Section):
     """A sphere."""
 
     shape: Literal["ball"]
@@ -50,7 +50,7 @@ class Ball(Section):
     radius: SizeSpan
     """Radius, or the span that it is drawn from."""
     spot: Spot | None = None
-    """What is painted on a side of it."""
+    """Pattern that is painted on a side of it."""
 
     @model_validator(mode="after")
     def _has_room_for_the_spot(self) -> Self:
@@ -76,7 +76,7 @@ class Pattern(Section):
         return self
 
 
-class Box(Section):
+class BoxForm(Section):
     """A cuboid; its edges lie along x, y and z while its yaw is 0."""
 
     shape: Literal["box"]
@@ -84,9 +84,9 @@ class Box(Section):
     size: tuple[SizeSpan, SizeSpan, SizeSpan]
     """Edge lengths."""
     pattern: Pattern | None = None
-    """What is printed on a side of it."""
+    """Pattern that is printed on a side of it."""
     spot: Spot | None = None
-    """What is painted on a side of it."""
+    """Pattern that is painted on a side of it."""
 
     @model_validator(mode="after")
     def _has_room_for_the_spot(self) -> Self:
@@ -108,7 +108,7 @@ class Box(Section):
         return self
 
 
-class Cylinder(Section):
+class CylinderForm(Section):
     """A cylinder that stands upright."""
 
     shape: Literal["cylinder"]
@@ -120,7 +120,7 @@ class Cylinder(Section):
 
 
 class Surface(Section):
-    """What a thing is made of."""
+    """Material of a thing."""
 
     color: Color = (1.0, 0.0, 0.0)
     """Red, green and blue, each from 0 to 1."""
@@ -136,22 +136,22 @@ class Fixture(Surface):
     # Not the red of things, which robots look for.
     color: Color = (0.6, 0.45, 0.3)
     """Red, green and blue, each from 0 to 1."""
-    form: Annotated[Ball | Box | Cylinder, Field(discriminator="shape")]
+    form: Annotated[BallForm | BoxForm | CylinderForm, Field(discriminator="shape")]
     """Its shape and size."""
     position: Point
     """Centre, in the world frame."""
 
 
-class Thing(Surface):
+class ThingSection(Surface):
     """A thing that can be touched and moved."""
 
-    form: Annotated[Ball | Box | Cylinder, Field(discriminator="shape")]
+    form: Annotated[BallForm | BoxForm | CylinderForm, Field(discriminator="shape")]
     """Its shape and size."""
     mass: MassSpan
     """Mass, or the span that it is drawn from."""
 
 
-class Place(Section):
+class PlaceSection(Section):
     """Where a thing is put: on a fixture, at a height, or in reach of a hand."""
 
     x: LengthSpan = (0.0, 0.0)
@@ -204,7 +204,7 @@ class Context(Section):
     """Relative frequency."""
     things: tuple[Name, ...] = ()
     """One of these is presented, drawn evenly; none: nothing is."""
-    place: Place | None = None
+    place: PlaceSection | None = None
     motion: Motion | None = None
     joints: dict[str, AngleSpan] = {}
     """Where these joints start, instead of their effector's start posture."""
@@ -236,7 +236,7 @@ class StageDocument(Document):
     """Robot to which things are shown."""
     fixtures: dict[Name, Fixture] = {}
     """Things that do not move, by name."""
-    things: dict[Name, Thing] = {}
+    things: dict[Name, ThingSection] = {}
     """Things that can be touched, by name."""
     contexts: Annotated[dict[Name, Context], Field(min_length=1)]
     """Ways in which an episode can begin, by name."""

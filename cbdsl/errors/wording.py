@@ -3,13 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
+from typing import TYPE_CHECKING
 
 from cbdsl.errors.diagnostic import Diagnostic, Place, Related
 from cbdsl.errors.legible import legible
 
+if TYPE_CHECKING:
+    from cbdsl.errors.entry import Entry
+
 
 def diagnostic(
-    code: str,
+    code: str | Entry,
     place: Place,
     *,
     names: Sequence[str] = (),
@@ -21,7 +25,7 @@ def diagnostic(
     """A finding in the catalogue's words.
 
     Args:
-        code: its entry.
+        code: its entry, or the code of one in the catalogue.
         place: where it is.
         names: names that would have been right; the nearest to ``given`` is proposed.
         candidates: what the nearest is chosen from, where that is not ``names``.
@@ -31,9 +35,9 @@ def diagnostic(
     """
     from cbdsl.errors.catalogue import CATALOGUE  # only a fault needs it
 
-    entry = CATALOGUE[code]
+    entry = CATALOGUE[code] if isinstance(code, str) else code
     return Diagnostic(
-        code=code,
+        code=entry.code,
         message=legible(entry.message.format(**details)),
         place=place,
         severity=entry.severity,

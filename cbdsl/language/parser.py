@@ -1,34 +1,34 @@
-"""From the text of a composition to its syntax tree."""
+"""From the text of a composition to its syntax tree.
+
+    expression: term ("◁" term)*            "c2 ◁ c1" reads "c2 subject to c1"; "<|" is its ASCII
+    term: NAME ["(" ARGUMENT ("," ARGUMENT)* ")"]
+
+The language is regular: nothing nests.
+"""
 
 from __future__ import annotations
 
 import re
-from functools import cache, lru_cache
-from typing import TYPE_CHECKING, Any
+from functools import lru_cache
 
 from cbdsl.language.expression import Argument, Expression, Span, Term
-from cbdsl.language.regular import read_composition
 
-if TYPE_CHECKING:
-    from lark import Lark, Token, Tree
-    from lark.exceptions import UnexpectedInput
+_SPACE = re.compile(r"[ \t\r\n]*")
+_NAME = re.compile(r"[A-Za-z][A-Za-z0-9_]*")
+_ARGUMENT = re.compile(r"\$?[A-Za-z][A-Za-z0-9_]*(?:\.\$?[A-Za-z0-9_]+)*")
+_SUBJECT_TO = re.compile(r"◁|<\|")
+_OPEN, _COMMA, _CLOSE = re.compile(r"\("), re.compile(","), re.compile(r"\)")
 
-_WORDS = {
-    "NAME": "a name",
-    "ARGUMENT": "an argument",
-    "_SUBJECT_TO": "'◁'",
-    "LPAR": "'('",
-    "RPAR": "')'",
-    "COMMA": "','",
-    "$END": "the end",
-}
-# What people take for the subject-to sign, and what points the other way.
-_LOOK_ALIKE = r"<(?!\|)[<-]*|[⊲◀◂◃⋖«←⟵⇐]"
-_TURNED = r"\|>|>+|->|[▷⊳▶▸▹⋗»→⟶⇒]"
+# Signs that are taken for the operator, and signs that point the other way. Patterns in texts are
+# compiled where a fault needs them.
+_LOOK_ALIKES = (
+    (r"<(?!\|)[<-]*|[⊲◀◂◃⋖«←⟵⇐]", "write '◁', or '<|' in ASCII"),
+    (r"\|>|>+|->|[▷⊳▶▸▹⋗»→⟶⇒]", "'b ▷ a' is written 'a ◁ b', or 'a <| b' in ASCII"),
+)
 
 
 class CompositionError(ValueError):
-    """A text is no composition; ``span`` says where it stops being one."""
+    """A text that is no composition; ``span`` is where it stops being one."""
 
     def __init__(self, message: str, span: Span) -> None:
         super().__init__(message)
@@ -36,31 +36,17 @@ class CompositionError(ValueError):
 
 
 class LookAlikeError(CompositionError):
-    """There is a sign where an operator should be, and it is not the operator.
+    """A sign in the place of the operator that is not the operator.
 
     Attributes:
-        found: the sign.
-        meant: what to write instead, as a clause.
+        sign: the sign.
+        suggestion: the remedy, as a clause.
     """
 
-    def __init__(self, found: str, meant: str, span: Span) -> None:
-        super().__init__(f"'{found}' is not the operator: {meant}", span)
-        self.found = found
-        self.meant = meant
-
-
-@cache
-def _grammar() -> Lark:
-    import lark
-    from lark import Lark
-
-    from cbdsl.language import tables
-
-    if lark.__version__ != tables.LARK:
-        return Lark.open("composition.lark", rel_to=__file__, parser="lalr", start="expression")
-    # Stated to take a file, it takes what would be in the file as well.
-    parser: Lark = Lark.load(tables.TABLES)
-    return parser
+    def __init__(self, sign: str, suggestion: str, span: Span) -> None:
+        super().__init__(f"'{sign}' is not the operator: {suggestion}", span)
+        self.sign = sign
+        self.suggestion = suggestion
 
 
 @lru_cache(maxsize=1_000)
@@ -68,74 +54,80 @@ def parse(text: str) -> Expression:
     """Read a composition such as ``posture ◁ reach(sat_10, right_arm)``.
 
     Raises:
-        CompositionError: the text is no composition; it knows where.
+        CompositionError: the text is no composition; the error knows where.
     """
-    return read_composition(text) or parse_by_grammar(text)
+    return _Scanner(text).expression()
 
 
-def parse_by_grammar(text: str) -> Expression:
-    """The same by the grammar alone, which tells why a text is no composition.
+class _Scanner:
+    """A text and how far it has been read."""
 
-    Raises:
-        CompositionError: as ``parse``.
-    """
-    from lark.exceptions import UnexpectedInput
+    def __init__(self, text: str) -> None:
+        self._text = text
+        self._read = 0
 
-    try:
-        return _expression(_grammar().parse(text))
-    except UnexpectedInput as error:
-        raise _located(error, text) from None
+    def expression(self) -> Expression:
+        terms = [self._term()]
+        while self._take(_SUBJECT_TO):
+            terms.append(self._term())
+        if self._next() < len(self._text):
+            call = () if terms[-1].arguments else ("'('",)
+            raise self._look_alike() or self._error(*call, "'◁'", "the end")
+        return Expression(tuple(terms))
+
+    def _term(self) -> Term:
+        name = self._expect(_NAME, "a name")
+        arguments = self._arguments() if self._take(_OPEN) else ()
+        return Term(name[0], arguments, _span(name))
+
+    def _arguments(self) -> tuple[Argument, ...]:
+        arguments = [self._argument()]
+        while self._take(_COMMA):
+            arguments.append(self._argument())
+        if not self._take(_CLOSE):
+            raise self._error("')'", "','")
+        return tuple(arguments)
+
+    def _argument(self) -> Argument:
+        argument = self._expect(_ARGUMENT, "an argument")
+        return Argument(argument[0], _span(argument))
+
+    def _next(self) -> int:
+        """Index of the first character after the space that follows."""
+        space = _SPACE.match(self._text, self._read)
+        return space.end() if space else self._read
+
+    def _take(self, pattern: re.Pattern[str]) -> re.Match[str] | None:
+        """The next token, read, if it is of a pattern."""
+        token = pattern.match(self._text, self._next())
+        if token is not None:
+            self._read = token.end()
+        return token
+
+    def _expect(self, pattern: re.Pattern[str], allowed: str) -> re.Match[str]:
+        token = self._take(pattern)
+        if token is None:
+            raise self._error(allowed)
+        return token
+
+    def _error(self, *allowed: str) -> CompositionError:
+        """The error that the next token is none of those allowed."""
+        wanted, start = " or ".join(allowed), self._next()
+        if start == len(self._text):
+            end = self._read + 1
+            return CompositionError(f"it ends where {wanted} should follow", Span(end, end + 1))
+        token = _SUBJECT_TO.match(self._text, start) or _ARGUMENT.match(self._text, start)
+        sign = token[0] if token else self._text[start]
+        span = Span(start + 1, start + 1 + len(sign))
+        return CompositionError(f"'{sign}' where {wanted} should be", span)
+
+    def _look_alike(self) -> LookAlikeError | None:
+        """The error that a look-alike of the operator is next, if one is."""
+        for pattern, suggestion in _LOOK_ALIKES:
+            if sign := re.compile(pattern).match(self._text, self._next()):
+                return LookAlikeError(sign[0], suggestion, _span(sign))
+        return None
 
 
-def _expression(tree: Tree[Token]) -> Expression:
-    return Expression(tuple(_term(term) for term in tree.children))
-
-
-def _term(tree: Any) -> Term:
-    name, arguments = tree.children
-    given = () if arguments is None else tuple(_argument(token) for token in arguments.children)
-    return Term(str(name), given, _span(name))
-
-
-def _argument(token: Token) -> Argument:
-    return Argument(str(token), _span(token))
-
-
-def _span(token: Token) -> Span:
-    start = (token.start_pos or 0) + 1
-    return Span(start, start + len(token))
-
-
-def _located(error: UnexpectedInput, text: str) -> CompositionError:
-    from lark.exceptions import UnexpectedToken
-
-    allowed = " or ".join(sorted({_WORDS[name] for name in _expected(error)}))
-    if isinstance(error, UnexpectedToken) and error.token.type == "$END":
-        end = len(text.rstrip()) + 1
-        return CompositionError(f"it ends where {allowed} should follow", Span(end, end + 1))
-    start = (error.pos_in_stream or 0) + 1
-    look_alike = _look_alike(text, start) if "_SUBJECT_TO" in _expected(error) else None
-    if look_alike is not None:
-        return look_alike
-    found = str(error.token) if isinstance(error, UnexpectedToken) else text[start - 1]
-    return CompositionError(f"'{found}' where {allowed} should be", Span(start, start + len(found)))
-
-
-def _look_alike(text: str, start: int) -> LookAlikeError | None:
-    """The operator that was meant by what stands at a column, from 1."""
-    for pattern, meant in (
-        (_LOOK_ALIKE, "write '◁', or '<|' in ASCII"),
-        (_TURNED, "'b ▷ a' is written 'a ◁ b', or 'a <| b' in ASCII"),
-    ):
-        # Compiled here: only a fault needs them.
-        if sign := re.compile(pattern).match(text, start - 1):
-            return LookAlikeError(sign[0], meant, Span(start, sign.end() + 1))
-    return None
-
-
-def _expected(error: UnexpectedInput) -> set[str]:
-    from lark.exceptions import UnexpectedCharacters, UnexpectedToken
-
-    if isinstance(error, UnexpectedCharacters):
-        return set(error.allowed or ())
-    return set(error.accepts or error.expected) if isinstance(error, UnexpectedToken) else set()
+def _span(token: re.Match[str]) -> Span:
+    return Span(token.start() + 1, token.end() + 1)

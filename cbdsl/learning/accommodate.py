@@ -3,47 +3,30 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
 from types import MappingProxyType
 
 import numpy as np
 
+from cbdsl.documents.document import Document
 from cbdsl.documents.model import Gaussian, Kernel
+from cbdsl.learning.constants import AccommodateConstants
 from cbdsl.learning.decisions import Decisions
 from cbdsl.learning.epsilon_greedy import choose
 from cbdsl.learning.experience import Experience
-from cbdsl.learning.prior import Form, learned_density
+from cbdsl.learning.knowledge import model_documents, policy_document
+from cbdsl.learning.learner import TrialSummary
+from cbdsl.learning.prior import learned_density
 from cbdsl.learning.q_learning import QLearning
 from cbdsl.learning.transition_counts import TransitionCounts
 from cbdsl.program.transition import Transition
+from cbdsl.types.state import ANY
 
-
-@dataclass(frozen=True)
-class Constants:
-    """Constants of Algorithm 1, line 3, and of the densities that it learns.
-
-    Attributes:
-        gamma: discount.
-        alpha: learning rate.
-        epsilon: share of the actions that are chosen at random.
-        exploring_episodes: in how many episodes they are; in those after them every action is the
-            best one that is known, and is learned from all the same. ``None``: in all of them.
-        density: form of the internal models.
-        bandwidth: standard deviation of their kernels, smallest one of their Gaussians, rad.
-        prior: as how many samples the uniform density counts that they start as.
-    """
-
-    gamma: float = 0.8
-    alpha: float = 0.1
-    epsilon: float = 0.2
-    exploring_episodes: int | None = None
-    density: Form = "kernel"
-    bandwidth: float = 0.1
-    prior: float = 10.0
+# Of learned values; what lies beyond says nothing.
+_DECIMALS = 6
 
 
 class Accommodate:
-    """What one trial has learned so far. Chance comes from the caller.
+    """Q-learning with epsilon-greedy exploration, and densities of rewarded configurations.
 
     Equal experience in equal order leaves equal knowledge, to the last bit.
 
@@ -60,10 +43,12 @@ class Accommodate:
         counts: the transitions that were observed.
     """
 
+    Constants = AccommodateConstants
+
     def __init__(
         self,
         actions: Sequence[str],
-        constants: Constants,
+        constants: AccommodateConstants,
         programs: Mapping[int, str] = MappingProxyType({}),
     ) -> None:
         self._constants = constants
@@ -82,19 +67,13 @@ class Accommodate:
             self.values.update(over.state, over.action, over.reward, over.next_state, ended=ended)
 
     def remember(self, experience: Experience) -> None:
-        """Take in what a finished episode found rewarded (line 19), besides its transitions."""
+        """Take in the rewarded configurations of a finished episode (line 19)."""
         self._episodes += 1
         for effector, configuration in experience.rewarded.items():
             self._samples.setdefault(effector, []).append(configuration)
 
-    def replay(self, experience: Experience) -> None:
-        """Take in an episode that was finished before."""
-        for transition in experience.transitions:
-            self.see(transition)
-        self.remember(experience)
-
     def densities(self) -> dict[str, Kernel | Gaussian]:
-        """By effector, where it was when a controller that moves it was rewarded."""
+        """Densities of the configurations in which controllers were rewarded, by effector."""
         constants = self._constants
         return {
             effector: learned_density(
@@ -103,15 +82,15 @@ class Accommodate:
             for effector, samples in self._samples.items()
         }
 
-    def explorer(self, rng: np.random.Generator) -> Explorer:
-        """Chooses the actions of the next episode by what is known then."""
+    def policy(self, rng: np.random.Generator) -> Explorer:
+        """Epsilon-greedy policy of the next episode, by what is known then."""
         exploring = self._constants.exploring_episodes
         explores = exploring is None or self._episodes < exploring
         epsilon = self._constants.epsilon if explores else 0.0
         return Explorer(self.values, epsilon, rng, self._decisions.running)
 
     def greedy(self) -> dict[str, str]:
-        """The best action of every state in which one was tried, and of all others in one line.
+        """Best action of every state that was met, and of all others in one line.
 
         Of equally good ones it is the first in the order of the program's actions, as all of them
         are in a state that was never met. Where a program runs, it is that program.
@@ -120,11 +99,22 @@ class Accommodate:
             state: self._decisions.running(state) or self.values.best(state)[0]
             for state, _ in self.counts.items()
         }
-        return known | {"*" * len(state): self.values.actions[0] for state in known}
+        return known | {ANY * len(state): self.values.actions[0] for state in known}
+
+    def documents(self, summary: TrialSummary) -> list[Document]:
+        """Internal models, and the greedy policy with its values and transitions."""
+        values = {
+            state: {action: round(value, _DECIMALS) for action, value in values.items()}
+            for state, values in self.values.items()
+        }
+        policy = policy_document(
+            summary, self.greedy(), values=values, transitions=dict(self.counts.items())
+        )
+        return [*model_documents(summary, self.densities()), policy]
 
 
 class Explorer:
-    """The policy of a learner: epsilon-greedy, in every state, known or not.
+    """Epsilon-greedy policy, in every state, known or not.
 
     Args:
         values: what is known of each action.

@@ -1,4 +1,4 @@
-"""Decisions: what is learned of, where programs are among the actions (Section 4.3)."""
+"""Decisions: transitions between choices, where programs are among the actions (Section 4.3)."""
 
 from __future__ import annotations
 
@@ -6,10 +6,11 @@ from collections.abc import Mapping
 from dataclasses import replace
 
 from cbdsl.program.transition import Transition
+from cbdsl.types.state import Predicate
 
 
 class Decisions:
-    """Takes the transitions of a program one by one, and tells the decisions that they make up.
+    """Filter that turns the transitions of a program into decisions.
 
     A program among the actions is one temporally extended action: it is not left before it ends,
     and the states that it passes meanwhile are no decisions.
@@ -24,11 +25,14 @@ class Decisions:
         self._origin = ""
 
     def running(self, state: str) -> str | None:
-        """The program that runs in a state, ``None`` where an action can be chosen."""
-        return next((name for place, name in self._programs.items() if state[place] == "0"), None)
+        """Program that runs in a state, ``None`` where an action can be chosen."""
+        return next(
+            (name for place, name in self._programs.items() if state[place] == Predicate.TRANSIENT),
+            None,
+        )
 
     def over(self, transition: Transition) -> Transition | None:
-        """The decision that is over with a transition, from the state that it was made in.
+        """Decision that a transition completes, from the state in which it was made.
 
         ``None`` while a program runs.
         """

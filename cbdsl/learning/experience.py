@@ -1,4 +1,4 @@
-"""One finished episode, as learning sees it."""
+"""Experience of one finished episode."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from cbdsl.program.transition import Transition
 
 @dataclass(frozen=True)
 class Experience:
-    """All that learning takes from an episode.
+    """Finished episode, as learners see it.
 
     Attributes:
         context: of its stage.
@@ -31,5 +31,5 @@ class Experience:
 
     @property
     def reward(self) -> int:
-        """What its transitions earned together."""
+        """Sum of the rewards of its transitions."""
         return sum(transition.reward for transition in self.transitions)

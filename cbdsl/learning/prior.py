@@ -3,13 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Literal
 
 import numpy as np
 
 from cbdsl.documents.model import Gaussian, Kernel
-
-Form = Literal["kernel", "gaussian"]
+from cbdsl.learning.constants import Form
 
 
 def learned_density(

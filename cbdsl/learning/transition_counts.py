@@ -1,4 +1,4 @@
-"""How often each state followed each action in each state."""
+"""Counts of observed transitions."""
 
 from __future__ import annotations
 

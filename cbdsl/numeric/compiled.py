@@ -14,6 +14,10 @@ from numba import njit
 
 Function = TypeVar("Function", bound=Callable[..., Any])
 
+# Compiled functions are called from compiled ones, some from Python, none from C.
+_OUTER: dict[str, Any] = {"error_model": "numpy", "no_cfunc_wrapper": True}
+_INNER: dict[str, Any] = {**_OUTER, "no_cpython_wrapper": True}
+
 # Files with one of these in them define compiled functions.
 _MARKS = (b"numeric.compiled import", b"control.potential import")
 
@@ -22,7 +26,7 @@ def compiled(function: Function) -> Function:
     """A function that compiled ones call."""
     return cast(
         Function,
-        njit(error_model="numpy", no_cpython_wrapper=True, no_cfunc_wrapper=True)(function),
+        njit(**_INNER)(function),
     )
 
 
@@ -30,12 +34,7 @@ def compiled_sum(function: Function) -> Function:
     """A function that compiled ones call, whose sums may be added up in any order."""
     return cast(
         Function,
-        njit(
-            error_model="numpy",
-            fastmath={"reassoc"},
-            no_cpython_wrapper=True,
-            no_cfunc_wrapper=True,
-        )(function),
+        njit(fastmath={"reassoc"}, **_INNER)(function),
     )
 
 
@@ -44,10 +43,10 @@ def compiled_once(function: Function) -> Function:
 
     Numba stamps what it keeps with the function's own file alone, so that after an edit of a callee
     the old code would run on. Here the stamp covers every file of the package, and of cbdsl, that
-    defines compiled functions. The code is kept beside the package or, where that is read-only, among
-    the user's caches. Where neither can be written, every process compiles anew.
+    defines compiled functions. The code is kept beside the package or, where that is read-only,
+    among the user's caches. Where neither can be written, every process compiles anew.
     """
-    dispatcher: Any = njit(error_model="numpy", no_cfunc_wrapper=True)(function)
+    dispatcher: Any = njit(**_OUTER)(function)
     with suppress(RuntimeError):  # there is no place to keep it
         dispatcher.enable_caching()
         dispatcher._cache._cache_file._source_stamp = stamp_of(function)

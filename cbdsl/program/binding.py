@@ -12,7 +12,7 @@ from cbdsl.types.resource import GaussianSample, KernelSample, Origin, Resource,
 
 
 def density_source(effector: str, density: Gaussian | Kernel) -> GaussianSample | KernelSample:
-    """What a density over an effector's configurations is drawn from."""
+    """Source of samples of a density over an effector's configurations."""
     if isinstance(density, Gaussian):
         return GaussianSample(effector, density.mean, density.deviation, density.uniform)
     return KernelSample(effector, density.samples, density.bandwidth, density.uniform)

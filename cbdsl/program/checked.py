@@ -9,7 +9,7 @@ from cbdsl.program.controller import Composition, Primitive
 
 
 class Action(NamedTuple):
-    """One thing that a policy can choose.
+    """An action that a policy can select.
 
     Attributes:
         name: the action as its program writes it, in canonical spelling.
@@ -23,18 +23,18 @@ class Action(NamedTuple):
 
 
 class CheckedProgram(NamedTuple):
-    """A program that the checker found no fault in.
+    """A program without errors, fully resolved.
 
     Attributes:
         name: the program's name.
-        robot: the robot it was checked against.
+        robot: the robot that it was checked for.
         stage: the training context it is used in unless another is named.
-        parameters: the values its parameters were given.
-        members: what a state has a predicate for, in order: primitives and programs by name.
+        parameters: the values of its parameters.
+        members: the controllers and programs of a state's predicates, in order, by name.
         primitives: the members that are primitives, by name.
-        actions: what a policy can choose from.
+        actions: the actions that a policy can select.
         policy: action name by state pattern (one of ``X - 0 1 *`` per member).
-        background: what runs below every action.
+        background: the composition that runs below every action.
         transitions: most state transitions in an episode.
         transition_time: longest time one action may run without a change of state, s.
         idle_time: the same while no predicate is 0 and no controller seeks what defines it, s;

@@ -125,7 +125,7 @@ class Controller:
         speed: largest rate of the task coordinates, or ``None``.
         acceleration: largest acceleration of the task coordinates, or ``None``.
         manipulator: ``position`` or ``pose``, where phi is a function of that Jacobian of the tip.
-        given: name of the controller without which it is undefined, or ``None``.
+        requires: name of the controller without which it is undefined, or ``None``.
     """
 
     name: str
@@ -145,7 +145,7 @@ class Controller:
     standoff: Standoff | None = None
     funnel: Funnel | None = None
     seek: Seek | None = None
-    given: str | None = None
+    requires: str | None = None
     field: Field | None = None
 
     @property

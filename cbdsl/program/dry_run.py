@@ -1,4 +1,4 @@
-"""What can be said of a checked program without running it."""
+"""Dry run: properties of a checked program that need no execution."""
 
 from __future__ import annotations
 
@@ -9,12 +9,10 @@ from cbdsl.program.checked import Action, CheckedProgram
 from cbdsl.program.controller import AlongNormals, Composition, Controller
 from cbdsl.types.potential import POTENTIALS
 from cbdsl.types.resource import Resource
-
-_ANY = "*"
-_PREDICATES = "X-01"
+from cbdsl.types.state import ANY, PREDICATES, closest_first, matches, overlap, split
 
 
-class Level(NamedTuple):
+class StackLevel(NamedTuple):
     """One controller of a stack.
 
     Attributes:
@@ -32,7 +30,7 @@ class Level(NamedTuple):
     free: int
 
 
-def levels(program: CheckedProgram, action: Action) -> tuple[Level, ...]:
+def levels(program: CheckedProgram, action: Action) -> tuple[StackLevel, ...]:
     """The stack of an action, highest priority first; empty where it is a program."""
     if action.composition is None:
         return ()
@@ -40,7 +38,9 @@ def levels(program: CheckedProgram, action: Action) -> tuple[Level, ...]:
     below = _stack(program.background) if program.background is not None else ()
     stack = (*own, *(controller for controller in below if controller not in own))
     return tuple(
-        Level(controller, controller not in own, rows(controller), _free(stack[:place], controller))
+        StackLevel(
+            controller, controller not in own, rows(controller), _free(stack[:place], controller)
+        )
         for place, controller in enumerate(stack)
     )
 
@@ -90,7 +90,7 @@ def resources(program: CheckedProgram) -> tuple[Resource, ...]:
 
 
 def rewarding(action: Action) -> tuple[str, ...]:
-    """What can earn the reward while an action runs (Eq 4.3): controllers and programs by name."""
+    """Controllers and programs that can earn the reward while an action runs (Eq 4.3), by name."""
     if action.program is not None:
         earns = any(rewarding(inner) for inner in action.program.actions)
         return (action.name,) if earns else ()
@@ -99,7 +99,7 @@ def rewarding(action: Action) -> tuple[str, ...]:
 
 
 class Coverage(NamedTuple):
-    """Which states a policy decides.
+    """States that a policy decides, and those that it leaves out.
 
     Attributes:
         states: how many states there are, 4 per member.
@@ -113,29 +113,20 @@ class Coverage(NamedTuple):
 
 
 def coverage(program: CheckedProgram) -> Coverage:
-    """How the policy of a program shares the states among its patterns."""
+    """Coverage of the states by the patterns of a program's policy."""
     decided = dict.fromkeys(program.policy, 0)
-    closest_first = sorted(program.policy, key=lambda pattern: pattern.count(_ANY))
     size = len(program.members)
-    undecided = _share(_ANY * size, closest_first, decided)
-    return Coverage(len(_PREDICATES) ** size, decided, undecided)
+    undecided = _decide(ANY * size, closest_first(program.policy), decided)
+    return Coverage(len(PREDICATES) ** size, decided, undecided)
 
 
-def _share(region: str, patterns: Sequence[str], decided: dict[str, int]) -> int:
-    """Add a region's states to the patterns that decide them; how many are left over."""
-    touching = [pattern for pattern in patterns if _overlap(region, pattern)]
-    states: int = len(_PREDICATES) ** region.count(_ANY)
+def _decide(region: str, patterns: Sequence[str], decided: dict[str, int]) -> int:
+    """Add a region's states to the patterns that decide them; return the number left over."""
+    touching = [pattern for pattern in patterns if overlap(region, pattern) is not None]
+    states: int = len(PREDICATES) ** region.count(ANY)
     if not touching:
         return states
-    first = touching[0]
-    if all(letter in (_ANY, own) for letter, own in zip(first, region, strict=True)):
-        decided[first] += states
+    if matches(touching[0], region):
+        decided[touching[0]] += states
         return 0
-    pairs = enumerate(zip(region, first, strict=True))
-    split = next(i for i, (own, letter) in pairs if own == _ANY != letter)
-    parts = (region[:split] + letter + region[split + 1 :] for letter in _PREDICATES)
-    return sum(_share(part, touching, decided) for part in parts)
-
-
-def _overlap(one: str, other: str) -> bool:
-    return all(a == b or _ANY in (a, b) for a, b in zip(one, other, strict=True))
+    return sum(_decide(part, touching, decided) for part in split(region, touching[0]))

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cbdsl.reporting.landscape import Floats, Landscape
-from cbdsl.reporting.learned import Joint, Model
+from cbdsl.reporting.learned import InternalModel, Joint
 
 _PLOT = 360.0
 _TALLEST, _LOWEST = 300.0, 120.0
@@ -47,7 +47,7 @@ class _Axis(NamedTuple):
             yield str(angle).replace("-", "\N{MINUS SIGN}"), self(math.radians(angle))
 
 
-def density_svgs(model: Model) -> list[str]:
+def density_svgs(model: InternalModel) -> list[str]:
     """The pictures of an internal model, each as SVG with a text alternative."""
     landscape = Landscape(model)
     if len(model.joints) == 2:
@@ -55,7 +55,7 @@ def density_svgs(model: Model) -> list[str]:
     return [_curve(joint, place, landscape) for place, joint in enumerate(model.joints)]
 
 
-def _map(model: Model, landscape: Landscape) -> str:
+def _map(model: InternalModel, landscape: Landscape) -> str:
     """Two joints: one across, the other upwards, equally many pixels a degree where it fits."""
     first, second = model.joints
     ratio = (second.upper - second.lower) / (first.upper - first.lower)
@@ -80,7 +80,7 @@ def _map(model: Model, landscape: Landscape) -> str:
     ]
     title = f"Density of {first.name} and {second.name}"
     size = (across.end + _RIGHT, up.start + _BOTTOM)
-    return _svg(size, title, _told(where, most), parts)
+    return _svg(size, title, _peak(where, most), parts)
 
 
 def _curve(joint: Joint, place: int, landscape: Landscape) -> str:
@@ -103,20 +103,20 @@ def _curve(joint: Joint, place: int, landscape: Landscape) -> str:
             for center in landscape.centers[:, place]
         ),
     ]
-    told = _told(_degrees(angles[values.argmax()]), float(values.max()))
-    return _svg((across.end + 16, bottom + _BOTTOM), f"Density of {joint.name}", told, parts)
+    description = _peak(_degrees(angles[values.argmax()]), float(values.max()))
+    return _svg((across.end + 16, bottom + _BOTTOM), f"Density of {joint.name}", description, parts)
 
 
-def _told(where: str, most: float) -> str:
+def _peak(where: str, most: float) -> str:
     return f"Likeliest at {where}: {most:.3g} times as likely as in a uniform density."
 
 
-def _svg(size: tuple[float, float], title: str, told: str, parts: list[str]) -> str:
+def _svg(size: tuple[float, float], title: str, description: str, parts: list[str]) -> str:
     width, height = size
     return (
         f'<svg xmlns="http://www.w3.org/2000/svg" class="density" width="{width:.0f}" '
         f'height="{height:.0f}" viewBox="0 0 {width:.0f} {height:.0f}" role="img">'
-        f"<title>{escape(title)}</title><desc>{escape(told)}</desc>{''.join(parts)}</svg>"
+        f"<title>{escape(title)}</title><desc>{escape(description)}</desc>{''.join(parts)}</svg>"
     )
 
 
@@ -141,7 +141,7 @@ def _axis_up(axis: _Axis, x: float) -> Iterator[str]:
 
 
 def _scale(most: float, x: float, tall: float) -> Iterator[str]:
-    """What the colours of a map mean."""
+    """The legend of a map's colours."""
     ramp = _image(np.linspace(1, 0, 64)[:, None])
     area = f'x="{x}" y="{_TOP}" width="12" height="{tall:.1f}"'
     yield f'<image {area} preserveAspectRatio="none" href="{ramp}"/>'
@@ -150,7 +150,7 @@ def _scale(most: float, x: float, tall: float) -> Iterator[str]:
 
 
 def _heights(most: float, bottom: float, across: _Axis) -> Iterator[str]:
-    """What the heights of a curve mean: densities relative to the uniform one."""
+    """The axis of a curve's heights: densities relative to the uniform one."""
     step = next((step for step in _HEIGHTS if most / step <= 5), most)
     for number in range(int(most / step) + 1):
         y = bottom - number * step / most * _CURVE_HEIGHT

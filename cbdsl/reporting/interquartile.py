@@ -49,8 +49,8 @@ def interquartile_mean(values: Floats) -> Floats:
 
 def mean(values: Floats) -> Floats:
     """The mean of the trials; shape (..., trials, n) to (..., n)."""
-    found: Floats = values.mean(axis=-2)
-    return found
+    means: Floats = values.mean(axis=-2)
+    return means
 
 
 def band(values: Floats, center: Center = interquartile_mean, seed: int = 0) -> Band:

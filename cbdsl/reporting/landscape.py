@@ -7,7 +7,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from cbdsl.reporting.learned import Model
+from cbdsl.reporting.learned import InternalModel
 
 Floats = NDArray[np.float64]
 
@@ -26,7 +26,7 @@ class Landscape:
         model: the density, and the limits of its joints.
     """
 
-    def __init__(self, model: Model) -> None:
+    def __init__(self, model: InternalModel) -> None:
         density = model.document.density
         if density.form == "gaussian":
             centers, spread = [density.mean], density.deviation
@@ -72,8 +72,8 @@ class Landscape:
 
     def angles(self, joint: int) -> Floats:
         """Angles of a joint from limit to limit, rad, shape (POINTS,)."""
-        found: Floats = np.linspace(self.lower[joint], self.upper[joint], POINTS)
-        return found
+        angles: Floats = np.linspace(self.lower[joint], self.upper[joint], POINTS)
+        return angles
 
     def peak(self) -> tuple[tuple[float, ...], float]:
         """The likeliest angles, rad, and how likely they are; of more than two joints, of each.

@@ -1,4 +1,4 @@
-"""What was learned: policies, their internal models and their journals, read from files."""
+"""Learned policies, their internal models and their journals, read from files."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from cbdsl.documents.program import ProgramDocument
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.errors.counting import count
 from cbdsl.errors.errors import DiagnosticsError, UsageError
-from cbdsl.reporting.drawing.policy_graph import require_legible
+from cbdsl.reporting.drawing.policy_transitions import require_legible
 from cbdsl.robot.urdf import UrdfError, read_urdf
 from cbdsl.yaml_text.library import Library, is_of
 
@@ -60,7 +60,7 @@ class Joint(NamedTuple):
     upper: float
 
 
-class Model(NamedTuple):
+class InternalModel(NamedTuple):
     """An internal model.
 
     Attributes:
@@ -92,7 +92,7 @@ class Learned:
     sha256: str
     policy: PolicyDocument
     programs: frozenset[str]
-    models: tuple[Model, ...]
+    models: tuple[InternalModel, ...]
     episodes: tuple[Episode, ...]
     notes: tuple[str, ...]
 
@@ -110,12 +110,12 @@ def find_learned(path: Path) -> list[Path]:
             policy = path.with_name(path.name.removesuffix(_JOURNAL) + ".yaml")
             raise UsageError(f"{path}: a journal; name the policy that was learned, {policy}")
         return [path]
-    found = [each for each in path.glob("*.yaml") if is_of(PolicyDocument, each)]
-    if not found:
+    files = [each for each in path.glob("*.yaml") if is_of(PolicyDocument, each)]
+    if not files:
         raise UsageError(
             f"{path}: no policy is in this folder; cb learn --out writes one when a trial is over"
         )
-    return sorted(found, key=_numbered)
+    return sorted(files, key=_numbered)
 
 
 def _numbered(file: Path) -> list[tuple[str, int]]:
@@ -171,7 +171,7 @@ def _models(file: Path, policy: PolicyDocument) -> Iterator[tuple[str | None, st
             yield None, path.stem
 
 
-def _model(library: Library, file: Path, name: str | None, document: str) -> Model:
+def _model(library: Library, file: Path, name: str | None, document: str) -> InternalModel:
     path = library.find(ModelDocument, document, file)
     if path is None:
         raise UsageError(f"there is no model '{document}'")
@@ -197,7 +197,7 @@ def _model(library: Library, file: Path, name: str | None, document: str) -> Mod
     )
     if any(len(each) != len(limits) for each in angles):
         raise UsageError(f"it needs {count(len(limits), 'angle')}, as '{model.effector}' has")
-    return Model(name, model, limits)
+    return InternalModel(name, model, limits)
 
 
 def _from_curve(policy: PolicyDocument) -> Iterator[Episode]:

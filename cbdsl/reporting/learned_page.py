@@ -15,15 +15,20 @@ from cbdsl.errors.counting import count
 from cbdsl.reporting.bundle import Bundle
 from cbdsl.reporting.density_svg import density_svgs
 from cbdsl.reporting.drawing.pictogram import LETTERS
-from cbdsl.reporting.drawing.policy_graph import Decision, PolicyGraph, decisions, policy_graph
-from cbdsl.reporting.drawing.policy_svg import policy_svg
-from cbdsl.reporting.drawing.policy_words import percent
+from cbdsl.reporting.drawing.policy_graph import percent, policy_graph
+from cbdsl.reporting.drawing.policy_transitions import (
+    Decision,
+    PolicyTransitions,
+    decisions,
+    policy_transitions,
+)
+from cbdsl.reporting.drawing.svg import svg
 from cbdsl.reporting.interquartile import Band
 from cbdsl.reporting.landscape import Landscape
-from cbdsl.reporting.learned import Learned, Model
-from cbdsl.reporting.lessons import Lesson, Measured, lessons, measured
+from cbdsl.reporting.learned import InternalModel, Learned
 from cbdsl.reporting.markup import Markup, html, letters, table, terms
 from cbdsl.reporting.template import filled
+from cbdsl.reporting.trial_groups import Measured, TrialGroup, measured, trial_groups
 
 _STYLES = ("vendor/uPlot.min.css", "page.css", "learned.css")
 _SCRIPTS = ("vendor/uPlot.iife.min.js", "page.js", "data.js", "chart.js", "learned.js")
@@ -38,23 +43,23 @@ def learned_page(learned: Sequence[Learned], above: float) -> str:
         learned: at least one.
         above: arcs of a larger share are drawn, in [0, 1].
     """
-    groups = lessons(learned)
-    found = [measured(group) for group in groups]
+    groups = trial_groups(learned)
+    results = [measured(group) for group in groups]
     programs = list(dict.fromkeys(each.policy.program for each in learned))
     slots = {
         "heading": escape(", ".join(programs)),
         "where": escape(_where(groups)),
         "verdict": escape(_verdict(learned)),
-        "lessons": _lessons(found),
+        "groups": _summary(results),
         "contexts": _contexts(groups),
         "choice": _choice(learned),
         "trials": "\n".join(_trial(each, place, above) for place, each in enumerate(learned)),
     }
-    title, data = f"{', '.join(programs)}, learned", _data(found, learned)
+    title, data = f"{', '.join(programs)}, learned", _data(results, learned)
     return filled("learned.html", title, _STYLES, _SCRIPTS, data, slots)
 
 
-def _where(groups: Sequence[Lesson]) -> str:
+def _where(groups: Sequence[TrialGroup]) -> str:
     trials = sum(len(group.trials) for group in groups)
     stages = dict.fromkeys(
         trial.policy.provenance.stage.name
@@ -63,8 +68,8 @@ def _where(groups: Sequence[Lesson]) -> str:
         if trial.policy.provenance is not None
     )
     episodes = sum(len(trial.episodes) for group in groups for trial in group.trials)
-    told = f"{count(trials, 'trial')}, {count(episodes, 'episode')}"
-    return f"{told} on {', '.join(stages)}" if stages else told
+    fields = f"{count(trials, 'trial')}, {count(episodes, 'episode')}"
+    return f"{fields} on {', '.join(stages)}" if stages else fields
 
 
 def _verdict(learned: Sequence[Learned]) -> str:
@@ -72,23 +77,23 @@ def _verdict(learned: Sequence[Learned]) -> str:
     return f"{percent(sum(e.reward > 0 for e in episodes) / len(episodes))} rewarded"
 
 
-def _lessons(found: Sequence[Measured]) -> str:
-    """What each lesson came to, in numbers."""
+def _summary(results: Sequence[Measured]) -> str:
+    """A table with the results of each group."""
     rows = [
         (
-            each.lesson.name,
-            len(each.lesson.trials),
-            each.lesson.episodes,
-            percent(each.lesson.hits().mean()),
-            _interval(each.rate[_SOME], min(_SOME, each.lesson.episodes) - 1),
+            each.group.name,
+            len(each.group.trials),
+            each.group.episodes,
+            percent(each.group.hits().mean()),
+            _interval(each.rate[_SOME], min(_SOME, each.group.episodes) - 1),
             _interval(each.rate[_SOME], -1),
         )
-        for each in found
+        for each in results
     ]
     some = f"{_SOME} episodes"
-    headings = ("lesson", "trials", "episodes", "rewarded", f"first {some}", f"last {some}")
+    headings = ("learning task", "trials", "episodes", "rewarded", f"first {some}", f"last {some}")
     caption = "Reward per transition: interquartile mean over trials, and its 95 % interval"
-    if all(len(each.lesson.trials) == 1 for each in found):
+    if all(len(each.group.trials) == 1 for each in results):
         caption = "Reward per transition, on average"
     return table(caption, headings, rows)
 
@@ -98,7 +103,7 @@ def _interval(band: Band, place: int) -> str:
     return middle if lower == upper else f"{middle} [{lower}, {upper}]"
 
 
-def _contexts(groups: Sequence[Lesson]) -> str:
+def _contexts(groups: Sequence[TrialGroup]) -> str:
     rows = []
     for group in groups:
         episodes = [episode for trial in group.trials for episode in trial.episodes]
@@ -109,13 +114,13 @@ def _contexts(groups: Sequence[Lesson]) -> str:
             steps = float(np.median([each.transitions for each in own]))
             rows.append((group.name, context, len(own), hits, percent(hits / len(own)),
                          f"{rate:.3f}", f"{steps:g}"))  # fmt: skip
-    headings = ("lesson", "context", "episodes", "rewarded", "share", "reward per transition",
-                "transitions, median")  # fmt: skip
+    headings = ("learning task", "context", "episodes", "rewarded", "success rate",
+                "reward per transition", "transitions, median")  # fmt: skip
     return table("By the stage's contexts", headings, rows, words=(0, 1))
 
 
 def _choice(learned: Sequence[Learned]) -> str:
-    """What chooses between trials, where there are several."""
+    """The menu of trials, where there are several."""
     if len(learned) == 1:
         return ""
     options = "".join(
@@ -128,7 +133,7 @@ def _choice(learned: Sequence[Learned]) -> str:
 def _trial(learned: Learned, place: int, above: float) -> str:
     """All of one trial."""
     policy = learned.policy
-    diagram = policy_svg(_graph(learned, above))
+    diagram = svg(policy_graph(_transitions(learned, above)))
     densities = "".join(map(_density, learned.models))
     notes = "".join(f"<p>{html(note)}</p>" for note in learned.notes)
     name = escape(policy.name)
@@ -143,12 +148,12 @@ def _trial(learned: Learned, place: int, above: float) -> str:
     )
 
 
-def _graph(learned: Learned, above: float) -> PolicyGraph:
+def _transitions(learned: Learned, above: float) -> PolicyTransitions:
     """The policy's graph; what was rewarded is taken from the journal, where there is one."""
     ends = [(episode.end, episode.reward > 0) for episode in learned.episodes]
     unrewarded = {end for end, rewarded in ends if not rewarded}
     known = {end for end, _ in ends if end is not None}
-    return policy_graph(
+    return policy_transitions(
         learned.policy, above, False, learned.programs, known - unrewarded if known else None
     )
 
@@ -183,7 +188,7 @@ def _row(learned: Learned, decision: Decision) -> tuple[object, ...]:
     )
 
 
-def _density(model: Model) -> str:
+def _density(model: InternalModel) -> str:
     """An internal model: pictures, and what they show in numbers."""
     density = model.document.density
     samples = np.array([density.mean] if density.form == "gaussian" else density.samples)
@@ -202,14 +207,14 @@ def _density(model: Model) -> str:
         else f"kernels around {count(len(samples), 'configuration')}"
     )
     use = "" if model.name is None else f", from which the program draws {model.name}"
-    told = (
+    fields = (
         f"Where {model.document.effector} was rewarded{use}: {kind}, {percent(density.uniform)} "
         "uniform. Densities are relative to a uniform one."
     )
     pictures = "".join(density_svgs(model))
     numbers = table(f"Internal model {model.document.name}", headings, rows)
     return (
-        f'<figure class="densities"><figcaption>{html(told)}</figcaption>'
+        f'<figure class="densities"><figcaption>{html(fields)}</figcaption>'
         f'<div class="scroll" tabindex="0" role="region" aria-label="Densities">{pictures}</div>'
         f"{numbers}</figure>"
     )
@@ -218,10 +223,10 @@ def _density(model: Model) -> str:
 def _provenance(learned: Learned) -> str:
     """Where the policy comes from, to learn it again."""
     provenance = learned.policy.provenance
-    told: dict[str, object] = {"file": learned.file.name, "sha256": _digest(learned.sha256)}
+    fields: dict[str, object] = {"file": learned.file.name, "sha256": _digest(learned.sha256)}
     if provenance is not None:
-        told = dict(_origin(provenance)) | told
-    return terms(told)
+        fields = dict(_origin(provenance)) | fields
+    return terms(fields)
 
 
 def _origin(provenance: Provenance) -> Iterator[tuple[str, object]]:
@@ -237,18 +242,18 @@ def _origin(provenance: Provenance) -> Iterator[tuple[str, object]]:
     yield "versions", _pairs(provenance.versions)
 
 
-def _pairs(told: Mapping[str, object]) -> str:
-    return ", ".join(f"{name} {value}" for name, value in told.items())
+def _pairs(fields: Mapping[str, object]) -> str:
+    return ", ".join(f"{name} {value}" for name, value in fields.items())
 
 
 def _digest(sha256: str) -> Markup:
     return Markup(f'<code class="digest">{escape(sha256)}</code>')
 
 
-def _data(found: Sequence[Measured], learned: Sequence[Learned]) -> str:
+def _data(results: Sequence[Measured], learned: Sequence[Learned]) -> str:
     bundle = Bundle()
     header: dict[str, Any] = {
-        "lessons": [_curves(each, bundle) for each in found],
+        "groups": [_curves(each, bundle) for each in results],
         "trials": [
             {
                 "again": _again(each),
@@ -274,8 +279,8 @@ def _curves(measured: Measured, bundle: Bundle) -> dict[str, Any]:
         return {part: bundle.add(each.astype(np.float32)) for part, each in band._asdict().items()}
 
     return {
-        "name": measured.lesson.name,
-        "trials": len(measured.lesson.trials),
+        "name": measured.group.name,
+        "trials": len(measured.group.trials),
         "rate": {str(window): kept(band) for window, band in measured.rate.items()},
         "hits": {str(window): kept(band) for window, band in measured.hits.items()},
     }

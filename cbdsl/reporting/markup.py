@@ -47,9 +47,9 @@ def table(
     )
 
 
-def terms(told: Mapping[str, object]) -> Markup:
+def terms(fields: Mapping[str, object]) -> Markup:
     """Terms and what is told of each."""
-    pairs = (f"<dt>{escape(term)}</dt><dd>{html(value)}</dd>" for term, value in told.items())
+    pairs = (f"<dt>{escape(term)}</dt><dd>{html(value)}</dd>" for term, value in fields.items())
     return Markup(f"<dl>{''.join(pairs)}</dl>")
 
 

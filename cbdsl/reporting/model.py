@@ -1,4 +1,4 @@
-"""What a robot looks like: the links of its URDF, where they hang, and their shapes."""
+"""The visible robot: links of its URDF, their parents and their shapes."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ _GREY = (0.7, 0.7, 0.7)
 _KINDS = {"revolute": "turn", "continuous": "turn", "prismatic": "slide"}
 
 
-class Shape(NamedTuple):
+class LinkShape(NamedTuple):
     """A visible part of a link.
 
     Attributes:
@@ -60,7 +60,7 @@ class Link(NamedTuple):
     column: int
     ratio: float
     offset: float
-    shapes: tuple[Shape, ...]
+    shapes: tuple[LinkShape, ...]
 
 
 def read_links(robot: Mapping[str, Any], joints: Sequence[str]) -> list[Link]:
@@ -138,7 +138,7 @@ def _driven(
 
 def _shapes(
     link: ElementTree.Element, colors: Mapping[str, _Numbers], folder: Path
-) -> Iterator[Shape]:
+) -> Iterator[LinkShape]:
     for visual in link.findall("visual"):
         geometry, material = visual.find("geometry"), visual.find("material")
         if geometry is None:
@@ -150,7 +150,7 @@ def _shapes(
             shape = _shape(element, folder)
             if shape is not None:
                 name, size, mesh = shape
-                yield Shape(name, size, *_origin(visual), color, mesh)
+                yield LinkShape(name, size, *_origin(visual), color, mesh)
 
 
 def _shape(element: ElementTree.Element, folder: Path) -> tuple[str, _Numbers, Mesh | None] | None:

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cbdsl.reporting.bundle import Bundle
-from cbdsl.reporting.model import Link, Shape, read_links
+from cbdsl.reporting.model import Link, LinkShape, read_links
 from cbdsl.reporting.reasons import reasons
 from cbdsl.reporting.recorded import Recorded
 from cbdsl.reporting.template import filled
@@ -65,8 +65,8 @@ def _series(recorded: Recorded) -> dict[str, NDArray[Any]]:
     series["time"] = arrays["time"]
     series["at_limits"] = arrays["at_limits"].astype(np.uint8)
     series["forces"] = np.linalg.norm(arrays["loads"][..., :3], axis=-1).astype(np.float32)
-    for name, told in recorded.summary["signals"].items():
-        if told["place"]:
+    for name, data in recorded.summary["signals"].items():
+        if data["place"]:
             series[f"point_{name}"] = arrays[f"signal_{name}"].astype(np.float32)
     return series
 
@@ -74,25 +74,25 @@ def _series(recorded: Recorded) -> dict[str, NDArray[Any]]:
 def _cameras(recorded: Recorded, bundle: Bundle) -> dict[str, Any]:
     """When images were taken, and by camera where each image's file begins and ends."""
     kept = chosen(len(recorded.arrays["image_time"]))
-    found: dict[str, Any] = {"time": bundle.add(recorded.arrays["image_time"][kept]), "images": {}}
+    tracks: dict[str, Any] = {"time": bundle.add(recorded.arrays["image_time"][kept]), "images": {}}
     for key, images in recorded.arrays.items():
         if key.startswith("image_") and key != "image_time":
-            found["images"][key.removeprefix("image_")] = [
+            tracks["images"][key.removeprefix("image_")] = [
                 bundle.add(np.frombuffer(content, dtype=np.uint8))
                 for content in encoded(images[kept])
             ]
-    return found
+    return tracks
 
 
 def _link(link: Link, bundle: Bundle) -> dict[str, object]:
     return {**link._asdict(), "shapes": [_shape(shape, bundle) for shape in link.shapes]}
 
 
-def _shape(shape: Shape, bundle: Bundle) -> Mapping[str, object]:
-    told = shape._asdict()
+def _shape(shape: LinkShape, bundle: Bundle) -> Mapping[str, object]:
+    data = shape._asdict()
     if shape.mesh is not None:
-        told["mesh"] = {
+        data["mesh"] = {
             "corners": bundle.add(shape.mesh.corners.astype(np.float32)),
             "triangles": bundle.add(shape.mesh.triangles.astype(np.uint16)),
         }
-    return told
+    return data

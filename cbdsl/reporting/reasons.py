@@ -33,7 +33,7 @@ def _last_ticks(recorded: Recorded) -> NDArray[np.intp]:
 
 
 def _missing(recorded: Recorded) -> Iterator[str]:
-    """What controllers lacked in the last tick."""
+    """The signals that controllers lacked in the last tick."""
     triples, signals = recorded.summary["triples"], recorded.signals
     last = recorded.summary["predicates"][-1]
     for name, predicate in zip(recorded.controllers, last, strict=True):

@@ -67,14 +67,14 @@ def find_recordings(path: Path) -> list[Path]:
         raise UsageError(f"{path}: there is no such file or folder")
     if path.is_file():
         return [path.with_suffix(".json") if path.suffix == ".npz" else path]
-    found = {each.with_suffix(".json") for each in path.glob("episode_*.json")}
-    found |= {each.with_suffix(".json") for each in path.glob("episode_*.npz")}
-    if not found:
+    files = {each.with_suffix(".json") for each in path.glob("episode_*.json")}
+    files |= {each.with_suffix(".json") for each in path.glob("episode_*.npz")}
+    if not files:
         raise UsageError(
             f"{path}: no recording is in this folder; {_MAKING}, and none for a run that was "
             "ended before"
         )
-    return sorted(found, key=lambda each: (len(each.name), each.name))
+    return sorted(files, key=lambda each: (len(each.name), each.name))
 
 
 def read_recording(file: Path) -> Recorded:

@@ -1,4 +1,4 @@
-"""What the cameras saw, small enough for a page."""
+"""Camera images, small enough for a page."""
 
 from __future__ import annotations
 

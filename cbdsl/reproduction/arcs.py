@@ -9,12 +9,12 @@ from typing import NamedTuple
 
 from cbdsl.language.expression import SUBJECT_TO
 from cbdsl.learning.experience import Experience
-from cbdsl.reporting.drawing.policy_graph import ABOVE
-from cbdsl.runtime.policy import matches
+from cbdsl.reporting.drawing.policy_transitions import ABOVE
+from cbdsl.types.state import matches
 
 
-class Arc(NamedTuple):
-    """A state, what was done in it, and the state that followed."""
+class ActionArc(NamedTuple):
+    """A state, an action, and the state that followed."""
 
     state: str
     action: str
@@ -41,30 +41,30 @@ class DrawnArc:
         where = f" ({self.context})" if self.context else ""
         return f"{self.state}, {self.action} → {' or '.join(self.next_states)}{where}"
 
-    def is_among(self, arcs: Iterable[Arc]) -> bool:
+    def is_among(self, arcs: Iterable[ActionArc]) -> bool:
         """Whether a diagram has it."""
         return any(arc.action == self.action and self._joins(arc) for arc in arcs)
 
-    def is_turned_among(self, arcs: Iterable[Arc]) -> bool:
+    def is_turned_among(self, arcs: Iterable[ActionArc]) -> bool:
         """Whether a diagram has it with the parts of its action in whatever order."""
         return any(_parts(arc.action) == _parts(self.action) and self._joins(arc) for arc in arcs)
 
-    def is_joined(self, arcs: Iterable[Arc]) -> bool:
+    def is_joined(self, arcs: Iterable[ActionArc]) -> bool:
         """Whether a diagram has it with whatever action."""
         return any(self._joins(arc) for arc in arcs)
 
-    def _joins(self, arc: Arc) -> bool:
+    def _joins(self, arc: ActionArc) -> bool:
         return matches(self.state, arc.state) and any(
             matches(pattern, arc.next_state) for pattern in self.next_states
         )
 
 
 def _parts(action: str) -> frozenset[str]:
-    """What an action is composed of."""
+    """The controllers of an action."""
     return frozenset(action.split(SUBJECT_TO))
 
 
-def diagram_of(experiences: Iterable[Experience], least: float = ABOVE) -> dict[Arc, float]:
+def diagram_of(experiences: Iterable[Experience], least: float = ABOVE) -> dict[ActionArc, float]:
     """The arcs that are drawn, with the share of what leaves their state.
 
     Args:
@@ -72,7 +72,7 @@ def diagram_of(experiences: Iterable[Experience], least: float = ABOVE) -> dict[
         least: rarer ones are left out.
     """
     passed = Counter(
-        Arc(each.state, each.action, each.next_state)
+        ActionArc(each.state, each.action, each.next_state)
         for experience in experiences
         for each in experience.transitions
     )

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from cbdsl.documents.stage import Box, StageDocument
+from cbdsl.documents.stage import BoxForm, StageDocument
 from cbdsl.reproduction import code39
 
 #: Edge of every pattern, m.
@@ -41,7 +41,7 @@ class Barcode:
             ValueError: the thing is no box with a pattern.
         """
         box = stage.things[thing].form
-        if not isinstance(box, Box) or box.pattern is None:
+        if not isinstance(box, BoxForm) or box.pattern is None:
             raise ValueError(f"'{thing}' of stage '{stage.name}' is no box with a pattern")
         pattern = box.pattern.model_copy(update={"stripes": self.stripes, "height": SIZE})
         form = box.model_copy(update={"pattern": pattern})

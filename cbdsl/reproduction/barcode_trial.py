@@ -36,7 +36,7 @@ class BarcodeTrial:
     seed: tuple[int, ...]
 
     def image(self, lens: Lens) -> Image:
-        """What the camera makes of it with a lens, RGB, shape (480, 640, 3)."""
+        """The camera's image through a lens, RGB, shape (480, 640, 3)."""
         rng = np.random.default_rng(self.seed)
         return lens.photograph(self.picture, self.fineness, FOCAL_LENGTH, self.depth, rng)
 

@@ -49,7 +49,7 @@ class Chart:
     lines: tuple[Line, ...]
 
     def data(self) -> dict[str, object]:
-        """What it shows, for scripts."""
+        """The data of the chart, for scripts."""
         return {
             "x": self.x_label,
             "y": self.y_label,
@@ -58,8 +58,8 @@ class Chart:
 
     def svg(self) -> str:
         """The picture, as the text of an SVG file."""
-        horizontal = _Axis([x for line in self.lines for x in line.x], _LEFT, _WIDTH - _RIGHT)
-        vertical = _Axis(
+        horizontal = _ChartAxis([x for line in self.lines for x in line.x], _LEFT, _WIDTH - _RIGHT)
+        vertical = _ChartAxis(
             [y for line in self.lines for y in (*line.y, *line.low, *line.high)],
             _HEIGHT - _BOTTOM,
             _TOP,
@@ -91,7 +91,7 @@ class Chart:
         return "\n".join([*parts, "</svg>", ""])
 
 
-class _Axis:
+class _ChartAxis:
     """Maps values to pixels between round numbers."""
 
     def __init__(self, values: Sequence[float], start: float, end: float) -> None:
@@ -134,7 +134,7 @@ def _grid_up(x: float, label: str) -> str:
     return line + _text(round(x, 1), _HEIGHT - _BOTTOM + 18, label, "middle")
 
 
-def _band(line: Line, horizontal: _Axis, vertical: _Axis, color: str) -> str:
+def _band(line: Line, horizontal: _ChartAxis, vertical: _ChartAxis, color: str) -> str:
     """The interval around a curve, there along its upper end and back along the lower one."""
     there = zip(line.x, line.high, strict=True)
     back = reversed(list(zip(line.x, line.low, strict=True)))

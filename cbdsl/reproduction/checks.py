@@ -6,9 +6,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from cbdsl.learning.experience import Experience
-from cbdsl.reproduction.experiment import Settings
-from cbdsl.reproduction.lesson import Lesson
-from cbdsl.reproduction.school import Learned, School
+from cbdsl.reproduction.experiment import RunSettings
+from cbdsl.reproduction.series import Series
+from cbdsl.reproduction.trial_runner import LearnedTrial, TrialRunner
 
 
 @dataclass(frozen=True)
@@ -28,7 +28,7 @@ class Schedule:
         return range(self.every, episodes + 1, self.every)
 
 
-def schedule(settings: Settings) -> Schedule:
+def schedule(settings: RunSettings) -> Schedule:
     """The usual schedule, or the quick one."""
     return Schedule(every=2, held_out=2) if settings.quick else Schedule(every=5, held_out=20)
 
@@ -45,36 +45,41 @@ class Check:
     episodes: int
     experiences: tuple[Experience, ...]
 
-    def success(self, lesson: Lesson) -> float:
+    def success(self, series: Series) -> float:
         """Share of the episodes that were rewarded, of those in which something can be."""
         rewarded = [
-            each.reward > 0 for each in self.experiences if each.context not in lesson.hopeless
+            each.reward > 0 for each in self.experiences if each.context not in series.hopeless
         ]
         return sum(rewarded) / len(rewarded) if rewarded else 0.0
 
 
 def checks(
-    school: School, learned: Learned, plan: Schedule, when: Sequence[int] | None = None
+    runner: TrialRunner,
+    learned: LearnedTrial,
+    plan: Schedule,
+    when: Sequence[int] | None = None,
 ) -> tuple[Check, ...]:
-    """All checks of a trial, in their order; see ``School.greedy`` for what is raised.
+    """All checks of a trial, in their order; see ``TrialRunner.greedy`` for what is raised.
 
     Args:
-        school: runs them.
+        trial_runner: runs them.
         learned: the trial at its end.
         plan: how many episodes each has.
         when: after which of the trial's own episodes; ``None`` for the plan's.
     """
-    found: list[Check] = []
+    passed: list[Check] = []
     for episodes in plan.after(len(learned.trial.experiences)) if when is None else when:
-        known = [experience for each in found for experience in each.experiences]
-        found.append(_check(school, learned.after(episodes), plan, known))
-    return tuple(found)
+        known = [experience for each in passed for experience in each.experiences]
+        passed.append(_check(runner, learned.after(episodes), plan, known))
+    return tuple(passed)
 
 
-def _check(school: School, learned: Learned, plan: Schedule, before: Sequence[Experience]) -> Check:
+def _check(
+    runner: TrialRunner, learned: LearnedTrial, plan: Schedule, before: Sequence[Experience]
+) -> Check:
     """Check what is known now, after checks of what was known before."""
     episodes = len(learned.trial.experiences)
     # Where it draws from what it learned, no two checks have the same program.
     known = () if learned.trial.learned_models() else before
     seeds = learned.held_out(plan.held_out)
-    return Check(episodes, school.greedy(learned, f"greedy_{episodes}", seeds, known=known))
+    return Check(episodes, runner.greedy(learned, f"greedy_{episodes}", seeds, known=known))

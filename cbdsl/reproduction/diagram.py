@@ -9,13 +9,14 @@ from cbdsl.documents.policy import PolicyDocument
 from cbdsl.learning.experience import Experience
 from cbdsl.learning.transition_counts import TransitionCounts
 from cbdsl.program.checked import CheckedProgram
-from cbdsl.reporting.drawing.policy_graph import PolicyGraph, policy_graph
-from cbdsl.reporting.drawing.policy_svg import policy_svg
+from cbdsl.reporting.drawing.policy_graph import policy_graph
+from cbdsl.reporting.drawing.policy_transitions import PolicyTransitions, policy_transitions
+from cbdsl.reporting.drawing.svg import svg
 
 
 @dataclass(frozen=True)
 class Diagram:
-    """States, and what leads from one to another.
+    """A transition diagram.
 
     Attributes:
         name: of its file, without suffix.
@@ -25,10 +26,10 @@ class Diagram:
 
     name: str
     title: str
-    graph: PolicyGraph
+    graph: PolicyTransitions
 
     def data(self) -> dict[str, object]:
-        """What it shows, for scripts."""
+        """The data of the diagram, for scripts."""
         action = {decision.state: decision.action for decision in self.graph.decisions}
         return {
             "arcs": [
@@ -39,10 +40,12 @@ class Diagram:
 
     def svg(self) -> str:
         """The picture, as the text of an SVG file."""
-        return policy_svg(self.graph)
+        return svg(policy_graph(self.graph))
 
 
-def graph_of(name: str, program: CheckedProgram, experiences: Sequence[Experience]) -> PolicyGraph:
+def graph_of(
+    name: str, program: CheckedProgram, experiences: Sequence[Experience]
+) -> PolicyTransitions:
     """The graph of a policy, by the episodes that it ran without exploring.
 
     Args:
@@ -65,7 +68,7 @@ def graph_of(name: str, program: CheckedProgram, experiences: Sequence[Experienc
         transitions=transitions,
     )
     programs = [action.name for action in program.actions if action.program is not None]
-    return policy_graph(policy, programs=programs, rewarded=_rewarded(experiences))
+    return policy_transitions(policy, programs=programs, rewarded=_rewarded(experiences))
 
 
 def _rewarded(experiences: Sequence[Experience]) -> Collection[str]:

@@ -1,4 +1,4 @@
-"""What an experiment is: a name, a place in the source, and a module that measures."""
+"""An experiment: a name, a place in the source, and a module that measures."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ def _silent(done: int, total: int) -> None:
 
 
 @dataclass(frozen=True)
-class Settings:
+class RunSettings:
     """How to run an experiment.
 
     Attributes:
@@ -30,7 +30,7 @@ class Settings:
         progress: told while it runs.
         backend: what embodies the robot while it learns.
         trials: how many times it learns from zero; ``None`` for as many as the backend is fast
-            enough for, see ``school``.
+            enough for, see ``trial_runner``.
         folder: where trials are kept, episode by episode, and gone on with.
         only: the number of the only trial to run, where others run the others.
     """
@@ -45,7 +45,7 @@ class Settings:
 
 
 class Picture(Protocol):
-    """What an experiment draws, such as a chart.
+    """A picture of an experiment, such as a chart.
 
     Attributes:
         name: of its file, without suffix.
@@ -63,13 +63,13 @@ class Picture(Protocol):
         ...
 
     def data(self) -> dict[str, object]:
-        """What it shows, for scripts."""
+        """The data of the picture, for scripts."""
         ...
 
 
 @dataclass(frozen=True)
-class Outcome:
-    """What an experiment found.
+class Result:
+    """The result of an experiment.
 
     Attributes:
         quantities: our numbers beside the source's.
@@ -90,13 +90,13 @@ class Experiment:
         name: such as ``fig-3.4``.
         title: what it shows.
         section: where the source has it.
-        module: in this package, whose function ``run(settings: Settings) -> Outcome`` measures,
+        module: in this package, whose function ``run(settings: RunSettings) -> Result`` measures,
             or raises BackendError or EpisodeError where the simulator cannot run it.
         learns: whether the robot learns in it. Then the module measures all experiments of its
-            kind: ``run(settings: Settings, name: str) -> Outcome``, and raises JournalError where
-            the folder of the settings holds other trials. Its ``lessons(name)`` are what is
-            learned, and ``gather(dexter: School, settings: Settings, name: str)`` runs all that
-            ``run`` needs, which then finds it kept.
+            kind: ``run(settings: RunSettings, name: str) -> Result``, and raises JournalError where
+            the folder of the settings holds other trials. ``series_of(name)`` are its series of
+            trials, and ``gather(dexter: TrialRunner, settings: RunSettings, name: str)`` runs all
+            that ``run`` needs, which then reads it from the folder.
     """
 
     name: str
@@ -109,14 +109,14 @@ class Experiment:
         """Its module; see ``load`` for what that may take."""
         return import_module(f"{__package__}.{self.module}")
 
-    def load(self) -> Callable[[Settings], Outcome]:
-        """What measures; importing it may take a second, and make the simulator print.
+    def load(self) -> Callable[[RunSettings], Result]:
+        """The module that measures; its import may take a second and make the simulator print.
 
         Raises:
             ImportError: something is not installed that it needs.
         """
         run = self.imported().run
-        measure: Callable[[Settings], Outcome] = (
+        measure: Callable[[RunSettings], Result] = (
             partial(run, name=self.name) if self.learns else run
         )
         return measure

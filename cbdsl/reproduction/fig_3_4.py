@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from itertools import product
 from typing import Any
 
@@ -20,12 +20,13 @@ from cbdsl.control.range import between
 from cbdsl.control.signal import Floats
 from cbdsl.documents.stage import StageDocument
 from cbdsl.reproduction.chart import Chart, Line
-from cbdsl.reproduction.experiment import Outcome, Settings
-from cbdsl.reproduction.interval import bootstrap_interval, exact_interval
-from cbdsl.reproduction.laboratory import Laboratory, laboratory
+from cbdsl.reproduction.experiment import Result, RunSettings
+from cbdsl.reproduction.interval import bootstrap_interval
+from cbdsl.reproduction.percentage import percentage
 from cbdsl.reproduction.quantity import Quantity, at_least, at_most, clearly_below
+from cbdsl.reproduction.simulation_fixture import SimulationFixture, simulation_fixture
 from cbdsl.runtime.episode import Runner, Tick
-from cbdsl.runtime.policy import WrittenPolicy
+from cbdsl.types.policy import WrittenPolicy
 
 _ARM, _REACH = "right_arm", "reach"
 #: The actions of the program by the source's names of the laws.
@@ -63,11 +64,11 @@ _NOTES = (
 )
 
 
-def run(settings: Settings) -> Outcome:
+def run(settings: RunSettings) -> Result:
     """Reach for every place under every law."""
     places = _QUICK_PLACES if settings.quick else _PLACES
     reaches: dict[str, list[_Reach]] = {law: [] for law in _LAWS}
-    with laboratory("reach") as lab:
+    with simulation_fixture("reach") as lab:
         for number, (law, index) in enumerate(product(_LAWS, range(len(places))), start=1):
             runner = lab.runner(_policy(lab.program.policy, _LAWS[law]))
             stage, seed = _stage(lab, places[index]), settings.seed + index
@@ -75,7 +76,7 @@ def run(settings: Settings) -> Outcome:
             settings.progress(number, len(_LAWS) * len(places))
         period = lab.backend.control_period
     quantities = tuple(_quantities(reaches, settings.seed))
-    return Outcome(quantities, _charts(reaches, period), _NOTES)
+    return Result(quantities, _charts(reaches, period), _NOTES)
 
 
 @dataclass
@@ -101,7 +102,7 @@ def _policy(written: Mapping[str, str], action: str) -> WrittenPolicy:
     )
 
 
-def _stage(lab: Laboratory, place: tuple[float, float]) -> StageDocument:
+def _stage(lab: SimulationFixture, place: tuple[float, float]) -> StageDocument:
     """The program's stage with a ball at one place, and the arm at its start."""
     x, y = place
     radius, joints = (_RADIUS, _RADIUS), lab.robot.effectors[_ARM].joints + _FINGERS
@@ -117,9 +118,11 @@ def _stage(lab: Laboratory, place: tuple[float, float]) -> StageDocument:
     return StageDocument.model_validate(lab.stage.model_dump(by_alias=True) | changes)
 
 
-def _reach(lab: Laboratory, runner: Runner, stage: StageDocument, action: str, seed: int) -> _Reach:
+def _reach(
+    lab: SimulationFixture, runner: Runner, stage: StageDocument, action: str, seed: int
+) -> _Reach:
     """One episode; what comes before the reach, looking for the ball, is left out."""
-    found = _Reach()
+    record = _Reach()
     columns = lab.kinematics.joints.of(_ARM)
     limits = lab.kinematics.lower[columns], lab.kinematics.upper[columns]
     range_, manipulability = between(*limits), of_jacobian(3, len(columns))
@@ -131,14 +134,14 @@ def _reach(lab: Laboratory, runner: Runner, stage: StageDocument, action: str, s
         if math.isnan(reach.phi):
             return
         posture = tick.signals.positions[columns]
-        found.spring.append(reach.phi)
-        found.range.append(_phi(range_, posture))
-        found.manipulability.append(_phi(manipulability, _tip(tick, columns)))
-        found.error, found.at_rest = reach.error, reach.predicate == "1"
-        found.touched |= lab.backend.truth.touched("table")
+        record.spring.append(reach.phi)
+        record.range.append(_phi(range_, posture))
+        record.manipulability.append(_phi(manipulability, _tip(tick, columns)))
+        record.error, record.at_rest = reach.error, reach.predicate == "1"
+        record.touched |= lab.backend.truth.touched("table")
 
     runner.run(stage, seed, on_tick=note)
-    return found
+    return record
 
 
 def _phi(potential: Potential, value: Floats) -> float:
@@ -156,47 +159,34 @@ def _tip(tick: Tick, columns: Any) -> Floats:
 
 
 def _quantities(reaches: Mapping[str, Sequence[_Reach]], seed: int) -> Iterator[Quantity]:
-    everything = [reach for found in reaches.values() for reach in found]
+    everything = [reach for runs in reaches.values() for reach in runs]
     arrived = sum(reach.arrived for reach in everything)
-    share = _share("reaches that come to rest at the ball", "all", arrived, len(everything), 100)
-    yield replace(share, note=f"{share.note}; {_touching(reaches)}")
-    for law, found in reaches.items():
-        yield _fall(law, found)
+    name, note = "reaches that come to rest at the ball", _touching(reaches)
+    yield percentage(name, "all", arrived, len(everything), at_least(100), note=note)
+    for law, runs in reaches.items():
+        yield _fall(law, runs)
     yield from _less("range", "φ_r", reaches["c1"], reaches["c0"], "c1", seed)
     yield from _less("manipulability", "φ_m", reaches["c2"], reaches["c0"], "c2", seed)
 
 
 def _touching(reaches: Mapping[str, Sequence[_Reach]]) -> str:
     """In how many reaches something was in the way."""
-    counts = {law: sum(reach.touched for reach in found) for law, found in reaches.items()}
+    counts = {law: sum(reach.touched for reach in runs) for law, runs in reaches.items()}
     return "the arm touched the table in " + ", ".join(
         f"{n} under {law}" for law, n in counts.items()
     )
 
 
-def _share(name: str, source: str, hits: int, trials: int, least: float) -> Quantity:
-    low, high = exact_interval(hits, trials)
-    return Quantity(
-        name,
-        "%",
-        source,
-        100 * hits / trials,
-        at_least(least),
-        interval=(100 * low, 100 * high),
-        note=f"{hits} of {trials}",
-    )
-
-
-def _fall(law: str, found: Sequence[_Reach]) -> Quantity:
+def _fall(law: str, runs: Sequence[_Reach]) -> Quantity:
     """How steadily the spring's potential falls."""
-    single = sum(_rise([reach.spring]) <= _STEADY for reach in found)
+    single = sum(_rise([reach.spring]) <= _STEADY for reach in runs)
     return Quantity(
         f"{law}: largest rise of the mean φ_s, of its start",
         "%",
         "falls steadily to the goal",
-        _rise([reach.spring for reach in found]),
+        _rise([reach.spring for reach in runs]),
         at_most(_STEADY),
-        note=f"so it is in {single} of {len(found)} reaches by themselves",
+        note=f"so it is in {single} of {len(runs)} reaches by themselves",
     )
 
 
@@ -235,7 +225,7 @@ def _less(
     )
     less = sum(difference < 0 for difference in differences)
     name = f"places where {symbol} rises less under {law}"
-    yield _share(name, "on average", less, len(alone), _MOST_PLACES)
+    yield percentage(name, "on average", less, len(alone), at_least(_MOST_PLACES))
 
 
 def _change(curve: Sequence[float]) -> float:
@@ -252,7 +242,7 @@ def _mean(curves: Sequence[Sequence[float]]) -> Floats:
 
 
 def _charts(reaches: Mapping[str, Sequence[_Reach]], period: float) -> tuple[Chart, ...]:
-    if not all(any(reach.spring for reach in found) for found in reaches.values()):
+    if not all(any(reach.spring for reach in runs) for runs in reaches.values()):
         return ()
     shown = (
         ("spring", "φ_s, m²", tuple(_LAWS)),
@@ -271,8 +261,8 @@ def _charts(reaches: Mapping[str, Sequence[_Reach]], period: float) -> tuple[Cha
     )
 
 
-def _line(law: str, found: Sequence[_Reach], potential: str, period: float) -> Line:
-    mean = _mean([getattr(reach, potential) for reach in found])
+def _line(law: str, runs: Sequence[_Reach], potential: str, period: float) -> Line:
+    mean = _mean([getattr(reach, potential) for reach in runs])
     points = range(0, len(mean), _POINT)
     name = {"c0": "c0, reach alone", "c1": "c1, range below", "c2": "c2, manip. below"}[law]
     return Line(name, tuple(k * period for k in points), tuple(float(mean[k]) for k in points))

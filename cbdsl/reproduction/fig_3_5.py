@@ -9,9 +9,10 @@ import numpy as np
 
 from cbdsl.reproduction.barcode import barcodes
 from cbdsl.reproduction.chart import Chart, Line
-from cbdsl.reproduction.experiment import Outcome, Settings
-from cbdsl.reproduction.inspection import Handling, Look, inspection
-from cbdsl.reproduction.interval import bootstrap_interval, exact_interval
+from cbdsl.reproduction.experiment import Result, RunSettings
+from cbdsl.reproduction.inspection import InspectionRun, Look, inspection
+from cbdsl.reproduction.interval import bootstrap_interval
+from cbdsl.reproduction.percentage import percentage
 from cbdsl.reproduction.quantity import Quantity, above, at_least, at_most, near
 
 _TRIALS, _QUICK_TRIALS = 10, 1
@@ -34,12 +35,12 @@ _NOTES = (
 )
 
 
-def run(settings: Settings) -> Outcome:
+def run(settings: RunSettings) -> Result:
     """Look at boxes on the table and in the hands."""
     trials = _QUICK_TRIALS if settings.quick else _TRIALS
     everything = [barcode for each in barcodes().values() for barcode in each]
     on_table: list[Look] = []
-    in_hands: list[Handling] = []
+    in_hands: list[InspectionRun] = []
     with inspection() as dexter:
         for trial in range(trials):
             barcode, seed = everything[trial % len(everything)], settings.seed + trial
@@ -47,13 +48,13 @@ def run(settings: Settings) -> Outcome:
             in_hands.append(dexter.in_hands(barcode, seed))
             settings.progress(trial + 1, trials)
         period = dexter.period
-    return Outcome(
+    return Result(
         tuple(_quantities(on_table, in_hands, settings.seed)), _charts(in_hands, period), _NOTES
     )
 
 
 def _quantities(
-    on_table: Sequence[Look], in_hands: Sequence[Handling], seed: int
+    on_table: Sequence[Look], in_hands: Sequence[InspectionRun], seed: int
 ) -> Iterator[Quantity]:
     yield _held(in_hands)
     looks = {
@@ -90,20 +91,11 @@ def _quantities(
     )
 
 
-def _held(in_hands: Sequence[Handling]) -> Quantity:
+def _held(in_hands: Sequence[InspectionRun]) -> Quantity:
     held, trials = sum(each.is_held for each in in_hands), len(in_hands)
-    low, high = exact_interval(held, trials)
     slips = [100 * each.slip for each in in_hands if each.held is not None]
-    note = f"{held} of {trials}"
-    return Quantity(
-        "boxes held to the end",
-        "%",
-        "held",
-        100 * held / trials,
-        at_least(95),
-        interval=(100 * low, 100 * high),
-        note=f"{note}; largest slip in the hands {max(slips):.1f} cm" if slips else note,
-    )
+    note = f"largest slip in the hands {max(slips):.1f} cm" if slips else ""
+    return percentage("boxes held to the end", "held", held, trials, at_least(95), note=note)
 
 
 def _depth(place: str, source: float, depths: Sequence[float], seed: int) -> Quantity:
@@ -139,7 +131,7 @@ def _rise(phis: Sequence[float]) -> float:
     return 100 * float((curve - np.minimum.accumulate(curve)).max() / curve[0])
 
 
-def _charts(in_hands: Sequence[Handling], period: float) -> tuple[Chart, ...]:
+def _charts(in_hands: Sequence[InspectionRun], period: float) -> tuple[Chart, ...]:
     curves = [each.phis for each in in_hands if each.phis][:4]
     if not curves:
         return ()

@@ -15,7 +15,7 @@ import numpy as np
 from cbdsl.reproduction.barcode import Barcode, barcodes
 from cbdsl.reproduction.barcode_trial import FOCAL_LENGTH, BarcodeTrial
 from cbdsl.reproduction.chart import Chart, Line
-from cbdsl.reproduction.experiment import Outcome, Settings
+from cbdsl.reproduction.experiment import Result, RunSettings
 from cbdsl.reproduction.inspection import FINENESS, Inspection, Look, inspection
 from cbdsl.reproduction.interval import exact_interval
 from cbdsl.reproduction.lens import Lens
@@ -37,7 +37,7 @@ _TRIALS, _QUICK_TRIALS = 10, 1
 _CHANCE = 1 / 3
 
 
-class _Cell(NamedTuple):
+class _GridCell(NamedTuple):
     """A class of barcodes at a range, and what the source found."""
 
     frequency: str
@@ -55,19 +55,19 @@ _BETTER_THAN_CHANCE = Claim("interval above 1/3", _is_above_chance)
 _READ = (above(0.8), _BETTER_THAN_CHANCE)
 _UNREAD = (covering(_CHANCE), below(0.8))
 _CELLS = (
-    _Cell("low", "table", "classifiable", *_READ),
-    _Cell("low", "held", "over 80 %", *_READ),
-    _Cell("low", "optimum", "classifiable", *_READ),
-    _Cell("medium", "table", "not classifiable", *_UNREAD),
-    _Cell("medium", "held", "over 80 %", *_READ),
-    _Cell("medium", "optimum", "classifiable", *_READ),
-    _Cell("high", "table", "not classifiable", *_UNREAD),
-    _Cell("high", "held", "not classifiable", *_UNREAD),
-    _Cell("high", "optimum", "just under 80 %", covering(0.78), _BETTER_THAN_CHANCE),
+    _GridCell("low", "table", "classifiable", *_READ),
+    _GridCell("low", "held", "over 80 %", *_READ),
+    _GridCell("low", "optimum", "classifiable", *_READ),
+    _GridCell("medium", "table", "not classifiable", *_UNREAD),
+    _GridCell("medium", "held", "over 80 %", *_READ),
+    _GridCell("medium", "optimum", "classifiable", *_READ),
+    _GridCell("high", "table", "not classifiable", *_UNREAD),
+    _GridCell("high", "held", "not classifiable", *_UNREAD),
+    _GridCell("high", "optimum", "just under 80 %", covering(0.78), _BETTER_THAN_CHANCE),
 )
 
 
-def run(settings: Settings) -> Outcome:
+def run(settings: RunSettings) -> Result:
     """Read each class at each place through each lens."""
     trials = _QUICK_TRIALS if settings.quick else _TRIALS
     classes = barcodes()
@@ -87,7 +87,7 @@ def run(settings: Settings) -> Outcome:
                 settings.progress(number * trials + trial + 1, len(classes) * trials)
     ranges = {place: float(np.mean(each)) if each else math.nan for place, each in depths.items()}
     counts = [reads[cell.frequency, cell.place] for cell in _CELLS]
-    return Outcome(
+    return Result(
         tuple(
             _quantity(cell, ranges[cell.place], lens, int(count[index]), trials)
             for index, lens in enumerate(LENSES)
@@ -118,7 +118,7 @@ def _trial(
     return BarcodeTrial(look.picture, FINENESS, look.depth, barcode, candidates, seed)
 
 
-def _quantity(cell: _Cell, depth: float, lens: str, reads: int, trials: int) -> Quantity:
+def _quantity(cell: _GridCell, depth: float, lens: str, reads: int, trials: int) -> Quantity:
     return Quantity(
         f"{cell.frequency}, {cell.place}, {100 * depth:.0f} cm, lens {lens}",
         "",

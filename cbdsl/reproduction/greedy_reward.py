@@ -10,12 +10,12 @@ from numpy.typing import NDArray
 from cbdsl.program.binding import bind
 from cbdsl.program.checked import CheckedProgram
 from cbdsl.reproduction.chart import Chart, Line
-from cbdsl.reproduction.experiment import Outcome, Settings
+from cbdsl.reproduction.experiment import Result, RunSettings
 from cbdsl.reproduction.interval import bootstrap_interval
 from cbdsl.reproduction.learning_curves import per_transition
-from cbdsl.reproduction.lesson import COARTICULATED, SEQUENTIAL, Lesson
 from cbdsl.reproduction.quantity import Claim, Quantity, above, clearly_above
-from cbdsl.reproduction.school import Learned, School, school, trials
+from cbdsl.reproduction.series import COARTICULATED, SEQUENTIAL, Series
+from cbdsl.reproduction.trial_runner import LearnedTrial, TrialRunner, trial_runner, trials
 from cbdsl.types.resource import KernelSample
 
 Floats = NDArray[np.float64]
@@ -27,44 +27,44 @@ _QUICK_TRIALS, _QUICK_EPISODES = 4, 2
 _SEARCHED, _EFFECTOR, _BANDWIDTH = "window", "head", 0.01
 
 
-def run(settings: Settings, name: str) -> Outcome:
+def run(settings: RunSettings, name: str) -> Result:
     """Run the greedy policies where the first search finds what there is."""
-    with school(settings) as dexter:
+    with trial_runner(settings) as dexter:
         sequential, both = gather(dexter, settings, name)
     lower = _quantity(SEQUENTIAL, sequential, settings.seed, above(0))
     assert lower.interval is not None
     higher = _quantity(
         COARTICULATED, both, settings.seed, clearly_above(lower.interval[1]), above(lower.ours)
     )
-    found = {SEQUENTIAL: sequential, COARTICULATED: both}
-    return Outcome((lower, higher), (_chart(name, found, settings.seed),), _NOTES)
+    rewards_of = {SEQUENTIAL: sequential, COARTICULATED: both}
+    return Result((lower, higher), (_chart(name, rewards_of, settings.seed),), _NOTES)
 
 
-def lessons(name: str) -> tuple[Lesson, ...]:
-    """What is learned."""
+def series_of(name: str) -> tuple[Series, ...]:
+    """The series of trials."""
     return SEQUENTIAL, COARTICULATED
 
 
-def gather(dexter: School, settings: Settings, name: str) -> tuple[Floats, ...]:
-    """Run all episodes; what the policies of each lesson earn, see ``_rewards``."""
+def gather(dexter: TrialRunner, settings: RunSettings, name: str) -> tuple[Floats, ...]:
+    """Run all episodes; what the policies of each series earn, see ``_rewards``."""
     episodes = _QUICK_EPISODES if settings.quick else _EPISODES
-    for lesson in lessons(name):
-        for number in dexter.numbers(lesson):
-            turns = _turns(settings, lesson, number)
-            dexter.expect(dexter.episodes(lesson) + len(turns) * episodes)
-    return tuple(_rewards(dexter, lesson, settings, episodes) for lesson in lessons(name))
+    for series in series_of(name):
+        for number in dexter.numbers(series):
+            turns = _turns(settings, series, number)
+            dexter.expect(dexter.episodes(series) + len(turns) * episodes)
+    return tuple(_rewards(dexter, series, settings, episodes) for series in series_of(name))
 
 
-def _turns(settings: Settings, lesson: Lesson, number: int) -> range:
+def _turns(settings: RunSettings, series: Series, number: int) -> range:
     """Which of the trials without exploration the policy of a trial has."""
-    return range(number, _QUICK_TRIALS if settings.quick else _TRIALS, trials(settings, lesson))
+    return range(number, _QUICK_TRIALS if settings.quick else _TRIALS, trials(settings, series))
 
 
-def _rewards(dexter: School, lesson: Lesson, settings: Settings, episodes: int) -> Floats:
+def _rewards(dexter: TrialRunner, series: Series, settings: RunSettings, episodes: int) -> Floats:
     """Reward per transition, shape (trials, episodes); the learned policies take turns."""
     rows: dict[int, list[float]] = {}
-    for learned in dexter.learn(lesson):
-        turns = _turns(settings, lesson, learned.trial.number)
+    for learned in dexter.learn(series):
+        turns = _turns(settings, series, learned.trial.number)
         seeds = learned.held_out(len(turns) * episodes)
         passed = dexter.greedy(learned, "finding", seeds, _finding(learned))
         rewards = [per_transition(each) for each in passed]
@@ -73,7 +73,7 @@ def _rewards(dexter: School, lesson: Lesson, settings: Settings, episodes: int) 
     return np.array([rows[turn] for turn in sorted(rows)])
 
 
-def _finding(learned: Learned) -> CheckedProgram:
+def _finding(learned: LearnedTrial) -> CheckedProgram:
     """The program with the head's internal model narrowed to where a search succeeded."""
     samples = tuple(
         experience.rewarded[_EFFECTOR]
@@ -87,13 +87,13 @@ def _finding(learned: Learned) -> CheckedProgram:
 
 
 def _quantity(
-    lesson: Lesson, rewards: Floats, seed: int, expected: Claim, ordering: Claim | None = None
+    series: Series, rewards: Floats, seed: int, expected: Claim, ordering: Claim | None = None
 ) -> Quantity:
     means = rewards.mean(axis=1)
     return Quantity(
-        f"{lesson.label}: reward per transition",
+        f"{series.label}: reward per transition",
         "",
-        "clearly less than co-articulated" if lesson.sequential else "clearly more than sequential",
+        "clearly less than co-articulated" if series.sequential else "clearly more than sequential",
         float(means.mean()),
         expected,
         ordering,
@@ -102,20 +102,20 @@ def _quantity(
     )
 
 
-def _chart(name: str, found: Mapping[Lesson, Floats], seed: int) -> Chart:
+def _chart(name: str, rewards_of: Mapping[Series, Floats], seed: int) -> Chart:
     return Chart(
         name,
         "Reward per transition of the greedy policies",
         "episode",
         "reward per transition",
-        tuple(_line(lesson, rewards, seed) for lesson, rewards in found.items()),
+        tuple(_line(series, rewards, seed) for series, rewards in rewards_of.items()),
     )
 
 
-def _line(lesson: Lesson, rewards: Floats, seed: int) -> Line:
+def _line(series: Series, rewards: Floats, seed: int) -> Line:
     ends = [bootstrap_interval(column, seed) for column in rewards.T.tolist()]
     return Line(
-        lesson.short,
+        series.short,
         tuple(map(float, range(1, rewards.shape[1] + 1))),
         tuple(rewards.mean(axis=0).tolist()),
         tuple(low for low, _ in ends),

@@ -11,9 +11,9 @@ import numpy as np
 
 from cbdsl.control.localizability import seen_by
 from cbdsl.control.signal import Floats
-from cbdsl.documents.stage import Box
+from cbdsl.documents.stage import BoxForm
 from cbdsl.reproduction.barcode import Barcode
-from cbdsl.reproduction.laboratory import Laboratory, laboratory
+from cbdsl.reproduction.simulation_fixture import SimulationFixture, simulation_fixture
 from cbdsl.runtime.episode import Tick
 from cbdsl.sensing.observation import Image
 from cbdsl.sensing.signals import Signals
@@ -30,7 +30,7 @@ _SLIP = 0.03
 
 @dataclass(frozen=True)
 class Look:
-    """What the left camera's lens gets to see, and from how far.
+    """The view of the left camera's lens, and its distance.
 
     Attributes:
         picture: RGB, with ``FINENESS`` times as many pixels as 640 x 480 each way, no noise.
@@ -45,7 +45,7 @@ class Look:
 
 
 @dataclass
-class Handling:
+class InspectionRun:
     """One episode of taking a box in both hands and bringing it nearer.
 
     Attributes:
@@ -71,7 +71,7 @@ class Handling:
 class Inspection:
     """Dexter, which looks at boxes with barcodes."""
 
-    def __init__(self, table: Laboratory, hands: Laboratory) -> None:
+    def __init__(self, table: SimulationFixture, hands: SimulationFixture) -> None:
         self._table = table
         self._hands = hands
         self._looker, self._handler = table.runner(), hands.runner()
@@ -89,10 +89,10 @@ class Inspection:
         self._looker.run(stage, seed, on_tick=note)
         return _look(self._table, last[0].signals)
 
-    def in_hands(self, barcode: Barcode, seed: int) -> Handling:
+    def in_hands(self, barcode: Barcode, seed: int) -> InspectionRun:
         """Take the box, and bring it to where the cameras resolve it best (Eq 3.44)."""
         stage = barcode.printed_on(self._hands.stage, _BOX)
-        found = Handling()
+        record = InspectionRun()
         at_first: list[Floats] = []
         last: list[Tick] = []
 
@@ -103,18 +103,18 @@ class Inspection:
             )
             if math.isnan(localizability.phi):
                 return
-            if found.held is None:
-                found.held = _look(self._hands, tick.signals)
+            if record.held is None:
+                record.held = _look(self._hands, tick.signals)
                 at_first.append(_place_in_hands(self._hands, tick.signals))
-            found.phis.append(localizability.phi)
-            found.forces.append(_forces(tick.signals))
+            record.phis.append(localizability.phi)
+            record.forces.append(_forces(tick.signals))
 
         self._handler.run(stage, seed, on_tick=note)
         if at_first:
-            found.optimum = _look(self._hands, last[0].signals)
+            record.optimum = _look(self._hands, last[0].signals)
             moved = _place_in_hands(self._hands, last[0].signals) - at_first[0]
-            found.slip = float(np.linalg.norm(moved))
-        return found
+            record.slip = float(np.linalg.norm(moved))
+        return record
 
 
 @contextmanager
@@ -126,17 +126,17 @@ def inspection() -> Iterator[Inspection]:
     """
     feature = {"feature": _FEATURE}
     with (
-        laboratory("searchtrack", feature, "barcode_on_table") as table,
-        laboratory("bimanualinspect", feature) as hands,
+        simulation_fixture("searchtrack", feature, "barcode_on_table") as table,
+        simulation_fixture("bimanualinspect", feature) as hands,
     ):
         yield Inspection(table, hands)
 
 
-def _look(lab: Laboratory, signals: Signals) -> Look:
+def _look(lab: SimulationFixture, signals: Signals) -> Look:
     view = lab.backend.cameras.views()[_CAMERA]
     times = FINENESS * _WIDTH // view.camera.width
     box = lab.stage.things[_BOX].form
-    assert isinstance(box, Box)
+    assert isinstance(box, BoxForm)
     pose = lab.backend.truth.pose(_BOX)
     side = pose.position - pose.rotation[:, 0] * box.size[0][0] / 2
     depth = float((side - view.pose.position) @ view.pose.rotation[:, 0])
@@ -150,7 +150,7 @@ def _phi(signals: Signals) -> float:
     return seen_by(signals.sight.cameras()).evaluate(headings.value, np.zeros(0), 4)[0]
 
 
-def _place_in_hands(lab: Laboratory, signals: Signals) -> Floats:
+def _place_in_hands(lab: SimulationFixture, signals: Signals) -> Floats:
     """The box's position relative to the middle between the hands, m."""
     tips = [signals.tips.point(arm).position for arm in lab.robot.members(_ARMS)]
     centroid = np.mean(tips, axis=0)

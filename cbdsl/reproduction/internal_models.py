@@ -10,12 +10,12 @@ from numpy.typing import NDArray
 
 from cbdsl.documents.model import Gaussian, Kernel
 from cbdsl.reproduction.chart import Chart, Line
-from cbdsl.reproduction.experiment import Outcome, Settings
+from cbdsl.reproduction.experiment import Result, RunSettings
 from cbdsl.reproduction.interval import interquartile_mean, over_trials
-from cbdsl.reproduction.lesson import COARTICULATED, TACTILEPROBE, Lesson
 from cbdsl.reproduction.quantity import Quantity, above, below, clearly_above, clearly_below
-from cbdsl.reproduction.school import Learned, School, school
+from cbdsl.reproduction.series import COARTICULATED, TACTILEPROBE, Series
 from cbdsl.reproduction.shipped import shipped_robot
+from cbdsl.reproduction.trial_runner import LearnedTrial, TrialRunner, trial_runner
 from cbdsl.sensing.kinematics import Kinematics
 
 Floats = NDArray[np.float64]
@@ -27,7 +27,7 @@ _BORDER = 0.67
 
 @dataclass(frozen=True)
 class Expectation:
-    """What the trials of a lesson expect of one joint.
+    """The expectations of the trials of a series for one joint.
 
     Attributes:
         joint: of the effector.
@@ -99,11 +99,11 @@ def _narrowing(expectations: Sequence[Expectation], seed: int) -> Iterator[Quant
 
 
 @dataclass(frozen=True)
-class Model:
+class DrawnModel:
     """An internal model that the source shows.
 
     Attributes:
-        lesson: what it is learned with.
+        series: what it is learned with.
         effector: whose configurations it is about.
         joints: of the effector, those that are shown.
         after: how many episodes it is learned from; where the source contradicts itself, both.
@@ -111,7 +111,7 @@ class Model:
         title: of the picture.
     """
 
-    lesson: Lesson
+    series: Series
     effector: str
     joints: tuple[str, ...]
     after: tuple[int, ...]
@@ -121,19 +121,21 @@ class Model:
 
 _FINGERS = ("right_finger_1", "right_finger_2", "right_finger_3")
 #: By figure.
-MODELS: Mapping[str, Model] = {
+MODELS: Mapping[str, DrawnModel] = {
     # The caption says 25, and the text the end of a trial.
-    "fig-4.4": Model(COARTICULATED, "head", ("pan",), (25, 50), _peaks, "Where TRACK is expected"),
-    "fig-4.8": Model(
+    "fig-4.4": DrawnModel(
+        COARTICULATED, "head", ("pan",), (25, 50), _peaks, "Where TRACK is expected"
+    ),
+    "fig-4.8": DrawnModel(
         TACTILEPROBE, "right_hand", _FINGERS, (25,), _narrowing, "Where contact is expected"
     ),
 }
 
 
-def run(settings: Settings, name: str) -> Outcome:
+def run(settings: RunSettings, name: str) -> Result:
     """Learn, and look at the densities that SEARCH draws from in the end."""
     model = MODELS[name]
-    with school(settings) as dexter:
+    with trial_runner(settings) as dexter:
         learned = gather(dexter, settings, name)
     shown = {}
     for episodes in _moments(model, learned):
@@ -146,44 +148,44 @@ def run(settings: Settings, name: str) -> Outcome:
         for quantity in model.quantities(expectations, settings.seed)
     ]
     if not shown:
-        return Outcome((), notes=(f"No trial found a reward with {model.effector}.",))
+        return Result((), notes=(f"No trial found a reward with {model.effector}.",))
     note = (
         f"Densities of {len(learned)} trials; interquartile means with bootstrap intervals, over "
         "those that were rewarded by then. Each has the uniform part that it starts as."
     )
-    return Outcome(tuple(quantities), (_chart(name, model, shown),), (note,))
+    return Result(tuple(quantities), (_chart(name, model, shown),), (note,))
 
 
-def _moments(model: Model, learned: Sequence[Learned]) -> list[int]:
+def _moments(model: DrawnModel, learned: Sequence[LearnedTrial]) -> list[int]:
     """After how many episodes to look, as far as there are as many."""
     episodes = len(learned[0].trial.experiences)
     return sorted({min(after, episodes) for after in model.after})
 
 
-def _densities(model: Model, learned: Sequence[Learned]) -> list[Kernel | Gaussian]:
+def _densities(model: DrawnModel, learned: Sequence[LearnedTrial]) -> list[Kernel | Gaussian]:
     """Of the trials in which the effector was rewarded."""
     known = (each.trial.learner.densities().get(model.effector) for each in learned)
     return [density for density in known if density is not None]
 
 
-def lessons(name: str) -> tuple[Lesson, ...]:
-    """What is learned."""
-    return (MODELS[name].lesson,)
+def series_of(name: str) -> tuple[Series, ...]:
+    """The series of trials."""
+    return (MODELS[name].series,)
 
 
-def gather(dexter: School, settings: Settings, name: str) -> list[Learned]:
+def gather(dexter: TrialRunner, settings: RunSettings, name: str) -> list[LearnedTrial]:
     """Run all episodes; what was learned."""
-    (lesson,) = lessons(name)
-    dexter.expect(len(dexter.numbers(lesson)) * dexter.episodes(lesson))
-    return dexter.learn(lesson)
+    (series,) = series_of(name)
+    dexter.expect(len(dexter.numbers(series)) * dexter.episodes(series))
+    return dexter.learn(series)
 
 
-def _expectations(model: Model, densities: Sequence[Kernel | Gaussian]) -> list[Expectation]:
+def _expectations(model: DrawnModel, densities: Sequence[Kernel | Gaussian]) -> list[Expectation]:
     robot, urdf = shipped_robot(_ROBOT)
     kinematics = Kinematics(robot, urdf)
     columns = kinematics.joints.of(model.effector)
     names = robot.joints(model.effector)
-    found = []
+    expectations = []
     for joint in model.joints:
         place = names.index(joint)
         lower, upper = (
@@ -191,8 +193,8 @@ def _expectations(model: Model, densities: Sequence[Kernel | Gaussian]) -> list[
         )
         angles = np.linspace(lower, upper, _POINTS)
         rows = [marginal(density, place, angles) for density in densities]
-        found.append(Expectation(joint, lower, upper, np.array(rows)))
-    return found
+        expectations.append(Expectation(joint, lower, upper, np.array(rows)))
+    return expectations
 
 
 def marginal(density: Kernel | Gaussian, joint: int, angles: Floats) -> Floats:
@@ -214,7 +216,7 @@ def marginal(density: Kernel | Gaussian, joint: int, angles: Floats) -> Floats:
     return total
 
 
-def _chart(name: str, model: Model, shown: Mapping[int, Sequence[Expectation]]) -> Chart:
+def _chart(name: str, model: DrawnModel, shown: Mapping[int, Sequence[Expectation]]) -> Chart:
     lines = tuple(
         Line(
             f"{each.joint}, after {episodes} episodes",
@@ -225,5 +227,5 @@ def _chart(name: str, model: Model, shown: Mapping[int, Sequence[Expectation]]) 
         for each in expectations
     )
     return Chart(
-        name, f"{model.title}, {model.lesson.label}", "angle, rad", "density, 1/rad", lines
+        name, f"{model.title}, {model.series.label}", "angle, rad", "density, 1/rad", lines
     )

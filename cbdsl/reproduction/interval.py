@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
-from typing import TYPE_CHECKING
+from collections.abc import Callable, Sequence
+from typing import TYPE_CHECKING, Literal
 
 if TYPE_CHECKING:
     import numpy as np
@@ -13,20 +13,19 @@ if TYPE_CHECKING:
     Floats = NDArray[np.float64]
 
 
-def exact_interval(hits: int, trials: int, level: float = 0.95) -> tuple[float, float]:
+def exact_interval(hits: int, trials: int) -> tuple[float, float]:
     """Clopper-Pearson interval of a proportion.
 
     Args:
         hits: successes.
         trials: how many there were, at least one.
-        level: probability with which such intervals include the true proportion, at least.
 
     Raises:
         ValueError: there were no trials, or not as many as hits.
     """
     if not (0 <= hits <= trials and trials > 0):
         raise ValueError(f"{hits} of {trials} is no proportion")
-    tail = (1 - level) / 2
+    tail = 0.025
 
     def at_least(k: int, p: float) -> float:
         return sum(
@@ -45,28 +44,15 @@ def exact_interval(hits: int, trials: int, level: float = 0.95) -> tuple[float, 
     return lower, upper
 
 
-def bootstrap_interval(
-    samples: Sequence[float], seed: int = 0, level: float = 0.95, draws: int = 10_000
-) -> tuple[float, float]:
-    """Percentile bootstrap interval of a mean.
-
-    Args:
-        samples: at least one; the interval of a single one is a point.
-        seed: of the resampling.
-        level: probability that the interval holds.
-        draws: resampled means.
+def bootstrap_interval(samples: Sequence[float], seed: int = 0) -> tuple[float, float]:
+    """Bootstrap interval of the mean; ``seed`` is that of the resampling.
 
     Raises:
         ValueError: there are no samples.
     """
     import numpy as np
 
-    if not len(samples):
-        raise ValueError("no samples")
-    values = np.asarray(samples, dtype=float)
-    chosen = np.random.default_rng(seed).integers(len(values), size=(draws, len(values)))
-    tail = 50 * (1 - level)
-    low, high = np.percentile(values[chosen].mean(axis=1), (tail, 100 - tail))
+    low, high = _bootstrap(np.asarray(samples, dtype=float), np.mean, seed, 10_000)
     return float(low), float(high)
 
 
@@ -82,16 +68,12 @@ def interquartile_mean(values: Floats) -> Floats:
     return middle
 
 
-def interquartile_interval(
-    values: Floats, seed: int = 0, level: float = 0.95, draws: int = 2000
-) -> tuple[Floats, Floats]:
-    """Percentile bootstrap interval of the interquartile mean along the first axis.
+def interquartile_interval(values: Floats, seed: int = 0) -> tuple[Floats, Floats]:
+    """Bootstrap interval of the interquartile mean along the first axis.
 
     Args:
         values: shape (n, ...), of n independent trials.
         seed: of the resampling.
-        level: probability that the interval holds.
-        draws: resampled means.
 
     Returns:
         Lower and upper ends, shape (...).
@@ -99,49 +81,39 @@ def interquartile_interval(
     Raises:
         ValueError: there are no values.
     """
-    import numpy as np
-
-    if not len(values):
-        raise ValueError("no samples")
-    rng = np.random.default_rng(seed)
-    means = [
-        interquartile_mean(values[rng.integers(len(values), size=len(values))])
-        for _ in range(draws)
-    ]
-    tail = 50 * (1 - level)
-    low, high = np.percentile(means, (tail, 100 - tail), axis=0)
-    return low, high
+    return _bootstrap(values, interquartile_mean, seed)
 
 
 def over_trials(values: Floats, seed: int = 0) -> tuple[float, float] | None:
-    """``interquartile_interval`` of one number a trial; ``None`` where there is but one trial.
-
-    Args:
-        values: shape (n,).
-        seed: of the resampling.
-    """
+    """``interquartile_interval`` of one number a trial, shape (n,); ``None`` for a single trial."""
     if len(values) == 1:
         return None
     low, high = interquartile_interval(values, seed)
     return float(low), float(high)
 
 
-def median_interval(
-    values: Floats, seed: int = 0, level: float = 0.95, draws: int = 2000
-) -> tuple[float, float]:
-    """Percentile bootstrap interval of the median of values of which some may be infinite.
-
-    Args:
-        values: shape (n,), at least one.
-        seed: of the resampling.
-        level: probability that the interval holds.
-        draws: resampled medians.
-    """
+def median_interval(values: Floats, seed: int = 0) -> tuple[float, float]:
+    """Bootstrap interval of the median of values (n,) of which some may be infinite."""
     import numpy as np
 
-    chosen = np.random.default_rng(seed).integers(len(values), size=(draws, len(values)))
-    tail = 50 * (1 - level)
-    medians = np.median(values[chosen], axis=1)
     # Between infinite ones there is nothing to interpolate.
-    low, high = np.percentile(medians, (tail, 100 - tail), method="nearest")
+    low, high = _bootstrap(values, np.median, seed, method="nearest")
     return float(low), float(high)
+
+
+def _bootstrap(
+    values: Floats,
+    statistic: Callable[[Floats], Floats],
+    seed: int,
+    draws: int = 2000,
+    method: Literal["linear", "nearest"] = "linear",
+) -> tuple[Floats, Floats]:
+    """Percentile bootstrap interval of a statistic along the first axis."""
+    import numpy as np
+
+    if not len(values):
+        raise ValueError("no samples")
+    chosen = np.random.default_rng(seed).integers(len(values), size=(draws, len(values)))
+    drawn = [statistic(values[each]) for each in chosen]
+    low, high = np.percentile(drawn, (2.5, 97.5), axis=0, method=method)
+    return low, high

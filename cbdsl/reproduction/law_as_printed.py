@@ -20,8 +20,9 @@ from cbdsl.control.range import between
 from cbdsl.control.signal import Floats
 from cbdsl.control.spring import spring
 from cbdsl.reproduction.chart import Chart, Line
-from cbdsl.reproduction.experiment import Outcome, Settings
-from cbdsl.reproduction.interval import bootstrap_interval, exact_interval
+from cbdsl.reproduction.experiment import Result, RunSettings
+from cbdsl.reproduction.interval import bootstrap_interval
+from cbdsl.reproduction.percentage import percentage
 from cbdsl.reproduction.quantity import Quantity, above, at_least, at_most
 from cbdsl.reproduction.shipped import shipped_robot
 from cbdsl.sensing.kinematics import Kinematics
@@ -53,7 +54,7 @@ _NOTES = (
 )
 
 
-def run(settings: Settings) -> Outcome:
+def run(settings: RunSettings) -> Result:
     """Both laws on manipulability alone, and on the range potential below a reach."""
     rng = np.random.default_rng(settings.seed)
     starts, goals, steps = (10, 2, 100) if settings.quick else (_STARTS, _GOALS, _HOLDING_STEPS)
@@ -63,7 +64,7 @@ def run(settings: Settings) -> Outcome:
         held.append(hold)
         settings.progress(done, goals)
     quantities = (*_growths(conditioned), *_errors(held, settings.seed))
-    return Outcome(quantities, (_growth_chart(conditioned), _error_chart(held)), _NOTES)
+    return Result(quantities, (_growth_chart(conditioned), _error_chart(held)), _NOTES)
 
 
 class _Evaluation(NamedTuple):
@@ -88,7 +89,7 @@ def _evaluate(
 
 @dataclass(frozen=True)
 class _Curves:
-    """What became of one start under both laws, step by step."""
+    """One start under both laws, step by step."""
 
     printed: Floats
     ours: Floats
@@ -211,24 +212,21 @@ def _planar(q: Floats) -> tuple[Floats, Floats]:
     return jacobian, curvature
 
 
-def _growths(found: Sequence[_Curves]) -> Iterator[Quantity]:
+def _growths(starts: Sequence[_Curves]) -> Iterator[Quantity]:
     source = "optimises manipulability (Section 3.1.3 b)"
     for law, curves in (
-        ("printed law", [each.printed for each in found]),
-        ("ours", [each.ours for each in found]),
+        ("printed law", [each.printed for each in starts]),
+        ("ours", [each.ours for each in starts]),
     ):
         grown = sum(float(curve[-1]) >= float(curve[0]) for curve in curves)
-        low, high = exact_interval(grown, len(curves))
-        yield Quantity(
+        yield percentage(
             f"{law}: starts from which manipulability grows",
-            "%",
             source,
-            100 * grown / len(curves),
+            grown,
+            len(curves),
             at_least(100),
             ordering=above(50),
-            interval=(100 * low, 100 * high),
-            note=f"{grown} of {len(curves)}; "
-            f"mean {_mean(curves, 0):.3g} -> {_mean(curves, -1):.3g} m²",
+            note=f"mean {_mean(curves, 0):.3g} -> {_mean(curves, -1):.3g} m²",
         )
 
 
@@ -236,11 +234,11 @@ def _mean(curves: Sequence[Floats], step: int) -> float:
     return float(np.mean([curve[step] for curve in curves]))
 
 
-def _errors(found: Sequence[_Curves], seed: int) -> Iterator[Quantity]:
+def _errors(starts: Sequence[_Curves], seed: int) -> Iterator[Quantity]:
     source = "nothing below disturbs the superior objective (Section 3.3.2)"
     for law, errors in (
-        ("printed law", [1000 * float(each.printed[-1]) for each in found]),
-        ("ours", [1000 * float(each.ours[-1]) for each in found]),
+        ("printed law", [1000 * float(each.printed[-1]) for each in starts]),
+        ("ours", [1000 * float(each.ours[-1]) for each in starts]),
     ):
         yield Quantity(
             f"{law}: distance of the hand from a goal that it had reached",
@@ -253,19 +251,19 @@ def _errors(found: Sequence[_Curves], seed: int) -> Iterator[Quantity]:
         )
 
 
-def _growth_chart(found: Sequence[_Curves]) -> Chart:
+def _growth_chart(starts: Sequence[_Curves]) -> Chart:
     curves = {
-        "printed": np.mean([each.printed for each in found], axis=0),
-        "ours": np.mean([each.ours[: 2 * _PRINTED_STEPS + 1] for each in found], axis=0),
+        "printed": np.mean([each.printed for each in starts], axis=0),
+        "ours": np.mean([each.ours[: 2 * _PRINTED_STEPS + 1] for each in starts], axis=0),
     }
     name, title = "law-as-printed-manipulability", "Mean manipulability"
     return Chart(name, title, "step", "manipulability, m²", _lines(curves, 1))
 
 
-def _error_chart(found: Sequence[_Curves]) -> Chart:
+def _error_chart(starts: Sequence[_Curves]) -> Chart:
     curves = {
-        "printed": 1000 * np.mean([each.printed for each in found], axis=0),
-        "ours": 1000 * np.mean([each.ours for each in found], axis=0),
+        "printed": 1000 * np.mean([each.printed for each in starts], axis=0),
+        "ours": 1000 * np.mean([each.ours for each in starts], axis=0),
     }
     name, title = "law-as-printed-priority", "Distance of the hand from a goal that it had reached"
     return Chart(name, title, "iteration", "mean distance, mm", _lines(curves, _POINT))

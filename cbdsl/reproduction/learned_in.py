@@ -1,4 +1,4 @@
-"""Learned in: after how many episodes the greedy policies of trials succeed."""
+"""LearnedTrial in: after how many episodes the greedy policies of trials succeed."""
 
 from __future__ import annotations
 
@@ -8,59 +8,52 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 
 from cbdsl.reproduction.checks import Check
-from cbdsl.reproduction.interval import exact_interval, median_interval
-from cbdsl.reproduction.lesson import Lesson
+from cbdsl.reproduction.interval import median_interval
+from cbdsl.reproduction.percentage import percentage
 from cbdsl.reproduction.quantity import Claim, Quantity, at_most
+from cbdsl.reproduction.series import Series
 
 # A policy counts as learned once it succeeds this often, at as many checks in a row.
 _SUCCESS, _IN_A_ROW = 0.95, 3
 
 
-def learned_in(lesson: Lesson, found: Sequence[Check]) -> float:
+def learned_in(series: Series, checks: Sequence[Check]) -> float:
     """The first episode from which the greedy policy succeeds, infinite where it never does.
 
     It succeeds where 95 % of the episodes are rewarded at three checks in a row.
     """
-    succeeds = [each.success(lesson) >= _SUCCESS for each in found]
-    for first in range(len(found) - _IN_A_ROW + 1):
+    succeeds = [each.success(series) >= _SUCCESS for each in checks]
+    for first in range(len(checks) - _IN_A_ROW + 1):
         if all(succeeds[first : first + _IN_A_ROW]):
-            return found[first].episodes
+            return checks[first].episodes
     return math.inf
 
 
 def learned_in_quantities(
-    lesson: Lesson, trials: Sequence[Sequence[Check]], source: str, expected: Claim, seed: int
+    series: Series, trials: Sequence[Sequence[Check]], source: str, expected: Claim, seed: int
 ) -> Iterator[Quantity]:
     """The median over trials, and how many never learned, which are among them.
 
     Args:
-        lesson: that was learned.
+        series: that was learned.
         trials: the checks of each.
         source: what the source reports.
         expected: when the median counts as reproduced.
         seed: of the interval's resampling.
     """
-    found = np.array([learned_in(lesson, checks) for checks in trials])
-    finite = found[np.isfinite(found)]
-    middle = float(np.median(found))
-    has_spread = math.isfinite(middle) and len(found) > 1
+    episodes = np.array([learned_in(series, checks) for checks in trials])
+    finite = episodes[np.isfinite(episodes)]
+    middle = float(np.median(episodes))
+    has_spread = math.isfinite(middle) and len(episodes) > 1
     yield Quantity(
-        f"{lesson.label}: learned in, median",
+        f"{series.label}: learned in, median",
         "episodes",
         source,
         middle if math.isfinite(middle) else math.nan,
         expected,
-        interval=median_interval(found, seed) if has_spread else None,
+        interval=median_interval(episodes, seed) if has_spread else None,
         note=f"{finite.min():g} to {finite.max():g}" if len(finite) else "",
     )
-    never = len(found) - len(finite)
-    low, high = exact_interval(never, len(found))
-    yield Quantity(
-        f"{lesson.label}: trials that never learned",
-        "%",
-        "none",
-        100 * never / len(found),
-        at_most(0),
-        interval=(100 * low, 100 * high),
-        note=f"{never} of {len(found)}",
-    )
+    never = len(episodes) - len(finite)
+    name = f"{series.label}: trials that never learned"
+    yield percentage(name, "none", never, len(episodes), at_most(0))

@@ -11,15 +11,15 @@ from numpy.typing import NDArray
 from cbdsl.learning.experience import Experience
 from cbdsl.reproduction.chart import Chart, Line
 from cbdsl.reproduction.checks import Check, checks, schedule
-from cbdsl.reproduction.experiment import Outcome, Settings
+from cbdsl.reproduction.experiment import Result, RunSettings
 from cbdsl.reproduction.interval import interquartile_interval, interquartile_mean, over_trials
 from cbdsl.reproduction.learned_in import learned_in_quantities
-from cbdsl.reproduction.lesson import COARTICULATED, SEQUENTIAL, Lesson
 from cbdsl.reproduction.quantity import Claim, Quantity, above, near
-from cbdsl.reproduction.school import Learned, School, school
+from cbdsl.reproduction.series import COARTICULATED, SEQUENTIAL, Series
 from cbdsl.reproduction.stability import stable_after, stable_quantity
-from cbdsl.training.course import journal_file
-from cbdsl.training.onlooker import Onlooker
+from cbdsl.reproduction.trial_runner import LearnedTrial, TrialRunner, trial_runner
+from cbdsl.training.journal_follower import JournalFollower
+from cbdsl.training.trial_loop import journal_file
 
 Floats = NDArray[np.float64]
 
@@ -31,16 +31,16 @@ _DRAWS = 2000
 
 @dataclass(frozen=True)
 class Curves:
-    """What the trials of a lesson came to.
+    """The results of the trials of a series.
 
     Attributes:
-        lesson: that was learned.
+        series: that was learned.
         trials: at their ends.
         checks: of each trial.
     """
 
-    lesson: Lesson
-    trials: tuple[Learned, ...]
+    series: Series
+    trials: tuple[LearnedTrial, ...]
     checks: tuple[tuple[Check, ...], ...]
 
     @property
@@ -62,9 +62,9 @@ def per_transition(experience: Experience) -> float:
     return experience.reward / len(experience.transitions)
 
 
-def run(settings: Settings, name: str) -> Outcome:
+def run(settings: RunSettings, name: str) -> Result:
     """Learn with both sets of actions, and check the greedy policies on the way."""
-    with school(settings) as dexter:
+    with trial_runner(settings) as dexter:
         sequential, both = gather(dexter, settings, name)
     quantities = (
         *_learned(sequential, "about 10 episodes", near(10, 5), settings.seed),
@@ -72,42 +72,42 @@ def run(settings: Settings, name: str) -> Outcome:
         _times(sequential, both, settings.seed),
         _advantage(sequential, both, settings.seed),
     )
-    found = (sequential, both)
-    return Outcome(quantities, (_chart(name, found, settings.seed),), _notes(settings, found))
+    groups = (sequential, both)
+    return Result(quantities, (_chart(name, groups, settings.seed),), _notes(settings, groups))
 
 
 def _learned(curves: Curves, source: str, expected: Claim, seed: int) -> Iterator[Quantity]:
     """After how many episodes it is learned, and stays as it is."""
-    yield from learned_in_quantities(curves.lesson, curves.checks, source, expected, seed)
+    yield from learned_in_quantities(curves.series, curves.checks, source, expected, seed)
     stable = [
         stable_after(each.trial, checks[-1].experiences)
         for each, checks in zip(curves.trials, curves.checks, strict=True)
     ]
-    yield stable_quantity(curves.lesson, stable, source, expected, seed)
+    yield stable_quantity(curves.series, stable, source, expected, seed)
 
 
-def lessons(name: str) -> tuple[Lesson, ...]:
-    """What is learned."""
+def series_of(name: str) -> tuple[Series, ...]:
+    """The series of trials."""
     return SEQUENTIAL, COARTICULATED
 
 
-def gather(dexter: School, settings: Settings, name: str) -> tuple[Curves, ...]:
-    """Run all episodes; what was learned in each lesson."""
-    for lesson in lessons(name):
-        _expect(dexter, lesson, settings)
-    return tuple(_curves(dexter, lesson, settings) for lesson in lessons(name))
+def gather(dexter: TrialRunner, settings: RunSettings, name: str) -> tuple[Curves, ...]:
+    """Run all episodes; what was learned in each series."""
+    for series in series_of(name):
+        _expect(dexter, series, settings)
+    return tuple(_curves(dexter, series, settings) for series in series_of(name))
 
 
-def _expect(dexter: School, lesson: Lesson, settings: Settings) -> None:
-    plan, episodes = schedule(settings), dexter.episodes(lesson)
+def _expect(dexter: TrialRunner, series: Series, settings: RunSettings) -> None:
+    plan, episodes = schedule(settings), dexter.episodes(series)
     each = episodes + plan.held_out * len(plan.after(episodes))
-    dexter.expect(len(dexter.numbers(lesson)) * each)
+    dexter.expect(len(dexter.numbers(series)) * each)
 
 
-def _curves(dexter: School, lesson: Lesson, settings: Settings) -> Curves:
+def _curves(dexter: TrialRunner, series: Series, settings: RunSettings) -> Curves:
     plan = schedule(settings)
-    trials = tuple(dexter.learn(lesson))
-    return Curves(lesson, trials, tuple(checks(dexter, each, plan) for each in trials))
+    trials = tuple(dexter.learn(series))
+    return Curves(series, trials, tuple(checks(dexter, each, plan) for each in trials))
 
 
 def _times(sequential: Curves, both: Curves, seed: int) -> Quantity:
@@ -165,13 +165,13 @@ def _advantage(sequential: Curves, both: Curves, seed: int) -> Quantity:
     )
 
 
-def _chart(name: str, found: Sequence[Curves], seed: int) -> Chart:
+def _chart(name: str, groups: Sequence[Curves], seed: int) -> Chart:
     return Chart(
         name,
-        f"Reward per transition while learning, {len(found[0].trials)} trials",
+        f"Reward per transition while learning, {len(groups[0].trials)} trials",
         "episode",
         "reward per transition",
-        tuple(_line(curves, seed) for curves in found),
+        tuple(_line(curves, seed) for curves in groups),
     )
 
 
@@ -179,7 +179,7 @@ def _line(curves: Curves, seed: int) -> Line:
     rewards = curves.rewards
     low, high = interquartile_interval(rewards, seed)
     return Line(
-        curves.lesson.short,
+        curves.series.short,
         tuple(map(float, range(1, rewards.shape[1] + 1))),
         tuple(interquartile_mean(rewards).tolist()),
         tuple(low.tolist()),
@@ -187,7 +187,7 @@ def _line(curves: Curves, seed: int) -> Line:
     )
 
 
-def _notes(settings: Settings, found: Sequence[Curves]) -> tuple[str, ...]:
+def _notes(settings: RunSettings, groups: Sequence[Curves]) -> tuple[str, ...]:
     plan = schedule(settings)
     return (
         "Interquartile means over the trials, with bootstrap intervals. Learned in: the first of "
@@ -197,25 +197,25 @@ def _notes(settings: Settings, found: Sequence[Curves]) -> tuple[str, ...]:
         "its transitions leave at the last check.",
         f"A curve stays at its level from where its mean over {_WINDOW} episodes stays above "
         f"{100 * _SETTLED:.0f} % of its last {_LAST} episodes; the source names them by eye.",
-        *(_effort(curves) for curves in found),
+        *(_effort(curves) for curves in groups),
     )
 
 
 def _effort(curves: Curves) -> str:
-    """What a trial costs."""
+    """The cost of a trial, in a sentence."""
     costs = np.array([_cost(each) for each in curves.trials])
     reward, transitions, ticks, simulated, wall = interquartile_mean(costs)
     return (
-        f"A trial of {curves.lesson.label} has {curves.rewards.shape[1]} episodes with a reward of "
+        f"A trial of {curves.series.label} has {curves.rewards.shape[1]} episodes with a reward of "
         f"{reward:.0f} in {transitions:.0f} transitions, {ticks:.0f} control ticks, "
         f"{simulated:.0f} simulated seconds and {wall:.0f} s of wall time (interquartile means)."
     )
 
 
-def _cost(learned: Learned) -> tuple[float, ...]:
+def _cost(learned: LearnedTrial) -> tuple[float, ...]:
     """Reward, transitions, control ticks, simulated seconds and wall seconds of a trial."""
     experiences = learned.trial.experiences
-    entries = Onlooker(journal_file(learned.path)).look()[: len(experiences)]
+    entries = JournalFollower(journal_file(learned.path)).poll()[: len(experiences)]
     return (
         sum(each.reward for each in experiences),
         sum(len(each.transitions) for each in experiences),

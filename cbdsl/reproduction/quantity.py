@@ -20,7 +20,7 @@ class Verdict(StrEnum):
 
 @dataclass(frozen=True)
 class Claim:
-    """What a measurement has to be, as a rule that decides.
+    """The rule that decides whether a measurement agrees with the source.
 
     Attributes:
         text: the rule for readers, such as ``> 0.8``.
@@ -108,7 +108,7 @@ class Quantity:
 
     @property
     def verdict(self) -> Verdict:
-        """What the rules say about the number."""
+        """The verdict of the rules on the number."""
         if math.isnan(self.ours):
             return Verdict.MISSED
         if self.expected.holds(self.ours, self.interval):

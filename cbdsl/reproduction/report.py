@@ -6,7 +6,7 @@ import math
 import re
 from collections.abc import Iterable, Mapping
 
-from cbdsl.reproduction.experiment import Experiment, Outcome, Picture, Settings
+from cbdsl.reproduction.experiment import Experiment, Picture, Result, RunSettings
 from cbdsl.reproduction.quantity import Quantity
 
 _HEADER = """\
@@ -35,7 +35,7 @@ def row(quantity: Quantity) -> dict[str, str]:
     }
 
 
-def data(experiment: Experiment, settings: Settings, outcome: Outcome) -> dict[str, object]:
+def data(experiment: Experiment, settings: RunSettings, outcome: Result) -> dict[str, object]:
     """An outcome for scripts; what could not be measured is ``None``."""
     learned = {"backend": settings.backend, "trials": settings.trials} if experiment.learns else {}
     return {
@@ -53,7 +53,7 @@ def data(experiment: Experiment, settings: Settings, outcome: Outcome) -> dict[s
     }
 
 
-def section(experiment: Experiment, settings: Settings, outcome: Outcome, pictures: str) -> str:
+def section(experiment: Experiment, settings: RunSettings, outcome: Result, pictures: str) -> str:
     """The part of the page about one experiment; ``pictures`` is the folder of the charts."""
     rows = [row(quantity) for quantity in outcome.quantities]
     headings = list(rows[0]) if rows else []
@@ -73,24 +73,24 @@ def section(experiment: Experiment, settings: Settings, outcome: Outcome, pictur
     return "\n".join(lines)
 
 
-def picture_file(picture: Picture, experiment: Experiment, settings: Settings) -> str:
+def picture_file(picture: Picture, experiment: Experiment, settings: RunSettings) -> str:
     """Name of the file of a picture: no two sections share one."""
     backend = _other_backend(experiment, settings)
     return f"{picture.name}-{backend}.svg" if backend else f"{picture.name}.svg"
 
 
-def heading(experiment: Experiment, settings: Settings) -> str:
+def heading(experiment: Experiment, settings: RunSettings) -> str:
     """Whose section it is: an experiment has one for each backend on which it learned."""
     backend = _other_backend(experiment, settings)
     return f"{experiment.name} on {backend}" if backend else experiment.name
 
 
-def _other_backend(experiment: Experiment, settings: Settings) -> str:
+def _other_backend(experiment: Experiment, settings: RunSettings) -> str:
     """The backend on which an experiment learned, if that is not the usual one."""
-    return settings.backend if experiment.learns and settings.backend != Settings.backend else ""
+    return settings.backend if experiment.learns and settings.backend != RunSettings.backend else ""
 
 
-def _command(experiment: Experiment, settings: Settings) -> str:
+def _command(experiment: Experiment, settings: RunSettings) -> str:
     words = ["cb", "reproduce", experiment.name, "--seed", str(settings.seed)]
     if experiment.learns:
         words += ["--backend", settings.backend]

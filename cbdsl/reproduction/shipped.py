@@ -1,4 +1,4 @@
-"""What comes with the package, for experiments: not what somebody may have named the same."""
+"""Shipped documents, for experiments; documents of the same name elsewhere do not count."""
 
 from __future__ import annotations
 

@@ -9,8 +9,8 @@ import numpy as np
 
 from cbdsl.learning.experience import Experience
 from cbdsl.reproduction.interval import median_interval
-from cbdsl.reproduction.lesson import Lesson
 from cbdsl.reproduction.quantity import Claim, Quantity
+from cbdsl.reproduction.series import Series
 from cbdsl.training.trial import Trial
 
 # States that fewer of its transitions leave say little of a policy.
@@ -43,20 +43,20 @@ def _states(met: Iterable[Experience]) -> list[str]:
 
 
 def stable_quantity(
-    lesson: Lesson, found: Sequence[int], source: str, expected: Claim, seed: int
+    series: Series, measured: Sequence[int], source: str, expected: Claim, seed: int
 ) -> Quantity:
     """The median over trials.
 
     Args:
-        lesson: that was learned.
-        found: of each trial.
+        series: that was learned.
+        measured: of each trial.
         source: what the source reports.
         expected: when the median counts as reproduced.
         seed: of the interval's resampling.
     """
-    episodes = np.array(found, dtype=float)
+    episodes = np.array(measured, dtype=float)
     return Quantity(
-        f"{lesson.label}: greedy policy no longer changes after, median",
+        f"{series.label}: greedy policy no longer changes after, median",
         "episodes",
         source,
         float(np.median(episodes)),

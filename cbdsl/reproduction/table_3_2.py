@@ -10,10 +10,10 @@ from numpy.typing import NDArray
 from cbdsl.control.localizability import seen_by
 from cbdsl.reproduction.barcode import SIZE, barcodes
 from cbdsl.reproduction.barcode_trial import FOCAL_LENGTH
+from cbdsl.reproduction.camera_rig import FINENESS, CameraRig, Placement, camera_rig
 from cbdsl.reproduction.chart import Chart, Line
-from cbdsl.reproduction.experiment import Outcome, Settings
+from cbdsl.reproduction.experiment import Result, RunSettings
 from cbdsl.reproduction.quantity import Quantity, near
-from cbdsl.reproduction.studio import FINENESS, Placement, Studio, studio
 from cbdsl.sensing.camera import heading
 from cbdsl.sensing.kinematics import Frame
 from cbdsl.sensing.observation import Image
@@ -33,14 +33,14 @@ _RATIO_TOLERANCE = 0.05
 _BASELINES = np.arange(0.05, 0.8, 0.005)
 
 
-def run(settings: Settings) -> Outcome:
+def run(settings: RunSettings) -> Result:
     """Measure periods in rendered images, and compute localizability from the cameras' frames."""
     depths = DEPTHS[:1] if settings.quick else DEPTHS
-    with studio() as place:
+    with camera_rig() as place:
         periods = _periods(place, depths, settings)
         baseline = place.baseline()
     fitted = float(min(_BASELINES, key=_misfit))
-    return Outcome(
+    return Result(
         quantities=(*periods, *_ratios("Dexter's cameras", baseline), *_ratios("best fit", fitted)),
         charts=(_chart(baseline),),
         notes=(
@@ -57,7 +57,7 @@ def run(settings: Settings) -> Outcome:
     )
 
 
-def _periods(place: Studio, depths: tuple[float, ...], settings: Settings) -> list[Quantity]:
+def _periods(place: CameraRig, depths: tuple[float, ...], settings: RunSettings) -> list[Quantity]:
     cells = [
         (name, period, depth, printed)
         for name, (period, row) in _PRINTED.items()
@@ -137,7 +137,7 @@ def _ratios(whose: str, baseline: float) -> list[Quantity]:
 
 
 def _periods_of_ours() -> str:
-    """What Code 39 on 10 cm really gives, in a sentence."""
+    """A sentence about the bar widths of Code 39 on 10 cm."""
     periods = [
         f"{code.name} {1000 * code.period:.2f} mm"
         for name in ("medium", "high")

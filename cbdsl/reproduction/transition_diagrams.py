@@ -2,33 +2,32 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 from cbdsl.language.expression import SUBJECT_TO
 from cbdsl.program.checked import CheckedProgram
-from cbdsl.reporting.drawing.policy_graph import ABOVE
-from cbdsl.reproduction.arcs import Arc, DrawnArc, diagram_of
+from cbdsl.reporting.drawing.policy_transitions import ABOVE
+from cbdsl.reproduction.arcs import ActionArc, DrawnArc, diagram_of
 from cbdsl.reproduction.checks import Check, Schedule, checks, schedule
 from cbdsl.reproduction.diagram import Diagram, graph_of
-from cbdsl.reproduction.experiment import Outcome, Settings
-from cbdsl.reproduction.interval import exact_interval
+from cbdsl.reproduction.experiment import Result, RunSettings
 from cbdsl.reproduction.learned_in import learned_in_quantities
-from cbdsl.reproduction.lesson import (
+from cbdsl.reproduction.percentage import percentage
+from cbdsl.reproduction.quantity import Quantity, above, at_least, at_most
+from cbdsl.reproduction.series import (
     BIMANUALTOUCH,
     COARTICULATED,
     REACHTOUCH,
     SEQUENTIAL,
     TACTILEPROBE,
     VISUALINSPECT,
-    Lesson,
+    Series,
 )
-from cbdsl.reproduction.quantity import Interval, Quantity, above, at_least, at_most
-from cbdsl.reproduction.school import School, school
+from cbdsl.reproduction.trial_runner import TrialRunner, trial_runner
 from cbdsl.reproduction.worth import worth_quantities
-from cbdsl.runtime.policy import WILDCARD
 from cbdsl.training.trial import Trial
+from cbdsl.types.state import ANY
 
 _REACH, _INSPECT, _BRING = (
     "reach ◁ touch",
@@ -42,18 +41,18 @@ class DrawnPolicy:
     """A policy whose transition diagram the source shows.
 
     Attributes:
-        lesson: what it is learned from.
+        series: what it is learned from.
         arcs: that the source draws.
         learned_in: within how many episodes the source has it learned, where it shows no curve.
     """
 
-    lesson: Lesson
+    series: Series
     arcs: tuple[DrawnArc, ...]
     learned_in: int | None = None
 
     def choices(self) -> list[tuple[str, str]]:
         """States and what is chosen there, where the source's arcs leave a single state."""
-        single = [(arc.state, arc.action) for arc in self.arcs if WILDCARD not in arc.state]
+        single = [(arc.state, arc.action) for arc in self.arcs if ANY not in arc.state]
         return list(dict.fromkeys(single))
 
 
@@ -139,41 +138,41 @@ DRAWN: Mapping[str, tuple[DrawnPolicy, ...]] = {
 }
 
 
-def run(settings: Settings, name: str) -> Outcome:
+def run(settings: RunSettings, name: str) -> Result:
     """Learn, run the greedy policies in held-out episodes, and look for the source's arcs."""
     plan = schedule(settings)
     quantities: list[Quantity] = []
     diagrams: list[Diagram] = []
-    with school(settings) as dexter:
-        found = gather(dexter, settings, name)
-        programs = [dexter.program(lesson) for lesson in lessons(name)]
-    for drawn, program, examined in zip(DRAWN[name], programs, found, strict=True):
+    with trial_runner(settings) as dexter:
+        policies = gather(dexter, settings, name)
+        programs = [dexter.program(series) for series in series_of(name)]
+    for drawn, program, examined in zip(DRAWN[name], programs, policies, strict=True):
         trials, checked = [each.trial for each in examined], [each.checks for each in examined]
         last = [each[-1] for each in checked]
         quantities += _quantities(drawn, last)
-        quantities += worth_quantities(drawn.lesson, trials, drawn.choices(), settings.seed)
-        quantities.append(_rewarded(drawn.lesson, last))
+        quantities += worth_quantities(drawn.series, trials, drawn.choices(), settings.seed)
+        quantities.append(_rewarded(drawn.series, last))
         if drawn.learned_in is not None:
             source, expected = f"within {drawn.learned_in}", at_most(drawn.learned_in)
             quantities += learned_in_quantities(
-                drawn.lesson, checked, source, expected, settings.seed
+                drawn.series, checked, source, expected, settings.seed
             )
-        diagrams.append(_typical(name, drawn.lesson, program, last))
-    return Outcome(tuple(quantities), tuple(diagrams), _notes(plan))
+        diagrams.append(_typical(name, drawn.series, program, last))
+    return Result(tuple(quantities), tuple(diagrams), _notes(plan))
 
 
-def lessons(name: str) -> tuple[Lesson, ...]:
-    """What is learned."""
-    return tuple(drawn.lesson for drawn in DRAWN[name])
+def series_of(name: str) -> tuple[Series, ...]:
+    """The series of trials."""
+    return tuple(drawn.series for drawn in DRAWN[name])
 
 
-def gather(dexter: School, settings: Settings, name: str) -> list[list[Examined]]:
+def gather(dexter: TrialRunner, settings: RunSettings, name: str) -> list[list[Examined]]:
     """Run all episodes, those of each trial of each policy that the source draws."""
     plan = schedule(settings)
     for drawn in DRAWN[name]:
-        episodes = dexter.episodes(drawn.lesson)
+        episodes = dexter.episodes(drawn.series)
         each = episodes + plan.held_out * len(_when(drawn, episodes, plan))
-        dexter.expect(len(dexter.numbers(drawn.lesson)) * each)
+        dexter.expect(len(dexter.numbers(drawn.series)) * each)
     return [_examined(dexter, drawn, plan) for drawn in DRAWN[name]]
 
 
@@ -182,94 +181,74 @@ def _when(drawn: DrawnPolicy, episodes: int, plan: Schedule) -> Sequence[int]:
     return [episodes] if drawn.learned_in is None else plan.after(episodes)
 
 
-def _examined(dexter: School, drawn: DrawnPolicy, plan: Schedule) -> list[Examined]:
+def _examined(dexter: TrialRunner, drawn: DrawnPolicy, plan: Schedule) -> list[Examined]:
     """Each trial with its checks."""
-    when = _when(drawn, dexter.episodes(drawn.lesson), plan)
+    when = _when(drawn, dexter.episodes(drawn.series), plan)
     return [
         Examined(learned.trial, checks(dexter, learned, plan, when))
-        for learned in dexter.learn(drawn.lesson)
+        for learned in dexter.learn(drawn.series)
     ]
 
 
-def _quantities(drawn: DrawnPolicy, found: Sequence[Check]) -> Iterator[Quantity]:
+def _quantities(drawn: DrawnPolicy, last: Sequence[Check]) -> Iterator[Quantity]:
     """How many of the trials have what the source draws."""
-    label = drawn.lesson.label
-    pairs = [[(arc, _diagram(arc, check)) for arc in drawn.arcs] for check in found]
+    label = drawn.series.label
+    pairs = [[(arc, _diagram(arc, check)) for arc in drawn.arcs] for check in last]
     whole = [all(arc.is_among(arcs) for arc, arcs in row if arcs) for row in pairs]
-    yield _share(f"{label}: policies with all arcs", whole, "")
+    yield _drawn(f"{label}: policies with all arcs", whole)
     if any(SUBJECT_TO in arc.action for arc in drawn.arcs):
         turned = [all(arc.is_turned_among(arcs) for arc, arcs in row if arcs) for row in pairs]
-        yield _share(f"{label}: policies with all arcs, whichever part leads", turned, "")
+        yield _drawn(f"{label}: policies with all arcs, whichever part leads", turned)
     for column in zip(*pairs, strict=True):
         has = [arc.is_among(arcs) for arc, arcs in column if arcs]
         joined = sum(arc.is_joined(arcs) for arc, arcs in column if arcs)
         arc, _ = column[0]
-        yield _share(f"{label}: {arc}", has, f"{joined} with whatever action")
+        yield _drawn(f"{label}: {arc}", has, f"{joined} with whatever action")
 
 
-def _diagram(arc: DrawnArc, check: Check) -> Mapping[Arc, float]:
+def _diagram(arc: DrawnArc, check: Check) -> Mapping[ActionArc, float]:
     """The diagram that an arc is looked for in; empty where its context did not occur."""
     return diagram_of(each for each in check.experiences if arc.context in (None, each.context))
 
 
-def _rewarded(lesson: Lesson, found: Sequence[Check]) -> Quantity:
+def _rewarded(series: Series, last: Sequence[Check]) -> Quantity:
     rewarded = [
         experience.reward > 0
-        for check in found
+        for check in last
         for experience in check.experiences
-        if experience.context not in lesson.hopeless
+        if experience.context not in series.hopeless
     ]
-    hits, trials = sum(rewarded), len(rewarded)
-    return Quantity(
-        f"{lesson.label}: held-out episodes that the greedy policy is rewarded in",
-        "%",
-        "its reward is found",
-        100 * hits / trials if trials else math.nan,
-        at_least(95),
-        interval=_percent(hits, trials) if trials else None,
-        note=f"{hits} of {trials}",
-    )
+    name = f"{series.label}: held-out episodes that the greedy policy is rewarded in"
+    hits = sum(rewarded)
+    return percentage(name, "its reward is found", hits, len(rewarded), at_least(95))
 
 
-def _share(name: str, has: Sequence[bool], note: str) -> Quantity:
-    counted = f"{sum(has)} of {len(has)} trials"
-    return Quantity(
-        name,
-        "%",
-        "drawn",
-        100 * sum(has) / len(has) if has else math.nan,
-        above(50),
-        interval=_percent(sum(has), len(has)) if has else None,
-        note=f"{counted}; {note}" if note else counted,
-    )
+def _drawn(name: str, has: Sequence[bool], note: str = "") -> Quantity:
+    """The percentage of trials that have what the source draws."""
+    return percentage(name, "drawn", sum(has), len(has), above(50), of="trials", note=note)
 
 
-def _percent(hits: int, trials: int) -> Interval:
-    low, high = exact_interval(hits, trials)
-    return 100 * low, 100 * high
-
-
-def _typical(name: str, lesson: Lesson, program: CheckedProgram, found: Sequence[Check]) -> Diagram:
+def _typical(name: str, series: Series, program: CheckedProgram, last: Sequence[Check]) -> Diagram:
     """The diagram of the trial whose arcs have the most in common with those of all trials.
 
     Where nothing can be rewarded, a policy goes round in circles until its transitions are used
     up, which outweighs all that it does elsewhere.
     """
     hopeful = [
-        [each for each in check.experiences if each.context not in lesson.hopeless]
+        [each for each in check.experiences if each.context not in series.hopeless]
         or list(check.experiences)
-        for check in found
+        for check in last
     ]
     diagrams = [diagram_of(experiences) for experiences in hopeful]
     likeness = [sum(_likeness(each, other) for other in diagrams) for each in diagrams]
     trial = likeness.index(max(likeness))
-    graph = graph_of(f"{lesson.name}_{trial}", program, hopeful[trial])
-    title = f"{lesson.label}: greedy policy of trial {trial}, arcs above {100 * ABOVE:.0f} %"
-    left_out = "".join(f", without the context {context}" for context in sorted(lesson.hopeless))
-    return Diagram(f"{name}-{lesson.name}", title + left_out, graph)
+    graph = graph_of(f"{series.name}_{trial}", program, hopeful[trial])
+    title = f"{series.label}: greedy policy of trial {trial}, arcs above {100 * ABOVE:.0f} %"
+    left_out = "".join(f", without the context {context}" for context in sorted(series.hopeless))
+    return Diagram(f"{name}-{series.name}", title + left_out, graph)
 
 
-def _likeness(one: Mapping[Arc, float], other: Mapping[Arc, float]) -> float:
+def _likeness(one: Mapping[ActionArc, float], other: Mapping[ActionArc, float]) -> float:
     """Share of the arcs of either that both have."""
     return len(one.keys() & other.keys()) / len(one.keys() | other.keys())
 

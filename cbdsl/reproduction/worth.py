@@ -1,4 +1,4 @@
-"""What actions are worth, if what all trials have met is what follows them."""
+"""Values of actions in the model that the transitions of all trials make."""
 
 from __future__ import annotations
 
@@ -9,10 +9,11 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from cbdsl.learning.constants import AccommodateConstants
 from cbdsl.learning.decisions import Decisions
 from cbdsl.program.transition import Transition
-from cbdsl.reproduction.lesson import Lesson
 from cbdsl.reproduction.quantity import Interval, Quantity, at_least
+from cbdsl.reproduction.series import Series
 from cbdsl.training.trial import Trial, used_programs
 
 Floats = NDArray[np.float64]
@@ -27,7 +28,7 @@ _DRAWS, _SWEEPS = 400, 200
 
 @dataclass(frozen=True)
 class Met:
-    """What some trials have met, trial by trial; any of them may count any number of times.
+    """The transitions of some trials, each counted any number of times.
 
     Attributes:
         pairs: the states and the actions that were chosen there.
@@ -57,16 +58,16 @@ class Met:
             followed = np.tensordot(weights, self.followed, 1) / chosen[:, None]
             rewards = weights @ self.rewards / chosen
         value = np.zeros(self.followed.shape[2])
-        found = np.full(len(chosen), math.nan)
+        values = np.full(len(chosen), math.nan)
         for _ in range(_SWEEPS):
-            found[known] = rewards[known] + gamma * followed[known] @ value
+            values[known] = rewards[known] + gamma * followed[known] @ value
             value[:] = 0.0
-            np.maximum.at(value, self.origin[known], found[known])
-        return found
+            np.maximum.at(value, self.origin[known], values[known])
+        return values
 
 
 def met(trials: Sequence[Trial]) -> Met:
-    """What trials of the same lesson have met."""
+    """The transitions of the trials of a series."""
     each = [list(_decided(trial)) for trial in trials]
     every = [decision for decided in each for decision in decided]
     pairs = sorted({(decision.state, decision.action) for decision in every})
@@ -85,28 +86,30 @@ def met(trials: Sequence[Trial]) -> Met:
 
 
 def worth_quantities(
-    lesson: Lesson, trials: Sequence[Trial], choices: Sequence[tuple[str, str]], seed: int
+    series: Series, trials: Sequence[Trial], choices: Sequence[tuple[str, str]], seed: int
 ) -> Iterator[Quantity]:
     """Whether what the source's policy chooses is worth as much as anything else there.
 
     Args:
-        lesson: that was learned.
+        series: that was learned.
         trials: of it; there are no quantities of fewer than five.
         choices: states, and the actions that the source's policy chooses there.
         seed: of the interval's resampling of trials.
     """
     if len(trials) < _LEAST_TRIALS:
         return
-    found, gamma = met(trials), trials[0].constants.gamma
+    constants = trials[0].constants
+    assert isinstance(constants, AccommodateConstants), "values are those of Algorithm 1"
+    tallies, gamma = met(trials), constants.gamma
     rng, count = np.random.default_rng(seed), len(trials)
     times = rng.multinomial(count, np.full(count, 1 / count), size=_DRAWS)
-    whole, drawn = found.worth(gamma), [found.worth(gamma, each) for each in times]
+    whole, drawn = tallies.worth(gamma), [tallies.worth(gamma, each) for each in times]
     for state, action in choices:
-        here = {a: place for place, (s, a) in enumerate(found.pairs) if s == state}
+        here = {a: place for place, (s, a) in enumerate(tallies.pairs) if s == state}
         shares = _shares(whole, here)
         others = [f"{name} {share:.0f}" for name, share in shares.items() if name != action]
         yield Quantity(
-            f"{lesson.label}: worth of {action} in {state}, relative to the best action",
+            f"{series.label}: worth of {action} in {state}, relative to the best action",
             "%",
             "chosen",
             shares.get(action, math.nan),

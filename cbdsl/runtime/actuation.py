@@ -76,8 +76,8 @@ class Actuation:
     ) -> None:
         control = robot.control
         self._signals, self._plan = signals, plan
-        # The robot's are those for its own rate. In a tick that lasts longer the joints move farther
-        # and their Jacobians change more, unless those are larger by as much.
+        # The robot's are those for its own rate. In a tick that lasts longer the joints move
+        # farther and their Jacobians change more, unless those are larger by as much.
         longer = period * control.rate
         self.settings = LawSettings(
             damping=control.damping * longer**2,
@@ -185,7 +185,7 @@ def _peers(item: Active) -> tuple[int, int]:
     """Slots of the controllers that one follows and requires; -1 where none acts with it."""
     controller = item.run.controller
     seek = controller.seek
-    return _slot(item.peers, seek.once if seek else None), _slot(item.peers, controller.given)
+    return _slot(item.peers, seek.once if seek else None), _slot(item.peers, controller.requires)
 
 
 def _slot(peers: Mapping[str, ControllerRun], name: str | None) -> int:

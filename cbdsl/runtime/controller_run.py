@@ -12,12 +12,13 @@ from numpy.typing import NDArray
 from cbdsl.control.field import NoPathError
 from cbdsl.control.obstacle import Obstacle
 from cbdsl.control.plan import ControllerPlan, Search, SlotForm
-from cbdsl.control.predicate import PREDICATE, PREDICATES, Predicate, reset, restart, settings_of
+from cbdsl.control.predicate import PREDICATE, PREDICATES, restart, settings_of
 from cbdsl.control.rate import bounds_of
 from cbdsl.control.registry import build
 from cbdsl.control.rotation import exp
 from cbdsl.control.setting import Setting
 from cbdsl.control.signal import SignalError, require_finite
+from cbdsl.control.tick import reset_slot
 from cbdsl.program.controller import AlongNormals, Ball, Controller, Field, Literal, Seek
 from cbdsl.sensing.density import Sampler
 from cbdsl.sensing.reading import Reading, flattened, transform
@@ -31,6 +32,7 @@ from cbdsl.types.resource import (
     Resource,
     Tip,
 )
+from cbdsl.types.state import Predicate
 
 Floats = NDArray[np.float64]
 Integers = NDArray[np.int64]
@@ -62,6 +64,7 @@ class ControllerRun:
         feedback, reference: numbers of rows of the signal table; -1 for no reference.
         columns: which joint each of the n of the composition that it acts in is, -1 for those that
             count as still, shape (n,).
+        samples: whether its reference is drawn from an internal model.
         no_path: why no free path leads to the reference; empty where one does.
     """
 
@@ -71,6 +74,8 @@ class ControllerRun:
         self, controller: Controller, signals: Signals, plan: ControllerPlan, period: float
     ) -> None:
         self.controller, self._signals, self._plan = controller, signals, plan
+        reference = controller.reference
+        self.samples = isinstance(reference, Resource) and reference.origin is Origin.MODEL
         own = self.own = signals.joints.pick(controller.joints)
         self.reference = self._bind_reference()
         self.feedback = self._bind_feedback()
@@ -95,7 +100,7 @@ class ControllerRun:
                 self.reference,
                 controller.funnel or _NO_FUNNEL,
                 None if controller.seek is None else self._search(controller.seek),
-                controller.given is not None,
+                controller.requires is not None,
             )
         )
 
@@ -107,12 +112,7 @@ class ControllerRun:
 
     def deactivate(self) -> None:
         """Forget the activation."""
-        record = self._record
-        record["phi"] = record["error"] = math.nan
-        for name in ("seeking", "exhausted", "engaged", "forgotten", "blocked"):
-            record[name] = False
-        reset(record["notes"])
-        self._plan.before[record["start"] : record["start"] + record["size"]] = 0.0
+        reset_slot(self._plan.slots, self.slot, self._plan.before)
         self.no_path = ""
         if self.samples:
             self._signals.table.forget(self.reference)
@@ -148,12 +148,6 @@ class ControllerRun:
     def needs_preparation(self) -> bool:
         """Whether there is anything to draw or to solve for."""
         return self.samples or self._potential.prepare is not None
-
-    @property
-    def samples(self) -> bool:
-        """Whether its reference is drawn from an internal model."""
-        reference = self.controller.reference
-        return isinstance(reference, Resource) and reference.origin is Origin.MODEL
 
     @property
     def predicate(self) -> str:

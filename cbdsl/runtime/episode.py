@@ -20,11 +20,11 @@ from cbdsl.program.checked import CheckedProgram
 from cbdsl.program.transition import Transition
 from cbdsl.runtime.actuation import Actuation
 from cbdsl.runtime.ending import describe
-from cbdsl.runtime.policy import Policy
 from cbdsl.runtime.program_run import ProgramRun
 from cbdsl.sensing.kinematics import Kinematics
 from cbdsl.sensing.observation import Observation
 from cbdsl.sensing.signals import SensorError, Signals
+from cbdsl.types.policy import Policy
 from cbdsl.types.resource import Resource
 
 

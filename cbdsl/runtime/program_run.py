@@ -13,8 +13,8 @@ from cbdsl.program.checked import Action, CheckedProgram
 from cbdsl.program.controller import Composition, Controller, Primitive
 from cbdsl.program.transition import Transition
 from cbdsl.runtime.controller_run import ControllerRun
-from cbdsl.runtime.policy import Policy, WrittenPolicy
 from cbdsl.sensing.signals import Signals
+from cbdsl.types.policy import Policy, WrittenPolicy
 
 Listener = Callable[[Transition], None]
 

@@ -96,11 +96,24 @@ def sighting_jacobian(point: Floats) -> Floats:
     )
 
 
-def focal_scale(line: Floats) -> float:
-    """Cosine cubed of the angle of a line of sight, shape (3,) in the camera frame, off its axis.
+@compiled_once
+def line_of_sight(
+    lens: Floats, column: float, row: float, rotation: Floats, direction: Floats
+) -> tuple[float, float]:
+    """The line of sight of a pixel, in the world frame.
 
-    That is how much a pinhole enlarges areas there.
+    Args:
+        lens: width, height and focal length of the camera, px, shape (3,).
+        column, row: as of ``sight``.
+        rotation: of the camera, shape (3, 3).
+        direction: becomes the line, as long as it is to the plane x = 1 m of the camera's frame.
+
+    Returns:
+        Its length, and how much a pinhole enlarges areas there: the cosine cubed of its angle off
+        the camera's axis.
     """
-    x, y, z = line.tolist()
-    cosine: float = (1 + (y * y + z * z) / (x * x)) ** -1.5
-    return cosine
+    y, z = (lens[0] / 2 - column) / lens[2], (lens[1] / 2 - row) / lens[2]
+    square = 1.0 + y * y + z * z
+    for i in range(3):
+        direction[i] = rotation[i, 0] + rotation[i, 1] * y + rotation[i, 2] * z
+    return math.sqrt(square), square**-1.5

@@ -15,8 +15,9 @@ Floats = NDArray[np.float64]
 Integers = NDArray[np.int64]
 Records = NDArray[Any]
 
-#: A moving joint, parents first: the frame it moves in, its column among the actuated joints and how
-#: far it follows that one, its placement in the parent's frame, its axis there, and whether it slides.
+#: A moving joint, parents first: the frame it moves in, its column among the actuated joints and
+#: how far it follows that one, its placement in the parent's frame, its axis there, and whether it
+#: slides.
 JOINT = np.dtype(
     [
         ("parent", np.int64),
@@ -100,6 +101,34 @@ def place_point(frame: Floats, offset: Floats, point: Floats) -> None:
         point[i] = frame[9 + i]
         for k in range(3):
             point[i] += frame[3 * i + k] * offset[k]
+
+
+@compiled_once
+def place_points(frames: Floats, numbers: Integers, offsets: Floats, points: Floats) -> None:
+    """Compute where points (k, 3) are in the world, by their frames and offsets there."""
+    for place in range(len(numbers)):
+        place_point(frames[numbers[place]], offsets[place], points[place])
+
+
+@compiled_once
+def place_link(
+    frame: Floats, origin: Floats, axes: Floats, position: Floats, rotation: Floats
+) -> None:
+    """Compute where a link is in the world.
+
+    Args:
+        frame: that carries it, shape (12,).
+        origin: of the link in that frame, m, shape (3,).
+        axes: of the link in that frame, as columns, shape (3, 3).
+        position: becomes its origin, m, shape (3,).
+        rotation: becomes its axes, as columns, shape (3, 3).
+    """
+    place_point(frame, origin, position)
+    for i in range(3):
+        for k in range(3):
+            rotation[i, k] = 0.0
+            for inner in range(3):
+                rotation[i, k] += frame[3 * i + inner] * axes[inner, k]
 
 
 @compiled

@@ -1,4 +1,4 @@
-"""Forward kinematics and Jacobians of a robot: the only home of Pinocchio, which reads the model."""
+"""Forward kinematics and Jacobians of a robot; the only home of Pinocchio."""
 
 from __future__ import annotations
 
@@ -13,7 +13,15 @@ from numpy.typing import NDArray
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.robot.joints import Joints
 from cbdsl.robot.urdf import UrdfError
-from cbdsl.sensing.forward import JOINT, bend_point, move_point, place_joints, place_point
+from cbdsl.sensing.forward import (
+    JOINT,
+    bend_point,
+    move_point,
+    place_joints,
+    place_link,
+    place_point,
+    place_points,
+)
 
 Floats = NDArray[np.float64]
 Integers = NDArray[np.int64]
@@ -95,6 +103,7 @@ class Kinematics:
         self.frames[0, [0, 4, 8]] = 1.0
         self.axes = np.zeros((len(self.tree), 3))
         self._links: dict[str, Link] = {}
+        self._origins: dict[tuple[tuple[str, ...], ...], tuple[Integers, Floats]] = {}
         self._needed: Integers = np.zeros(0, dtype=np.int64)
         self.update(np.minimum(np.maximum(0.0, self.lower), self.upper))
 
@@ -122,14 +131,13 @@ class Kinematics:
 
     def frame(self, link: str) -> Frame:
         """The placement of a link, which stays as it is now."""
-        here = self.link(link)
-        rotation, position = self._placement(here)
-        return Frame(rotation.dot(here.position) + position, rotation.dot(here.rotation))
+        here, placed = self.link(link), Frame(np.empty(3), np.empty((3, 3)))
+        place_link(self.frames[here.frame], here.position, here.rotation, *placed)
+        return placed
 
     def direction(self, link: str, vector: Floats) -> Floats:
         """A vector (3,) of a link's own axes, in the world's."""
-        here = self.link(link)
-        turned: Floats = self._placement(here)[0].dot(here.rotation.dot(vector))
+        turned: Floats = self.frame(link).rotation.dot(vector)
         return turned
 
     def jacobian(self, link: str) -> Floats:
@@ -177,28 +185,32 @@ class Kinematics:
 
     def origins(self, joints: tuple[str, ...], links: tuple[str, ...]) -> Floats:
         """Origins of the named joints and links in the world frame, m, shape (k, 3)."""
-        origins = [self._origin(name) for name in joints]
-        origins += [self.frame(name).position for name in links]
-        return np.array(origins).reshape(len(origins), 3)
-
-    def _origin(self, joint: str) -> Floats:
-        """The origin of a joint, m, shape (3,)."""
-        number = self._model.getJointId(joint)
-        self._need(list(self._model.supports[number])[1:])
+        known = self._origins.get((joints, links))
+        if known is None:
+            known = self._origins[joints, links] = self._find_origins(joints, links)
         self.place()
-        origin: Floats = self.frames[number, 9:]
-        return origin
+        numbers, offsets = known
+        origins = np.empty((len(numbers), 3))
+        place_points(self.frames, numbers, offsets, origins)
+        return origins
+
+    def _find_origins(
+        self, joints: tuple[str, ...], links: tuple[str, ...]
+    ) -> tuple[Integers, Floats]:
+        """Frames of joints and links, and where their origins are in these."""
+        numbers = [self._model.getJointId(name) for name in joints]
+        for number in numbers:
+            self._need(list(self._model.supports[number])[1:])
+        placed = [self.link(name) for name in links]
+        offsets = [*np.zeros((len(joints), 3)), *(link.position for link in placed)]
+        frames = np.array([*numbers, *(link.frame for link in placed)], dtype=np.int64)
+        return frames, np.array(offsets).reshape(len(offsets), 3)
 
     def _need(self, numbers: Sequence[int]) -> None:
         """Have joints placed from now on."""
         needed = np.union1d(self._needed, np.array(numbers, dtype=np.int64) - 1)
         if len(needed) > len(self._needed):
             self._needed, self._is_placed = needed, False
-
-    def _placement(self, link: Link) -> tuple[Floats, Floats]:
-        """Rotation (3, 3) and origin (3,) of the frame that carries a link."""
-        frame = self.frames[link.frame]
-        return frame[:9].reshape(3, 3), frame[9:]
 
     def _find(self, name: str) -> Link:
         numbers, frame = self._support(name), self._model.frames[self._frame(name)]

@@ -12,12 +12,12 @@ from numpy.typing import NDArray
 
 from cbdsl.documents.robot import Camera, RobotDocument
 from cbdsl.numeric.compiled import compiled_once
-from cbdsl.sensing.camera import focal_scale, heading, sight
+from cbdsl.sensing.camera import heading, line_of_sight
 from cbdsl.sensing.channels import ChannelFilter, Region
 from cbdsl.sensing.kinematics import Frame, Kinematics
 from cbdsl.sensing.memory import PositionMemory
 from cbdsl.sensing.observation import Observation
-from cbdsl.sensing.stereo import Ray, triangulate
+from cbdsl.sensing.stereo import Ray, cross_rays
 
 Floats = NDArray[np.float64]
 
@@ -40,13 +40,13 @@ class SeenHeading(NamedTuple):
     stamp: int
 
 
-class _Sight(NamedTuple):
-    """Where a region was seen.
+class Sighting(NamedTuple):
+    """The line of sight to a region.
 
     Attributes:
         ray: the line of sight to its centroid, as long as it is to the plane x = 1 m of the
             camera's frame.
-        scale: how much the pinhole enlarges areas there, as ``focal_scale`` has it.
+        scale: how much the pinhole enlarges areas there, as ``line_of_sight`` has it.
         time: when, s.
         image: number of the image.
     """
@@ -72,6 +72,12 @@ class Vision:
         self, robot: RobotDocument, kinematics: Kinematics, channels: Iterable[str]
     ) -> None:
         self._cameras: Mapping[str, Camera] = robot.cameras
+        self._lenses = {
+            name: np.array((each.width, each.height, each.focal_length), dtype=float)
+            for name, each in robot.cameras.items()
+        }
+        lengths = [float(each.focal_length) for each in robot.cameras.values()]
+        self._focal_lengths = (lengths[0], lengths[-1]) if lengths else (1.0, 1.0)
         self._kinematics = kinematics
         self._settings = robot.vision.regions
         self.channels = tuple(dict.fromkeys(channels))
@@ -98,7 +104,7 @@ class Vision:
         self.headings: dict[tuple[str, str], SeenHeading] = {}
         self.regions: dict[tuple[str, str], Region] = {}
         self.images = 0
-        self._sights: dict[tuple[str, str], _Sight] = {}
+        self._sights: dict[tuple[str, str], Sighting] = {}
         self._frames: dict[str, Frame] = {}
         # No line of sight leaves a camera that has not seen anything yet.
         self._eyes: Floats = np.full((len(self._cameras), 3), math.nan)
@@ -201,14 +207,15 @@ class Vision:
                 if channel == "motion" and self._moved(name, frame):
                     continue
                 self.regions[name, channel] = region
-                self._sights[name, channel] = self._sighted(camera, frame, region)
+                self._sights[name, channel] = self._sighted(name, frame, region)
             self._frames[name] = frame
             self._eyes[row] = frame.position
 
-    def _sighted(self, camera: Camera, frame: Frame, region: Region) -> _Sight:
-        line = sight(camera, region.column, region.row)
-        ray = Ray(frame.position, frame.rotation.dot(line), math.sqrt(line.dot(line)))
-        return _Sight(ray, focal_scale(line), self._image_time, self.images)
+    def _sighted(self, camera: str, frame: Frame, region: Region) -> Sighting:
+        line, lens = np.empty(3), self._lenses[camera]
+        length, scale = line_of_sight(lens, region.column, region.row, frame.rotation, line)
+        ray = Ray(frame.position, line, length)
+        return Sighting(ray, scale, self._image_time, self.images)
 
     def _moved(self, camera: str, frame: Frame) -> bool:
         """Whether a camera has turned since its last image; also before its first."""
@@ -243,22 +250,51 @@ class Vision:
                 return None
             sights.append(self._sights[name, channel])
             areas.append(region.area)
-        crossing = triangulate(sights[0].ray, sights[1].ray)
-        if crossing is None or crossing.gap > self._settings.ray_gap:
+        position, sizes = np.empty(3), np.empty(2)
+        if not _locate(
+            sights[0].ray, sights[1].ray, (areas[0] * sights[0].scale, areas[1] * sights[1].scale),
+            self._focal_lengths, self._settings.ray_gap, self._settings.farthest, position, sizes,
+        ):  # fmt: skip
             return None
-        sizes, position = [], crossing.position.tolist()
-        for camera, seen, area in zip(self._cameras.values(), sights, areas, strict=True):
-            distance = math.dist(position, seen.ray.origin.tolist())
-            if distance > self._settings.farthest:
-                return None
-            sizes.append(area * seen.scale * (distance / camera.focal_length) ** 2)
-        return crossing.position, sizes
+        return position, sizes.tolist()
 
     def _hidden_by_hand(self, position: Floats) -> bool:
         """Whether a wrist, palm or fingertip is near some camera's line of sight to a position."""
         if self._hands is None:
             self._hands = self._kinematics.origins(self._wrists, self._hand_links)
         return _is_beside(self._hands, self._eyes, position, self._settings.hand_radius)
+
+
+@compiled_once
+def _locate(
+    left: Ray,
+    right: Ray,
+    areas: tuple[float, float],
+    focal_lengths: tuple[float, float],
+    gap: float,
+    farthest: float,
+    position: Floats,
+    sizes: Floats,
+) -> bool:
+    """Triangulate a region's position, m, shape (3,), and its size as each camera sees it, m^2.
+
+    Returns:
+        Whether the lines of sight meet within ``gap`` and no farther than ``farthest``, m.
+    """
+    missed = cross_rays(
+        left.origin, left.direction, left.length, right.origin, right.direction, right.length,
+        position,
+    )  # fmt: skip
+    if not missed <= gap:
+        return False
+    for eye in range(2):
+        origin, square = (left if eye == 0 else right).origin, 0.0
+        for i in range(3):
+            square += (position[i] - origin[i]) ** 2
+        if square > farthest * farthest:
+            return False
+        sizes[eye] = areas[eye] * square / focal_lengths[eye] ** 2
+    return True
 
 
 @compiled_once

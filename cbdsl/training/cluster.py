@@ -1,4 +1,4 @@
-"""Many jobs at once, such as trials, on a Dask cluster."""
+"""Jobs such as trials, side by side on a Dask cluster."""
 
 from __future__ import annotations
 
@@ -45,29 +45,29 @@ _GONE = "the cluster's scheduler is gone, or gave the trials up"
 
 
 class Supervisor(Protocol[J_contra]):
-    """Is told how jobs get on that others carry out."""
+    """Observer of jobs that run on a cluster."""
 
     def done(self, job: J_contra, files: Sequence[Path], /) -> None:
-        """A job is over, and wrote these files."""
+        """A job ended and wrote these files."""
         ...
 
     def failed(self, job: J_contra, error: Exception, /) -> None:
-        """A job could not be carried out; the others go on."""
+        """A job failed; the others go on."""
         ...
 
     def look(self, workers: int) -> None:
-        """Some time passed, and so many workers are there."""
+        """Called every second with the number of workers."""
         ...
 
 
-def carry_out_all(
+def run_all(
     jobs: Sequence[J],
     workers: int,
     scheduler: str | None,
     supervisor: Supervisor[J],
     patience: float = _PATIENCE,
 ) -> None:
-    """Carry out jobs side by side; what is learned does not depend on who learns it.
+    """Run jobs side by side; outcomes do not depend on the workers.
 
     A trial whose worker is killed goes on from its journal at another.
 
@@ -75,7 +75,7 @@ def carry_out_all(
         jobs: such as trials.
         workers: processes of one thread each, here.
         scheduler: address of a cluster instead, whose workers see the same files.
-        supervisor: is told how they get on.
+        supervisor: observer of their outcomes.
         patience: for how long there may be no worker at all, s.
 
     Raises:
@@ -141,7 +141,7 @@ def _supervise(
     supervisor: Supervisor[J],
     patience: float,
 ) -> None:
-    """Wait for all jobs, as long as there is anybody to carry them out."""
+    """Wait for all jobs, as long as there are workers."""
     last_seen = time.monotonic()
     while futures:
         workers = _workers(client)
@@ -157,7 +157,7 @@ def _supervise(
 
 
 def _workers(client: Client) -> int:
-    """How many workers a cluster has.
+    """Number of workers of a cluster.
 
     Raises:
         UsageError: there is no cluster any more.
@@ -171,7 +171,7 @@ def _workers(client: Client) -> int:
 
 
 def _hand_over(future: Future[list[Path]], job: J, supervisor: Supervisor[J]) -> None:
-    """Tell what became of a job."""
+    """Report the outcome of a job."""
     try:
         files = future.result()
     except CancelledError as error:

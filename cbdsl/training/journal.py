@@ -1,4 +1,4 @@
-"""The journal of a trial: one line per finished episode, from which it can go on."""
+"""Journal of a trial: one line per finished episode, from which it resumes."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from cbdsl.errors.errors import UsageError
 from cbdsl.learning.experience import Experience
 from cbdsl.program.transition import Transition
 
-# How long a process that lost its cluster may still be busy with its last episode, s.
+# A process that lost its cluster may still be busy with its last episode, s.
 _PATIENCE = 60.0
 
 
@@ -24,7 +24,7 @@ class JournalError(UsageError):
     """A journal cannot be used; the message says why and what to do."""
 
 
-class Entry(NamedTuple):
+class JournalEntry(NamedTuple):
     """A line of a journal.
 
     Attributes:
@@ -37,7 +37,7 @@ class Entry(NamedTuple):
 
 
 class Journal:
-    """A file of JSON lines: what the trial is, then each episode as soon as it is over.
+    """File of JSON lines: the identity of a trial, then each episode as soon as it ends.
 
     Where the file is there, the trial goes on.
     A line that a killed process left unfinished counts for nothing, and is overwritten.
@@ -94,7 +94,7 @@ class Journal:
         self._file.close()
 
     def append(self, experience: Experience, wall_seconds: float) -> None:
-        """Keep a finished episode, for certain, before anything else happens.
+        """Append a finished episode and flush it to disk.
 
         Args:
             experience: the episode.
@@ -113,7 +113,7 @@ class Journal:
 
 
 def rows_of(data: bytes, path: Path) -> tuple[list[dict[str, Any]], int]:
-    """The whole lines in a part of a journal, and where they end.
+    """Complete lines in a part of a journal, and where they end.
 
     Args:
         data: from the beginning of a line; what follows the last end of a line is left out.
@@ -132,8 +132,8 @@ def rows_of(data: bytes, path: Path) -> tuple[list[dict[str, Any]], int]:
     return rows, sound
 
 
-def entry_of(row: Mapping[str, Any], path: Path) -> Entry:
-    """The episode in a line of a journal.
+def entry_of(row: Mapping[str, Any], path: Path) -> JournalEntry:
+    """Episode in a line of a journal.
 
     Raises:
         JournalError: there is none.
@@ -145,7 +145,7 @@ def entry_of(row: Mapping[str, Any], path: Path) -> Entry:
 
 
 def require_usable(path: Path, identity: Mapping[str, Any]) -> None:
-    """Make sure that the trial in a journal can go on.
+    """Check that the trial in a journal can be resumed.
 
     Args:
         path: the journal, which is there.
@@ -173,7 +173,7 @@ def _require_same(path: Path, found: Mapping[str, Any], wanted: Mapping[str, Any
 
 
 def _differences(found: Mapping[str, Any], wanted: Mapping[str, Any]) -> list[str]:
-    """What differs, in words."""
+    """Differences between two identities, in words."""
     told = []
     for key in {**found, **wanted}:
         old, new = found.get(key), wanted.get(key)
@@ -198,7 +198,7 @@ def _shown(value: object) -> str:
 
 
 def _lock(file: BinaryIO, path: Path, patience: float) -> None:
-    """Be the only one at work on a file; the end of a process frees what it held, however it ends.
+    """Lock a file; the lock ends with the process, however that ends.
 
     Raises:
         JournalError: somebody else is, and does not end within ``patience``, s.
@@ -217,7 +217,7 @@ def _lock(file: BinaryIO, path: Path, patience: float) -> None:
         time.sleep(0.1)
 
 
-def _entry(row: Mapping[str, Any]) -> Entry:
+def _entry(row: Mapping[str, Any]) -> JournalEntry:
     transitions = (
         Transition(**{**each, "rewarding": tuple(each["rewarding"])}) for each in row["transitions"]
     )
@@ -229,4 +229,4 @@ def _entry(row: Mapping[str, Any]) -> Entry:
         ticks=row["ticks"],
         sim_seconds=row["sim_seconds"],
     )
-    return Entry(experience, row["wall_seconds"])
+    return JournalEntry(experience, row["wall_seconds"])

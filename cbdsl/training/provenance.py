@@ -1,17 +1,21 @@
-"""Where knowledge comes from, so that it can be had again, and is not taken for other."""
+"""Provenance of knowledge: program, robot, stage, algorithm, constants, seed and versions."""
 
 from __future__ import annotations
 
 import platform
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from importlib.metadata import PackageNotFoundError, version
+from typing import Any
 
+from cbdsl.backends.backend import BACKENDS
 from cbdsl.documents.digest import digest
 from cbdsl.documents.document import Document
 from cbdsl.documents.policy import Identity, Provenance
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.documents.stage import StageDocument
+from cbdsl.learning.learner import LEARNERS
 from cbdsl.training.trial import Trial
+from cbdsl.types.registry import Registry
 
 # What episodes and documents are computed with; those that are not installed had no part in it.
 _PACKAGES = ("cbdsl", "moderngl", "numba", "numpy", "opencv-python-headless", "pin", "pybullet")
@@ -19,7 +23,7 @@ _PACKAGES = ("cbdsl", "moderngl", "numba", "numpy", "opencv-python-headless", "p
 
 @dataclass(frozen=True)
 class Setting:
-    """What an outcome depends on besides the trial itself.
+    """Surroundings of a trial that its outcome depends on.
 
     Attributes:
         program_sha256: of the program's text; see ``program_digest``.
@@ -37,7 +41,7 @@ class Setting:
 
 
 def provenance_of(trial: Trial, setting: Setting, episodes: int, command: str) -> Provenance:
-    """All that the outcome of a trial depends on.
+    """Provenance of a trial.
 
     Args:
         trial: what is learned, by which constants and chance.
@@ -51,7 +55,7 @@ def provenance_of(trial: Trial, setting: Setting, episodes: int, command: str) -
         "transition_time": program.transition_time,
         "idle_time": program.idle_time,
     }
-    constants = asdict(trial.constants) | limits
+    constants = trial.constants.model_dump() | limits
     return Provenance(
         command=command,
         program=Identity(name=program.name, sha256=setting.program_sha256),
@@ -59,14 +63,14 @@ def provenance_of(trial: Trial, setting: Setting, episodes: int, command: str) -
         actions=tuple(action.name for action in program.actions),
         robot=_identity(setting.robot),
         stage=_identity(setting.stage),
-        algorithm="accommodate",
+        algorithm=trial.algorithm,
         constants={name: value for name, value in constants.items() if value is not None},
         seed=trial.seed,
         trial=trial.number,
         episodes=episodes,
         backend=setting.backend,
         renderer=setting.renderer,
-        versions=versions(),
+        versions=versions() | plugin_versions(trial.algorithm, setting.backend),
     )
 
 
@@ -74,8 +78,18 @@ def _identity(document: Document) -> Identity:
     return Identity(name=document.name, sha256=digest(document))
 
 
+def plugin_versions(learner: str, backend: str) -> dict[str, str]:
+    """Versions of the other packages that a learner and a backend come from."""
+    registries: tuple[tuple[Registry[Any], str], ...] = ((LEARNERS, learner), (BACKENDS, backend))
+    return dict(
+        registry.distribution(name)
+        for registry, name in registries
+        if name in registry and not registry.is_builtin(name)
+    )
+
+
 def versions() -> dict[str, str]:
-    """Those of the packages that an outcome depends on, as they are installed here."""
+    """Versions of the installed packages that an outcome depends on."""
     found = {"python": platform.python_version()}
     for package in _PACKAGES:
         try:

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import numpy as np
 
-from cbdsl.learning.accommodate import Accommodate, Constants
+from cbdsl.documents.document import Section
 from cbdsl.learning.experience import Experience
+from cbdsl.learning.learner import ACCOMMODATE, LEARNERS, replay
 from cbdsl.program.binding import bind, density_source, internal_models
 from cbdsl.program.checked import CheckedProgram
-from cbdsl.training.classroom import Classroom
+from cbdsl.training.episode_runner import EpisodeRunner
 from cbdsl.types.resource import UniformSample
 
 # What an episode's seed is used for besides the world (0) and the program's draws (1).
@@ -16,47 +17,53 @@ _EXPLORATION = 2
 
 
 class Trial:
-    """Learns a program from zero, one episode at a time.
+    """Learner and its episodes so far, from zero.
 
-    All that it knows follows from its experiences: to give them to another trial in the same
-    order makes that the same trial.
+    Its knowledge follows from its experiences alone: another trial that replays them in the same
+    order is the same trial.
 
     Attributes:
         program: what is learned; its actions are what can be chosen.
         constants: of the algorithm.
         seed: of all chance.
         number: which of several trials with this seed.
+        algorithm: name of the learner.
         learner: what was learned so far.
         experiences: the episodes so far.
     """
 
     def __init__(
-        self, program: CheckedProgram, constants: Constants, seed: int, number: int = 0
+        self,
+        program: CheckedProgram,
+        constants: Section,
+        seed: int,
+        number: int = 0,
+        algorithm: str = ACCOMMODATE,
     ) -> None:
         self.program, self.constants = program, constants
         self.seed, self.number = seed, number
-        self.learner = Accommodate(
-            [action.name for action in program.actions], constants, used_programs(program)
-        )
+        self.algorithm = algorithm
+        actions = [action.name for action in program.actions]
+        self.learner = LEARNERS.get(algorithm)(actions, constants, used_programs(program))
         self.experiences: list[Experience] = []
 
     def replay(self, experience: Experience) -> None:
         """Take in the next episode, which was run before."""
-        self.learner.replay(experience)
+        replay(self.learner, experience)
         self.experiences.append(experience)
 
-    def run(self, classroom: Classroom) -> Experience:
+    def run(self, runner: EpisodeRunner) -> Experience:
         """Run the next episode and learn from it."""
         seed = self._next_seed()
-        explorer = self.learner.explorer(np.random.default_rng([seed, _EXPLORATION]))
+        policy = self.learner.policy(np.random.default_rng([seed, _EXPLORATION]))
         program = self.informed_program()
-        experience = classroom.hold(program, explorer, seed, self.learner.see)
+        experience = runner.run(program, policy, seed, self.learner.see)
         self.learner.remember(experience)
         self.experiences.append(experience)
         return experience
 
     def learned_models(self) -> dict[str, str]:
-        """By internal model of the program that starts uniform, the effector that it is of.
+        """Effectors of the internal models that start uniform, by name of the model.
 
         Only those of effectors that were rewarded so far; models that the program names itself
         are known already, and stay as they are.
@@ -69,7 +76,7 @@ class Trial:
         }
 
     def informed_program(self) -> CheckedProgram:
-        """The program, drawing from the internal models that were learned so far."""
+        """Program that draws from the internal models learned so far."""
         densities = self.learner.densities()
         sources = {
             name: density_source(effector, densities[effector])
@@ -84,7 +91,7 @@ class Trial:
 
 
 def used_programs(program: CheckedProgram) -> dict[int, str]:
-    """The actions that are programs, by the place of their predicates in a state."""
+    """Actions that are programs, by the place of their predicates in a state."""
     return {
         program.members.index(action.name): action.name
         for action in program.actions

@@ -1,4 +1,4 @@
-"""A worker of a cluster: carries out one trial after another, on one body for all of them."""
+"""Worker of a cluster: runs one job after another, all on one body."""
 
 from __future__ import annotations
 
@@ -17,17 +17,17 @@ from cbdsl.documents.robot import RobotDocument
 from cbdsl.errors.errors import UsageError
 from cbdsl.learning.experience import Experience
 from cbdsl.sensing.kinematics import Kinematics
-from cbdsl.training.course import Watcher
 from cbdsl.training.provenance import versions
+from cbdsl.training.trial_loop import TrialObserver
 
 Workplace = tuple[Backend, Kinematics]
 
-# To put a body together takes as long as some episodes. A process has one thread and one robot.
+# Building a body takes as long as some episodes. A process has one thread and one robot.
 _kept: dict[tuple[str, str, Path], Workplace] = {}
 
 
 class Job(Protocol):
-    """What a worker carries out; it can be sent to another process.
+    """Work for a cluster; it can be sent to another process.
 
     Attributes:
         path: a file in a folder that all who work see.
@@ -45,8 +45,8 @@ class Job(Protocol):
     @property
     def backend(self) -> str: ...
 
-    def carry_out(self, body: Backend, kinematics: Kinematics, watcher: Watcher) -> list[Path]:
-        """Do it on a body, and tell of each episode that is over.
+    def run(self, body: Backend, kinematics: Kinematics, observer: TrialObserver) -> list[Path]:
+        """Run it on a body; the observer is told of each finished episode.
 
         Returns:
             The files that were written.
@@ -55,7 +55,7 @@ class Job(Protocol):
 
 
 class AbandonedError(UsageError):
-    """Nobody waits for the outcome of a trial any more."""
+    """A trial was cancelled."""
 
 
 def dask_setup(_: Worker) -> None:
@@ -64,7 +64,7 @@ def dask_setup(_: Worker) -> None:
 
 
 def work(job: Job, there: Path, expected: Mapping[str, str]) -> list[Path]:
-    """Carry out a job, here and now.
+    """Run a job in this process.
 
     Args:
         job: such as a trial.
@@ -76,21 +76,21 @@ def work(job: Job, there: Path, expected: Mapping[str, str]) -> list[Path]:
 
     Raises:
         UsageError: this worker would learn something else, or put it elsewhere.
-        JournalError, BackendError, EpisodeError, OSError: see ``follow``.
+        JournalError, BackendError, EpisodeError, OSError: see ``run_trial``.
     """
     _require_fit(there, expected)
     with _workplace(job) as (body, kinematics):
-        return job.carry_out(body, kinematics, _Conscience())
+        return job.run(body, kinematics, CancellationCheck())
 
 
-class _Conscience:
-    """Ends a trial that nobody waits for, so that somebody else can go on with it."""
+class CancellationCheck:
+    """Observer that ends a cancelled trial, so that another worker can go on with it."""
 
     def begin(self, number: int, renderer: str, finished: Sequence[Experience]) -> None:
-        """See ``Watcher.begin``."""
+        """See ``TrialObserver.begin``."""
 
     def note(self, number: int, experience: Experience, seconds: float) -> None:
-        """See ``Watcher.note``."""
+        """See ``TrialObserver.note``."""
         worker = get_worker()
         task = worker.state.tasks.get(worker.get_current_task())
         wanted = task is not None and task.state == "executing"
@@ -121,7 +121,7 @@ def _require_fit(there: Path, expected: Mapping[str, str]) -> None:
 
 @contextmanager
 def _workplace(job: Job) -> Iterator[Workplace]:
-    """The body for a job, put together for the first one of its kind."""
+    """Body for a job, built for the first one of its kind and kept."""
     key = (job.backend, digest(job.robot), job.urdf)
     if key not in _kept:
         body = find_backend(job.backend)(job.robot, job.urdf)
@@ -129,6 +129,6 @@ def _workplace(job: Job) -> Iterator[Workplace]:
     try:
         yield _kept[key]
     except BaseException:
-        # Who knows what state it is in.
+        # Its state is unknown.
         _kept.pop(key)[0].close()
         raise

@@ -7,8 +7,7 @@ depth, while libyaml's composer recurses, and crashes the process on deep input.
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator, Sequence
-from itertools import islice
+from collections.abc import Callable, Iterator, Sequence
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import yaml
@@ -19,19 +18,16 @@ from cbdsl.errors.lines import lines_of
 from cbdsl.errors.wording import diagnostic
 from cbdsl.yaml_text.characters import (
     control_in,
-    invisible_in,
-    meant_key,
-    meant_value,
-    said_of,
+    look_alike_message,
     spelled,
-    without_invisible,
+    suggested_key,
+    suggested_value,
 )
 from cbdsl.yaml_text.node import Node
 from cbdsl.yaml_text.scalar import ScalarError, resolve
 
 if TYPE_CHECKING:
-    from cbdsl.yaml_text.repair.comma import Stray
-    from cbdsl.yaml_text.repair.syntax import Slip
+    from cbdsl.yaml_text.comma import Stray
 
 DEEPEST = 64
 # Far more than any person writes; without bounds a few lines can keep the checker busy for ever.
@@ -39,11 +35,6 @@ MOST_NODES = 10_000
 MOST_ENTRIES = 2_000
 MOST_CHARACTERS = 256_000
 LONGEST_TEXT = 10_000
-
-# What lines begin with that git, or a comparison of two versions, leaves behind.
-_MARKS = ("<<<<<<<", "|||||||", "=======", ">>>>>>>", "\n+")
-# More slips in one text are found once these are mended.
-_MOST_SLIPS = 10
 
 LOADER: Any = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
 
@@ -54,7 +45,7 @@ class Composed(NamedTuple):
     Attributes:
         root: all of its values; those with a finding are marked as faulty.
         findings: what is wrong with single values.
-        lines: the text that the values are in, with slips mended; lines keep their numbers.
+        lines: the text that the values are in.
     """
 
     root: Node
@@ -62,69 +53,54 @@ class Composed(NamedTuple):
     lines: Sequence[str]
 
 
-class _SlipError(Exception):
-    """The text is no YAML because of a slip."""
+class SyntaxFaultError(Exception):
+    """A text that is no YAML.
 
-    def __init__(self, slip: Slip) -> None:
-        super().__init__(slip.problem)
-        self.slip = slip
+    Attributes:
+        error: libyaml's.
+        findings: what was found up to there.
+    """
+
+    def __init__(self, error: yaml.MarkedYAMLError, findings: Sequence[Diagnostic]) -> None:
+        super().__init__(str(error))
+        self.error = error
+        self.findings = findings
 
 
 def compose(text: str, file: str) -> Composed:
-    """The one document of a YAML text.
-
-    What is wrong beyond doubt is mended, so that it hides nothing behind it.
+    """The one document of a YAML text, as it stands.
 
     Raises:
         DiagnosticsError: with every finding up to the first one that hides the rest.
+        SyntaxFaultError: the text is no YAML.
+    """
+    require_readable(text, file)
+    composer = _Composer(text, file)
+    try:
+        root = composer.document()
+    except yaml.MarkedYAMLError as error:
+        raise SyntaxFaultError(error, composer.findings) from None
+    return Composed(root, tuple(composer.findings), composer.lines)
+
+
+def require_readable(text: str, file: str) -> None:
+    """Refuse what is too long, or holds characters that no text has.
+
+    Raises:
+        DiagnosticsError: it does.
     """
     if len(text) > MOST_CHARACTERS:
         bound = f"{MOST_CHARACTERS} characters"
         raise DiagnosticsError([diagnostic("CB108", Place(file), bound=bound)])
     if control := control_in(text):
-        raise DiagnosticsError([_unseen("CB103", control, file)])
-    text, found = _legible(text, file)
-    while True:
-        composer = _Composer(text, file)
-        try:
-            root = composer.document()
-        except _SlipError as error:
-            found.append(_diagnostic(error.slip, file))
-            if not error.slip.lines or len(found) >= _MOST_SLIPS:
-                raise DiagnosticsError([*found, *composer.findings]) from None
-            text = "\n".join(error.slip.mended(lines_of(text)))
-        except DiagnosticsError as error:
-            raise DiagnosticsError([*found, *error.diagnostics]) from None
-        else:
-            return Composed(root, (*found, *composer.findings), lines_of(text))
+        raise DiagnosticsError([unseen("CB103", control, file)])
 
 
-def _legible(text: str, file: str) -> tuple[str, list[Diagnostic]]:
-    """A text without invisible characters and conflicts, and the findings about these."""
-    found = []
-    if invisible := invisible_in(text):
-        # One stands for all: they tend to come in swarms.
-        found.append(_unseen("CB118", invisible, file))
-        text = without_invisible(text)
-    if any(mark in text for mark in _MARKS):
-        from cbdsl.yaml_text.repair.conflict import conflicts, one_side  # only a fault needs it
-
-        lines = lines_of(text)
-        found += islice(conflicts(lines, file), _MOST_SLIPS)
-        text = "\n".join(one_side(lines))
-    return text, found
-
-
-def _unseen(code: str, match: re.Match[str], file: str) -> Diagnostic:
+def unseen(code: str, match: re.Match[str], file: str) -> Diagnostic:
     """A finding about a character that no editor shows."""
     before = lines_of(match.string[: match.start()])
     place = Place(file, len(before), len(before[-1]) + 1, len(before[-1]) + 2)
     return diagnostic(code, place, character=spelled(match[0]))
-
-
-def _diagnostic(slip: Slip, file: str) -> Diagnostic:
-    place = Place(file, slip.line, slip.column, slip.column + 1)
-    return diagnostic(slip.code, place, problem=slip.problem)
 
 
 class _Composer:
@@ -132,9 +108,9 @@ class _Composer:
 
     def __init__(self, text: str, file: str) -> None:
         self.findings: list[Diagnostic] = []
-        self._lines = lines_of(text)
+        self.lines = lines_of(text)
         self._file = file
-        self._loader = LOADER(text)
+        self._next: Callable[[], Any] = LOADER(text).get_event
         self._anchors: dict[str, Node] = {}
         self._nodes = 0
 
@@ -148,14 +124,6 @@ class _Composer:
         if not isinstance(event, yaml.StreamEndEvent):
             raise self._fatal("CB106", self._place(event, 3))
         return root
-
-    def _next(self) -> Any:
-        try:
-            return self._loader.get_event()
-        except yaml.MarkedYAMLError as error:
-            from cbdsl.yaml_text.repair.syntax import find_slip  # only a fault needs it
-
-            raise _SlipError(find_slip(error, self._lines)) from None
 
     def _node(self, event: Any, depth: int) -> Node:
         place = self._place(event)
@@ -205,9 +173,9 @@ class _Composer:
             bound = f"{LONGEST_TEXT} characters in one text"
             raise self._fatal("CB108", node.place, bound=bound)
         is_plain: bool = event.implicit[0]
-        if is_plain and not text.isascii() and (meant := meant_value(text)):
-            self._find("CB123", node.place, problem=said_of(text, meant))
-            text = meant
+        if is_plain and not text.isascii() and (suggestion := suggested_value(text)):
+            self._find("CB123", node.place, problem=look_alike_message(text, suggestion))
+            text = suggestion
         node.value = text
         if not is_plain:
             return
@@ -250,23 +218,20 @@ class _Composer:
                 values[key].faulty = True
             else:
                 values[key], node.keys[key] = value, place
-        for key, found in strays.items():
-            self._join(key, values[key], found)
+        for key, pieces in strays.items():
+            self._join(key, values[key], pieces)
         node.value = values
 
     def _stray(self, key: str, place: Place) -> Stray | None:
-        """What stands where a key should be, if a comma cut it off the value in front of it."""
-        from cbdsl.yaml_text.repair.comma import (  # only a key without a value needs it
-            Stray,
-            is_stray,
-        )
+        """The quantity in the place of a key, if a comma cut it off the value in front of it."""
+        from cbdsl.yaml_text.comma import Stray, is_stray  # only a key without a value needs it
 
-        behind = self._lines[place.line - 1][place.end_column - 1 :]
+        behind = self.lines[place.line - 1][place.end_column - 1 :]
         return Stray(key, place) if is_stray(key, behind) else None
 
     def _join(self, key: str, value: Node, strays: list[Stray]) -> None:
         """Put a value together that commas cut in pieces, where it is certain what it was."""
-        from cbdsl.yaml_text.repair.comma import explain  # only a fault needs it
+        from cbdsl.yaml_text.comma import explain  # only a fault needs it
 
         cut = explain(key, value, strays)
         self._find("CB205", value.place, problem=cut.problem)
@@ -286,9 +251,9 @@ class _Composer:
         if not isinstance(event, yaml.ScalarEvent):
             return None
         text: str = event.value
-        if event.implicit[0] and not text.isascii() and (meant := meant_key(text)):
-            self._find("CB123", place, problem=said_of(text, meant))
-            return meant
+        if event.implicit[0] and not text.isascii() and (suggestion := suggested_key(text)):
+            self._find("CB123", place, problem=look_alike_message(text, suggestion))
+            return suggestion
         return text
 
     def _one_more(self, entries: int, event: Any) -> int:

@@ -3,27 +3,16 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from pathlib import Path
 from typing import Any, TypeVar
 
 from cbdsl.documents.document import Document
-from cbdsl.documents.model import ModelDocument
-from cbdsl.documents.policy import PolicyDocument
-from cbdsl.documents.program import ProgramDocument
-from cbdsl.documents.robot import RobotDocument
-from cbdsl.documents.stage import StageDocument
+from cbdsl.documents.kinds import KINDS, kind_name, kind_of, models
 from cbdsl.errors.errors import UsageError
-from cbdsl.errors.nearest import meant
-from cbdsl.yaml_text.reader import Loaded, decode, flawless, read_sound_parts, read_text
-
-FOLDERS: dict[type[Document], str] = {
-    RobotDocument: "robots",
-    ProgramDocument: "programs",
-    StageDocument: "programs/stages",
-    PolicyDocument: "knowledge/policies",
-    ModelDocument: "knowledge/models",
-}
+from cbdsl.errors.nearest import suggestion
+from cbdsl.yaml_text.loaded import Loaded
+from cbdsl.yaml_text.reader import decode, flawless, read_sound_parts, read_text
 
 _KIND_LINE = re.compile(r"^kind:\s*(\w+)", re.MULTILINE)
 
@@ -74,10 +63,10 @@ class Library:
         """
         key = (kind, name, beside and beside.parent)
         if key not in self._found:
-            found = self._search(kind, name, beside)
-            if found is None:
+            path = self._search(kind, name, beside)
+            if path is None:
                 return None
-            self._found[key] = found
+            self._found[key] = path
         if beside is not None:
             self._named.setdefault(self.real(beside), set()).add(self._found[key])
         return self._found[key]
@@ -92,14 +81,14 @@ class Library:
             if sibling.is_file() and is_of(kind, sibling):
                 return _shortened(sibling)
         for root in self._roots(beside):
-            path = root / FOLDERS[kind] / f"{name}.yaml"
+            path = root / kind_of(kind).folder / f"{name}.yaml"
             if path.is_file():
                 return _shortened(path)
         return None
 
     def names(self, kind: type[Document], beside: Path | None = None) -> list[str]:
         """Names of all documents of a kind that ``find`` would find."""
-        folders = (root / FOLDERS[kind] for root in self._roots(beside))
+        folders = (root / kind_of(kind).folder for root in self._roots(beside))
         found = {path.stem for folder in folders for path in folder.glob("*.yaml")}
         if beside is not None:
             siblings = beside.parent.glob("*.yaml")
@@ -147,7 +136,7 @@ class Library:
             return path
         found = self.find(kind, str(name), self.here / path)
         if found is None:
-            raise UsageError.unknown(_word(kind), str(name), self.names(kind, self.here / path))
+            raise UsageError.unknown(kind_name(kind), str(name), self.names(kind, self.here / path))
         return found
 
     def locate_any(self, word: str) -> list[Path]:
@@ -159,19 +148,25 @@ class Library:
         path = Path(word)
         if path.suffix or len(path.parts) > 1 or path.is_file():
             return [path]
-        found = [self.find(kind, word, self.here / path) for kind in FOLDERS]
-        files = [file for file in found if file is not None]
+        builtin = [KINDS.get(name).model for name in KINDS.builtins]
+        # Package metadata are read only where they may help.
+        files = self._files(word, builtin) or self._files(word, models().values())
         if path.is_dir() and (not files or any(path.rglob("*.y*ml"))):
             return [path]
         if not files:
             raise UsageError(self._nothing_found(word))
         return list(dict.fromkeys(files))
 
+    def _files(self, name: str, kinds: Iterable[type[Document]]) -> list[Path]:
+        found = (self.find(kind, name, self.here / name) for kind in kinds)
+        return [file for file in found if file is not None]
+
     def _nothing_found(self, name: str) -> str:
-        names = {n: kind for kind in FOLDERS for n in self.names(kind, self.here / name)}
+        *kinds, last = known = models()
+        names = [n for kind in known.values() for n in self.names(kind, self.here / name)]
         return (
-            f"there is no file '{name}', and no robot, program, stage, policy or model of this "
-            f"name{meant(name, names)} (a file is written with its folder and ending, as "
+            f"there is no file '{name}', and no {', '.join(kinds)} or {last} of this "
+            f"name{suggestion(name, names)} (a file is written with its folder and ending, as "
             f"programs/{name}.yaml)"
         )
 
@@ -185,15 +180,10 @@ class Library:
 def is_of(kind: type[Document], path: Path) -> bool:
     """Whether a file says that it is of a kind; its other faults are for its reader to tell."""
     try:
-        said = _KIND_LINE.search(path.read_text(encoding="utf-8"))
+        declared = _KIND_LINE.search(path.read_text(encoding="utf-8"))
     except (OSError, UnicodeDecodeError):
         return False
-    return said is not None and said[1] == _word(kind)
-
-
-def _word(kind: type[Document]) -> str:
-    """What follows ``kind:`` in such a document."""
-    return kind.__name__.removesuffix("Document").lower()
+    return declared is not None and declared[1] == kind_name(kind)
 
 
 def _shortened(path: Path) -> Path:

@@ -2,55 +2,24 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
 from pathlib import Path
-from typing import Any, Generic, NamedTuple, TypeVar
+from typing import Any, TypeVar
 
 from pydantic import ValidationError
 
 from cbdsl.documents.document import Document
-from cbdsl.documents.model import ModelDocument
-from cbdsl.documents.policy import PolicyDocument
-from cbdsl.documents.program import ProgramDocument
-from cbdsl.documents.robot import RobotDocument
-from cbdsl.documents.stage import StageDocument
-from cbdsl.errors.diagnostic import Diagnostic, Place
-from cbdsl.errors.errors import DiagnosticsError
+from cbdsl.documents.kinds import KINDS
+from cbdsl.errors.diagnostic import Place
+from cbdsl.errors.errors import DiagnosticsError, UsageError
 from cbdsl.errors.lines import lines_of
 from cbdsl.errors.nearest import nearest_name
 from cbdsl.errors.wording import diagnostic
-from cbdsl.yaml_text.composer import compose
-from cbdsl.yaml_text.node import Node
+from cbdsl.yaml_text.characters import is_suspect
+from cbdsl.yaml_text.composer import SyntaxFaultError, compose
+from cbdsl.yaml_text.loaded import Loaded
 from cbdsl.yaml_text.source_map import SourceMap
 
-KINDS: dict[str, type[Document]] = {
-    "robot": RobotDocument,
-    "program": ProgramDocument,
-    "stage": StageDocument,
-    "policy": PolicyDocument,
-    "model": ModelDocument,
-}
-
 D = TypeVar("D", bound=Document, covariant=True)
-
-
-class Loaded(NamedTuple, Generic[D]):
-    """A document and where its parts stand.
-
-    Attributes:
-        document: without what is faulty.
-        source: its text.
-        faults: what is wrong with the text; ``source.broken`` says what was left out.
-    """
-
-    document: D
-    source: SourceMap
-    faults: tuple[Diagnostic, ...] = ()
-
-    @property
-    def path(self) -> Path:
-        """Its file."""
-        return self.source.path
 
 
 def read_document(path: Path) -> Loaded[Document]:
@@ -94,22 +63,31 @@ def read_sound_parts(path: Path, kind: type[D], text: str | None = None) -> Load
         DiagnosticsError: there is nothing that could be checked.
     """
     text = read_text(path) if text is None else text
-    composed = compose(text, str(path))
-    source = SourceMap(path, composed.lines, composed.root)
-    model, found = _model(source, composed.findings)
-    if not issubclass(model, kind):
-        wanted = next(name for name, known in KINDS.items() if known is kind)
-        given = str(source.node(("kind",)).value)
-        raise _error("CB201", source.place("kind"), wanted=wanted, found=given)
-    if not found:
-        try:
-            return Loaded(model.model_validate(source.root.plain()), source)
-        except ValidationError:
-            pass  # it is read again, part by part
-    from cbdsl.yaml_text.repair.salvage import salvage  # only a fault needs it
+    loaded = _read_clean(path, kind, text)
+    if loaded is None:
+        from cbdsl.yaml_text.repair.repair import repair  # only a fault needs it
 
-    document, faults, broken = salvage(source, model, found)
-    return Loaded(document, source._replace(broken=broken), faults)
+        loaded = repair(path, kind, text)
+    return loaded
+
+
+def _read_clean(path: Path, kind: type[D], text: str) -> Loaded[D] | None:
+    """A document of one kind, or ``None`` where there may be anything wrong with its text."""
+    if is_suspect(text):
+        return None
+    try:
+        composed = compose(text, str(path))
+        data = composed.root.plain()
+        name = data.get("kind") if isinstance(data, dict) else None
+        if composed.findings or not isinstance(name, str):
+            return None
+        model = KINDS.get(name).model
+        if not issubclass(model, kind):
+            return None
+        source = SourceMap(path, composed.lines, composed.root)
+        return Loaded(model.model_validate(data), source)
+    except (SyntaxFaultError, DiagnosticsError, UsageError, ValidationError):
+        return None
 
 
 def _named_alike(path: Path) -> list[str]:
@@ -151,55 +129,5 @@ def decode(data: bytes, file: str) -> str:
         raise _error("CB102", place, byte=f"0x{data[error.start]:02X}") from None
 
 
-def _model(
-    source: SourceMap, found: tuple[Diagnostic, ...]
-) -> tuple[type[Document], tuple[Diagnostic, ...]]:
-    """The kind of document that a text is, and what was found with what it says of that."""
-    root = source.root
-    if not isinstance(root.value, dict):
-        from cbdsl.yaml_text.repair.fault import describe  # only a fault needs it
-
-        described = describe(root.value)
-        raise _error("CB204", root.place, found, expected="a mapping", found=described)
-    kind: Node | None = root.value.get("kind")
-    if kind is not None and (kind.faulty or any(part.faulty for part in kind.children())):
-        raise DiagnosticsError(found)
-    said = None if kind is None else str(kind.value)
-    meant = _contradicted(root.value, said)
-    wrong = () if said in KINDS and meant is None else (_wrong_kind(source, said, meant),)
-    known = meant or said
-    if known not in KINDS:
-        raise DiagnosticsError([*found, *wrong])
-    place = root.place if kind is None else kind.place
-    root.value["kind"] = Node(place, known)
-    return KINDS[known], (*found, *wrong)
-
-
-def _contradicted(keys: Iterable[str], said: str | None) -> str | None:
-    """The kind that the keys of a document are those of, where it says that it is another."""
-    if said in KINDS and KINDS[said].model_fields.keys() >= set(keys):
-        return None
-    from cbdsl.yaml_text.repair.kind import kind_by_keys  # only a fault needs it
-
-    return kind_by_keys(keys, said, KINDS)
-
-
-def _wrong_kind(source: SourceMap, said: str | None, meant: str | None) -> Diagnostic:
-    """What is to be said of a kind that is missing, unknown or contradicted by the keys."""
-    if said is None:
-        names = [meant] if meant else list(KINDS)
-        return diagnostic("CB203", source.root.place, names=names, key="kind")
-    place = source.place("kind")
-    if said not in KINDS:
-        return diagnostic("CB206", place, names=list(KINDS), name=said)
-    from cbdsl.yaml_text.repair.kind import telling_keys  # only a fault needs it
-
-    assert meant is not None, "nothing is wrong with it otherwise"
-    keys = ", ".join(telling_keys(source.root.keys, meant, said, KINDS))
-    return diagnostic("CB210", place, said=said, found=meant, keys=keys)
-
-
-def _error(
-    code: str, place: Place, before: tuple[Diagnostic, ...] = (), **details: Any
-) -> DiagnosticsError:
-    return DiagnosticsError([*before, diagnostic(code, place, **details)])
+def _error(code: str, place: Place, **details: Any) -> DiagnosticsError:
+    return DiagnosticsError([diagnostic(code, place, **details)])

@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
-from typing import NamedTuple
+from typing import NamedTuple, TypeVar
 
 from cbdsl.errors.diagnostic import Place
 from cbdsl.yaml_text.broken import Broken
 from cbdsl.yaml_text.node import Node
+from cbdsl.yaml_text.unknown import Declared
 
 Step = str | int
+T = TypeVar("T")
 
 _NOTHING = Broken()
 
@@ -36,6 +38,10 @@ class SourceMap(NamedTuple):
     def is_whole(self, *steps: Step) -> bool:
         """Whether nothing was left out at, above or below a path."""
         return not self.broken.touches(steps)
+
+    def declared(self, entries: Mapping[str, T], *section: Step) -> Declared[T]:
+        """The entries of a section, together with those that were left out of it."""
+        return Declared(entries, self.broken, section)
 
     def place(self, *steps: Step) -> Place:
         """Where the value at a path stands, or what encloses it where it is absent."""
@@ -66,8 +72,8 @@ class SourceMap(NamedTuple):
         for number, character in enumerate(value[: end - 1], 1):
             if character.isspace():
                 continue
-            row, column, found = next(written, (0, 0, ""))
-            if found != character:  # it is written with escapes
+            row, column, written_as = next(written, (0, 0, ""))
+            if written_as != character:  # it is written with escapes
                 return None
             if number >= start:
                 stretch.append((row, column))

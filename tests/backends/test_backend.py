@@ -2,52 +2,55 @@
 
 from __future__ import annotations
 
-from importlib.metadata import EntryPoint
+from collections.abc import Iterator
+from pathlib import Path
 
 import pytest
 
-from cbdsl.backends import backend as backend_module
-from cbdsl.backends.backend import GROUP, BackendError, find_backend
+from cbdsl.backends.backend import BACKENDS, BackendError, find_backend
+from tests.plugins.installed import on_path, write_package
 
 
-def _install(monkeypatch: pytest.MonkeyPatch, **values: str) -> None:
-    points = [EntryPoint(name, value, GROUP) for name, value in values.items()]
-    monkeypatch.setattr(backend_module, "entry_points", lambda group: points)
+@pytest.fixture
+def folder(tmp_path: Path) -> Iterator[Path]:
+    BACKENDS.refresh()
+    with on_path(tmp_path):
+        yield tmp_path
+    BACKENDS.refresh()
 
 
-def test_the_project_installs_bullet() -> None:
+def test_bullet_is_built_in() -> None:
     from cbdsl.backends.bullet.backend import BulletBackend
 
     assert find_backend("bullet") is BulletBackend
 
 
-def test_an_unknown_name_lists_the_known_ones(monkeypatch: pytest.MonkeyPatch) -> None:
-    _install(monkeypatch, mirror="a:b", anvil="c:d")
-    with pytest.raises(BackendError, match=r"'bulet'.*anvil, mirror"):
+def test_an_unknown_name_lists_the_known_ones(folder: Path) -> None:
+    write_package(folder, "far", {BACKENDS.group: {"mirror": "far:Mirror"}})
+    with pytest.raises(BackendError, match=r"'bulet'.*bullet, kinematic, mirror"):
         find_backend("bulet")
 
 
 def test_a_missing_package_says_what_to_install(monkeypatch: pytest.MonkeyPatch) -> None:
-    _install(monkeypatch, far="cbdsl.no_such_module:Backend")
+    BACKENDS.refresh()
+    monkeypatch.setitem(BACKENDS._builtins, "bullet", "cbdsl.no_such_module:Backend")
     with pytest.raises(BackendError, match=r"no_such_module.*cbdsl\[sim\]"):
+        find_backend("bullet")
+
+
+def test_backends_of_others_are_not_mended_by_installing_ours(folder: Path) -> None:
+    write_package(folder, "far", {BACKENDS.group: {"far": "no_such_package.module:Backend"}})
+    with pytest.raises(BackendError, match=r"package far 1.0.*no_such_package'$"):
         find_backend("far")
 
 
-def test_backends_of_others_are_not_mended_by_installing_ours(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
-    _install(monkeypatch, far="no_such_package.module:Backend")
-    with pytest.raises(BackendError, match=r"no_such_package'$"):
-        find_backend("far")
-
-
-def test_a_class_that_is_not_there_is_named(monkeypatch: pytest.MonkeyPatch) -> None:
-    _install(monkeypatch, odd="cbdsl.backends.backend:Backand")
+def test_a_class_that_is_not_there_is_named(folder: Path) -> None:
+    write_package(folder, "far", {BACKENDS.group: {"odd": "cbdsl.backends.backend:Backand"}})
     with pytest.raises(BackendError, match=r"'odd'.*Backand"):
         find_backend("odd")
 
 
-def test_what_is_no_backend_says_what_it_lacks(monkeypatch: pytest.MonkeyPatch) -> None:
-    _install(monkeypatch, tuple="builtins:tuple")
+def test_a_class_that_is_no_backend_says_what_it_lacks(folder: Path) -> None:
+    write_package(folder, "far", {BACKENDS.group: {"tuple": "builtins:tuple"}})
     with pytest.raises(BackendError, match="reset, observe, apply, step, close"):
         find_backend("tuple")

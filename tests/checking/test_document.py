@@ -9,7 +9,7 @@ import pytest
 
 from cbdsl.checking.document import check_document
 from cbdsl.checking.session import Session
-from cbdsl.cli.ignores import heed_ignores
+from cbdsl.cli.ignores import apply_suppressions
 from cbdsl.errors.diagnostic import Diagnostic
 from cbdsl.errors.rendering import render
 from cbdsl.yaml_text.library import Library, shipped
@@ -34,7 +34,7 @@ def session() -> Session:
 
 
 def findings(path: Path, session: Session) -> list[Diagnostic]:
-    return heed_ignores(check_document(path, session=session), [path], session.library)
+    return apply_suppressions(check_document(path, session=session), [path], session.library)
 
 
 @pytest.mark.parametrize("path", CASES, ids=lambda path: path.stem)

@@ -11,7 +11,7 @@ import pytest
 
 from cbdsl.cli import main as command
 from cbdsl.control import multigrid
-from cbdsl.training.knowledge import policy_document
+from cbdsl.training.knowledge import learned_documents
 from cbdsl.yaml_text.writer import write
 from tests.cli.test_run import STUCK
 from tests.conftest import ROOT
@@ -43,8 +43,8 @@ def cb(monkeypatch: pytest.MonkeyPatch, *words: str) -> int:
 
 # Options with numbers that are not whole.
 MEASURED = (
-    *("--gamma", "--alpha", "--epsilon", "--bandwidth", "--prior"),
-    *("--transition-time", "--idle-time"),
+    *("gamma", "alpha", "epsilon", "bandwidth", "prior"),
+    *("transition-time", "idle-time"),
 )
 
 # What is asked for, the exit code, and what the message has to name.
@@ -53,12 +53,22 @@ MISTAKES = [
     (["serchtrack", "--out", "a.yaml"], 2, ["did you mean 'searchtrack'"]),
     (["searchtrack", "--out", "a.yaml", "--stage", "elsewhere.yaml"], 1, ["other"]),
     (["searchtrack", "--out", "a.yaml", "--backend", "gazebo"], 2, ["gazebo", "bullet"]),
-    (["searchtrack", "--out", "a.yaml", "--gamma", "1.5"], 2, ["--gamma"]),
-    (["searchtrack", "--out", "a.yaml", "--exploring-episodes", "-1"], 2, ["--exploring-episodes"]),
-    *((["searchtrack", "--out", "a.yaml", option, "inf"], 2, [option]) for option in MEASURED),
-    *((["searchtrack", "--out", "a.yaml", option, "nan"], 2, [option]) for option in MEASURED),
+    (["searchtrack", "--out", "a.yaml", "--gamma", "1.5"], 2, ["gamma = 1.5"]),
+    (
+        ["searchtrack", "--out", "a.yaml", "--exploring-episodes", "-1"],
+        2,
+        ["exploring_episodes = -1"],
+    ),
+    *(
+        (["searchtrack", "--out", "a.yaml", f"--{option}", "inf"], 2, [option])
+        for option in MEASURED
+    ),
+    *(
+        (["searchtrack", "--out", "a.yaml", f"--{option}", "nan"], 2, [option])
+        for option in MEASURED
+    ),
     (["searchtrack", "--out", "a.yaml", "--trials", "1" + "0" * 30], 2, ["--trials"]),
-    (["searchtrack", "--out", "a.yaml", "--density", "round"], 2, ["kernel or gaussian"]),
+    (["searchtrack", "--out", "a.yaml", "--density", "round"], 2, ["'kernel' or 'gaussian'"]),
     (
         ["searchtrack", "--out", "a.yaml", "--workers", "2", "--scheduler", "tcp://here:1"],
         2,
@@ -244,7 +254,7 @@ def test_a_policy_of_a_program_that_changed_is_refused_before_it_runs(
     program = here / "searchtrack.yaml"
     program.write_text(text.replace("gain: 8 /s", "gain: 4 /s"), encoding="utf-8")
     trial = toy_trial()
-    write(policy_document(trial, toy_provenance(trial, 1), "policy"), here / "policy.yaml")
+    write(learned_documents(trial, toy_provenance(trial, 1), "policy")[-1], here / "policy.yaml")
     assert cb(monkeypatch, "run", "searchtrack.yaml", "--policy", "policy.yaml") == 1
     assert "CB622" in capsys.readouterr().out
     # Its own policy, its stage and what is said of it may change: they were not learned from.

@@ -13,7 +13,7 @@ import pytest
 
 from cbdsl.reproduction import registry
 from cbdsl.reproduction.chart import Chart, Line
-from cbdsl.reproduction.experiment import Experiment, Outcome, Settings
+from cbdsl.reproduction.experiment import Experiment, Result, RunSettings
 from cbdsl.reproduction.quantity import Quantity, above
 from cbdsl.training.journal import JournalError
 from tests.cli import test_main
@@ -29,17 +29,17 @@ def cb(monkeypatch: pytest.MonkeyPatch, *arguments: str) -> int:
 
 
 @pytest.fixture
-def toys(monkeypatch: pytest.MonkeyPatch) -> list[Settings]:
+def toys(monkeypatch: pytest.MonkeyPatch) -> list[RunSettings]:
     """Two experiments that take no time; what they were run with."""
-    ran: list[Settings] = []
+    ran: list[RunSettings] = []
 
-    def run(settings: Settings) -> Outcome:
+    def run(settings: RunSettings) -> Result:
         ran.append(settings)
         settings.progress(1, 2)
         chart = Chart("curve", "A curve", "t, s", "phi", (Line("one", (0.0, 1.0), (1.0, 0.0)),))
         share = Quantity("share", "%", "most", 75.0, above(50), interval=(70.0, 80.0), note="a | b")
         unknown = Quantity("unknown", "", "some", math.nan, above(0))
-        return Outcome((share, unknown), (chart,), (f"Seed {settings.seed}.",))
+        return Result((share, unknown), (chart,), (f"Seed {settings.seed}.",))
 
     module = types.ModuleType("cbdsl.reproduction.toy")
     module.run = run  # type: ignore[attr-defined]
@@ -49,13 +49,13 @@ def toys(monkeypatch: pytest.MonkeyPatch) -> list[Settings]:
 
 
 @pytest.fixture
-def learning(toys: list[Settings], monkeypatch: pytest.MonkeyPatch) -> list[Settings]:
+def learning(toys: list[RunSettings], monkeypatch: pytest.MonkeyPatch) -> list[RunSettings]:
     """The toys, and one that learns."""
 
-    def run(settings: Settings, name: str) -> Outcome:
+    def run(settings: RunSettings, name: str) -> Result:
         toys.append(settings)
         assert settings.folder.is_dir()
-        return Outcome((Quantity(name, "", "some", 1.0, above(0)),))
+        return Result((Quantity(name, "", "some", 1.0, above(0)),))
 
     module = types.ModuleType("cbdsl.reproduction.learned_toy")
     module.run = run  # type: ignore[attr-defined]
@@ -91,7 +91,7 @@ def test_the_list(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture
 def test_wrong_calls(
     arguments: tuple[str, ...],
     message: str,
-    toys: list[Settings],
+    toys: list[RunSettings],
     tmp_path: Path,
     monkeypatch: pytest.MonkeyPatch,
     capsys: pytest.CaptureFixture[str],
@@ -105,7 +105,9 @@ def test_wrong_calls(
 
 
 def test_lines_for_pipes_say_all(
-    toys: list[Settings], monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+    toys: list[RunSettings],
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
 ) -> None:
     assert cb(monkeypatch, "toy-1", "--seed", "7", "--quick") == 0
     heading, share, unknown, note, *_ = capsys.readouterr().out.splitlines()
@@ -117,7 +119,9 @@ def test_lines_for_pipes_say_all(
 
 
 def test_json_of_all(
-    toys: list[Settings], monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+    toys: list[RunSettings],
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
 ) -> None:
     assert cb(monkeypatch, "all", "--json") == 0
     first, second = json.loads(capsys.readouterr().out)
@@ -127,7 +131,7 @@ def test_json_of_all(
 
 
 def test_a_page_is_renewed_section_by_section(
-    toys: list[Settings], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    toys: list[RunSettings], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     page = tmp_path / "page.md"
     assert cb(monkeypatch, "toy-2", "--out", str(page), "--seed", "2") == 0
@@ -145,7 +149,7 @@ def test_a_page_is_renewed_section_by_section(
 
 
 def test_what_was_learned_has_a_section_for_each_backend(
-    learning: list[Settings], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    learning: list[RunSettings], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     page, keep = tmp_path / "page.md", tmp_path / "a" / "trials"
     chosen = ("--backend", "bullet", "--trials", "3", "--keep", str(keep))
@@ -169,7 +173,7 @@ def test_what_was_learned_has_a_section_for_each_backend(
 )
 def test_options_of_learning_are_for_what_learns(
     option: tuple[str, str],
-    learning: list[Settings],
+    learning: list[RunSettings],
     tmp_path: Path,
     monkeypatch: pytest.MonkeyPatch,
     capsys: pytest.CaptureFixture[str],
@@ -181,7 +185,7 @@ def test_options_of_learning_are_for_what_learns(
 
 
 def test_a_folder_that_cannot_be_is_told(
-    learning: list[Settings],
+    learning: list[RunSettings],
     tmp_path: Path,
     monkeypatch: pytest.MonkeyPatch,
     capsys: pytest.CaptureFixture[str],
@@ -203,12 +207,12 @@ def test_what_keeps_a_trial_from_its_end_is_told_with_the_folder(
     error: BaseException,
     code: int,
     told: str,
-    learning: list[Settings],
+    learning: list[RunSettings],
     tmp_path: Path,
     monkeypatch: pytest.MonkeyPatch,
     capsys: pytest.CaptureFixture[str],
 ) -> None:
-    def run(settings: Settings, name: str) -> Outcome:
+    def run(settings: RunSettings, name: str) -> Result:
         raise error
 
     monkeypatch.setattr(sys.modules["cbdsl.reproduction.learned_toy"], "run", run)
@@ -217,7 +221,9 @@ def test_what_keeps_a_trial_from_its_end_is_told_with_the_folder(
     assert str(tmp_path) in printed and told in printed
 
 
-def test_a_json_file(toys: list[Settings], tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_json_file(
+    toys: list[RunSettings], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     assert cb(monkeypatch, "all", "--out", str(tmp_path / "all.json")) == 0
     rows = json.loads((tmp_path / "all.json").read_text("utf-8"))
     assert [row["experiment"] for row in rows] == ["toy-1", "toy-2"]

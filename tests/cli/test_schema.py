@@ -8,8 +8,10 @@ from pathlib import Path
 import pytest
 
 from cbdsl.documents.json_schema import json_schema, json_text, schema_file
-from cbdsl.yaml_text.reader import KINDS
+from cbdsl.documents.kinds import models
 from tests.cli.test_main import cb
+
+KINDS = models()
 
 ROOT = Path(__file__).parents[2]
 SHIPPED = sorted(p for folder in ("robots", "programs") for p in (ROOT / folder).rglob("*.yaml"))

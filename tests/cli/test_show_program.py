@@ -38,8 +38,8 @@ def test_text_says_what_the_data_say(
     for controller in data["controllers"]:
         for key in ("controller", "feedback", "reference", "effector", "casts"):
             assert controller[key] in text
-        if controller["given"] is not None:
-            assert f" given {controller['given']} " in text
+        if controller["requires"] is not None:
+            assert f" requires {controller['requires']} " in text
     for resource in data["resources"]:
         assert resource["resource"] in text
     for action in data["actions"]:

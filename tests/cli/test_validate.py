@@ -197,12 +197,12 @@ REST = (
 
 def codes(folder: Path, text: str) -> list[str]:
     from cbdsl.checking.document import check_document
-    from cbdsl.cli.ignores import heed_ignores
+    from cbdsl.cli.ignores import apply_suppressions
     from cbdsl.yaml_text.library import Library
 
     path = folder / "own.yaml"
     path.write_text(text, encoding="utf-8")
-    return [d.code for d in heed_ignores(check_document(path), [path], Library())]
+    return [d.code for d in apply_suppressions(check_document(path), [path], Library())]
 
 
 @pytest.mark.parametrize(

@@ -16,11 +16,13 @@ from cbdsl.checking.session import Session
 from cbdsl.documents.document import Document
 from cbdsl.documents.json_examples import EXAMPLES
 from cbdsl.documents.json_schema import json_schema
+from cbdsl.documents.kinds import models
 from cbdsl.errors.errors import DiagnosticsError
 from cbdsl.types.unit import UNITS
-from cbdsl.yaml_text.composer import compose
 from cbdsl.yaml_text.library import Library
-from cbdsl.yaml_text.reader import KINDS
+from cbdsl.yaml_text.repair.mending import mend
+
+KINDS = models()
 
 ROOT = Path(__file__).parents[2]
 BAD = ROOT / "tests" / "checking" / "bad"
@@ -46,7 +48,7 @@ def validator(kind: str) -> Any:
 
 
 def plain(path: Path) -> Any:
-    composed = compose(path.read_text("utf-8"), str(path))
+    composed = mend(path.read_text("utf-8"), str(path))
     if composed.findings:
         raise DiagnosticsError(composed.findings)
     return composed.root.plain()

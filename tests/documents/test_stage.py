@@ -7,12 +7,12 @@ from typing import Any
 import pytest
 from pydantic import ValidationError
 
-from cbdsl.documents.stage import Ball, Box
+from cbdsl.documents.stage import BallForm, BoxForm
 
 
-def _box(**pattern: Any) -> Box:
+def _box(**pattern: Any) -> BoxForm:
     form = {"shape": "box", "size": ["10 cm", ["20 cm", "30 cm"], "15 cm"]}
-    return Box.model_validate({**form, "pattern": {"height": "15 cm", **pattern}})
+    return BoxForm.model_validate({**form, "pattern": {"height": "15 cm", **pattern}})
 
 
 def test_a_pattern_has_room_on_the_smallest_box_that_can_be_drawn() -> None:
@@ -47,7 +47,7 @@ def test_a_spot_has_room_on_the_smallest_thing_that_can_be_drawn(
     spot = {"face": face, "radius": radius, "color": [0, 0, 1]}
     box = {"shape": "box", "size": ["10 cm", ["10 cm", "30 cm"], "15 cm"], "spot": spot}
     ball = {"shape": "ball", "radius": ["5.05 cm", "7 cm"], "spot": spot}
-    for form, made in ((box, Box), (ball, Ball)):
+    for form, made in ((box, BoxForm), (ball, BallForm)):
         if fits:
             assert made.model_validate(form).spot is not None
         else:

@@ -14,20 +14,20 @@ from cbdsl.backends.kinematic.backend import KinematicBackend
 from cbdsl.checking.document import check_document
 from cbdsl.checking.knowledge.learned import with_policy
 from cbdsl.checking.session import Session
-from cbdsl.documents.model import ModelDocument
+from cbdsl.documents.kinds import MODEL, POLICY
 from cbdsl.documents.policy import PolicyDocument
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.documents.stage import StageDocument
 from cbdsl.runtime.episode import EpisodeResult, Runner
 from cbdsl.sensing.kinematics import Kinematics
-from cbdsl.yaml_text.library import FOLDERS, Library
+from cbdsl.yaml_text.library import Library
 from tests.conftest import ROOT, Checked
 
 StageNamed = Callable[[str], StageDocument]
 Play = Callable[[Backend, str, int], EpisodeResult]
 
-POLICIES = sorted((ROOT / FOLDERS[PolicyDocument]).glob("*.yaml"))
-MODELS = sorted((ROOT / FOLDERS[ModelDocument]).glob("*.yaml"))
+POLICIES = sorted((ROOT / POLICY.folder).glob("*.yaml"))
+MODELS = sorted((ROOT / MODEL.folder).glob("*.yaml"))
 NAMES = [path.stem for path in POLICIES]
 
 # In these contexts of training stages nothing can be won.

@@ -2,15 +2,14 @@
 
 from __future__ import annotations
 
+import re
+
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from cbdsl.language import parser, tables
 from cbdsl.language.expression import Argument, Expression, Span, Term
-from cbdsl.language.make_tables import grammar_digest
-from cbdsl.language.parser import CompositionError, parse, parse_by_grammar
-from cbdsl.language.regular import read_composition
+from cbdsl.language.parser import CompositionError, parse
 
 NAMES = st.from_regex(r"[A-Za-z][A-Za-z0-9_]{0,8}", fullmatch=True)
 ARGUMENTS = st.from_regex(
@@ -30,17 +29,6 @@ EXPRESSIONS = st.builds(
 def bare(expression: Expression) -> list[tuple[str, list[str]]]:
     """An expression without its spans."""
     return [(term.name, [a.text for a in term.arguments]) for term in expression.terms]
-
-
-def test_the_tables_are_those_of_the_grammar() -> None:
-    assert grammar_digest() == tables.GRAMMAR
-
-
-def test_other_versions_of_lark_build_their_own_tables(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(tables, "LARK", "0.0")
-    parser._grammar.cache_clear()
-    assert bare(parse_by_grammar("a ◁ b(c)")) == [("a", []), ("b", ["c"])]
-    parser._grammar.cache_clear()
 
 
 @given(EXPRESSIONS)
@@ -63,6 +51,9 @@ def test_spans_are_where_the_names_stand(expression: Expression) -> None:
             assert text[argument.span.start - 1 : argument.span.end - 1] == argument.text
 
 
+NAME, ARGUMENT = r"[A-Za-z]\w*", r"\$?[A-Za-z]\w*(\.\$?\w+)*"
+TERM = rf"\s*{NAME}\s*(\(\s*{ARGUMENT}\s*(,\s*{ARGUMENT}\s*)*\)\s*)?"
+COMPOSITION = re.compile(rf"{TERM}((◁|<\|){TERM})*", re.ASCII)
 # Pieces of compositions in any order: mostly none, often nearly one.
 PIECES = st.lists(
     st.sampled_from(
@@ -73,13 +64,13 @@ PIECES = st.lists(
 
 
 @given(EXPRESSIONS.map(str) | PIECES)
-def test_the_grammar_and_the_regular_expressions_agree(text: str) -> None:
+def test_the_language_is_that_of_one_regular_expression(text: str) -> None:
     try:
-        by_grammar = parse_by_grammar(text)
-    except CompositionError:
-        assert read_composition(text) is None
+        parse(text)
+    except CompositionError as error:
+        assert not COMPOSITION.fullmatch(text), error
     else:
-        assert read_composition(text) == by_grammar
+        assert COMPOSITION.fullmatch(text)
 
 
 @given(st.text(max_size=12))
@@ -105,6 +96,12 @@ def test_any_other_text_is_a_located_error(text: str) -> None:
         ("a()", 3, "')' where an argument should be"),
         ("a(b", 4, "it ends where ')' or ',' should follow"),
         ("a ◁ 3", 5, "'3' where a name should be"),
+        ("a.b ◁ c", 2, "'.' where '(' or '◁' or the end should be"),
+        ("a(b) c.d", 6, "'c.d' where '◁' or the end should be"),
+        ("a(b c)", 5, "'c' where ')' or ',' should be"),
+        ("a(b,) ", 5, "')' where an argument should be"),
+        ("a(b <| c", 5, "'<|' where ')' or ',' should be"),
+        ("a ◁ \n", 4, "it ends where a name should follow"),
     ],
 )
 def test_errors_say_where_and_what(text: str, column: int, message: str) -> None:

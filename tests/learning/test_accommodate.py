@@ -5,8 +5,10 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from cbdsl.learning.accommodate import Accommodate, Constants
+from cbdsl.learning.accommodate import Accommodate
+from cbdsl.learning.constants import AccommodateConstants
 from cbdsl.learning.experience import Experience
+from cbdsl.learning.learner import replay
 from cbdsl.program.transition import Transition
 from tests.learning.conftest import Made
 
@@ -22,7 +24,7 @@ def knowledge(learner: Accommodate) -> object:
 
 
 def test_a_rewarded_transition_ends_its_episode(made: Made) -> None:
-    learner = Accommodate(ACTIONS, Constants(alpha=1.0))
+    learner = Accommodate(ACTIONS, AccommodateConstants(alpha=1.0))
     learner.see(made("X1", "search", "0X"))
     learner.see(made("0X", "track", "X1"))
     # Were the episode to go on, X1 would be worth something: the first transition leads there.
@@ -35,22 +37,25 @@ def test_a_rewarded_transition_ends_its_episode(made: Made) -> None:
 def test_replayed_experience_is_the_same_knowledge(made: Made) -> None:
     first = (made("XX", "track", "X-"), made("X-", "search", "0X"), made("0X", "track", "X1"))
     second = (made("XX", "track", "X-"), made("X-", "track", "X-"), made("X-", "search", "0X"))
-    lived, told = Accommodate(ACTIONS, Constants()), Accommodate(ACTIONS, Constants())
+    lived, told = (
+        Accommodate(ACTIONS, AccommodateConstants()),
+        Accommodate(ACTIONS, AccommodateConstants()),
+    )
     for transitions in (first, second, first):
         for transition in transitions:
             lived.see(transition)
         lived.remember(experience(transitions, (0.1, 0.2)))
-        told.replay(experience(transitions, (0.1, 0.2)))
+        replay(told, experience(transitions, (0.1, 0.2)))
     assert knowledge(told) == knowledge(lived)
 
 
 def test_it_learns_to_search_where_nothing_is_seen_and_to_track_where_something_is(
     made: Made,
 ) -> None:
-    learner, rng = Accommodate(ACTIONS, Constants()), np.random.default_rng(5)
+    learner, rng = Accommodate(ACTIONS, AccommodateConstants()), np.random.default_rng(5)
     for _ in range(200):
         state = "XX"
-        explorer = learner.explorer(rng)
+        explorer = learner.policy(rng)
         while state != "X1":
             action = explorer.choose(state, changed=True)
             seen = state in ("X0", "1X") or (state == "XX" and rng.random() < 0.5)
@@ -73,19 +78,19 @@ def test_it_explores_in_as_many_episodes_as_it_is_told_to(
     finished: int, explores: bool, made: Made
 ) -> None:
     rewarded = (made("XX", "track", "X1"),)
-    learner = Accommodate(ACTIONS, Constants(epsilon=1.0, exploring_episodes=2))
+    learner = Accommodate(ACTIONS, AccommodateConstants(epsilon=1.0, exploring_episodes=2))
     for transition in rewarded:
         learner.see(transition)
     for _ in range(finished):
         learner.remember(experience(rewarded, (0.1, 0.2)))
-    explorer = learner.explorer(np.random.default_rng(0))
+    explorer = learner.policy(np.random.default_rng(0))
     chosen = {explorer.choose("XX", changed=True) for _ in range(50)}
     assert chosen == (set(ACTIONS) if explores else {"track"})
 
 
 def test_a_program_among_the_actions_is_one_action_until_it_ends(made: Made) -> None:
-    learner = Accommodate(("find", "track"), Constants(alpha=1.0), {0: "find"})
-    explorer = learner.explorer(np.random.default_rng(0))
+    learner = Accommodate(("find", "track"), AccommodateConstants(alpha=1.0), {0: "find"})
+    explorer = learner.policy(np.random.default_rng(0))
     for _ in range(2):
         for step in (("XX", "find", "0X"), ("0X", "find", "1X"), ("1X", "track", "X1")):
             learner.see(made(*step))
@@ -97,7 +102,7 @@ def test_a_program_among_the_actions_is_one_action_until_it_ends(made: Made) -> 
 
 
 def test_a_program_that_the_end_of_an_episode_cut_short_is_worth_nothing(made: Made) -> None:
-    learner = Accommodate(("find", "track"), Constants(alpha=1.0), {0: "find"})
+    learner = Accommodate(("find", "track"), AccommodateConstants(alpha=1.0), {0: "find"})
     learner.see(made("XX", "find", "0X"))
     learner.see(made("1X", "track", "X1"))
     assert learner.values.value("XX", "find") == 0.0
@@ -105,16 +110,16 @@ def test_a_program_that_the_end_of_an_episode_cut_short_is_worth_nothing(made: M
 
 
 def test_what_was_never_rewarded_has_no_density(made: Made) -> None:
-    learner = Accommodate(ACTIONS, Constants())
-    learner.replay(Experience("here", 1, (made("XX", "track", "X-"),), {}, 9, 0.15))
+    learner = Accommodate(ACTIONS, AccommodateConstants())
+    replay(learner, Experience("here", 1, (made("XX", "track", "X-"),), {}, 9, 0.15))
     assert learner.densities() == {}
 
 
 def test_a_policy_covers_the_states_in_which_something_was_tried_and_then_all_others(
     made: Made,
 ) -> None:
-    learner = Accommodate(ACTIONS, Constants())
-    learner.replay(experience((made("XX", "track", "X0"), made("X0", "track", "X1")), (0, 0)))
+    learner = Accommodate(ACTIONS, AccommodateConstants())
+    replay(learner, experience((made("XX", "track", "X0"), made("X0", "track", "X1")), (0, 0)))
     assert learner.greedy() == {"XX": "search", "X0": "track", "**": "search"}
-    assert Accommodate(ACTIONS, Constants()).greedy() == {}
-    assert learner.explorer(np.random.default_rng(0)).choose("--", changed=False) in ACTIONS
+    assert Accommodate(ACTIONS, AccommodateConstants()).greedy() == {}
+    assert learner.policy(np.random.default_rng(0)).choose("--", changed=False) in ACTIONS

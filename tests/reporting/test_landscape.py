@@ -11,7 +11,7 @@ from cbdsl.documents.model import Gaussian, Kernel, ModelDocument
 from cbdsl.program.binding import density_source
 from cbdsl.reporting.density_svg import density_svgs
 from cbdsl.reporting.landscape import Landscape
-from cbdsl.reporting.learned import Joint, Model
+from cbdsl.reporting.learned import InternalModel, Joint
 from cbdsl.sensing.density import DensitySampler
 
 # Some beyond the limits, none so far that only a steep tail is left within them.
@@ -47,7 +47,7 @@ def landscape(density: Gaussian | Kernel) -> Landscape:
     document = ModelDocument(
         cbdsl=1, kind="model", name="m", robot="r", effector="e", density=density
     )
-    return Landscape(Model("head.likely", document, JOINTS))
+    return Landscape(InternalModel("head.likely", document, JOINTS))
 
 
 def mean_over(values: np.ndarray) -> np.ndarray:
@@ -103,5 +103,5 @@ def test_a_density_beyond_the_limits_is_drawn_as_nothing() -> None:
     document = ModelDocument(cbdsl=1, kind="model", name="m", robot="r", effector="e", density=far)
     found = landscape(far)
     assert not found.over(found.angles(0), found.angles(1)).any()
-    (picture,) = density_svgs(Model("head.likely", document, JOINTS))
+    (picture,) = density_svgs(InternalModel("head.likely", document, JOINTS))
     assert "nan" not in picture and "inf" not in picture

@@ -11,7 +11,7 @@ from cbdsl.documents.model import ModelDocument
 from cbdsl.documents.policy import PolicyDocument
 from cbdsl.errors.errors import DiagnosticsError, UsageError
 from cbdsl.reporting.learned import find_learned, read_learned
-from cbdsl.reporting.lessons import lessons, measured
+from cbdsl.reporting.trial_groups import measured, trial_groups
 from cbdsl.yaml_text.reader import read
 from cbdsl.yaml_text.writer import write
 from tests.reporting.trials import write_trial
@@ -105,10 +105,10 @@ def test_mistakes_are_told(tmp_path: Path) -> None:
         read_learned(file)
 
 
-def test_trials_that_differ_in_chance_are_one_lesson(tmp_path: Path) -> None:
+def test_trials_that_differ_in_chance_are_one_group(tmp_path: Path) -> None:
     files = [write_trial(tmp_path, f"walked_{seed}", seed, 10 + seed) for seed in range(3)]
     files.append(write_trial(tmp_path, "other", alpha=0.5))
-    found = lessons([read_learned(file) for file in files])
+    found = trial_groups([read_learned(file) for file in files])
     assert [(each.name, len(each.trials), each.episodes) for each in found] == [
         ("walked", 3, 10),
         ("other", 1, 20),
@@ -119,8 +119,8 @@ def test_curves_are_those_of_the_journals(tmp_path: Path) -> None:
     file = write_trial(tmp_path, "walked")
     rows = file.with_suffix(".episodes.jsonl").read_text("utf-8").splitlines()[1:]
     episodes = [json.loads(row)["transitions"] for row in rows]
-    (lesson,) = lessons([read_learned(file)])
-    found = measured(lesson)
+    (group,) = trial_groups([read_learned(file)])
+    found = measured(group)
     rates = [sum(each["reward"] for each in own) / len(own) for own in episodes]
     assert found.rate[1].middle.tolist() == pytest.approx(rates)
     assert found.rate[10].middle[-1] == pytest.approx(sum(rates[-10:]) / 10)

@@ -13,8 +13,9 @@ from xml.etree import ElementTree
 import pytest
 
 from cbdsl.reporting.density_svg import density_svgs
-from cbdsl.reporting.drawing.policy_graph import decisions, policy_graph
-from cbdsl.reporting.drawing.policy_svg import policy_svg
+from cbdsl.reporting.drawing.policy_graph import policy_graph
+from cbdsl.reporting.drawing.policy_transitions import decisions, policy_transitions
+from cbdsl.reporting.drawing.svg import svg
 from cbdsl.reporting.learned import Learned, read_learned
 from cbdsl.reporting.learned_page import learned_page
 from tests.reporting.test_page import Loads
@@ -59,8 +60,8 @@ def test_each_trial_has_all_its_states_and_the_same_diagram_as_alone(
     assert len(sections) == len(learned)
     for each, section in zip(learned, sections, strict=True):
         rewarded = {episode.end for episode in each.episodes if episode.reward}
-        graph = policy_graph(each.policy, 0.2, False, each.programs, rewarded)
-        assert policy_svg(graph) in section
+        graph = policy_transitions(each.policy, 0.2, False, each.programs, rewarded)
+        assert svg(policy_graph(graph)) in section
         cells = re.findall(r'<span class="letter p-.*?</th>', section)
         states = ["".join(re.findall(r">(.)</span>", cell)) for cell in cells]
         assert states == [decision.state for decision in decisions(each.policy)]
@@ -73,7 +74,7 @@ def test_the_share_of_arcs_can_be_chosen(learned: list[Learned]) -> None:
 
 def test_data_hold_every_episode(learned: list[Learned], text: str) -> None:
     told = header(text)
-    assert [lesson["trials"] for lesson in told["lessons"]] == [3]
+    assert [group["trials"] for group in told["groups"]] == [3]
     for each, trial in zip(learned, told["trials"], strict=True):
         assert [row["seed"] for row in trial["episodes"]] == [e.seed for e in each.episodes]
 

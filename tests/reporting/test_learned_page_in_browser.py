@@ -28,7 +28,7 @@ DARK = "rgb(21, 24, 28)"
 
 @pytest.fixture(scope="module")
 def learned(tmp_path_factory: pytest.TempPathFactory) -> list[Learned]:
-    """Two lessons: three trials of one, one of the other."""
+    """Two trial_groups: three trials of one, one of the other."""
     folder = tmp_path_factory.mktemp("knowledge")
     files = [write_trial(folder, f"walked_{seed}", seed) for seed in range(3)]
     files.append(write_trial(folder, "other", alpha=0.5))
@@ -68,7 +68,7 @@ def legend(shown: Page) -> dict[str, str]:
     return dict(rows)
 
 
-def test_curves_of_all_lessons_are_drawn(shown: Page, learned: list[Learned]) -> None:
+def test_curves_of_all_groups_are_drawn(shown: Page, learned: list[Learned]) -> None:
     shown.wait("document.querySelector('.u-value').textContent === '20'")
     assert list(legend(shown)) == ["episode", "walked", "other"]
     # An interval where there are several trials, none where there is one.

@@ -9,11 +9,11 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from cbdsl.learning.experience import Experience
-from cbdsl.reproduction.arcs import Arc, diagram_of
+from cbdsl.reproduction.arcs import ActionArc, diagram_of
 from cbdsl.reproduction.diagram import Diagram, graph_of
 from tests.conftest import Checked
 
-from .lessons import experience
+from .series import experience
 
 # Of a greedy policy: one action for each state.
 CHOSEN = {"XX": "search", "X0": "search ◁ track", "X-": "track"}
@@ -33,7 +33,7 @@ def test_arcs_have_their_shares_of_what_left_their_states(
     experiences = [walked(*episode) for episode in episodes]
     graph = graph_of("some", checked("searchtrack"), experiences)
     expected = diagram_of(experiences)
-    drawn = {Arc(a.source, CHOSEN[a.source], a.target): a.share for a in graph.arcs}
+    drawn = {ActionArc(a.source, CHOSEN[a.source], a.target): a.share for a in graph.arcs}
     # What cannot be reached by arcs that are drawn is left out of the picture.
     assert drawn.keys() <= expected.keys()
     assert drawn == pytest.approx({arc: expected[arc] for arc in drawn})

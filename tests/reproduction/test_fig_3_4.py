@@ -7,7 +7,7 @@ import math
 import pytest
 
 from cbdsl.reproduction import fig_3_4
-from cbdsl.reproduction.experiment import Settings
+from cbdsl.reproduction.experiment import RunSettings
 from cbdsl.reproduction.fig_3_4 import _quantities, _Reach
 from cbdsl.reproduction.quantity import Verdict
 
@@ -59,6 +59,6 @@ def test_reaches_that_never_began_are_missed() -> None:
 
 @pytest.mark.slow
 def test_two_places_on_the_simulator() -> None:
-    outcome = fig_3_4.run(Settings(quick=True))
+    outcome = fig_3_4.run(RunSettings(quick=True))
     assert {quantity.verdict for quantity in outcome.quantities} == {Verdict.REPRODUCED}
     assert [len(chart.lines) for chart in outcome.charts] == [3, 2, 2]

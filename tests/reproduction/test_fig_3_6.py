@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import pytest
 
-from cbdsl.reproduction.experiment import Settings
+from cbdsl.reproduction.experiment import RunSettings
 from cbdsl.reproduction.fig_3_6 import run
 
 
 @pytest.mark.slow
 def test_low_frequencies_are_read_from_everywhere_and_high_ones_not_from_afar() -> None:
     steps: list[tuple[int, int]] = []
-    outcome = run(Settings(seed=4, quick=True, progress=lambda *step: steps.append(step)))
+    outcome = run(RunSettings(seed=4, quick=True, progress=lambda *step: steps.append(step)))
     sharp = outcome.quantities[: len(outcome.quantities) // 2]
     share = {tuple(each.name.split(", ")[:2]): each.ours for each in sharp}
     assert steps == [(1, 3), (2, 3), (3, 3)]

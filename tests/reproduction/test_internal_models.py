@@ -9,11 +9,11 @@ import pytest
 from numpy.typing import NDArray
 
 from cbdsl.documents.model import Gaussian, Kernel
-from cbdsl.documents.stage import Box, Place, StageDocument
-from cbdsl.reproduction.experiment import Settings
+from cbdsl.documents.stage import BoxForm, PlaceSection, StageDocument
+from cbdsl.reproduction.experiment import RunSettings
 from cbdsl.reproduction.internal_models import Expectation, marginal
-from cbdsl.reproduction.lesson import COARTICULATED
-from cbdsl.reproduction.school import Learned, school, shipped_dexter
+from cbdsl.reproduction.series import COARTICULATED
+from cbdsl.reproduction.trial_runner import LearnedTrial, shipped_dexter, trial_runner
 from cbdsl.sensing.kinematics import Kinematics
 
 KERNEL = Kernel(
@@ -67,7 +67,7 @@ def directions(stage: StageDocument) -> dict[str, tuple[float, float]]:
     eyes = [kinematics.frame(camera.link).position for camera in robot.cameras.values()]
     x, y, _ = np.mean(eyes, axis=0)
     place, window = stage.contexts["presented"].place, stage.fixtures["window"]
-    assert isinstance(place, Place) and isinstance(window.form, Box)
+    assert isinstance(place, PlaceSection) and isinstance(window.form, BoxForm)
     depth = max(window.form.size[1]) / 2
     corners = {
         "presented": [(a, b) for a in place.x for b in place.y],
@@ -80,17 +80,17 @@ def directions(stage: StageDocument) -> dict[str, tuple[float, float]]:
 
 
 @pytest.fixture(scope="module")
-def trials(tmp_path_factory: pytest.TempPathFactory) -> list[Learned]:
+def trials(tmp_path_factory: pytest.TempPathFactory) -> list[LearnedTrial]:
     """Three trials of SEARCHTRACK in full."""
-    settings = Settings(seed=5, trials=3, folder=tmp_path_factory.mktemp("trials"))
-    with school(settings) as dexter:
+    settings = RunSettings(seed=5, trials=3, folder=tmp_path_factory.mktemp("trials"))
+    with trial_runner(settings) as dexter:
         return dexter.learn(COARTICULATED)
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("trial", range(3))
 def test_a_head_that_learned_expects_what_was_in_front_and_the_window_and_nothing_else(
-    trials: list[Learned], trial: int
+    trials: list[LearnedTrial], trial: int
 ) -> None:
     places = directions(trials[trial].stage)
     assert places["presented"][1] < 0.3 < 1.0 < places["window"][0]

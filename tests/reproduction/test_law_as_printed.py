@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from cbdsl.reproduction import law_as_printed
-from cbdsl.reproduction.experiment import Settings
+from cbdsl.reproduction.experiment import RunSettings
 from cbdsl.reproduction.quantity import Verdict
 
 STEP = 1e-6
@@ -31,12 +31,12 @@ def tip(q: np.ndarray) -> np.ndarray:
 
 def test_the_outcome() -> None:
     told: list[tuple[int, int]] = []
-    settings = Settings(quick=True, progress=lambda done, total: told.append((done, total)))
+    settings = RunSettings(quick=True, progress=lambda done, total: told.append((done, total)))
     outcome = law_as_printed.run(settings)
     assert told == [(1, 2), (2, 2)]
     for quantity in outcome.quantities:
         ours = quantity.name.startswith("ours")
         assert (quantity.verdict is Verdict.REPRODUCED) == ours, quantity
-    again = law_as_printed.run(Settings(quick=True))
+    again = law_as_printed.run(RunSettings(quick=True))
     assert [each.ours for each in again.quantities] == [each.ours for each in outcome.quantities]
     assert again.charts == outcome.charts

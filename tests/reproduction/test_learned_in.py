@@ -1,4 +1,4 @@
-"""Learned is what succeeds three times in a row; what never does is counted."""
+"""LearnedTrial is what succeeds three times in a row; what never does is counted."""
 
 from __future__ import annotations
 
@@ -10,10 +10,10 @@ import pytest
 
 from cbdsl.reproduction.checks import Check, Schedule
 from cbdsl.reproduction.learned_in import learned_in, learned_in_quantities
-from cbdsl.reproduction.lesson import COARTICULATED
 from cbdsl.reproduction.quantity import near
+from cbdsl.reproduction.series import COARTICULATED
 
-from .lessons import experience
+from .series import experience
 
 HELD_OUT = 20
 
@@ -48,11 +48,11 @@ def test_three_in_a_row(rewarded: Sequence[int], episodes: float) -> None:
 
 def test_contexts_without_a_reward_do_not_count() -> None:
     step = ("XX", "track", "X-")
-    lesson = replace(COARTICULATED, hopeless=frozenset({"absent"}))
+    series = replace(COARTICULATED, hopeless=frozenset({"absent"}))
     check = Check(5, (experience(step, reward=1), experience(step, context="absent")))
-    assert check.success(lesson) == 1
+    assert check.success(series) == 1
     assert check.success(COARTICULATED) == 0.5
-    assert Check(5, (experience(step, context="absent"),)).success(lesson) == 0
+    assert Check(5, (experience(step, context="absent"),)).success(series) == 0
 
 
 def test_those_that_never_learn_are_in_the_median() -> None:

@@ -7,7 +7,7 @@ import pytest
 
 from cbdsl.reproduction.learning_curves import per_transition, settled_at
 
-from .lessons import experience
+from .series import experience
 
 
 @pytest.mark.parametrize("jump", [5, 12, 25])

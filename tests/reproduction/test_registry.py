@@ -22,7 +22,7 @@ def test_every_experiment_is_registered_once() -> None:
         file.stem
         for file in folder.glob("*.py")
         if re.search(
-            r"^def run\(settings: Settings(, name: str)?\) -> Outcome:",
+            r"^def run\(settings: RunSettings(, name: str)?\) -> Result:",
             file.read_text("utf-8"),
             re.M,
         )

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from cbdsl.reproduction.chart import Chart
-from cbdsl.reproduction.experiment import Outcome, Settings
+from cbdsl.reproduction.experiment import Result, RunSettings
 from cbdsl.reproduction.registry import EXPERIMENTS
 from cbdsl.reproduction.report import picture_file, section
 
@@ -11,8 +11,8 @@ from cbdsl.reproduction.report import picture_file, section
 def test_each_section_has_pictures_of_its_own() -> None:
     chart = Chart("fig-4.4", "Some", "x", "y", ())
     learns, other = EXPERIMENTS["fig-4.4"], EXPERIMENTS["fig-3.4"]
-    kinematic, bullet = Settings(), Settings(backend="bullet")
+    kinematic, bullet = RunSettings(), RunSettings(backend="bullet")
     assert picture_file(chart, learns, kinematic) == "fig-4.4.svg"
     assert picture_file(chart, learns, bullet) == "fig-4.4-bullet.svg"
     assert picture_file(chart, other, bullet) == "fig-4.4.svg"
-    assert "(page/fig-4.4-bullet.svg)" in section(learns, bullet, Outcome((), (chart,)), "page")
+    assert "(page/fig-4.4-bullet.svg)" in section(learns, bullet, Result((), (chart,)), "page")

@@ -4,18 +4,18 @@ from __future__ import annotations
 
 import pytest
 
-from cbdsl.reproduction.lesson import SEQUENTIAL
 from cbdsl.reproduction.quantity import above
+from cbdsl.reproduction.series import SEQUENTIAL
 from cbdsl.reproduction.stability import stable_after, stable_quantity
 from cbdsl.training.trial import Trial
-from tests.training.toy import ToyClassroom, toy_trial
+from tests.training.toy import ToyEpisodeRunner, toy_trial
 
-from .lessons import experience
+from .series import experience
 
 
 @pytest.fixture(scope="module")
 def trial() -> Trial:
-    found, classroom = toy_trial(), ToyClassroom()
+    found, classroom = toy_trial(), ToyEpisodeRunner()
     for _ in range(40):
         found.run(classroom)
     return found

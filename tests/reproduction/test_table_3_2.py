@@ -5,13 +5,13 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from cbdsl.reproduction.experiment import Settings
+from cbdsl.reproduction.experiment import RunSettings
 from cbdsl.reproduction.quantity import Verdict
 from cbdsl.reproduction.table_3_2 import DEPTHS, localizability, measured_period, run
 
 
 def test_every_period_and_ratio_is_reproduced() -> None:
-    outcome = run(Settings())
+    outcome = run(RunSettings())
     assert len(outcome.quantities) == 13
     assert {each.verdict for each in outcome.quantities} == {Verdict.REPRODUCED}
     assert sum("misprint" in each.note for each in outcome.quantities) == 3

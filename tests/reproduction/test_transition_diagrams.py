@@ -5,10 +5,10 @@ from __future__ import annotations
 import pytest
 
 from cbdsl.reproduction.checks import Check
-from cbdsl.reproduction.lesson import REACHTOUCH
+from cbdsl.reproduction.series import REACHTOUCH
 from cbdsl.reproduction.transition_diagrams import _typical
 from tests.conftest import Checked
-from tests.reproduction.lessons import experience
+from tests.reproduction.series import experience
 
 FOUND = [("XXX", "reach ◁ touch", "X0-"), ("X0-", "reach ◁ touch", "X11")]
 CIRCLE = [("XXX", "reach ◁ touch", "X1-"), *[("X1-", "searchtrack", "X1-")] * 90]

@@ -7,15 +7,15 @@ import math
 import numpy as np
 import pytest
 
-from cbdsl.learning.accommodate import Constants
+from cbdsl.learning.constants import AccommodateConstants
 from cbdsl.learning.experience import Experience
-from cbdsl.reproduction.lesson import REACHTOUCH, SEQUENTIAL
+from cbdsl.reproduction.series import REACHTOUCH, SEQUENTIAL
 from cbdsl.reproduction.worth import met, worth_quantities
 from cbdsl.training.trial import Trial
 from tests.conftest import Checked
 from tests.training.toy import toy_trial
 
-from .lessons import experience
+from .series import experience
 
 
 def trial_of(trial: Trial, *experiences: Experience) -> Trial:
@@ -62,7 +62,7 @@ def test_a_used_program_is_one_choice(checked: Checked) -> None:
         ("1XX", "reach ◁ touch", "X11"),
         reward=1,
     )
-    trial = Trial(checked("reachtouch"), Constants(), 1)
+    trial = Trial(checked("reachtouch"), AccommodateConstants(), 1)
     found = worth(trial_of(trial, *[looked] * 5))
     assert found["XXX", "searchtrack"] == pytest.approx(0.8)
     assert ("0XX", "searchtrack") not in found

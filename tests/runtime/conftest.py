@@ -16,9 +16,9 @@ from cbdsl.documents.stage import StageDocument
 from cbdsl.program.checked import CheckedProgram
 from cbdsl.program.transition import Transition
 from cbdsl.runtime.episode import EpisodeResult, Runner, Tick
-from cbdsl.runtime.policy import Policy
 from cbdsl.sensing.kinematics import Kinematics
 from cbdsl.sensing.observation import Observation
+from cbdsl.types.policy import Policy
 from cbdsl.yaml_text.library import Library
 from tests.runtime.synthetic import Ball, SyntheticBackend, World
 

@@ -12,7 +12,7 @@ import pytest
 from cbdsl.program.checked import CheckedProgram
 from cbdsl.program.transition import Transition
 from cbdsl.runtime.episode import Tick
-from cbdsl.runtime.policy import WrittenPolicy
+from cbdsl.types.policy import WrittenPolicy
 from cbdsl.types.resource import Origin
 from tests.conftest import Checked
 from tests.runtime.conftest import GRIP, TABLE_BALL, Play, Played, on_table
@@ -442,9 +442,9 @@ def test_contact_ends_what_was_sought_in_vain(written: Written, play: Play) -> N
     assert "closed on nothing" not in episode.result.ending
 
 
-def test_what_is_given_a_hold_is_undefined_without_one(written: Written, play: Play) -> None:
+def test_what_requires_a_hold_is_undefined_without_one(written: Written, play: Play) -> None:
     """From the first contact on, through moments in which a finger seeks it, to its loss."""
-    turn = TURN.replace("{", "{given: hold, ", 1)
+    turn = TURN.replace("{", "{requires: hold, ", 1)
     program = written(
         f"controllers:\n  hold: {CLOSE}\n  turn: {turn}\n  carry: turn ◁ hold\n"
         "actions: [carry]\npolicy: {'*': carry}\n"
@@ -471,13 +471,14 @@ def test_what_is_given_a_hold_is_undefined_without_one(written: Written, play: P
 
 
 @pytest.mark.parametrize(("action", "acts"), [("both", True), ("shift", False)])
-def test_what_is_given_a_posture_acts_where_that_does(
+def test_what_requires_a_posture_acts_where_that_does(
     written: Written, play: Play, action: str, acts: bool
 ) -> None:
     """A posture is never undefined, although nothing is read for it."""
     shift = "potential: spring, reference: left_arm.home, feedback: left_arm, effector: left_arm"
     program = written(
-        f"controllers:\n  turn: {TURN}\n  shift: {{given: turn, {shift}}}\n  both: shift ◁ turn\n"
+        f"controllers:\n  turn: {TURN}\n  shift: {{requires: turn, {shift}}}\n"
+        "  both: shift ◁ turn\n"
         f"actions: [both, shift]\npolicy: {{XX: {action}}}\n"
     )
     predicates: list[str] = []

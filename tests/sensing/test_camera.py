@@ -4,9 +4,9 @@ import pytest
 from cbdsl.documents.robot import Camera
 from cbdsl.sensing.camera import (
     direction,
-    focal_scale,
     heading,
     heading_jacobian,
+    line_of_sight,
     sight,
     within_view,
 )
@@ -50,7 +50,7 @@ def test_a_ball_is_within_view_if_its_image_is(seed: int) -> None:
     assert not within_view(CAMERA, -distance * sight(CAMERA, column, row), radius)
 
 
-def test_a_small_patch_off_axis_is_enlarged_by_focal_scale() -> None:
+def test_a_small_patch_off_axis_is_enlarged() -> None:
     # A small cone around any direction covers the same solid angle; its image does not.
     def image_area(column: float, row: float) -> float:
         centre = sight(CAMERA, column, row)
@@ -64,4 +64,9 @@ def test_a_small_patch_off_axis_is_enlarged_by_focal_scale() -> None:
         return float(abs(np.trapezoid(z, y)))
 
     ratio = image_area(20, 30) / image_area(160, 120)
-    assert ratio * focal_scale(sight(CAMERA, 20, 30)) == pytest.approx(1, rel=1e-3)
+    lens = np.array((CAMERA.width, CAMERA.height, CAMERA.focal_length), dtype=float)
+    line = np.empty(3)
+    length, scale = line_of_sight(lens, 20, 30, np.eye(3), line)
+    assert line == pytest.approx(sight(CAMERA, 20, 30))
+    assert length == pytest.approx(np.linalg.norm(line))
+    assert ratio * scale == pytest.approx(1, rel=1e-3)

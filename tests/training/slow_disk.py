@@ -46,8 +46,8 @@ def slow_down() -> None:
         time.sleep(PAUSE)
         replace(*arguments)
 
-    os.fdopen = lambda *given, **named: SlowFile(fdopen(*given, **named))  # type: ignore[assignment]
-    os.replace = late  # type: ignore[assignment]
+    os.fdopen = lambda *given, **named: SlowFile(fdopen(*given, **named))  # type: ignore[task]
+    os.replace = late  # type: ignore[task]
 
 
 if __name__ == "__main__":

@@ -17,14 +17,14 @@ from typing import Any
 import pytest
 
 from cbdsl.errors.errors import UsageError
-from cbdsl.training.assignment import Assignment
+from cbdsl.training.learning_task import LearningTask
 from cbdsl.training.provenance import versions
-from tests.training.lessons import assigned, carry_out_here, outcome
+from tests.training.tasks import made_tasks, outcome, run_here
 
 distributed = pytest.importorskip("distributed", reason="trials side by side: extra 'learn'")
 psutil = pytest.importorskip("psutil")
 
-from cbdsl.training.cluster import carry_out_all  # noqa: E402
+from cbdsl.training.cluster import run_all  # noqa: E402
 from cbdsl.training.worker import work  # noqa: E402
 
 TRIALS, EPISODES = 3, 12
@@ -39,11 +39,11 @@ class Notes:
         self.failures: list[str] = []
         self.workers: list[int] = []
 
-    def done(self, assignment: Assignment, files: Sequence[Path]) -> None:
+    def done(self, task: LearningTask, files: Sequence[Path]) -> None:
         self.files += files
 
-    def failed(self, assignment: Assignment, error: Exception) -> None:
-        self.failures.append(f"trial {assignment.number}: {error}")
+    def failed(self, task: LearningTask, error: Exception) -> None:
+        self.failures.append(f"trial {task.number}: {error}")
 
     def look(self, workers: int) -> None:
         self.workers.append(workers)
@@ -71,7 +71,7 @@ def periods(dask_worker: Any) -> dict[str, float]:
 def expected(tmp_path_factory: pytest.TempPathFactory) -> dict[str, bytes]:
     """What the trials of this file learn in one process."""
     folder = tmp_path_factory.mktemp("alone")
-    carry_out_here(assigned(folder, TRIALS, EPISODES))
+    run_here(made_tasks(folder, TRIALS, EPISODES))
     return outcome(folder)
 
 
@@ -81,8 +81,8 @@ def until(so: Callable[[], Any]) -> None:
         time.sleep(0.02)
 
 
-def episodes(assignment: Assignment) -> int:
-    return assignment.journal.read_bytes().count(b"\n") - 1 if assignment.journal.exists() else 0
+def episodes(task: LearningTask) -> int:
+    return task.journal.read_bytes().count(b"\n") - 1 if task.journal.exists() else 0
 
 
 def at_work() -> list[psutil.Process]:
@@ -106,7 +106,7 @@ def test_one_worker_learns_what_one_process_learns_and_little_else(
 ) -> None:
     assert cluster.scheduler.http_server.port, "another cluster has the usual port for pages"
     notes = Inspection()
-    carry_out_all(assigned(tmp_path, TRIALS, EPISODES), 1, None, notes)
+    run_all(made_tasks(tmp_path, TRIALS, EPISODES), 1, None, notes)
     assert "heartbeat" in notes.periods and "profile" not in notes.periods
     assert sum(1000 / each for each in notes.periods.values()) < 10, "times a second"
     assert outcome(tmp_path) == expected
@@ -128,15 +128,15 @@ def test_a_killed_worker_loses_no_trial_and_changes_nothing(
 def worker_killed(folder: Path) -> Notes | None:
     """What is told of trials of which one loses its worker; ``None`` if they ended too soon."""
     folder.mkdir()
-    assignments, notes = assigned(folder, TRIALS, EPISODES), Notes()
-    course = threading.Thread(target=carry_out_all, args=(assignments, 2, None, notes), daemon=True)
-    course.start()
-    while course.is_alive() and not (any(map(episodes, assignments)) and at_work()):
+    tasks, notes = made_tasks(folder, TRIALS, EPISODES), Notes()
+    thread = threading.Thread(target=run_all, args=(tasks, 2, None, notes), daemon=True)
+    thread.start()
+    while thread.is_alive() and not (any(map(episodes, tasks)) and at_work()):
         time.sleep(0.02)
     victims = at_work()
     if victims:
         victims[0].kill()
-    course.join()
+    thread.join()
     return notes if victims else None
 
 
@@ -144,8 +144,8 @@ def worker_killed(folder: Path) -> Notes | None:
 def test_a_scheduler_that_goes_away_is_told_and_what_was_run_is_kept(
     tmp_path: Path, expected: dict[str, bytes]
 ) -> None:
-    assignments = assigned(tmp_path, TRIALS, EPISODES)
-    longer = [replace(each, episodes=ENDLESS) for each in assignments]
+    tasks = made_tasks(tmp_path, TRIALS, EPISODES)
+    longer = [replace(each, episodes=ENDLESS) for each in tasks]
     file = tmp_path / "scheduler.json"
     with dask("scheduler", file, "--port", "0") as scheduler, dask("worker", file, "--no-nanny"):
         until(file.exists)
@@ -157,10 +157,10 @@ def test_a_scheduler_that_goes_away_is_told_and_what_was_run_is_kept(
 
         threading.Thread(target=kill, daemon=True).start()
         with pytest.raises(UsageError, match="scheduler is gone"):
-            carry_out_all(longer, 1, address, Notes())
+            run_all(longer, 1, address, Notes())
         assert any(map(episodes, longer))
         # The worker gives the trial up by itself.
-        carry_out_here(assignments)
+        run_here(tasks)
     assert outcome(tmp_path) == expected
 
 
@@ -204,7 +204,7 @@ def test_a_cluster_without_workers_is_waited_for_and_then_told(
     notes = Notes()
     with pytest.raises(UsageError, match="without workers for 1 s"):
         address = cluster.scheduler_address
-        carry_out_all(assigned(tmp_path, 1, 1), 1, address, notes, patience=1.0)
+        run_all(made_tasks(tmp_path, 1, 1), 1, address, notes, patience=1.0)
     assert set(notes.workers) == {0}
     assert list(tmp_path.iterdir()) == []
 
@@ -214,7 +214,7 @@ def test_a_worker_of_several_threads_is_refused_trial_by_trial(
     tmp_path: Path, cluster: Any
 ) -> None:
     notes = Notes()
-    carry_out_all(assigned(tmp_path, 2, 1), 1, cluster.scheduler_address, notes)
+    run_all(made_tasks(tmp_path, 2, 1), 1, cluster.scheduler_address, notes)
     assert sorted(told.partition(" inproc")[0] for told in notes.failures) == [
         "trial 0: worker",
         "trial 1: worker",
@@ -224,7 +224,7 @@ def test_a_worker_of_several_threads_is_refused_trial_by_trial(
 
 
 def test_a_worker_that_would_learn_something_else_is_refused(tmp_path: Path, cluster: Any) -> None:
-    assignment, elsewhere = assigned(tmp_path, 1, 1)[0], tmp_path / "none" / "file"
+    task, elsewhere = made_tasks(tmp_path, 1, 1)[0], tmp_path / "none" / "file"
     with distributed.Client(cluster) as client:
         for there, expected, told in (
             (elsewhere, versions(), f"does not see the files in {elsewhere.parent}"),
@@ -232,24 +232,24 @@ def test_a_worker_that_would_learn_something_else_is_refused(tmp_path: Path, clu
             (tmp_path, {**versions(), "pip": "1.0"}, "has pip none, not 1.0"),
         ):
             with pytest.raises(UsageError, match=told):
-                client.submit(work, assignment, there, expected, pure=False).result()
+                client.submit(work, task, there, expected, pure=False).result()
     assert list(tmp_path.iterdir()) == []
 
 
 def test_a_trial_that_nobody_waits_for_is_given_up_after_its_episode(
     tmp_path: Path, cluster: Any
 ) -> None:
-    assignment = replace(assigned(tmp_path, 1, 1)[0], episodes=ENDLESS)
+    task = replace(made_tasks(tmp_path, 1, 1)[0], episodes=ENDLESS)
     with distributed.Client(cluster) as client:
-        future = client.submit(work, assignment, tmp_path, versions(), pure=False)
-        until(lambda: episodes(assignment) or future.done())
+        future = client.submit(work, task, tmp_path, versions(), pure=False)
+        until(lambda: episodes(task) or future.done())
     # Else its journal would stay locked.
-    carry_out_here([replace(assignment, episodes=1)])
+    run_here([replace(task, episodes=1)])
     assert outcome(tmp_path)
 
 
 @pytest.mark.parametrize("address", ["nonsense", "tcp://127.0.0.1:nine"])
 def test_no_address_of_a_scheduler_is_told(tmp_path: Path, address: str) -> None:
     with pytest.raises(UsageError, match=rf"--scheduler {address}: nothing answers"):
-        carry_out_all(assigned(tmp_path, 1, 1), 1, address, Notes())
+        run_all(made_tasks(tmp_path, 1, 1), 1, address, Notes())
     assert list(tmp_path.iterdir()) == []

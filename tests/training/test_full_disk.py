@@ -13,10 +13,10 @@ from pathlib import Path
 
 import pytest
 
-from cbdsl.training import course
-from cbdsl.training.course import journal_file
+from cbdsl.training import trial_loop
+from cbdsl.training.trial_loop import journal_file
 from tests.conftest import ROOT
-from tests.training.lessons import outcome
+from tests.training.tasks import outcome
 from tests.training.toy import EPISODES, take
 
 
@@ -44,7 +44,7 @@ def test_a_disk_that_fills_up_while_episodes_run_costs_one(
     whole = journal_file(unbroken / "policy.yaml").read_bytes()
     size = int(share * len(whole))
     with monkeypatch.context() as patch, no_file_beyond(size):
-        patch.setattr(course, "_ROOM", 0)  # it was there at the beginning
+        patch.setattr(trial_loop, "_ROOM", 0)  # it was there at the beginning
         with pytest.raises(OSError, match="too large"):
             take(tmp_path / "policy.yaml", EPISODES)
     assert outcome(tmp_path) == {}

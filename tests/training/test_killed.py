@@ -14,8 +14,8 @@ import numpy as np
 import pytest
 
 from tests.conftest import ROOT
-from tests.training.lessons import outcome
-from tests.training.test_course import without_seconds
+from tests.training.tasks import outcome
+from tests.training.test_trial_loop import without_seconds
 
 KILLS, EPISODES = 20, 14
 JOURNAL = "policy.episodes.jsonl"

@@ -1,4 +1,4 @@
-"""A classroom without a robot, in which SEARCHTRACK is a Markov decision process; and courses."""
+"""A runner without a robot, in which SEARCHTRACK is a Markov decision process; and trials in it."""
 
 from __future__ import annotations
 
@@ -16,30 +16,36 @@ from cbdsl.documents.policy import Provenance
 from cbdsl.documents.program import ProgramDocument
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.documents.stage import StageDocument
-from cbdsl.learning.accommodate import Constants
+from cbdsl.learning.constants import AccommodateConstants
 from cbdsl.learning.experience import Experience
 from cbdsl.program.checked import CheckedProgram
 from cbdsl.program.transition import Transition
-from cbdsl.runtime.policy import Policy
-from cbdsl.training.course import Nobody, follow, open_journal, require_free, require_writable
 from cbdsl.training.provenance import Setting, provenance_of
 from cbdsl.training.trial import Trial
+from cbdsl.training.trial_loop import (
+    NullObserver,
+    open_journal,
+    require_free,
+    require_writable,
+    run_trial,
+)
+from cbdsl.types.policy import Policy
 from cbdsl.yaml_text.library import Library
 
 ROOT = Path(__file__).parents[2]
 
-#: Of a course in tests.
+#: Of a trial in tests.
 EPISODES = 12
 
 
-class ToyClassroom:
+class ToyEpisodeRunner:
     """Something is in view in half of the episodes; else a search finds it now and then."""
 
     def __init__(self) -> None:
         #: The programs of all episodes, with the models that they drew from.
         self.programs: list[CheckedProgram] = []
 
-    def hold(
+    def run(
         self,
         program: CheckedProgram,
         policy: Policy,
@@ -80,7 +86,7 @@ def _after(state: str, action: str, in_view: bool) -> str:
 
 
 def toy_trial(seed: int = 1) -> Trial:
-    return Trial(check_program("searchtrack", {}, Library(ROOT)), Constants(), seed)
+    return Trial(check_program("searchtrack", {}, Library(ROOT)), AccommodateConstants(), seed)
 
 
 def toy_provenance(trial: Trial, episodes: int) -> Provenance:
@@ -104,21 +110,21 @@ def toy_provenance(trial: Trial, episodes: int) -> Provenance:
 
 
 def take(out: Path, episodes: int, *, resume: bool = False, seed: int = 1) -> Trial:
-    """Take a course in the toy classroom."""
+    """Run a trial in the toy runner."""
     trial = toy_trial(seed)
     provenance = toy_provenance(trial, episodes)
     require_writable(out)
     require_free(out, ["head"], resume=resume)
     with open_journal(out, provenance) as journal:
-        follow(trial, ToyClassroom(), journal, provenance, out, Nobody())
+        run_trial(trial, ToyEpisodeRunner(), journal, provenance, out, NullObserver())
     return trial
 
 
 def take_and_die(out: Path, episodes: int, owner: object, name: str, count: int) -> None:
-    """Take a course, and kill this process when it calls a function for the ``count``th time.
+    """Run a trial, and kill this process when it calls a function for the ``count``th time.
 
     Args:
-        out, episodes: the course.
+        out, episodes: of the trial.
         owner: what holds the function, such as a class or a module.
         name: of the function.
         count: the call that is the last.

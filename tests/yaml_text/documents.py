@@ -74,7 +74,7 @@ CONTROLLER = data(
         "quiescence": QUIESCENCE,
         "free_axis": st.sampled_from("xyz"),
         "seek": data({}, {"once": NAME, "within": NUMBER, "until": NUMBER}),
-        "given": NAME,
+        "requires": NAME,
     },
 )
 PROGRAM = data(

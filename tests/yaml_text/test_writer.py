@@ -10,10 +10,13 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
+from cbdsl.documents.kinds import models
 from cbdsl.yaml_text.library import shipped
-from cbdsl.yaml_text.reader import KINDS, read_document
+from cbdsl.yaml_text.reader import read_document
 from cbdsl.yaml_text.writer import dump, make_room, remove_leftovers, write, write_text
 from tests.yaml_text.documents import DOCUMENTS
+
+KINDS = models()
 
 SHIPPED = sorted(
     p for folder in ("robots", "programs") for p in (shipped() / folder).rglob("*.yaml")

@@ -15,7 +15,7 @@ from cbdsl.backends.staging.pose import Pose
 from cbdsl.backends.staging.shape import Shape
 from cbdsl.backends.staging.span import draw
 from cbdsl.documents.robot import RobotDocument
-from cbdsl.documents.stage import Context, Motion, Place, StageDocument, Surface
+from cbdsl.documents.stage import Context, Motion, PlaceSection, StageDocument, Surface
 
 Floats = NDArray[np.float64]
 _Entry = TypeVar("_Entry")
@@ -130,7 +130,9 @@ class Presenter:
             exhibits.append(Exhibit(name, shape, fixture, 0.0, pose))
         return tuple(exhibits)
 
-    def _thing(self, context: Context, place: Place, fixtures: tuple[Exhibit, ...]) -> Exhibit:
+    def _thing(
+        self, context: Context, place: PlaceSection, fixtures: tuple[Exhibit, ...]
+    ) -> Exhibit:
         name = context.things[int(self._rng.integers(len(context.things)))]
         thing = self._named(self._stage.things, name, "thing")
         shape = Shape.draw(thing.form, self._rng)
@@ -138,7 +140,7 @@ class Presenter:
         pose = self._pose(place, shape.half_height, fixtures)
         return Exhibit(name, shape, thing, mass, pose)
 
-    def _pose(self, place: Place, half_height: float, fixtures: tuple[Exhibit, ...]) -> Pose:
+    def _pose(self, place: PlaceSection, half_height: float, fixtures: tuple[Exhibit, ...]) -> Pose:
         x, y = draw(place.x, self._rng), draw(place.y, self._rng)
         turned = Pose.turned(_UP, draw(place.yaw, self._rng))
         if place.pitch != (0.0, 0.0):  # nothing is drawn that is not asked for

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cbdsl.backends.staging.span import draw
-from cbdsl.documents.stage import Ball, Box, Cylinder, Pattern, Spot
+from cbdsl.documents.stage import BallForm, BoxForm, CylinderForm, Pattern, Spot
 
 Floats = NDArray[np.float64]
 
@@ -42,11 +42,11 @@ class Shape:
         return cls("cylinder", (radius, radius, height / 2))
 
     @classmethod
-    def draw(cls, form: Ball | Box | Cylinder, rng: np.random.Generator) -> Shape:
+    def draw(cls, form: BallForm | BoxForm | CylinderForm, rng: np.random.Generator) -> Shape:
         """A shape of this form, of a size drawn from its spans."""
-        if isinstance(form, Ball):
+        if isinstance(form, BallForm):
             return cls.ball(draw(form.radius, rng), form.spot)
-        if isinstance(form, Box):
+        if isinstance(form, BoxForm):
             x, y, z = (draw(span, rng) / 2 for span in form.size)
             return cls("box", (x, y, z), form.pattern, form.spot)
         radius = draw(form.radius, rng)

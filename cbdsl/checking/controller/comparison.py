@@ -1,13 +1,13 @@
-"""What a controller compares its feedback with."""
+"""References of controllers: resources and literals that a feedback is compared with."""
 
 from __future__ import annotations
 
 from typing import NamedTuple
 
-from cbdsl.checking.context import Context, Steps
+from cbdsl.checking.context import ProgramContext, Steps
 from cbdsl.checking.controller.references import LiteralError, is_literal, read_literal
 from cbdsl.checking.findings import Findings
-from cbdsl.checking.scope import Scope
+from cbdsl.checking.lookup.scope import Scope
 from cbdsl.program.controller import AlongNormals, Literal, Reference
 from cbdsl.types.resource import Resource
 
@@ -39,7 +39,7 @@ class Comparison(NamedTuple):
 
 
 def read_comparison(
-    context: Context, steps: Steps, value: Written | None, scope: Scope
+    context: ProgramContext, steps: Steps, value: Written | None, scope: Scope
 ) -> Comparison:
     """The reference of a controller; what it names and nobody knows is reported.
 
@@ -60,7 +60,7 @@ def read_comparison(
 
 
 def compare(
-    context: Context,
+    context: ProgramContext,
     steps: Steps,
     comparison: Comparison,
     feedback: Resource,
@@ -83,7 +83,11 @@ def compare(
 
 
 def _of_its_type(
-    context: Context, steps: Steps, reference: Resource, feedback: Resource, findings: Findings
+    context: ProgramContext,
+    steps: Steps,
+    reference: Resource,
+    feedback: Resource,
+    findings: Findings,
 ) -> Resource | None:
     if reference.type == feedback.type:
         return reference
@@ -109,13 +113,13 @@ def _of_its_type(
 
 
 def _in_its_units(
-    context: Context, steps: Steps, literal: Written, feedback: Resource, findings: Findings
+    context: ProgramContext, steps: Steps, literal: Written, feedback: Resource, findings: Findings
 ) -> Literal | AlongNormals | None:
     source, steps = context.source, (*steps, "reference")
     try:
         return read_literal(literal, feedback)
     except LiteralError as error:
-        from cbdsl.yaml_text.repair.comma import decimal_comma  # only a fault needs it
+        from cbdsl.yaml_text.comma import decimal_comma  # only a fault needs it
 
         comma = decimal_comma(source.node(steps))
         if comma is not None and error.code == "CB505":

@@ -6,8 +6,8 @@ import math
 from collections.abc import Iterator
 from typing import NamedTuple
 
-from cbdsl.checking.context import Context, Steps
-from cbdsl.checking.scope import Scope
+from cbdsl.checking.context import ProgramContext, Steps
+from cbdsl.checking.lookup.scope import Scope
 from cbdsl.documents import program as written
 from cbdsl.errors.counting import count
 from cbdsl.program.controller import Ball, Box, Field, Literal, Reference
@@ -23,7 +23,7 @@ _MOST_DIMENSIONS = 3
 Corner = tuple[float, ...]
 
 
-class Wish(NamedTuple):
+class ControllerSpec(NamedTuple):
     """The parts of a controller that its field has to suit.
 
     Attributes:
@@ -38,11 +38,11 @@ class Wish(NamedTuple):
 
 
 def check_field(
-    context: Context,
+    context: ProgramContext,
     steps: Steps,
     potential: PotentialType,
-    field: written.HarmonicField | None,
-    wish: Wish,
+    field: written.FieldSection | None,
+    wish: ControllerSpec,
     scope: Scope,
 ) -> Field | None:
     """Check the field of one controller.
@@ -80,10 +80,10 @@ def check_field(
 class _Field:
     def __init__(
         self,
-        context: Context,
+        context: ProgramContext,
         steps: Steps,
-        field: written.HarmonicField,
-        wish: Wish,
+        field: written.FieldSection,
+        wish: ControllerSpec,
         scope: Scope,
     ) -> None:
         self._context = context
@@ -209,7 +209,7 @@ class _Field:
             self._add("CB523", *steps, name=resource.name)
         return Ball(resource, radius)
 
-    def _box(self, i: int, obstacle: written.Obstacle) -> Iterator[Box]:
+    def _box(self, i: int, obstacle: written.ObstacleSection) -> Iterator[Box]:
         lower, upper = obstacle.lower, obstacle.upper
         assert lower is not None and upper is not None
         if not self._fit(("obstacles", i), lower, upper):

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from cbdsl.checking.body import Body
+from cbdsl.checking.robot.checked_robot import CheckedRobot
 from cbdsl.types.casts import chains
 from cbdsl.types.resource import Origin, Resource
 
@@ -15,7 +15,7 @@ def is_measured(resource: Resource) -> bool:
     return resource.origin not in _STILL
 
 
-def moves(body: Body, effector: Resource, feedback: Resource) -> bool:
+def moves(body: CheckedRobot, effector: Resource, feedback: Resource) -> bool:
     """Whether an effector can be moved, and moves a feedback, as far as anybody can tell."""
     if not effector.movable or not chains(feedback.type, effector.type):
         return False
@@ -23,7 +23,7 @@ def moves(body: Body, effector: Resource, feedback: Resource) -> bool:
     return influence is None or not influence.isdisjoint(body.effector_joints(effector))
 
 
-def movers(body: Body, feedback: Resource) -> list[str]:
+def movers(body: CheckedRobot, feedback: Resource) -> list[str]:
     """The names of all effectors that move a feedback."""
     return [
         resource.name for resource in body.resources.values() if moves(body, resource, feedback)

@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator
 from typing import NamedTuple, TypeVar
 
-from cbdsl.checking.context import Context, Steps
+from cbdsl.checking.context import ProgramContext, Steps
 from cbdsl.checking.findings import Findings
-from cbdsl.checking.settings import check_settings
+from cbdsl.checking.robot.settings import check_settings
 from cbdsl.documents import program as written
 from cbdsl.documents.robot import TaskSettings
 from cbdsl.program.controller import Quiescence
@@ -17,8 +17,8 @@ from cbdsl.types.resource_type import TYPES
 MANIPULABILITY = "manipulability"
 
 
-class Settings(NamedTuple):
-    """What the robot's settings and the controller's own come to."""
+class ControllerSettings(NamedTuple):
+    """Settings of one controller, its own before the robot's."""
 
     gain: float
     speed: float | None
@@ -26,7 +26,7 @@ class Settings(NamedTuple):
     quiescence: Quiescence
 
 
-def misplaced(document: written.Controller, feedback: Resource) -> Iterator[Steps]:
+def misplaced(document: written.ControllerSection, feedback: Resource) -> Iterator[Steps]:
     """Paths of the options that mean nothing for a feedback."""
     is_position = isinstance(feedback.source, Tip) and feedback.type.name == "position"
     is_of_hands = isinstance(feedback.source, NetForces)
@@ -46,9 +46,9 @@ def misplaced(document: written.Controller, feedback: Resource) -> Iterator[Step
 
 
 def check_options(
-    context: Context,
+    context: ProgramContext,
     steps: Steps,
-    document: written.Controller,
+    document: written.ControllerSection,
     feedback: Resource,
     findings: Findings,
 ) -> None:
@@ -68,12 +68,12 @@ def check_options(
 
 
 def settings_of(
-    context: Context, steps: Steps, document: written.Controller, feedback: Resource
-) -> Settings | None:
+    context: ProgramContext, steps: Steps, document: written.ControllerSection, feedback: Resource
+) -> ControllerSettings | None:
     """The controller's own settings, and the robot's for the rest; ``None`` where some lack."""
     robot = context.body.document
     general = robot.control.tasks.get(feedback.type.name)
-    candidates: list[written.Controller | TaskSettings] = [document]
+    candidates: list[written.ControllerSection | TaskSettings] = [document]
     if general is not None:
         candidates.append(general)
     gain = _first(settings.gain for settings in candidates)
@@ -86,7 +86,7 @@ def settings_of(
         details = {"robot": robot.name, "setting": setting, "task": feedback.type.name}
         context.add("CB511", context.source.key(*steps), **details)
         return None
-    return Settings(
+    return ControllerSettings(
         gain,
         _first(settings.speed for settings in candidates),
         _first(settings.acceleration for settings in candidates),

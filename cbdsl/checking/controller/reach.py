@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import math
 
-from cbdsl.checking.body import Body
-from cbdsl.checking.context import Context, Steps
+from cbdsl.checking.context import ProgramContext, Steps
+from cbdsl.checking.robot.checked_robot import CheckedRobot
 from cbdsl.program.controller import Literal
 from cbdsl.types.resource import Centroid, Resource, Separation, Tip
 
@@ -13,7 +13,9 @@ from cbdsl.types.resource import Centroid, Resource, Separation, Tip
 _TURNED = ("orientation", "heading")
 
 
-def check_reach(context: Context, steps: Steps, reference: Literal, feedback: Resource) -> None:
+def check_reach(
+    context: ProgramContext, steps: Steps, reference: Literal, feedback: Resource
+) -> None:
     """Warn of positions that are farther away than the links are long, and of degrees as radians.
 
     Args:
@@ -37,14 +39,14 @@ def check_reach(context: Context, steps: Steps, reference: Literal, feedback: Re
         context.add("CB718", place, name=feedback.name, **ends)
 
 
-def farthest_tip(body: Body) -> float | None:
+def farthest_tip(body: CheckedRobot) -> float | None:
     """A bound on how far any tip can be from the base, m, or ``None`` without one."""
     tipped = [name for name, effector in body.document.effectors.items() if effector.tip]
     reaches = [_reaches(body, name) for name in tipped]
     return max((max(each) for each in reaches), default=None) if all(reaches) else None
 
 
-def _farthest(body: Body, feedback: Resource) -> float | None:
+def _farthest(body: CheckedRobot, feedback: Resource) -> float | None:
     """A bound on the norm of a position that joints determine, m, or ``None`` without one."""
     match feedback.source:
         case Tip(effector=name) | Centroid(group=name):
@@ -55,9 +57,9 @@ def _farthest(body: Body, feedback: Resource) -> float | None:
     return None
 
 
-def _reaches(body: Body, effector: str) -> list[float]:
+def _reaches(body: CheckedRobot, effector: str) -> list[float]:
     """How far the tip of each member can be from the base, m; empty where one has no bound."""
-    robot, model, found = body.document, body.model, []
+    robot, model, reaches = body.document, body.model, []
     for member in robot.members(effector):
         tip = robot.effectors[member].tip
         if tip is None or model is None or not model.links.issuperset((robot.base, tip.link)):
@@ -65,5 +67,5 @@ def _reaches(body: Body, effector: str) -> list[float]:
         links = model.reach(robot.base, tip.link)
         if links is None:
             return []
-        found.append(links + math.hypot(*tip.offset))
-    return found
+        reaches.append(links + math.hypot(*tip.offset))
+    return reaches

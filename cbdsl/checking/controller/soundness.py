@@ -5,10 +5,10 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 
-from cbdsl.checking.context import Context, Steps
+from cbdsl.checking.context import ProgramContext, Steps
 from cbdsl.checking.controller.reach import check_reach
-from cbdsl.checking.limits import limits_told
 from cbdsl.checking.robot.constants import check_signs
+from cbdsl.checking.robot.limits import limit_details
 from cbdsl.documents import program as written
 from cbdsl.errors.counting import count
 from cbdsl.program.controller import AlongNormals, Literal, Reference
@@ -22,7 +22,9 @@ _NOT_NEGATIVE: list[Steps] = [
 ]
 
 
-def check_numbers(context: Context, steps: Steps, document: written.Controller) -> None:
+def check_numbers(
+    context: ProgramContext, steps: Steps, document: written.ControllerSection
+) -> None:
     """Check the distances that a controller keeps or waits for."""
     source = context.source
     if document.standoff is None and document.funnel is None and document.seek is None:
@@ -36,7 +38,7 @@ def check_numbers(context: Context, steps: Steps, document: written.Controller) 
 
 
 def check_reference(
-    context: Context, steps: Steps, reference: Reference | None, feedback: Resource
+    context: ProgramContext, steps: Steps, reference: Reference | None, feedback: Resource
 ) -> None:
     """Check a constant reference against what the feedback can be."""
     steps = (*steps, "reference")
@@ -53,14 +55,14 @@ def check_reference(
         ):
             if span is not None and not span[0] <= angle <= span[1]:
                 node = context.source.node((*steps, i))
-                told = limits_told(node.value, angle, span)
-                context.add("CB517", node.place, joint=joint, **told)
+                limits_text = limit_details(node.value, angle, span)
+                context.add("CB517", node.place, joint=joint, **limits_text)
 
 
 def suits_body(
-    context: Context,
+    context: ProgramContext,
     steps: Steps,
-    document: written.Controller,
+    document: written.ControllerSection,
     feedback: Resource,
     effector: Resource,
 ) -> bool:
@@ -73,7 +75,10 @@ def suits_body(
 
 
 def _problems(
-    context: Context, document: written.Controller, feedback: Resource, effector: Resource
+    context: ProgramContext,
+    document: written.ControllerSection,
+    feedback: Resource,
+    effector: Resource,
 ) -> Iterator[str]:
     if document.potential == "localizability":
         yield from _sight(context)
@@ -90,7 +95,7 @@ def _problems(
             yield f"{tip}: it is 0 everywhere"
 
 
-def _ranges(context: Context, effector: str, moved: tuple[str, ...]) -> Iterator[str]:
+def _ranges(context: ProgramContext, effector: str, moved: tuple[str, ...]) -> Iterator[str]:
     joints = context.body.document.joints(effector)
     if joints != moved:
         yield f"it has the joints of '{effector}', and others are moved"
@@ -99,7 +104,7 @@ def _ranges(context: Context, effector: str, moved: tuple[str, ...]) -> Iterator
             yield f"joint '{joint}' has no limits with a middle between them"
 
 
-def _sight(context: Context) -> Iterator[str]:
+def _sight(context: ProgramContext) -> Iterator[str]:
     links = [camera.link for camera in context.body.document.cameras.values()]
     if len(set(links)) < len(links):
         yield "both cameras are in the same place"

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from cbdsl.checking.context import Context, Steps
+from cbdsl.checking.context import ProgramContext, Steps
 from cbdsl.checking.controller.agreement import Agreement
 from cbdsl.checking.controller.comparison import read_comparison
-from cbdsl.checking.controller.field import Wish, check_field
-from cbdsl.checking.controller.options import MANIPULABILITY, Settings, settings_of
+from cbdsl.checking.controller.field import ControllerSpec, check_field
+from cbdsl.checking.controller.options import MANIPULABILITY, ControllerSettings, settings_of
 from cbdsl.checking.controller.soundness import check_numbers, check_reference, suits_body
-from cbdsl.checking.scope import Scope
+from cbdsl.checking.lookup.scope import Scope
 from cbdsl.documents import program as written
 from cbdsl.errors.diagnostic import Place
 from cbdsl.program.controller import Controller, Field, Funnel, Reference, Seek, Standoff
@@ -18,7 +18,7 @@ from cbdsl.types.resource import Headings, Origin, Resource
 
 
 def check_triple(
-    context: Context, key: str, name: str, document: written.Controller, scope: Scope
+    context: ProgramContext, key: str, name: str, document: written.ControllerSection, scope: Scope
 ) -> Controller | None:
     """Check one controller.
 
@@ -37,7 +37,12 @@ def check_triple(
 
 class _Triple:
     def __init__(
-        self, context: Context, key: str, name: str, document: written.Controller, scope: Scope
+        self,
+        context: ProgramContext,
+        key: str,
+        name: str,
+        document: written.ControllerSection,
+        scope: Scope,
     ) -> None:
         self._context = context
         self._steps: Steps = ("controllers", key)
@@ -79,7 +84,7 @@ class _Triple:
         feedback: Resource,
         reference: Reference | None,
         effector: Resource,
-        settings: Settings,
+        settings: ControllerSettings,
     ) -> Controller:
         document = self._document
         joints = self._context.body.effector_joints(effector)
@@ -101,11 +106,11 @@ class _Triple:
             standoff=_standoff(document.standoff),
             funnel=_funnel(document.funnel),
             seek=self._seek(),
-            given=self._call(document.given, "given"),
-            field=self._field(potential, Wish(feedback, reference, joints)),
+            requires=self._call(document.requires, "requires"),
+            field=self._field(potential, ControllerSpec(feedback, reference, joints)),
         )
 
-    def _field(self, potential: PotentialType, wish: Wish) -> Field | None:
+    def _field(self, potential: PotentialType, wish: ControllerSpec) -> Field | None:
         field, source = self._document.field, self._context.source
         if potential.field and self._document.funnel is not None:
             details = {"potential": potential.name, "setting": "funnel"}
@@ -175,13 +180,13 @@ def _spelled(chain: tuple[Cast, ...], feedback: Resource, effector: Resource) ->
     return tuple(steps)
 
 
-def _standoff(document: written.Standoff | None) -> Standoff | None:
+def _standoff(document: written.StandoffSection | None) -> Standoff | None:
     if document is None:
         return None
     return Standoff(document.clearance, document.least, document.most)
 
 
-def _funnel(document: written.Funnel | None) -> Funnel | None:
+def _funnel(document: written.FunnelSection | None) -> Funnel | None:
     if document is None:
         return None
     return Funnel(document.height, document.within, document.slope)

@@ -5,11 +5,11 @@ from __future__ import annotations
 from pathlib import Path
 
 from cbdsl.checking.findings import Findings
-from cbdsl.checking.impossible import check_possible
+from cbdsl.checking.knowledge.impossible import check_possible
 from cbdsl.checking.knowledge.model import examine_model
+from cbdsl.checking.knowledge.states import check_states
+from cbdsl.checking.lookup.documents import find_document
 from cbdsl.checking.session import Session
-from cbdsl.checking.states import check_states
-from cbdsl.checking.unknown import report_unknown
 from cbdsl.documents.model import ModelDocument
 from cbdsl.documents.policy import PolicyDocument
 from cbdsl.errors.counting import count
@@ -18,7 +18,7 @@ from cbdsl.program.binding import bind, density_source, internal_models
 from cbdsl.program.checked import CheckedProgram
 from cbdsl.types.resource import Resource
 from cbdsl.yaml_text.library import Library
-from cbdsl.yaml_text.reader import Loaded
+from cbdsl.yaml_text.loaded import Loaded
 from cbdsl.yaml_text.source_map import Step
 
 
@@ -63,16 +63,16 @@ class _PolicyCheck:
         self._loaded, self._document, self._source = loaded, loaded.document, loaded.source
         self._program, self._session, self._findings = program, session, findings
         self._actions = [action.name for action in program.actions]
+        is_known = self._source.is_whole("predicates")
+        self._members = self._document.predicates if is_known else program.members
 
     def check(self, program_file: Path) -> None:
         self._unchanged(program_file)
         self._predicates()
         for pattern, text in self._document.policy.items():
             self._action(text, ("policy", pattern))
-        is_known = self._source.is_whole("predicates")
-        members = self._document.predicates if is_known else None
-        check_states(self._document.policy, members, self._source, self._findings)
-        if members == self._program.members and not self._findings.holds(("CB611", "CB612")):
+        check_states(self._document.policy, self._members, self._source, self._findings)
+        if self._members == self._program.members and not self._findings.holds(("CB611", "CB612")):
             policy = self._document.policy
             check_possible(policy, self._program, self._source, self._findings)
         self._observed()
@@ -81,7 +81,7 @@ class _PolicyCheck:
             self._model(name, model, known)
 
     def _unchanged(self, program_file: Path) -> None:
-        """What was learned of a program says nothing about another."""
+        """A policy that was learned for one program says nothing about another."""
         from cbdsl.checking.knowledge.digest import program_digest  # only what was learned needs it
 
         provenance = self._document.provenance
@@ -94,11 +94,10 @@ class _PolicyCheck:
             self._findings.add("CB622", place, **details)
 
     def _predicates(self) -> None:
-        document, program = self._document, self._program
-        is_known = self._source.is_whole("predicates")
-        if is_known and document.predicates != program.members:
-            found, wanted = ", ".join(document.predicates), ", ".join(program.members)
-            details = {"found": found, "wanted": wanted, "program": program.name}
+        members, program = self._members, self._program
+        if members != program.members:
+            given, wanted = ", ".join(members), ", ".join(program.members)
+            details = {"found": given, "wanted": wanted, "program": program.name}
             self._findings.add("CB621", self._source.key("predicates"), **details)
 
     def _action(self, text: str, steps: tuple[Step, ...]) -> None:
@@ -130,11 +129,11 @@ class _PolicyCheck:
                     self._state(reached, ("transitions", state, action, reached))
 
     def _state(self, state: str, steps: tuple[Step, ...]) -> None:
-        members = self._document.predicates
-        if len(state) != len(members) and self._source.is_whole("predicates"):
-            found, wanted = count(len(state), "letter"), count(len(members), "predicate")
+        members = self._members
+        if len(state) != len(members):
+            given, wanted = count(len(state), "letter"), count(len(members), "predicate")
             place, names = self._source.key(*steps), ", ".join(members)
-            self._findings.add("CB611", place, found=found, wanted=wanted, members=names)
+            self._findings.add("CB611", place, found=given, wanted=wanted, members=names)
 
     def _model(self, name: str, model: str, known: dict[str, Resource]) -> None:
         source, library = self._source, self._session.library
@@ -143,12 +142,9 @@ class _PolicyCheck:
             self._findings.add("CB623", source.key("models", name), names=list(known), **details)
             return
         place = source.place("models", name)
-        path = library.find(ModelDocument, model, self._loaded.path)
-        if path is None:
-            report_unknown(
-                ModelDocument, model, place, library, self._findings, self._program.robot
-            )
-            return
+        path = find_document(
+            ModelDocument, model, place, library, self._findings, self._program.robot
+        )
         loaded = self._session.read(path, ModelDocument, self._findings)
         if loaded is None:
             return

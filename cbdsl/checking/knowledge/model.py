@@ -2,17 +2,17 @@
 
 from __future__ import annotations
 
-from cbdsl.checking.body import Body
 from cbdsl.checking.findings import Findings
+from cbdsl.checking.lookup.documents import find_document
+from cbdsl.checking.robot.checked_robot import CheckedRobot
 from cbdsl.checking.session import Session
-from cbdsl.checking.unknown import report_unknown
 from cbdsl.documents.model import Gaussian, ModelDocument
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.errors.counting import count
 from cbdsl.program.binding import density_source
 from cbdsl.types.resource import Origin, Resource
 from cbdsl.types.resource_type import configuration
-from cbdsl.yaml_text.reader import Loaded
+from cbdsl.yaml_text.loaded import Loaded
 from cbdsl.yaml_text.source_map import Step
 
 
@@ -20,22 +20,17 @@ def examine_model(loaded: Loaded[ModelDocument], session: Session, findings: Fin
     """Check a model against its robot."""
     if loaded.faults:
         return  # a density makes sense as a whole
-    name, library = loaded.document.robot, session.library
-    path = library.find(RobotDocument, name, loaded.path)
-    if path is None:
-        place = loaded.source.place("robot")
-        report_unknown(RobotDocument, name, place, library, findings)
-        return
+    name, place = loaded.document.robot, loaded.source.place("robot")
+    path = find_document(RobotDocument, name, place, session.library, findings)
     body = session.body(path, findings)
-    # What the robot's own document misses, too, has been reported there.
-    if body is not None and loaded.document.effector not in session.missed_by(path):
+    if body is not None and loaded.document.effector not in body.missed:
         _fits(loaded, body, findings)
 
 
 def model_resource(
-    alias: str, loaded: Loaded[ModelDocument], body: Body, findings: Findings
+    alias: str, loaded: Loaded[ModelDocument], body: CheckedRobot, findings: Findings
 ) -> Resource | None:
-    """What a program names ``<effector>.<alias>``, or ``None`` where the model does not fit."""
+    """Resource ``<effector>.<alias>`` of a program, or ``None`` where the model does not fit."""
     if not _fits(loaded, body, findings):
         return None
     effector = loaded.document.effector
@@ -44,7 +39,7 @@ def model_resource(
     return Resource(f"{effector}.{alias}", kind, Origin.MODEL, source)
 
 
-def _fits(loaded: Loaded[ModelDocument], body: Body, findings: Findings) -> bool:
+def _fits(loaded: Loaded[ModelDocument], body: CheckedRobot, findings: Findings) -> bool:
     """Whether a model's effector is there, and has as many joints as the model has angles."""
     document, source, robot = loaded.document, loaded.source, body.document
     names = [*robot.effectors, *robot.groups]
@@ -53,9 +48,9 @@ def _fits(loaded: Loaded[ModelDocument], body: Body, findings: Findings) -> bool
         findings.add("CB308", place, names=names, name=document.effector, what="effector")
         return False
     wanted = len(robot.joints(document.effector))
-    wrong = [(steps, found) for steps, found in _lengths(document) if found != wanted]
-    for steps, found in wrong:
-        details = {"found": count(found, "angle"), "wanted": count(wanted, "joint")}
+    wrong = [(steps, length) for steps, length in _lengths(document) if length != wanted]
+    for steps, length in wrong:
+        details = {"found": count(length, "angle"), "wanted": count(wanted, "joint")}
         findings.add("CB631", source.place(*steps), name=document.effector, **details)
     return not wrong
 

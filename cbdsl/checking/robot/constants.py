@@ -6,11 +6,11 @@ from functools import reduce
 from typing import Any
 
 from cbdsl.checking.findings import Findings
-from cbdsl.checking.pace import check_gain, check_window
+from cbdsl.checking.robot.pace import check_gain, check_window
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.robot.hindrance import hindrance
 from cbdsl.robot.urdf import UrdfModel
-from cbdsl.yaml_text.reader import Loaded
+from cbdsl.yaml_text.loaded import Loaded
 from cbdsl.yaml_text.source_map import SourceMap, Step
 
 Steps = tuple[Step, ...]

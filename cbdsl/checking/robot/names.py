@@ -8,7 +8,7 @@ from cbdsl.checking.findings import Findings
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.robot.channel_names import channel_names
 from cbdsl.robot.resources import CAMERAS, CYCLOPEAN, STEREO
-from cbdsl.yaml_text.reader import Loaded
+from cbdsl.yaml_text.loaded import Loaded
 from cbdsl.yaml_text.source_map import Step
 
 Steps = tuple[Step, ...]

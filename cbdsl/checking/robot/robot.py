@@ -4,15 +4,15 @@ from __future__ import annotations
 
 import math
 import os
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
 
-from cbdsl.checking.body import Body
 from cbdsl.checking.findings import Findings
-from cbdsl.checking.limits import limits_told
+from cbdsl.checking.robot.checked_robot import CheckedRobot
 from cbdsl.checking.robot.constants import check_constants, check_margins
+from cbdsl.checking.robot.limits import limit_details
 from cbdsl.checking.robot.names import check_names
-from cbdsl.checking.settings import check_settings
+from cbdsl.checking.robot.settings import check_settings
 from cbdsl.documents.robot import Effector, RobotDocument
 from cbdsl.errors.counting import count
 from cbdsl.errors.diagnostic import Place
@@ -22,39 +22,52 @@ from cbdsl.robot.hindrance import Hindrance, hindrance
 from cbdsl.robot.resources import resources
 from cbdsl.robot.urdf import UrdfError, UrdfJoint, UrdfModel, read_urdf
 from cbdsl.types.resource_type import TYPES
-from cbdsl.yaml_text.reader import Loaded
+from cbdsl.yaml_text.loaded import Loaded
 from cbdsl.yaml_text.source_map import Step
+from cbdsl.yaml_text.unknown import UNKNOWN, Unknown
 
 Steps = tuple[Step, ...]
 
 
-def examine_robot(loaded: Loaded[RobotDocument], findings: Findings) -> Body:
+def examine_robot(loaded: Loaded[RobotDocument], findings: Findings) -> CheckedRobot:
     """Check a robot's document; programs can be checked on it even where it has faults."""
     robot = loaded.document
     try:
         model: UrdfModel | None = read_urdf(loaded.path.parent / robot.model)
     except UrdfError as error:
         model = None
-        if loaded.source.is_whole("model"):
+        if robot.model is not UNKNOWN:
             folder = loaded.path.parent
             names = [] if (folder / robot.model).is_file() else _models_near(folder)
             place = loaded.source.place("model")
             findings.add("CB301", place, names=names, given=robot.model, problem=str(error))
-    body = Body(loaded, resources(robot), model)
     _RobotCheck(loaded, findings, _unclaimed(robot, model), _unmovable(model)).all()
     check_names(loaded, findings)
     check_constants(loaded, findings)
+    missed = frozenset(finding.given for finding in findings.sorted() if finding.code == "CB308")
+    missed |= frozenset(_lacking(robot, missed))
+    body = CheckedRobot(loaded, resources(robot), model, missed).with_idle_tips()
     if model is not None:
         _ModelCheck(body, findings, model).all()
         check_margins(loaded, model, findings)
     return body
 
 
+def _lacking(robot: RobotDocument, missed: Collection[str]) -> Iterator[str]:
+    """Names of the groups that lack effectors, and of the aliases that lack channels."""
+    for name, group in robot.groups.items():
+        if any(member in missed for member in group.members):
+            yield name
+    for alias, channel in robot.vision.channels.aliases.items():
+        if channel in missed:
+            yield alias
+
+
 def _models_near(folder: Path) -> list[str]:
     """URDF files in a folder, beside it, and one level below, as a robot's document names them."""
     patterns = ("*.urdf", "*/*.urdf", "../*.urdf", "../*/*.urdf")
-    found = {os.path.relpath(file, folder) for each in patterns for file in folder.glob(each)}
-    return sorted(Path(file).as_posix() for file in found)
+    models = {os.path.relpath(file, folder) for each in patterns for file in folder.glob(each)}
+    return sorted(Path(file).as_posix() for file in models)
 
 
 def _unclaimed(robot: RobotDocument, model: UrdfModel | None) -> frozenset[str]:
@@ -72,7 +85,7 @@ def _unmovable(model: UrdfModel | None) -> frozenset[str]:
 
 
 class _RobotCheck:
-    """What can be said without the model.
+    """Checks of a robot's document that need no model.
 
     Args:
         loaded: the robot.
@@ -92,6 +105,7 @@ class _RobotCheck:
         self._unmovable = unmovable
         self._robot = loaded.document
         self._source = loaded.source
+        self._effectors = loaded.source.declared(self._robot.effectors, "effectors")
         self._findings = findings
 
     def all(self) -> None:
@@ -126,8 +140,7 @@ class _RobotCheck:
                 self._findings.add("CB311", self._source.key("groups", name), name=name)
             for i, member in enumerate(group.members):
                 steps: Steps = ("groups", name, "members", i)
-                if self._source.is_whole("effectors", member):
-                    self._known(member, self._robot.effectors, steps, "effector")
+                self._known(member, self._effectors, steps, "effector")
                 if member in group.members[:i]:
                     self._findings.add("CB312", self._source.place(*steps), name=member, group=name)
 
@@ -154,13 +167,11 @@ class _RobotCheck:
 
     def _load_cells(self) -> None:
         for hand, cells in self._robot.load_cells.items():
-            effector = self._robot.effectors.get(hand)
-            if effector is None and not self._source.is_whole("effectors", hand):
-                continue
-            if effector is None:
-                place = self._source.key("load_cells", hand)
-                names = list(self._robot.effectors)
+            if hand not in self._effectors:
+                place, names = self._source.key("load_cells", hand), list(self._effectors)
                 self._findings.add("CB308", place, names=names, name=hand, what="effector")
+            effector = self._effectors.get(hand, UNKNOWN)
+            if isinstance(effector, Unknown):
                 continue
             for finger, cell in cells.items():
                 steps = ("load_cells", hand, finger, "joint")
@@ -171,9 +182,10 @@ class _RobotCheck:
         if not self._source.is_whole("vision", "channels"):
             return
         channels = self._robot.vision.channels
+        names = list(channel_names(channels))
         for alias, channel in channels.aliases.items():
             steps = ("vision", "channels", "aliases", alias)
-            self._known(channel, channel_names(channels), steps, "channel")
+            self._known(channel, names, steps, "channel")
 
     def _tasks(self) -> None:
         for name in self._robot.control.tasks:
@@ -183,17 +195,16 @@ class _RobotCheck:
             else:
                 check_settings(name, self._source, steps, self._findings)
 
-    def _known(self, name: str, names: Iterable[str], steps: Steps, what: str) -> None:
-        known = list(names)
-        if name not in known:
+    def _known(self, name: str, names: Collection[str], steps: Steps, what: str) -> None:
+        if name not in names:
             place = self._source.place(*steps)
-            self._findings.add("CB308", place, names=known, name=name, what=what)
+            self._findings.add("CB308", place, names=list(names), name=name, what=what)
 
 
 class _ModelCheck:
-    """What the model says."""
+    """Checks of a robot's document against its model."""
 
-    def __init__(self, body: Body, findings: Findings, model: UrdfModel) -> None:
+    def __init__(self, body: CheckedRobot, findings: Findings, model: UrdfModel) -> None:
         self._body = body
         self._robot = body.document
         self._source = body.loaded.source
@@ -223,7 +234,7 @@ class _ModelCheck:
         movable = [name for name in self._free if hindrance(self._model.joints[name]) is None]
         self._joints(places, hindrance, movable)
         self._postures(name, effector)
-        if effector.tip is not None and self._body.has_idle_tip(name):
+        if effector.tip is not None and name in self._body.idle:
             self._idle_tip(name, effector.tip.link)
 
     def _turning(self, steps: Steps, joints: Iterable[str], names: Sequence[str]) -> None:
@@ -289,7 +300,7 @@ class _ModelCheck:
                 self._findings.add("CB310", place, names=names, **details)
 
     def _links(self) -> Iterator[tuple[Steps, str]]:
-        if self._source.is_whole("base"):
+        if self._robot.base is not UNKNOWN:
             yield ("base",), self._robot.base
         for name, effector in self._robot.effectors.items():
             if effector.tip is not None:
@@ -329,12 +340,12 @@ class _ModelCheck:
                 limits = self._model.joints.get(joint)
                 if limits is not None and not limits.lower <= angle <= limits.upper:
                     node = self._source.node(("effectors", name, "postures", posture, i))
-                    told = limits_told(node.value, angle, (limits.lower, limits.upper))
-                    hint = _degrees_meant(angle, limits) if told["unit"] == "rad" else ""
-                    self._findings.add("CB305", node.place, joint=joint, hint=hint, **told)
+                    limits_text = limit_details(node.value, angle, (limits.lower, limits.upper))
+                    hint = _degrees_meant(angle, limits) if limits_text["unit"] == "rad" else ""
+                    self._findings.add("CB305", node.place, joint=joint, hint=hint, **limits_text)
 
 
 def _degrees_meant(angle: float, limits: UrdfJoint) -> str:
-    """What to write where an angle fits if it is taken for degrees."""
+    """Remedy for an angle that fits if it is taken for degrees."""
     fits = limits.lower <= math.radians(angle) <= limits.upper
     return f"; write {angle:g} deg if degrees are meant" if fits and abs(angle) > 3.15 else ""

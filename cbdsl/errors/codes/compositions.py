@@ -78,7 +78,7 @@ COMPOSITIONS = (
     Entry(
         "CB408",
         "sign that looks like the operator",
-        "'{found}' is not the operator: {meant}",
+        "'{sign}' is not the operator: {suggestion}",
         "The operator is `◁` (U+25C1), or `<|` in ASCII. What points the other way has to be "
         "turned round: the controller with priority is written last.",
         _TWO + "actions: [search, track, search ⊲ track]\n",

@@ -2,8 +2,15 @@
 
 from __future__ import annotations
 
-from cbdsl.errors.codes.example import HEAD, TRACK, controller, program
+from cbdsl.errors.codes.example import HEAD, SEARCH, TRACK, controller, program
 from cbdsl.errors.entry import Entry
+
+
+def _requiring(key: str) -> str:
+    """A program with a controller that acts only beside another one; the key says so."""
+    nod = f"{SEARCH[:-1]}, {key}: track}}"
+    return program(f"  nod: {nod}\n  both: nod ◁ track\nactions: [both, track]\n")
+
 
 SHAPE = (
     Entry(
@@ -94,5 +101,13 @@ SHAPE = (
         "cbdsl: 1\nkind: stage\nname: example\nrobot: dexter\n"
         f"controllers:\n  track: {TRACK}\nactions: [track]\n",
         good=program("actions: [track]\n"),
+    ),
+    Entry(
+        "CB211",
+        "key of an older document",
+        "the key '{old}' was renamed; write '{new}'",
+        "The meaning is the same under the new name. The old one is no longer read.",
+        _requiring("given"),
+        good=_requiring("requires"),
     ),
 )

@@ -129,7 +129,7 @@ UNUSED = (
         "controller that waits for itself",
         "'{name}' waits for itself, and so for ever",
         "`seek.once` names the controller that has to come near its reference before this one acts "
-        "without feedback, `given` the one without which it does not act at all.",
+        "without feedback, `requires` the one without which it does not act at all.",
         f"{_TOUCH.replace('SEEK', '{once: touch}')}actions: [reach, touch]\n",
         severity=Severity.WARNING,
         good=f"{_TOUCH.replace('SEEK', '{once: reach}')}actions: [reach, touch]\n",

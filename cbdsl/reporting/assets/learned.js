@@ -11,30 +11,30 @@ const make = (kind, properties = {}, ...children) => {
   return element;
 };
 
-// The curves of one measure, as uPlot wants them: for each lesson its middle and its bounds.
-function columnsOf(lessons, measure, window, count) {
+// The curves of one measure, as uPlot wants them: for each group its middle and its bounds.
+function columnsOf(groups, measure, window, count) {
   const filled = (array) => Array.from({ length: count }, (_, place) => array[place] ?? null);
   const episodes = Array.from({ length: count }, (_, place) => place + 1);
-  return [episodes, ...lessons.flatMap((lesson) => {
-    const { middle, lower, upper } = lesson[measure][window];
-    return [filled(lesson[measure][1].middle), filled(lower), filled(upper), filled(middle)];
+  return [episodes, ...groups.flatMap((group) => {
+    const { middle, lower, upper } = group[measure][window];
+    return [filled(group[measure][1].middle), filled(lower), filled(upper), filled(middle)];
   })];
 }
 
-function seriesOf(lessons, raw) {
-  return lessons.flatMap((lesson, index) => {
+function seriesOf(groups, raw) {
+  return groups.flatMap((group, index) => {
     const { stroke, dash } = pen(index), bound = { stroke: "transparent", points: { show: false } };
-    const single = lesson.trials === 1;
+    const single = group.trials === 1;
     return [
       { stroke: single ? `${stroke}bb` : "transparent", width: 0, paths: () => null, show: raw,
         points: { show: single, size: 4, fill: `${stroke}bb`, width: 0 } },
       bound, bound,
-      { stroke, dash, width: 2, label: lesson.name, points: { show: false }, value: (u, v, series, place) => told(u, series, place) },
+      { stroke, dash, width: 2, label: group.name, points: { show: false }, value: (u, v, series, place) => told(u, series, place) },
     ];
   });
 }
 
-// What a lesson had come to in an episode: the mean, and its interval where there is one.
+// What a group had come to in an episode: the mean, and its interval where there is one.
 function told(plot, series, place) {
   if (place == null) return "–";
   const [lower, upper, middle] = [2, 1, 0].map((before) => plot.data[series - before][place]);
@@ -42,7 +42,7 @@ function told(plot, series, place) {
   return lower === upper ? numberText(middle) : `${numberText(middle)} [${numberText(lower)}, ${numberText(upper)}]`;
 }
 
-function makeChart(parent, lessons, measure, count) {
+function makeChart(parent, groups, measure, count) {
   const { title, range } = MEASURES[measure];
   const box = make("div", { className: "chart" }), plotBox = make("div", { className: "plot", tabIndex: 0 });
   plotBox.setAttribute("role", "group");
@@ -55,10 +55,10 @@ function makeChart(parent, lessons, measure, count) {
     scales: { x: { time: false, range: [0.5, count + 0.5] }, y: { range } },
     axes: [{ ...axisLook(), size: 42, label: "episode", labelSize: 18, labelFont: "12px system-ui", incrs: [1, 2, 5, 10, 20, 50, 100, 200, 500, 1000] },
       { ...axisLook(), size: 46, incrs: INCREMENTS }],
-    series: [{ label: "episode", value: (u, v) => (v == null ? "–" : String(v)) }, ...seriesOf(lessons, measure === "rate")],
-    bands: lessons.map((_, index) => shade(index)),
+    series: [{ label: "episode", value: (u, v) => (v == null ? "–" : String(v)) }, ...seriesOf(groups, measure === "rate")],
+    bands: groups.map((_, index) => shade(index)),
     cursor: { y: false, drag: { x: false, y: false }, points: { show: false } },
-  }, columnsOf(lessons, measure, "1", count), plotBox);
+  }, columnsOf(groups, measure, "1", count), plotBox);
   hideHelpers(plotBox);
   plotBox.querySelector(".u-legend").setAttribute("aria-live", "polite");
   let at = count - 1;
@@ -77,7 +77,7 @@ function makeChart(parent, lessons, measure, count) {
   })).observe(box);
   matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => plot.redraw());
   const show = (window) => {
-    plot.setData(columnsOf(lessons, measure, window, count));
+    plot.setData(columnsOf(groups, measure, window, count));
     requestAnimationFrame(() => plot.setLegend({ idx: at }));
   };
   return { show };
@@ -88,22 +88,22 @@ function hideHelpers(box) {
   box.querySelectorAll(".u-legend .u-series").forEach((row, index) => { row.hidden = index > 0 && index % 4 !== 0; });
 }
 
-function captionOf(lessons, window) {
+function captionOf(groups, window) {
   const some = window === "1" ? "Each episode" : `Means of the last ${window} episodes`;
-  return lessons.some((lesson) => lesson.trials > 1) ? `${some}, with 95 % intervals over trials` : some;
+  return groups.some((group) => group.trials > 1) ? `${some}, with 95 % intervals over trials` : some;
 }
 
 // The curves' values in some twenty episodes.
-function numbersOf(lessons, window, count) {
+function numbersOf(groups, window, count) {
   const step = Math.max(1, Math.round(count / 20)), table = make("table", { className: "data" });
-  const heads = lessons.flatMap(({ name }) => [`${name}: reward per transition`, `${name}: rewarded`]);
+  const heads = groups.flatMap(({ name }) => [`${name}: reward per transition`, `${name}: rewarded`]);
   const row = (cells, kind) => make("tr", {}, ...cells.map((textContent, place) => make(place && kind === "td" ? "td" : "th", { textContent, scope: kind === "td" ? "row" : "col" })));
-  table.append(make("caption", { textContent: captionOf(lessons, window) }));
+  table.append(make("caption", { textContent: captionOf(groups, window) }));
   table.append(make("thead", {}, row(["episode", ...heads], "th")));
   const body = make("tbody");
   for (let place = step - 1; place < count; place += step) {
-    const cells = lessons.flatMap((lesson) => ["rate", "hits"].map((measure) => {
-      const { middle, lower, upper } = lesson[measure][window];
+    const cells = groups.flatMap((group) => ["rate", "hits"].map((measure) => {
+      const { middle, lower, upper } = group[measure][window];
       if (place >= middle.length) return "–";
       const [m, l, u] = [middle, lower, upper].map((values) => values[place].toFixed(3));
       return l === u ? m : `${m} [${l}, ${u}]`;
@@ -114,15 +114,15 @@ function numbersOf(lessons, window, count) {
   return make("div", { className: "scroll", tabIndex: 0 }, table);
 }
 
-function makeCurves({ lessons }) {
-  const count = Math.max(...lessons.map((lesson) => lesson.rate[1].middle.length));
-  const charts = Object.keys(MEASURES).map((measure) => makeChart(byId("charts"), lessons, measure, count));
+function makeCurves({ groups }) {
+  const count = Math.max(...groups.map((group) => group.rate[1].middle.length));
+  const charts = Object.keys(MEASURES).map((measure) => makeChart(byId("charts"), groups, measure, count));
   const select = byId("window");
-  for (const window of Object.keys(lessons[0].rate)) select.add(new Option(window === "1" ? "1 episode" : `${window} episodes`, window));
-  select.value = lessons.some((lesson) => lesson.trials === 1) ? "10" : "5";
+  for (const window of Object.keys(groups[0].rate)) select.add(new Option(window === "1" ? "1 episode" : `${window} episodes`, window));
+  select.value = groups.some((group) => group.trials === 1) ? "10" : "5";
   const show = () => {
     for (const chart of charts) chart.show(select.value);
-    byId("numbers").querySelector("div").replaceChildren(numbersOf(lessons, select.value, count));
+    byId("numbers").querySelector("div").replaceChildren(numbersOf(groups, select.value, count));
   };
   select.addEventListener("change", show);
   show();

@@ -3,49 +3,77 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from textwrap import indent
+from xml.sax.saxutils import escape
 
-from cbdsl.reporting.drawing.graph import Box, Graph
+from cbdsl.reporting.drawing.graph import Graph, Outline, TextLine, Vertex
+from cbdsl.reporting.drawing.pictogram import LETTERS
 
-_STYLE = "rankdir=LR", "compound=true", "node [fontname=sans fontsize=11]", "edge [fontname=sans]"
+_STYLE = "compound=true", "node [fontname=sans fontsize=11]", "edge [fontname=sans fontsize=10]"
+_SHAPES = {
+    Outline.SELECTOR: "shape=diamond", Outline.PATTERN: "shape=oval", Outline.ACTION: "shape=box",
+    Outline.UNUSED: "shape=box style=dashed", Outline.END: "shape=doublecircle",
+}  # fmt: skip
 
 
 def dot(graph: Graph) -> str:
-    """A graph as DOT, programs within it as clusters."""
-    body = indent("\n".join((*_STYLE, *_cluster(graph, "p"))), "  ")
-    return f"digraph {_text(graph.name)} {{\n{body}\n}}\n"
+    """A graph as DOT, graphs within it as clusters."""
+    style = (*_STYLE, *(["rankdir=LR"] if graph.across else []))
+    body = "\n".join(f"  {line}" for line in (*style, *_cluster(graph, "p")))
+    return f"digraph {_quoted(graph.name)} {{\n{body}\n}}\n"
 
 
 def _cluster(graph: Graph, key: str) -> Iterator[str]:
-    """One program; ``key`` makes its nodes distinct from those of others."""
-    label = graph.name if graph.background is None else f"{graph.name}; below: {graph.background}"
+    """One graph; ``key`` makes its nodes distinct from those of others."""
     yield f"subgraph cluster_{key} {{"
-    yield f"  label={_text(label)}"
-    yield f"  {key} [shape=diamond label={_text('state of', *graph.members)}]"
-    for place, box in enumerate(graph.boxes):
-        yield from (f"  {line}" for line in _action(box, f"{key}_{place}", key))
-    if graph.coverage.undecided:
-        yield f"  {key}_end [shape=doublecircle label=end]"
-        yield f"  {key} -> {key}_end [label={_text('any other')}]"
+    yield f"  label={_quoted(graph.title, *graph.notes)} labeljust=l"
+    keys = {node.key: f"{key}_{place}" for place, node in enumerate(graph.nodes)}
+    for node in graph.nodes:
+        yield f"  {keys[node.key]} [{_look(graph, node)}]"
+        if node.started:
+            yield f"  {keys[node.key]}_start [shape=point width=0.1]"
+            yield f"  {keys[node.key]}_start -> {keys[node.key]}"
+    for edge in graph.edges:
+        look = f"label={_quoted(edge.label)} penwidth={0.8 + 2.2 * edge.weight:.1f}"
+        look += " style=dashed constraint=false" if edge.back else ""
+        yield f"  {keys[edge.source]} -> {keys[edge.target]} [{look}]"
     yield "}"
-    for place, box in enumerate(graph.boxes):
-        if box.inner is not None:
-            yield from _cluster(box.inner, f"{key}_{place}_p")
-            yield f"{key}_{place} -> {key}_{place}_p [style=dotted lhead=cluster_{key}_{place}_p]"
+    for node in graph.nodes:
+        if node.inner is not None:
+            inner = f"{keys[node.key]}_p"
+            yield from _cluster(node.inner, inner)
+            yield f"{keys[node.key]} -> {inner}_0 [style=dotted lhead=cluster_{inner}]"
 
 
-def _action(box: Box, key: str, state: str) -> Iterator[str]:
-    style = "solid" if box.patterns else "dashed"
-    reward = ["can be rewarded"] if box.rewarded else []
-    yield f"{key} [shape=box style={style} label={_text(box.name, *box.lines, *reward)}]"
-    for number, pattern in enumerate(box.patterns):
-        yield f"{key}_{number} [shape=oval label={_text(pattern)}]"
-        yield f"{state} -> {key}_{number} -> {key}"
-    if box.patterns:
-        yield f"{key} -> {state} [style=dashed constraint=false]"
+def _look(graph: Graph, node: Vertex) -> str:
+    if node.letters:
+        return f"shape=plain label=<{_table(graph, node)}>"
+    return f"{_SHAPES[node.shape]} label={_quoted(*(line.text for line in node.lines))}"
 
 
-def _text(*lines: str) -> str:
-    """Lines of a label, quoted."""
+def _table(graph: Graph, node: Vertex) -> str:
+    """A table, as Graphviz takes it for HTML: letters, then the lines."""
+    cells = "".join(_cell(letter, member in graph.programs) for letter, member in
+                    zip(node.letters, graph.members, strict=False))  # fmt: skip
+    rows = "".join(f"<TR><TD>{_line(line)}</TD></TR>" for line in node.lines)
+    letters = f'<TABLE BORDER="0" CELLSPACING="3"><TR>{cells}</TR></TABLE>'
+    return (
+        f'<TABLE BORDER="{2 if node.frame else 1}" CELLBORDER="0" CELLSPACING="0" '
+        f'STYLE="ROUNDED"><TR><TD>{letters}</TD></TR>{rows}</TABLE>'
+    )
+
+
+def _line(line: TextLine) -> str:
+    return f"<B>{escape(line.text)}</B>" if line.kind == "action" else escape(line.text)
+
+
+def _cell(letter: str, program: bool) -> str:
+    look = LETTERS[letter]
+    return (
+        f'<TD BORDER="{2 if program else 1}" BGCOLOR="{look.paper}">'
+        f'<FONT COLOR="{look.ink}">{look.symbol}</FONT></TD>'
+    )
+
+
+def _quoted(*lines: str) -> str:
     escaped = (line.replace("\\", r"\\").replace('"', r"\"") for line in lines)
     return '"' + r"\n".join(escaped) + '"'

@@ -1,73 +1,89 @@
-"""A checked program as a graph: states, the actions that follow them, and programs within."""
+"""A directed graph for people: states, actions, and labelled edges, in whatever format."""
 
 from __future__ import annotations
 
+from enum import StrEnum
 from typing import NamedTuple
 
-from cbdsl.program.checked import Action, CheckedProgram
-from cbdsl.program.dry_run import Coverage, coverage, levels, rewarding
+
+class Outline(StrEnum):
+    """The look of a node."""
+
+    STATE = "state"
+    SELECTOR = "selector"
+    PATTERN = "pattern"
+    ACTION = "action"
+    UNUSED = "unused"
+    END = "end"
 
 
-class Box(NamedTuple):
-    """An action.
+class TextLine(NamedTuple):
+    """A line of a label; ``kind`` is a class of the style sheet: name, action, fact or reward."""
+
+    text: str
+    kind: str = ""
+
+
+class Vertex(NamedTuple):
+    """A node.
 
     Attributes:
-        name: the action's name.
-        lines: what it runs, highest priority first.
-        rewarded: whether it can earn the reward.
-        patterns: the states that it follows, as the policy writes them.
-        inner: the graph of the program that it runs, or ``None``.
+        key: distinct within the graph.
+        shape: its look.
+        lines: its label.
+        letters: the state that stands above the label as pictograms, one letter per member.
+        tooltip: a sentence about it.
+        started: whether an arrow without a source leads to it.
+        frame: the second frame, ``ending`` or ``ending rewarded``, or empty for none.
+        inner: the graph that it runs.
     """
 
-    name: str
-    lines: tuple[str, ...]
-    rewarded: bool
-    patterns: tuple[str, ...]
-    inner: Graph | None
+    key: str
+    shape: Outline
+    lines: tuple[TextLine, ...] = ()
+    letters: str = ""
+    tooltip: str = ""
+    started: bool = False
+    frame: str = ""
+    inner: Graph | None = None
+
+
+class Edge(NamedTuple):
+    """An edge.
+
+    Attributes:
+        source, target: keys of nodes.
+        label: beside it.
+        weight: its thickness, in [0, 1].
+        back: whether it leads back to where all began, and has no say in the layout.
+    """
+
+    source: str
+    target: str
+    label: str = ""
+    weight: float = 0.0
+    back: bool = False
 
 
 class Graph(NamedTuple):
-    """A program.
+    """A graph.
 
     Attributes:
-        name: the program's name.
-        members: what a state has a letter for, in order.
-        boxes: its actions; those that no state leads to, which are for learners, come last.
-        background: what runs below every action, or ``None``.
-        coverage: how the policy shares the states.
+        name: of the program or policy.
+        title: above it.
+        nodes: in order.
+        edges: the likeliest of a node first.
+        members: the letters of a state stand for these.
+        programs: those of the members that are programs.
+        notes: how to read it.
+        across: whether it is laid out from left to right instead of downwards.
     """
 
     name: str
+    title: str
+    nodes: tuple[Vertex, ...]
+    edges: tuple[Edge, ...]
     members: tuple[str, ...]
-    boxes: tuple[Box, ...]
-    background: str | None
-    coverage: Coverage
-
-
-def graph(program: CheckedProgram) -> Graph:
-    """The graph of a program, with those of the programs that it uses."""
-    boxes = [_box(program, action) for action in program.actions]
-    return Graph(
-        name=program.name,
-        members=program.members,
-        boxes=tuple(sorted(boxes, key=lambda box: not box.patterns)),
-        background=None if program.background is None else str(program.background),
-        coverage=coverage(program),
-    )
-
-
-def _box(program: CheckedProgram, action: Action) -> Box:
-    own = [level for level in levels(program, action) if not level.background]
-    lines = [
-        f"{place}. {level.controller.name}: {level.controller.feedback.name}"
-        for place, level in enumerate(own, start=1)
-    ]
-    if action.program is not None:
-        lines = [f"runs program {action.program.name}"]
-    return Box(
-        name=action.name,
-        lines=tuple(lines),
-        rewarded=bool(rewarding(action)),
-        patterns=tuple(state for state, name in program.policy.items() if name == action.name),
-        inner=None if action.program is None else graph(action.program),
-    )
+    programs: frozenset[str] = frozenset()
+    notes: tuple[str, ...] = ()
+    across: bool = False

@@ -67,6 +67,7 @@ def lay_out(
     arcs: Sequence[tuple[Key, Key]],
     roots: Iterable[Key],
     spacing: Spacing,
+    across: bool = False,
 ) -> Layout:
     """Place nodes.
 
@@ -75,7 +76,11 @@ def lay_out(
         arcs: between different nodes.
         roots: those in the first row.
         spacing: room between things.
+        across: rows become columns, from left to right.
     """
+    if across:
+        flipped = {node: Size(height, width) for node, (width, height) in sizes.items()}
+        return _flipped(lay_out(flipped, arcs, roots, spacing))
     rows_of = _rows(list(sizes), arcs, list(roots))
     chains = {arc: _chain(arc, rows_of) for arc in arcs}
     rows = _order(_cells(rows_of, chains), list(chains.values()))
@@ -84,15 +89,24 @@ def lay_out(
         for row in rows
         for cell in row
     }
-    across = _places(rows, list(chains.values()), widths, spacing.across)
+    places = _places(rows, list(chains.values()), widths, spacing.across)
     tall = [max((sizes[c.node].height for c in row if c.node), default=0.0) for row in rows]
     tops = [sum(tall[:number]) + number * spacing.down for number in range(len(rows))]
     middles = [top + height / 2 for top, height in zip(tops, tall, strict=True)]
-    centers = {c.node: (x, middles[c.row]) for c, x in across.items() if c.node is not None}
-    width = max((x + widths[cell] / 2 for cell, x in across.items()), default=0.0)
+    centers = {c.node: (x, middles[c.row]) for c, x in places.items() if c.node is not None}
+    width = max((x + widths[cell] / 2 for cell, x in places.items()), default=0.0)
     height = tops[-1] + tall[-1] if rows else 0.0
-    routes = _routes(chains, across, sizes, (tops, tall, middles), spacing)
+    routes = _routes(chains, places, sizes, (tops, tall, middles), spacing)
     return Layout(centers, routes, Size(width, height))
+
+
+def _flipped(layout: Layout) -> Layout:
+    """A layout with its axes exchanged."""
+    return Layout(
+        {node: (y, x) for node, (x, y) in layout.centers.items()},
+        {arc: tuple((y, x) for x, y in route) for arc, route in layout.routes.items()},
+        Size(layout.size.height, layout.size.width),
+    )
 
 
 def _rows(
@@ -103,19 +117,19 @@ def _rows(
     for source, target in arcs:
         after[source].append(target)
     joined = {node for arc in arcs for node in arc}
-    found: dict[Key, int] = {}
+    row_of: dict[Key, int] = {}
     for root in (*roots, *(node for node in nodes if node in joined)):
-        waiting = [root] if root not in found else []
-        found.setdefault(root, 0)
+        waiting = [root] if root not in row_of else []
+        row_of.setdefault(root, 0)
         while waiting:
             node = waiting.pop(0)
             for target in after[node]:
-                if target not in found:
-                    found[target] = found[node] + 1
+                if target not in row_of:
+                    row_of[target] = row_of[node] + 1
                     waiting.append(target)
-    loose = [node for node in nodes if node not in found]
-    first = max(found.values(), default=-1) + 1
-    return found | {node: first + place // _LOOSE for place, node in enumerate(loose)}
+    loose = [node for node in nodes if node not in row_of]
+    first = max(row_of.values(), default=-1) + 1
+    return row_of | {node: first + place // _LOOSE for place, node in enumerate(loose)}
 
 
 def _chain(arc: tuple[Key, Key], rows: Mapping[Key, int]) -> tuple[_Cell, ...]:
@@ -133,23 +147,23 @@ def _chain(arc: tuple[Key, Key], rows: Mapping[Key, int]) -> tuple[_Cell, ...]:
 def _cells(
     rows: Mapping[Key, int], chains: Mapping[tuple[Key, Key], tuple[_Cell, ...]]
 ) -> list[list[_Cell]]:
-    found: list[list[_Cell]] = [[] for _ in range(max(rows.values(), default=-1) + 1)]
+    rows_: list[list[_Cell]] = [[] for _ in range(max(rows.values(), default=-1) + 1)]
     for node, row in rows.items():
-        found[row].append(_Cell(row, None, node))
+        rows_[row].append(_Cell(row, None, node))
     for chain in chains.values():
         for cell in chain[1:-1]:
-            found[cell.row].append(cell)
-    return found
+            rows_[cell.row].append(cell)
+    return rows_
 
 
 def _neighbours(chains: Sequence[tuple[_Cell, ...]]) -> dict[_Cell, list[_Cell]]:
-    found: dict[_Cell, list[_Cell]] = {}
+    near: dict[_Cell, list[_Cell]] = {}
     for chain in chains:
         for one, other in pairwise(chain):
             if one.row != other.row:
-                found.setdefault(one, []).append(other)
-                found.setdefault(other, []).append(one)
-    return found
+                near.setdefault(one, []).append(other)
+                near.setdefault(other, []).append(one)
+    return near
 
 
 def _order(rows: list[list[_Cell]], chains: Sequence[tuple[_Cell, ...]]) -> list[list[_Cell]]:
@@ -201,15 +215,15 @@ def _places(
 ) -> dict[_Cell, float]:
     """Horizontal centres: each close to its neighbours' mean, none closer than there is room."""
     near = _neighbours(chains)
-    found: dict[_Cell, float] = {}
+    places: dict[_Cell, float] = {}
     for row in rows:
-        found |= _apart(row, dict.fromkeys(row, 0.0), widths, across)
+        places |= _apart(row, dict.fromkeys(row, 0.0), widths, across)
     for sweep in range(_SWEEPS):
         for row in rows if sweep % 2 == 0 else rows[::-1]:
-            wanted = {cell: _wanted(cell, near.get(cell, []), found) for cell in row}
-            found |= _apart(row, wanted, widths, across)
-    left = min((x - widths[cell] / 2 for cell, x in found.items()), default=0.0)
-    return {cell: x - left for cell, x in found.items()}
+            wanted = {cell: _wanted(cell, near.get(cell, []), places) for cell in row}
+            places |= _apart(row, wanted, widths, across)
+    left = min((x - widths[cell] / 2 for cell, x in places.items()), default=0.0)
+    return {cell: x - left for cell, x in places.items()}
 
 
 def _wanted(cell: _Cell, near: Sequence[_Cell], places: Mapping[_Cell, float]) -> float:
@@ -261,7 +275,7 @@ def _routes(
     """The points that arcs pass: ports share the sides of their nodes in the order of the arcs."""
     ports = _ports(chains, across, sizes)
     tops, tall, middles = heights
-    found = {}
+    routes = {}
     for arc, chain in chains.items():
         points: list[Point] = []
         for end in (0, -1):
@@ -277,8 +291,8 @@ def _routes(
         if chain[0].row == chain[-1].row:
             reach = spacing.down * (0.45 if _below(chain, 0, across) else -0.45)
             between = [((points[0][0] + points[1][0]) / 2, points[0][1] + reach)]
-        found[arc] = (points[0], *between, points[1])
-    return found
+        routes[arc] = (points[0], *between, points[1])
+    return routes
 
 
 def _below(chain: Sequence[_Cell], end: int, across: Mapping[_Cell, float]) -> bool:
@@ -303,9 +317,9 @@ def _ports(
         for end, other in ((0, 1), (-1, -2)):
             side = chain[end], _below(chain, end, across)
             sides.setdefault(side, []).append((across[chain[other]], arc, end))
-    found = {}
+    ports = {}
     for (cell, _), ends in sides.items():
         width = sizes[cell.node or ""].width
         for place, (_, arc, end) in enumerate(sorted(ends), start=1):
-            found[arc, end] = across[cell] + width * (place / (len(ends) + 1) - 0.5) * 0.9
-    return found
+            ports[arc, end] = across[cell] + width * (place / (len(ends) + 1) - 0.5) * 0.9
+    return ports

@@ -4,45 +4,55 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from cbdsl.reporting.drawing.graph import Box, Graph
+from cbdsl.reporting.drawing.graph import Edge, Graph, Outline, Vertex
+from cbdsl.reporting.drawing.pictogram import symbols
 
 # Labels are taken for HTML and Markdown; these would mean something there.
 _SPECIAL = '"#&<>*_`-'
+_BRACKETS = {Outline.SELECTOR: "{}", Outline.PATTERN: ("([", "])"), Outline.END: ("((", "))")}
 
 
 def mermaid(graph: Graph) -> str:
-    """A graph as a Mermaid flowchart, programs within it as subgraphs."""
-    return "\n".join(("flowchart LR", *(f"  {line}" for line in _subgraph(graph, "p")))) + "\n"
+    """A graph as a Mermaid flowchart, graphs within it as subgraphs.
+
+    A state in which episodes end is framed twice.
+    """
+    start = f"flowchart {'LR' if graph.across else 'TD'}"
+    return "\n".join((start, *(f"  {line}" for line in _subgraph(graph, "p")))) + "\n"
 
 
 def _subgraph(graph: Graph, key: str) -> Iterator[str]:
-    """One program; ``key`` makes its nodes distinct from those of others."""
-    label = graph.name if graph.background is None else f"{graph.name}; below: {graph.background}"
-    yield f"subgraph {key}_box[{quoted(label)}]"
-    yield f"  {key}{{{quoted('state of', *graph.members)}}}"
-    for place, box in enumerate(graph.boxes):
-        yield from (f"  {line}" for line in _action(box, f"{key}_{place}", key))
-    if graph.coverage.undecided:
-        yield f"  {key} -->|any other| {key}_end((end))"
+    """One graph; ``key`` makes its nodes distinct from those of others."""
+    yield f"subgraph {key}_box[{_quoted(graph.title)}]"
+    keys = {node.key: f"{key}_{place}" for place, node in enumerate(graph.nodes)}
+    for node in graph.nodes:
+        yield from (f"  {line}" for line in _node(node, keys[node.key]))
+    for edge in graph.edges:
+        yield f"  {keys[edge.source]} {_arrow(edge)} {keys[edge.target]}"
     yield "end"
-    for place, box in enumerate(graph.boxes):
-        if box.inner is not None:
-            yield from _subgraph(box.inner, f"{key}_{place}_p")
-            yield f"{key}_{place} -.-> {key}_{place}_p_box"
+    for node in graph.nodes:
+        if node.inner is not None:
+            yield from _subgraph(node.inner, f"{keys[node.key]}_p")
+            yield f"{keys[node.key]} -.-> {keys[node.key]}_p_box"
 
 
-def _action(box: Box, key: str, state: str) -> Iterator[str]:
-    reward = ["can be rewarded"] if box.rewarded else []
-    yield f"{key}[{quoted(box.name, *box.lines, *reward)}]"
-    for number, pattern in enumerate(box.patterns):
-        yield f"{state} --> {key}_{number}([{quoted(pattern)}]) --> {key}"
-    if box.patterns:
-        yield f"{key} -.-> {state}"
-    else:
+def _node(node: Vertex, key: str) -> Iterator[str]:
+    left, right = ("[[", "]]") if node.frame else _BRACKETS.get(node.shape, "[]")
+    letters = [symbols(node.letters)] if node.letters else []
+    yield f"{key}{left}{_quoted(*letters, *(line.text for line in node.lines))}{right}"
+    if node.started:
+        yield f"{key}_start(( )) --> {key}"
+    if node.shape is Outline.UNUSED:
         yield f"style {key} stroke-dasharray: 4"
 
 
-def quoted(*lines: str) -> str:
+def _arrow(edge: Edge) -> str:
+    if edge.back:
+        return "-.->"
+    return f"-->|{_quoted(edge.label)}|" if edge.label else "-->"
+
+
+def _quoted(*lines: str) -> str:
     """Lines of a label in quotes, with what has a meaning in them as character codes."""
     escaped = (
         "".join(f"#{ord(letter)};" if letter in _SPECIAL else letter for letter in line)

@@ -1,214 +1,98 @@
-"""A policy as a graph: states, what is done in them, and what follows (Figures 4.5, 4.7, 4.10)."""
+"""The graph of a policy: states, their actions, and the likely transitions between them."""
 
 from __future__ import annotations
 
-from collections import Counter
-from collections.abc import Collection, Mapping, Sequence
-from pathlib import Path
-from typing import NamedTuple
+from collections.abc import Iterator
 
-from cbdsl.documents.policy import PolicyDocument
-from cbdsl.errors.errors import UsageError
-
-#: Arcs of a larger share are drawn, as in the figures of Chapter 4.
-ABOVE = 0.2
-
-_LETTERS = frozenset("X-01*")
+from cbdsl.errors.counting import count
+from cbdsl.reporting.drawing.graph import Edge, Graph, Outline, TextLine, Vertex
+from cbdsl.reporting.drawing.pictogram import in_words
+from cbdsl.reporting.drawing.policy_transitions import Decision, PolicyTransitions
 
 
-class Decision(NamedTuple):
-    """What a policy does in a state, and what is known of it.
-
-    Attributes:
-        state: one letter per member; in written policies also ``*``, which stands for any.
-        action: what is done, or ``None`` where the policy has nothing for this state.
-        value: discounted reward to expect of it, or ``None`` where nothing was learned.
-        tried: how often it was tried.
-        met: how often the state was met, whatever was done in it.
-        started: how many episodes began in it.
-        ended: how many episodes ended in it.
-        after: how often which state followed the action.
-    """
-
-    state: str
-    action: str | None
-    value: float | None
-    tried: int
-    met: int
-    started: int
-    ended: int
-    after: Mapping[str, int]
-
-    @property
-    def end(self) -> float:
-        """Share of the times that the state was met in which the episode ended in it."""
-        return self.ended / self.met if self.met else 0.0
-
-    def share(self, state: str) -> float:
-        """Pr(state | this state, its action): the share of ``state`` among what follows.
-
-        It is that of all times that this state was met. An episode that ended in it went nowhere.
-        """
-        return (1 - self.end) * self.after.get(state, 0) / self.tried if self.tried else 0.0
-
-
-class Arc(NamedTuple):
-    """A transition that is likely enough to be drawn.
-
-    Attributes:
-        source: the state before.
-        target: the state after.
-        share: its probability under the policy.
-        times: how often it was observed.
-    """
-
-    source: str
-    target: str
-    share: float
-    times: int
-
-
-class PolicyGraph(NamedTuple):
-    """A policy.
-
-    Attributes:
-        name: of the policy.
-        program: that it serves.
-        members: what a state has a letter for, in order.
-        programs: those of the members that are programs.
-        above: arcs of at most this share are left out.
-        decisions: what is drawn: the states that drawn arcs lead to from where episodes began.
-        arcs: the transitions between them.
-        left_out: how many other states are known.
-        rewarded: the states in which every episode that ended there was rewarded, as far as known.
-    """
-
-    name: str
-    program: str
-    members: tuple[str, ...]
-    programs: frozenset[str]
-    above: float
-    decisions: tuple[Decision, ...]
-    arcs: tuple[Arc, ...]
-    left_out: int
-    rewarded: frozenset[str]
-
-
-def decisions(policy: PolicyDocument) -> tuple[Decision, ...]:
-    """All states that a policy decides, as it orders them, then those that only ended episodes.
-
-    Where episodes began and ended follows from the observed transitions: a state that was left
-    more often than it was come to is where they began, one that was left less often where they
-    ended.
-    """
-    came, left = _arrivals(policy), _departures(policy)
-    states = dict.fromkeys((*policy.policy, *left, *came))
-    return tuple(_decision(policy, state, came[state], left[state]) for state in states)
-
-
-def require_legible(policy: PolicyDocument, file: Path) -> None:
-    """Make sure that every state of a policy has a letter for each member.
-
-    Whether they are those of its program is for ``cb validate`` to say.
-
-    Raises:
-        UsageError: one has not.
-    """
-    size = len(policy.predicates)
-    for each in decisions(policy):
-        if len(each.state) != size or not set(each.state) <= _LETTERS:
-            told = ", ".join(policy.predicates) or "no members"
-            raise UsageError(f"{file}: '{each.state}' is no state of {told}; see cb validate")
-
-
-def _arrivals(policy: PolicyDocument) -> Counter[str]:
-    found: Counter[str] = Counter()
-    for actions in policy.transitions.values():
-        for after in actions.values():
-            found.update(after)
-    return found
-
-
-def _departures(policy: PolicyDocument) -> Counter[str]:
-    return Counter(
-        {
-            state: sum(sum(after.values()) for after in actions.values())
-            for state, actions in policy.transitions.items()
-        }
-    )
-
-
-def _decision(policy: PolicyDocument, state: str, came: int, left: int) -> Decision:
-    action = policy.policy.get(state)
-    after = policy.transitions.get(state, {}).get(action or "", {})
-    return Decision(
-        state=state,
-        action=action,
-        value=policy.values.get(state, {}).get(action or ""),
-        tried=sum(after.values()),
-        met=max(came, left),
-        started=max(0, left - came),
-        ended=max(0, came - left),
-        after=after,
-    )
-
-
-def policy_graph(
-    policy: PolicyDocument,
-    above: float = ABOVE,
-    every: bool = False,
-    programs: Collection[str] = (),
-    rewarded: Collection[str] | None = None,
-) -> PolicyGraph:
-    """The graph of a policy.
-
-    Args:
-        policy: learned, or written: then nothing is known of what follows a state.
-        above: arcs of a larger share are drawn, in [0, 1].
-        every: draw also states that drawn arcs do not lead to from where episodes began.
-        programs: names of programs, to tell them from controllers among the members.
-        rewarded: the states in which every episode that ended there was rewarded; without it, all
-            of them where the learning curve has no episode without reward.
-    """
-    known = {decision.state: decision for decision in decisions(policy)}
-    leading = {state: _arcs(decision, above) for state, decision in known.items()}
-    began = [state for state, decision in known.items() if decision.started]
-    shown = _reached(began, leading)
-    if every or not began:
-        shown = list(dict.fromkeys((*shown, *known)))
-    if rewarded is None:
-        always = policy.curve is not None and all(policy.curve.reward)
-        rewarded = [decision.state for decision in known.values() if always and decision.ended]
-    return PolicyGraph(
+def policy_graph(policy: PolicyTransitions) -> Graph:
+    """The transition diagram of a policy, as in Figures 4.5, 4.7 and 4.10."""
+    return Graph(
         name=policy.name,
-        program=policy.program,
-        members=policy.predicates,
-        programs=frozenset(programs).intersection(policy.predicates),
-        above=above,
-        decisions=tuple(known[state] for state in shown),
-        arcs=tuple(arc for state in shown for arc in leading[state]),
-        left_out=len(known) - len(shown),
-        rewarded=frozenset(rewarded),
+        title=title(policy),
+        nodes=tuple(_node(policy, decision) for decision in policy.decisions),
+        edges=tuple(
+            Edge(arc.source, arc.target, percent(arc.share), arc.share) for arc in policy.arcs
+        ),
+        members=policy.members,
+        programs=policy.programs,
+        notes=tuple(_notes(policy)),
     )
 
 
-def _arcs(decision: Decision, above: float) -> tuple[Arc, ...]:
-    """The likely transitions out of a state, the likeliest first."""
-    arcs = (
-        Arc(decision.state, target, decision.share(target), times)
-        for target, times in decision.after.items()
+def _node(policy: PolicyTransitions, decision: Decision) -> Vertex:
+    action = [TextLine(decision.action, "action")] if decision.action else []
+    facts = [TextLine(fact, "fact") for fact in _facts(policy, decision)]
+    frame = ""
+    if decision.end > policy.above:
+        frame = "ending rewarded" if decision.state in policy.rewarded else "ending"
+    return Vertex(
+        key=decision.state,
+        shape=Outline.STATE,
+        lines=(*action, *facts),
+        letters=decision.state,
+        tooltip=sentence(policy, decision),
+        started=bool(decision.started),
+        frame=frame,
     )
-    likely = (arc for arc in arcs if arc.share > above)
-    return tuple(sorted(likely, key=lambda arc: (-arc.share, arc.target)))
 
 
-def _reached(began: Sequence[str], leading: Mapping[str, Sequence[Arc]]) -> list[str]:
-    """The states that arcs lead to, those that fewer arcs lead to first."""
-    found = dict.fromkeys(began)
-    waiting = list(began)
-    while waiting:
-        for arc in leading[waiting.pop(0)]:
-            if arc.target not in found:
-                found[arc.target] = None
-                waiting.append(arc.target)
-    return list(found)
+def percent(share: float) -> str:
+    """A share as people read it."""
+    return f"{100 * share:.0f} %"
+
+
+def title(policy: PolicyTransitions) -> str:
+    """The policy's name and its program's."""
+    learned = any(decision.value is not None for decision in policy.decisions)
+    if policy.name == policy.program and not learned:
+        return f"{policy.program}, the policy written in it"
+    return f"{policy.name}, a policy of {policy.program}"
+
+
+def _facts(policy: PolicyTransitions, decision: Decision) -> Iterator[str]:
+    """The action's value and trials, and whether episodes end here."""
+    if decision.value is not None:
+        yield f"Q {decision.value:.2f}, n {decision.tried}"
+    if decision.end > policy.above:
+        yield f"{ending(policy, decision)} {percent(decision.end)}"
+
+
+def ending(policy: PolicyTransitions, decision: Decision) -> str:
+    """The word for an episode that ends in a state."""
+    return "rewarded" if decision.state in policy.rewarded else "ends"
+
+
+def sentence(policy: PolicyTransitions, decision: Decision) -> str:
+    """A state, its action, and the transitions out of it."""
+    parts = [f"{decision.state} ({in_words(decision.state, policy.members)}):"]
+    if decision.action is not None:
+        parts.append(f"{decision.action};")
+    if decision.started:
+        parts.append(f"{count(decision.started, 'episode')} began here;")
+    if decision.end > policy.above:
+        parts.append(f"{percent(decision.end)} {ending(policy, decision)};")
+    own = [arc for arc in policy.arcs if arc.source == decision.state]
+    parts += [f"{percent(arc.share)} to {arc.target};" for arc in own]
+    return " ".join(parts)[:-1] + "."
+
+
+def _notes(policy: PolicyTransitions) -> Iterator[str]:
+    """How to read the diagram."""
+    yield f"State, left to right: {', '.join(policy.members)}."
+    if policy.programs:
+        yield f"A double frame is a program's: {', '.join(sorted(policy.programs))}."
+    if policy.arcs:
+        yield (
+            f"Arcs: what followed the policy's action in more than {percent(policy.above)} of the "
+            "times."
+        )
+    if any(decision.value is not None for decision in policy.decisions):
+        yield "Q: discounted reward to expect; n: times that the action was tried."
+    if policy.left_out:
+        yield f"{count(policy.left_out, 'more state')} that these arcs do not lead to."

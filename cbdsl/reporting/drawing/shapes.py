@@ -1,27 +1,23 @@
-"""What pictures of graphs are made of: text, rectangles, the tips of arrows."""
+"""Text and rectangles of pictures of graphs."""
 
 from __future__ import annotations
 
 from xml.sax.saxutils import escape
 
-# In px. A letter of the monospaced font is 0.6 times as wide as high; some fonts are a bit wider.
-_SIZE = 13
+#: Size of letters, px.
+SIZE = 13
+# A letter of the monospaced font is 0.6 times as wide as high; some fonts are a bit wider.
 _LETTER = 0.64
 
 #: The font, as CSS has it.
-FONT = f'{_SIZE}px "DejaVu Sans Mono", Menlo, Consolas, monospace'
+FONT = f'{SIZE}px "DejaVu Sans Mono", Menlo, Consolas, monospace'
 #: Height of a line of text, px.
 LINE = 18
-
-#: Defines the tip of an arrow, for ``marker-end="url(#tip)"``.
-TIP = (
-    '<defs><marker id="tip" viewBox="0 0 8 8" refX="8" refY="4" markerWidth="8" markerHeight="8" '
-    'markerUnits="userSpaceOnUse" orient="auto"><path d="M0 0L8 4L0 8z" fill="#555"/></marker>'
-    "</defs>"
-)
+#: Size of small letters, px.
+SMALL = 11
 
 
-def text_width(line: str, size: float = _SIZE) -> float:
+def text_width(line: str, size: float = SIZE) -> float:
     """How wide a line is at most in a font of some size, px."""
     return len(line) * _LETTER * size
 

@@ -1,76 +1,87 @@
-"""Graphs as pictures, laid out in columns: the state, its patterns, the actions that follow."""
+"""Graphs as pictures: nodes in rows or columns, states as pictograms, smooth labelled arcs."""
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Sequence
+from itertools import pairwise
+from textwrap import wrap
 from typing import NamedTuple
 from xml.sax.saxutils import escape, quoteattr
 
-from cbdsl.reporting.drawing.graph import Box, Graph
-from cbdsl.reporting.drawing.shapes import FONT, LINE, TIP, rectangle, text, text_width
+from cbdsl.reporting.drawing.graph import Edge, Graph, Outline, Vertex
+from cbdsl.reporting.drawing.layers import Layout, Point, Size, Spacing, lay_out
+from cbdsl.reporting.drawing.pictogram import EDGE, LETTERS, PITCH, pictogram, pictograms, width
+from cbdsl.reporting.drawing.shapes import FONT, LINE, SIZE, SMALL, rectangle, text, text_width
 
 _PAD = 10
-_GAP = 14
-_CORRIDOR = 56
+_MARGIN = 16
+_LOOP = 56
+_NARROWEST = 330
+_DOWN = Spacing(across=26, down=62, lane=30)
+_ACROSS = Spacing(across=12, down=56, lane=14)
+_START = 26
+_HEAD = 9.0
+#: Between a node and its second frame.
+_RIM = 4
+#: Heights of lines that are not as high as others, by kind.
+_HEIGHTS = {"fact": LINE - 3}
 
-_STYLE = """
-  svg { background: #fff; font: %s; }
-  text { fill: #1a1a1a; dominant-baseline: central; }
-  .name { font-weight: bold; }
-  .panel { fill: #f6f7f9; stroke: #c4c9d0; }
-  .state { fill: #fff3d6; stroke: #a67c00; }
-  .pattern { fill: #fff; stroke: #a67c00; }
-  .action { fill: #e3eefb; stroke: #2f6db3; }
-  .unused { fill: none; stroke: #8a94a0; stroke-dasharray: 5 4; }
-  .reward { fill: #23762f; }
-  .edge { fill: none; stroke: #555; }
-  .back { fill: none; stroke: #8a94a0; stroke-dasharray: 5 4; }
+# Everything is below .graph: on a page, other pictures have styles of their own.
+_STYLE = f"""
+  .graph {{ background: #fff; font: {FONT}; }}
+  .graph text {{ fill: #1d2126; dominant-baseline: central; }}
+  .graph .name {{ font-weight: bold; }}
+  .graph .action {{ fill: #0b4f8a; font-weight: bold; text-anchor: middle; }}
+  .graph .reward {{ fill: #23762f; }}
+  .graph .fact {{ fill: #5c656f; font-size: {SMALL}px; text-anchor: middle; }}
+  .graph .note {{ fill: #5c656f; font-size: {SMALL}px; }}
+  .graph .share {{ font-size: {SMALL}px; text-anchor: middle; }}
+  .graph .ground {{ fill: #fff; }}
+  .graph .node {{ fill: #f6f7f9; stroke: #8a94a0; }}
+  .graph .selector-node {{ fill: #fff3d6; stroke: #a67c00; }}
+  .graph .pattern-node, .graph .end-node {{ fill: #fff; stroke: #a67c00; }}
+  .graph .action-node {{ fill: #e3eefb; stroke: #2f6db3; }}
+  .graph .unused-node {{ fill: none; stroke: #8a94a0; stroke-dasharray: 5 4; }}
+  .graph .ending {{ fill: none; stroke: #8a94a0; }}
+  .graph .ending.rewarded {{ stroke: #1a7f37; stroke-width: 2; }}
+  .graph .arc {{ fill: none; stroke: #555; }}
+  .graph .back {{ fill: none; stroke: #8a94a0; stroke-dasharray: 5 4; }}
+  .graph .tip {{ fill: #555; }}
 """
 
 
-class _Columns(NamedTuple):
-    """Where the columns of a panel begin, and how wide they are."""
+class _Label(NamedTuple):
+    """The place of an arc's label, px."""
 
-    state: float
-    state_width: float
-    pattern: float
-    pattern_width: float
-    action: float
-    action_width: float
+    x: float
+    y: float
+    width: float
 
-    @property
-    def end(self) -> float:
-        return self.action + self.action_width
-
-
-class _Row(NamedTuple):
-    """An action and its patterns, or the end of the program, between two heights."""
-
-    box: Box | None
-    patterns: tuple[str, ...]
-    top: float
-    height: float
-
-    @property
-    def middle(self) -> float:
-        return self.top + self.height / 2
+    def meets(self, other: _Label) -> bool:
+        """Whether two labels overlap."""
+        near = abs(self.x - other.x) < (self.width + other.width) / 2
+        return near and abs(self.y - other.y) < SMALL + 2
 
 
 def svg(graph: Graph) -> str:
-    """A graph as SVG; the programs within it have panels below."""
-    panels, top, width = [], float(_GAP), 0.0
-    for inner in _all(graph, []):
-        panel = _Panel(inner, top)
-        panels.append(panel)
-        top += panel.height + _GAP
-        width = max(width, panel.width)
-    size = f'width="{width + 2 * _GAP:.0f}" height="{top:.0f}"'
-    box = f'viewBox="0 0 {width + 2 * _GAP:.0f} {top:.0f}"'
-    body = "\n".join(line for panel in panels for line in panel.lines())
+    """A graph as SVG; the graphs within it follow below."""
+    panels = [_Panel(each) for each in _all(graph, [])]
+    wide = max(panel.width for panel in panels)
+    body: list[str] = []
+    top = float(_MARGIN)
+    for panel in panels:
+        body += panel.lines(top, wide)
+        top += panel.height
+    legend = list(_legend(graph, panels, _MARGIN, top, wide))
+    bottom = top + _legend_height(graph, panels, wide)
+    size = f'width="{wide + 2 * _MARGIN:.0f}" height="{bottom:.0f}"'
+    box = f'viewBox="0 0 {wide + 2 * _MARGIN:.0f} {bottom:.0f}"'
+    description = escape(" ".join(node.tooltip for node in graph.nodes if node.tooltip))
     return (
-        f'<svg xmlns="http://www.w3.org/2000/svg" {size} {box} role="img">\n'
-        f"<title>{escape(graph.name)}: states and actions</title>\n<style>{_STYLE % FONT}</style>\n"
-        f"{TIP}\n{body}\n</svg>\n"
+        f'<svg xmlns="http://www.w3.org/2000/svg" class="graph" {size} {box} role="img">\n'
+        f"<title>{escape(graph.title)}</title>\n<desc>{description}</desc>\n"
+        f"<style>{_STYLE}</style>\n" + "\n".join((*body, *legend)) + "\n</svg>\n"
     )
 
 
@@ -78,150 +89,252 @@ def _all(graph: Graph, seen: list[Graph]) -> list[Graph]:
     """A graph and those within it, each once."""
     if graph not in seen:
         seen.append(graph)
-        for box in graph.boxes:
-            if box.inner is not None:
-                _all(box.inner, seen)
+        for node in graph.nodes:
+            if node.inner is not None:
+                _all(node.inner, seen)
     return seen
 
 
 class _Panel:
-    """One program, from ``top`` downwards."""
+    """One graph, laid out."""
 
-    def __init__(self, graph: Graph, top: float) -> None:
-        self._graph = graph
-        self._top = top
-        self._rows = _rows(graph, top + 2 * _GAP + LINE)
-        self._columns = _columns(graph, self._rows)
-        last = self._rows[-1]
-        self.height = last.top + last.height + 3 * _GAP - top
-        self.width = max(self._columns.end + 2 * _GAP, text_width(self._title()) + 2 * _PAD)
+    def __init__(self, graph: Graph) -> None:
+        self.graph = graph
+        self._loops = {edge.source: edge for edge in graph.edges if edge.source == edge.target}
+        self._back = [edge for edge in graph.edges if edge.back]
+        self._arcs = [e for e in graph.edges if not e.back and e.source != e.target]
+        self._sizes = _sizes(graph, self._loops)
+        self._layout = lay_out(
+            self._sizes,
+            [(edge.source, edge.target) for edge in self._arcs],
+            [node.key for node in graph.nodes if node.started] or [graph.nodes[0].key],
+            _ACROSS if graph.across else _DOWN,
+            graph.across,
+        )
+        track = 2 * _MARGIN if self._back else 0
+        started = _START if any(node.started for node in graph.nodes) else 0
+        self._above = LINE + max(started, _MARGIN / 2)
+        self.width = max(self._layout.size.width + track, _NARROWEST, text_width(graph.title))
+        self.height = self._above + self._layout.size.height + 2 * _MARGIN + track / 2
 
-    def _title(self) -> str:
-        below = self._graph.background
-        return self._graph.name if below is None else f"{self._graph.name}; below: {below}"
+    def lines(self, top: float, wide: float) -> Iterator[str]:
+        """The panel from ``top`` downwards, in the middle of a width, px."""
+        left = _MARGIN + (0 if self.graph.across else (wide - self._layout.size.width) / 2)
+        yield f"<g id={quoteattr(self.graph.name)}>"
+        yield text(self.graph.title, _MARGIN, top, "name")
+        yield f'<g transform="translate({left:.1f} {top + self._above:.1f})">'
+        yield from self._paths()
+        for node in self.graph.nodes:
+            yield from self._node(node)
+        yield from self._way_back()
+        yield "</g></g>"
 
-    def lines(self) -> Iterator[str]:
-        name = quoteattr(self._graph.name)
-        yield f"<g id={name}>"
-        yield rectangle("panel", _GAP, self._top, self.width, self.height)
-        yield text(self._title(), _GAP + _PAD, self._top + _GAP, "name")
-        yield from self._state()
-        for row in self._rows:
-            yield from self._row(row)
-        yield from self._back()
-        yield "</g>"
+    def _node(self, node: Vertex) -> Iterator[str]:
+        x, y = self._layout.centers[node.key]
+        loop, size, rim = self._loops.get(node.key), self._sizes[node.key], _rim(node)
+        wide, tall = size.width - (2 * _LOOP if loop else 0), size.height
+        outer, top = y - tall / 2, y - tall / 2 + rim
+        link = None if node.inner is None else quoteattr(f"#{node.inner.name}")
+        yield f"<a href={link}>" if link else f"<g><title>{escape(node.tooltip)}</title>"
+        if rim:
+            yield rectangle(node.frame, x - wide / 2, outer, wide, tall, 10)
+        kind = "node" if node.shape is Outline.STATE else f"{node.shape}-node"
+        round_ = min(tall / 2, 16) if node.shape in (Outline.PATTERN, Outline.END) else 7
+        yield rectangle(kind, x - wide / 2 + rim, top, wide - 2 * rim, tall - 2 * rim, round_)
+        left = x - width(node.letters) / 2
+        yield from pictograms(
+            node.letters, self.graph.members, self.graph.programs, left, top + _pad(node)
+        )
+        yield from _label_lines(node, x, x - wide / 2 + _PAD, top)
+        if node.started:
+            yield f'<circle class="tip" cx="{x:.1f}" cy="{outer - _START + 4:.1f}" r="4"/>'
+            yield f'<path class="arc" d="M{x:.1f} {outer - _START + 4:.1f}V{outer - 8:.1f}"/>'
+            yield _tip((x, outer), 90)
+        if loop is not None:
+            yield from _looped(loop, x + wide / 2, y)
+        yield "</a>" if link else "</g>"
 
-    def _middle(self) -> float:
-        """The height of the state: in the middle of what follows it."""
-        last = [row for row in self._rows if row.patterns][-1:] or self._rows
-        return (self._rows[0].top + last[-1].top + last[-1].height) / 2
+    def _paths(self) -> Iterator[str]:
+        """The arcs, and then their labels, which nothing may hide."""
+        labels: list[_Label] = []
+        for arc in self._arcs:
+            path, points = _path(self._layout.routes[arc.source, arc.target], self.graph.across)
+            yield f'<path class="arc" d="{path}" stroke-width="{_thickness(arc):.1f}"/>'
+            (x1, y1), (x2, y2) = points[-2:]
+            along, turned = (x2 - x1, 0) if self.graph.across else (y2 - y1, 90)
+            yield _tip(points[-1], turned if along > 0 else turned - 180)
+            if arc.label:
+                wide = text_width(arc.label, SMALL)
+                place = _label(points, wide, labels, self._layout, self._sizes)
+                labels.append(place)
+        for arc, place in zip((arc for arc in self._arcs if arc.label), labels, strict=True):
+            yield _ground(place) + text(arc.label, place.x, place.y, "share")
 
-    def _state(self) -> Iterator[str]:
-        members = ("state of", *self._graph.members)
-        height, columns = _height(members), self._columns
-        top = self._middle() - height / 2
-        yield rectangle("state", columns.state, top, columns.state_width, height, 8)
-        yield from _lines(members, columns.state, top)
-
-    def _row(self, row: _Row) -> Iterator[str]:
-        columns = self._columns
-        first = row.middle - (len(row.patterns) - 1) * (LINE + _GAP) / 2
-        for number, pattern in enumerate(row.patterns):
-            height = first + number * (LINE + _GAP)
-            start = columns.state + columns.state_width
-            yield _curve(start, self._middle(), columns.pattern, height)
-            top, round_ = height - LINE / 2 - 3, LINE / 2 + 3
-            yield rectangle(
-                "pattern", columns.pattern, top, columns.pattern_width, LINE + 6, round_
-            )
-            yield text(pattern, columns.pattern + _PAD, height)
-            yield _curve(
-                columns.pattern + columns.pattern_width, height, columns.action, row.middle
-            )
-        yield from _end(columns, row) if row.box is None else _action(columns, row, row.box)
-
-    def _back(self) -> Iterator[str]:
-        """From the actions around the bottom to the state that they change."""
-        used = [row.middle for row in self._rows if row.box is not None and row.patterns]
-        if not used:
+    def _way_back(self) -> Iterator[str]:
+        """The edges back, on one track around the right side and the bottom."""
+        if not self._back:
             return
-        columns, x = self._columns, self._columns.end + _GAP
-        bottom = self._top + self.height - _GAP
-        for middle in used:
-            yield f'<path class="back" d="M{columns.end:.1f} {middle:.1f}H{x:.1f}"/>'
-        state = columns.state + columns.state_width / 2
-        foot = self._middle() + _height(("", *self._graph.members)) / 2
-        yield (
-            f'<path class="back" marker-end="url(#tip)" '
-            f'd="M{x:.1f} {min(used):.1f}V{bottom:.1f}H{state:.1f}V{foot:.1f}"/>'
+        centers, sizes = self._layout.centers, self._sizes
+        right, bottom = self._layout.size.width + _MARGIN, self._layout.size.height + _MARGIN
+        heights = [centers[edge.source][1] for edge in self._back]
+        for edge, y in zip(self._back, heights, strict=True):
+            start = centers[edge.source][0] + sizes[edge.source].width / 2
+            yield f'<path class="back" d="M{start:.1f} {y:.1f}H{right:.1f}"/>'
+        x, y = centers[self._back[0].target]
+        foot = y + sizes[self._back[0].target].height / 2
+        around = f"M{right:.1f} {min(heights):.1f}V{bottom:.1f}H{x:.1f}V{foot + _HEAD:.1f}"
+        yield f'<path class="back" d="{around}"/>' + _tip((x, foot), -90)
+
+
+def _sizes(graph: Graph, loops: dict[str, Edge]) -> dict[str, Size]:
+    """The nodes' sizes; patterns are as wide as one another, and so are actions."""
+    sizes = {node.key: _size(node, node.key in loops) for node in graph.nodes}
+    for column in ((Outline.PATTERN,), (Outline.ACTION, Outline.UNUSED, Outline.END)):
+        own = [node.key for node in graph.nodes if node.shape in column]
+        widest = max((sizes[key].width for key in own), default=0.0)
+        sizes |= {key: sizes[key]._replace(width=widest) for key in own}
+    return sizes
+
+
+def _size(node: Vertex, loop: bool) -> Size:
+    texts = [text_width(line.text, SMALL if line.kind == "fact" else SIZE) for line in node.lines]
+    wide = max([width(node.letters) if node.letters else 0.0, *texts])
+    tall = (EDGE if node.letters else 0) + sum(_HEIGHTS.get(line.kind, LINE) for line in node.lines)
+    tall += 2 if node.letters and node.lines else 0
+    rim = 2 * _rim(node)
+    return Size(wide + 2 * _PAD + (2 * _LOOP if loop else 0) + rim, tall + 2 * _pad(node) + rim)
+
+
+def _pad(node: Vertex) -> float:
+    return _PAD if node.shape is Outline.STATE else _PAD / 2
+
+
+def _rim(node: Vertex) -> int:
+    return _RIM if node.frame else 0
+
+
+def _label_lines(node: Vertex, middle: float, left: float, top: float) -> Iterator[str]:
+    """The lines of a node: below pictograms they are centred."""
+    y = top + _pad(node) + (EDGE + 2 if node.letters else 0)
+    for line in node.lines:
+        y += _HEIGHTS.get(line.kind, LINE)
+        yield text(line.text, middle if node.letters else left, y - LINE / 2 + 1, line.kind)
+
+
+def _tip(end: Point, turned: float) -> str:
+    """The tip of an arrow that points to the right, turned clockwise by an angle, deg."""
+    place = f"translate({end[0]:.1f} {end[1]:.1f}) rotate({turned:g})"
+    return f'<path class="tip" transform="{place}" d="M0 0l{-_HEAD:g} -4.5v9z"/>'
+
+
+def _looped(arc: Edge, x: float, y: float) -> Iterator[str]:
+    yield (
+        f'<path class="arc" d="M{x:.1f} {y - 9:.1f}c24 -14 24 32 {_HEAD - 1:.1f} 20" '
+        f'stroke-width="{_thickness(arc):.1f}"/>'
+    )
+    yield _tip((x, y + 11), 180)
+    yield text(arc.label, x + 38, y, "share")
+
+
+def _ground(label: _Label) -> str:
+    wide, tall = label.width - 2, SMALL + 2
+    return rectangle("ground", label.x - wide / 2, label.y - tall / 2, wide, tall, 2)
+
+
+def _thickness(arc: Edge) -> float:
+    return 0.8 + 2.2 * arc.weight
+
+
+def _path(route: Sequence[Point], across: bool) -> tuple[str, list[Point]]:
+    """A route as a smooth path, and points along it.
+
+    It begins and ends vertically, or horizontally where the layout goes ``across``.
+    """
+    if across:
+        route = [(y, x) for x, y in route]
+    if len(route) == 3:  # within a row: one bow
+        (x1, y1), (_, y), (x2, y2) = route
+        bows = [((x1, y1), (x1, 2 * y - y1), (x2, 2 * y - y1), (x2, y2))]
+    else:
+        bows = [
+            ((x1, y1), (x1, (y1 + y2) / 2), (x2, (y1 + y2) / 2), (x2, y2))
+            for (x1, y1), (x2, y2) in pairwise(route)
+        ]
+    points = [_on(bow, step / 16) for bow in bows for step in range(17)]
+    start, control, approach, end = bows[-1]
+    back = math.copysign(_HEAD - 1, end[1] - approach[1])
+    bows[-1] = (start, control, approach, (end[0], end[1] - back))
+    steps = [bows[0][0], *(point for bow in bows for point in bow[1:])]
+    if across:
+        points, steps = ([(y, x) for x, y in each] for each in (points, steps))
+    drawn = " ".join(f"{x:.1f} {y:.1f}" for x, y in steps[1:])
+    return f"M{steps[0][0]:.1f} {steps[0][1]:.1f}C{drawn}", points
+
+
+def _on(bow: Sequence[Point], t: float) -> Point:
+    """A point on a cubic Bezier curve, ``t`` from 0 to 1."""
+    weights = ((1 - t) ** 3, 3 * (1 - t) ** 2 * t, 3 * (1 - t) * t**2, t**3)
+    x = sum(weight * point[0] for weight, point in zip(weights, bow, strict=True))
+    y = sum(weight * point[1] for weight, point in zip(weights, bow, strict=True))
+    return x, y
+
+
+def _label(
+    points: Sequence[Point],
+    wide: float,
+    taken: Sequence[_Label],
+    layout: Layout,
+    sizes: dict[str, Size],
+) -> _Label:
+    """A place along an arc where its label meets no other and no node, near its first third."""
+    places = sorted(range(len(points)), key=lambda place: abs(place - len(points) // 3))
+    labels = [_Label(*points[place], wide) for place in places]
+    nodes = [(*layout.centers[key], *size) for key, size in sizes.items()]
+
+    def hidden(label: _Label) -> bool:
+        return any(
+            abs(label.x - x) < (w + wide) / 2 and abs(label.y - y) < (h + SMALL) / 2 + 3
+            for x, y, w, h in nodes
         )
 
-
-def _rows(graph: Graph, top: float) -> list[_Row]:
-    """One below the other: actions that follow states, the program's end, and the others."""
-    parts: list[tuple[Box | None, tuple[str, ...]]] = [(box, box.patterns) for box in graph.boxes]
-    if graph.coverage.undecided:
-        used = sum(bool(box.patterns) for box in graph.boxes)
-        parts.insert(used, (None, ("any other",)))
-    rows: list[_Row] = []
-    for box, patterns in parts:
-        own = _height(_text(box)) if box is not None else 2 * LINE
-        height = max(own, len(patterns) * (LINE + _GAP))
-        rows.append(_Row(box, patterns, top, height))
-        top += height + _GAP
-    return rows
+    free = (each for each in labels if not hidden(each) and not any(map(each.meets, taken)))
+    return next(free, labels[0])
 
 
-def _columns(graph: Graph, rows: Sequence[_Row]) -> _Columns:
-    state = _widest(("state of", *graph.members))
-    patterns = _widest([pattern for row in rows for pattern in row.patterns])
-    actions = _widest([line for row in rows if row.box is not None for line in _text(row.box)])
-    left = 2.0 * _GAP
-    pattern = left + state + _CORRIDOR
-    return _Columns(left, state, pattern, patterns, pattern + patterns + _CORRIDOR, actions)
+def _letters(panels: Sequence[_Panel]) -> list[str]:
+    """The letters of the legend: ``*`` only where it is used."""
+    used = "".join(node.letters for panel in panels for node in panel.graph.nodes)
+    return [letter for letter in LETTERS if letter != "*" or "*" in used]
 
 
-def _action(columns: _Columns, row: _Row, box: Box) -> Iterator[str]:
-    height = _height(_text(box))
-    top = row.middle - height / 2
-    kind = "action" if box.patterns else "unused"
-    if box.inner is not None:
-        yield f"<a href={quoteattr('#' + box.inner.name)}>"
-    yield rectangle(kind, columns.action, top, columns.action_width, height, 3)
-    yield from _lines(_text(box), columns.action, top, "name", box.rewarded)
-    if box.inner is not None:
-        yield "</a>"
+def _columns(wide: float) -> int:
+    """The number of entries of the legend that fit beside each other."""
+    return next(columns for columns in (5, 4, 2, 1) if columns * _entry() <= wide or columns == 1)
 
 
-def _end(columns: _Columns, row: _Row) -> Iterator[str]:
-    x, y = columns.action + LINE / 2, row.middle
-    yield f'<circle class="pattern" cx="{x:.1f}" cy="{y:.1f}" r="{LINE / 2}"/>'
-    yield f'<circle cx="{x:.1f}" cy="{y:.1f}" r="{LINE / 3:.1f}"/>'
-    yield text("the program ends", x + LINE, y)
+def _entry() -> float:
+    return PITCH + max(text_width(letter.meaning, SMALL) for letter in LETTERS.values()) + 8
 
 
-def _text(box: Box) -> tuple[str, ...]:
-    return (box.name, *box.lines, *(("can be rewarded",) if box.rewarded else ()))
+def _note_lines(graph: Graph, wide: float) -> list[str]:
+    room = int(wide / text_width("m", SMALL))
+    return [line for note in graph.notes for line in wrap(note, room)]
 
 
-def _widest(lines: Sequence[str]) -> float:
-    return max((text_width(line) for line in lines), default=0.0) + 2 * _PAD
+def _legend_height(graph: Graph, panels: Sequence[_Panel], wide: float) -> float:
+    rows = -(-len(_letters(panels)) // _columns(wide))
+    return rows * (EDGE + 6) + 6 + len(_note_lines(graph, wide)) * (LINE - 2) + _MARGIN / 2
 
 
-def _height(lines: Sequence[str]) -> float:
-    return len(lines) * LINE + _PAD
-
-
-def _lines(
-    lines: Sequence[str], left: float, top: float, first: str = "", rewarded: bool = False
+def _legend(
+    graph: Graph, panels: Sequence[_Panel], left: float, top: float, wide: float
 ) -> Iterator[str]:
-    for place, line in enumerate(lines):
-        last = rewarded and place == len(lines) - 1
-        kind = "reward" if last else first if place == 0 else ""
-        yield text(line, left + _PAD, top + _PAD / 2 + (place + 0.5) * LINE, kind)
-
-
-def _curve(x1: float, y1: float, x2: float, y2: float) -> str:
-    middle = (x1 + x2) / 2
-    bend = f"C{middle:.1f} {y1:.1f} {middle:.1f} {y2:.1f} {x2:.1f} {y2:.1f}"
-    return f'<path class="edge" marker-end="url(#tip)" d="M{x1:.1f} {y1:.1f}{bend}"/>'
+    letters, columns = _letters(panels), _columns(wide)
+    for number, letter in enumerate(letters):
+        x = left + number % columns * _entry()
+        y = top + number // columns * (EDGE + 6)
+        yield pictogram(letter, False, x, y)
+        yield text(LETTERS[letter].meaning, x + PITCH, y + EDGE / 2, "note")
+    below = top + -(-len(letters) // columns) * (EDGE + 6) + 6 + LINE / 2
+    for number, line in enumerate(_note_lines(graph, wide)):
+        yield text(line, left, below + number * (LINE - 2), "note")

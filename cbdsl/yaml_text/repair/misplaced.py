@@ -16,7 +16,7 @@ from pydantic import BaseModel
 from cbdsl.errors.diagnostic import Diagnostic, Place
 from cbdsl.errors.wording import diagnostic
 from cbdsl.yaml_text.node import Node
-from cbdsl.yaml_text.repair.shape import Shape
+from cbdsl.yaml_text.repair.shape import SchemaShape
 from cbdsl.yaml_text.source_map import SourceMap, Step
 
 Steps = tuple[Step, ...]
@@ -51,20 +51,20 @@ def find_moves(source: SourceMap, model: type[BaseModel], wrong: Iterable[Steps]
     """
     at_or_above = {path[:depth] for path in wrong for depth in range(len(path) + 1)}
     finder = _Finder(at_or_above)
-    return list(finder.below(source.root, Shape((model,)), (), ()))
+    return list(finder.below(source.root, SchemaShape((model,)), (), ()))
 
 
 def move(source: SourceMap, moved: Move) -> Diagnostic:
     """Put keys where they belong, and say so."""
-    said = diagnostic(
-        "CB209", source.key(*moved.start, moved.keys[0]), problem=_said(source, moved)
+    fault = diagnostic(
+        "CB209", source.key(*moved.start, moved.keys[0]), problem=_message(source, moved)
     )
     start = source.node(moved.start)
     _put(start, moved.keys, _mapping(source, moved.goal, start.keys[moved.keys[0]]))
     if moved.followers:
         goal = (*moved.goal, moved.keys[-1])
         _put(start, moved.followers, _mapping(source, goal, source.key(*goal)))
-    return said
+    return fault
 
 
 def _mapping(source: SourceMap, path: Steps, place: Place) -> Node:
@@ -83,7 +83,7 @@ def _put(start: Node, keys: Iterable[str], goal: Node) -> None:
         goal.value[key], goal.keys[key] = start.value.pop(key), start.keys.pop(key)
 
 
-def _said(source: SourceMap, moved: Move) -> str:
+def _message(source: SourceMap, moved: Move) -> str:
     names = [f"'{key}'" for key in moved.keys[:_MOST_NAMES]]
     if len(moved.keys) > _MOST_NAMES:
         names[-1] = f"{len(moved.keys) - len(names) + 1} more keys"
@@ -101,12 +101,12 @@ def _said(source: SourceMap, moved: Move) -> str:
     return f"{what} {belong} below a key of {own}; write '{section}: {{{', '.join(values)}}}'"
 
 
-class _Level(NamedTuple):
+class _Enclosing(NamedTuple):
     """A mapping on the way to a value."""
 
     path: Steps
     node: Node
-    shape: Shape
+    shape: SchemaShape
 
     def lacks(self, key: str) -> bool:
         """Whether it may have a key, and does not."""
@@ -115,7 +115,7 @@ class _Level(NamedTuple):
 
 
 #: The mappings around a value, from the outermost on.
-Around = tuple[_Level, ...]
+Around = tuple[_Enclosing, ...]
 
 
 class _Fit(NamedTuple):
@@ -140,20 +140,20 @@ class _Finder:
     def __init__(self, wrong: set[Steps]) -> None:
         self._wrong = wrong
 
-    def below(self, node: Node, shape: Shape, path: Steps, around: Around) -> Iterator[Move]:
+    def below(self, node: Node, shape: SchemaShape, path: Steps, around: Around) -> Iterator[Move]:
         """The moves of a value and of what is in it."""
         if path not in self._wrong and not isinstance(node.value, dict):
             return
-        here = (*around, _Level(path, node, shape))
+        here = (*around, _Enclosing(path, node, shape))
         if isinstance(node.value, dict):
-            found = (
+            moved = (
                 self._names(node, shape, path)
                 if shape.is_of_names
                 else self._keys(node, shape, path)
             )
-            found = found or self._upwards(node, shape, path, around)
-            if found is not None:
-                yield found
+            moved = moved or self._upwards(node, shape, path, around)
+            if moved is not None:
+                yield moved
                 return
         for step, child in node.steps():
             inner = shape.child(step)
@@ -161,7 +161,7 @@ class _Finder:
             if not (shape.is_of_names and step in inner.keys):
                 yield from self.below(child, inner, (*path, step), here)
 
-    def _keys(self, node: Node, shape: Shape, path: Steps) -> Move | None:
+    def _keys(self, node: Node, shape: SchemaShape, path: Steps) -> Move | None:
         """Keys that a section does not know, and a section in it does."""
         assert isinstance(node.value, dict)
         unknown = [key for key in node.value if key not in shape.keys]
@@ -176,7 +176,7 @@ class _Finder:
         chosen = [fit for fit in fits if fit.keys and fit.rank == best]
         return Move(chosen[0].keys, path, (*path, chosen[0].section)) if len(chosen) == 1 else None
 
-    def _children(self, node: Node, shape: Shape, parent: str) -> tuple[str, ...]:
+    def _children(self, node: Node, shape: SchemaShape, parent: str) -> tuple[str, ...]:
         """The keys behind an empty one that belong to it."""
         assert isinstance(node.value, dict)
         inner, keys = shape.child(parent), list(node.value)
@@ -185,7 +185,7 @@ class _Finder:
             return tuple(takewhile(lambda key: key not in shape.keys, behind))
         return tuple(takewhile(lambda key: key in inner.keys, behind))
 
-    def _fit(self, node: Node, shape: Shape, section: str, unknown: list[str]) -> _Fit:
+    def _fit(self, node: Node, shape: SchemaShape, section: str, unknown: list[str]) -> _Fit:
         """The unknown keys that a section of this one lacks, where they make it complete."""
         assert isinstance(node.value, dict)
         inner, child = shape.child(section), node.value.get(section)
@@ -197,7 +197,7 @@ class _Finder:
             return _Fit(section, (), False)
         return _Fit(section, keys, child is not None and not inner.is_complete(set(has)))
 
-    def _names(self, node: Node, shape: Shape, path: Steps) -> Move | None:
+    def _names(self, node: Node, shape: SchemaShape, path: Steps) -> Move | None:
         """Keys of a section that stand beside its name."""
         assert isinstance(node.value, dict)
         known = shape.child("").keys
@@ -217,7 +217,7 @@ class _Finder:
     def _upwards(
         self,
         node: Node,
-        shape: Shape,
+        shape: SchemaShape,
         path: Steps,
         around: Around,
     ) -> Move | None:

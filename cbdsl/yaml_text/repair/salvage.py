@@ -8,82 +8,57 @@ said to be missing because of it.
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
-from typing import Any, Generic, NamedTuple, TypeVar
+from typing import Any, Generic, TypeVar
 
 from pydantic import BaseModel, ValidationError
 from pydantic_core import ErrorDetails
 
 from cbdsl.documents.document import Document
+from cbdsl.documents.kinds import kind_of
 from cbdsl.errors.diagnostic import Diagnostic, Place
 from cbdsl.errors.errors import DiagnosticsError
 from cbdsl.errors.nearest import nearest_name
 from cbdsl.yaml_text.broken import Broken
+from cbdsl.yaml_text.loaded import Loaded
 from cbdsl.yaml_text.node import Node
 from cbdsl.yaml_text.repair.faults import faults, path_of
 from cbdsl.yaml_text.repair.misplaced import find_moves, move
-from cbdsl.yaml_text.repair.shape import Shape
+from cbdsl.yaml_text.repair.shape import SchemaShape
 from cbdsl.yaml_text.source_map import SourceMap, Step
+from cbdsl.yaml_text.unknown import UNKNOWN
 
 Steps = tuple[Step, ...]
 
-# What takes the place of a required value that was left out; checks do not look at it.
-_STAND_INS: dict[str, Any] = {
-    "name": "unknown",
-    "robot": "unknown",
-    "program": "unknown",
-    "predicates": [],
-    "policy": {},
-    "controllers": {},
-    "actions": ["unknown"],
-    "contexts": {"unknown": {}},
-    "model": "unknown",
-    "base": "unknown",
-    "effectors": {},
-    "control": {"rate": 1, "tasks": {}},
-}
 # Each round leaves out what encloses the faults of the one before.
 _MOST_ROUNDS = 12
 
 D = TypeVar("D", bound=Document)
 
 
-class Salvaged(NamedTuple, Generic[D]):
-    """What is left of a text.
-
-    Attributes:
-        document: without what is faulty.
-        faults: what is wrong with the text.
-        broken: what was left out.
-    """
-
-    document: D
-    faults: tuple[Diagnostic, ...]
-    broken: Broken
-
-
-def salvage(source: SourceMap, model: type[D], found: Iterable[Diagnostic]) -> Salvaged[D]:
+def salvage(source: SourceMap, model: type[D], findings: Iterable[Diagnostic]) -> Loaded[D]:
     """Read a document from its nodes, from which faulty ones are taken away.
 
     Args:
         source: the text, whose nodes change.
         model: the kind of document.
-        found: what is wrong with the values that are marked as faulty.
+        findings: what is wrong with the values that are marked as faulty.
 
     Raises:
         DiagnosticsError: nothing that could be checked is left.
     """
-    return _Salvage(source, model, found).salvage()
+    return _Salvage(source, model, findings).salvage()
 
 
 class _Salvage(Generic[D]):
-    def __init__(self, source: SourceMap, model: type[D], found: Iterable[Diagnostic]) -> None:
+    def __init__(self, source: SourceMap, model: type[D], findings: Iterable[Diagnostic]) -> None:
         self._source = source
         self._model = model
-        self._faults = list(found)
+        self._faults = list(findings)
         self._broken = Broken()
         self._respelt: set[Steps] = set()
+        self._unknown: dict[str, object] = {}
 
-    def salvage(self) -> Salvaged[D]:
+    def salvage(self) -> Loaded[D]:
         if self._faults:
             self._leave_out(_faulty(self._source.root, ()))
         for _ in range(_MOST_ROUNDS):
@@ -92,7 +67,9 @@ class _Salvage(Generic[D]):
             except ValidationError as error:
                 self._mend(error.errors(include_url=False))
             else:
-                return Salvaged(document, tuple(self._faults), self._broken)
+                document = document.model_copy(update=self._unknown)
+                source = self._source._replace(broken=self._broken)
+                return Loaded(document, source, tuple(self._faults))
         raise self._hopeless()
 
     def _mend(self, errors: list[ErrorDetails]) -> None:
@@ -126,13 +103,17 @@ class _Salvage(Generic[D]):
         parent, key = self._source.node(path[:-1]), str(path[-1])
         if not isinstance(parent.value, dict) or key not in parent.value:
             return False
-        known = Shape((self._model,)).located(loc[:-1]).keys
-        free = sorted(known.keys() - parent.value)
-        meant = nearest_name(key, free)
-        if meant is not None:
-            parent.value[meant], parent.keys[meant] = parent.value.pop(key), parent.keys.pop(key)
-            self._respelt.add((*path[:-1], meant))
-        return meant is not None
+        shape = SchemaShape((self._model,)).located(loc[:-1])
+        free = sorted(shape.keys.keys() - parent.value)
+        new = shape.renamed.get(key)
+        suggestion = nearest_name(key, free) if new is None else new if new in free else None
+        if suggestion is not None:
+            parent.value[suggestion], parent.keys[suggestion] = (
+                parent.value.pop(key),
+                parent.keys.pop(key),
+            )
+            self._respelt.add((*path[:-1], suggestion))
+        return suggestion is not None
 
     def _leave_out(self, paths: Iterable[Steps]) -> None:
         """Take the parts of the document away that paths lead to."""
@@ -147,10 +128,16 @@ class _Salvage(Generic[D]):
 
     def _stand_in(self, key: str) -> None:
         root = self._source.root
-        if key not in _STAND_INS or not isinstance(root.value, dict):
+        # They take the place of required values; checks do not look at them.
+        stand_ins = {"name": "unknown", **kind_of(self._model).stand_ins}
+        if key not in stand_ins or not isinstance(root.value, dict):
             raise self._hopeless()
-        root.value[key] = _node(_STAND_INS[key], root.place)
+        root.value[key] = _node(stand_ins[key], root.place)
         self._broken.add([(key,)])
+        if stand_ins[key] == "unknown":
+            self._unknown[key] = UNKNOWN
+        elif stand_ins[key] == ["unknown"]:
+            self._unknown[key] = ()
 
     def _hopeless(self) -> DiagnosticsError:
         return DiagnosticsError(self._faults)

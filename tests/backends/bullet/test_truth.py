@@ -9,7 +9,7 @@ import pytest
 
 from cbdsl.backends.bullet.backend import BulletBackend
 from cbdsl.backends.staging.scenery import Witness
-from cbdsl.documents.stage import Box, StageDocument
+from cbdsl.documents.stage import BoxForm, StageDocument
 
 
 def test_a_fixture_has_its_form_and_color(
@@ -20,7 +20,7 @@ def test_a_fixture_has_its_form_and_color(
     bullet.reset(shown, "in_view", np.random.default_rng(0))
     for name, fixture in shown.fixtures.items():
         (part,) = bullet.truth.parts(name)
-        assert isinstance(fixture.form, Box) and part.shape == "box"
+        assert isinstance(fixture.form, BoxForm) and part.shape == "box"
         assert part.size == pytest.approx([span[0] for span in fixture.form.size])
         assert part.color == pytest.approx(fixture.color)
         assert part.position == pytest.approx((0, 0, 0))

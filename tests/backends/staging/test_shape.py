@@ -8,7 +8,7 @@ from pydantic import TypeAdapter
 
 from cbdsl.backends.staging.pose import Pose
 from cbdsl.backends.staging.shape import Shape
-from cbdsl.documents.stage import Ball, Box, Cylinder
+from cbdsl.documents.stage import BallForm, BoxForm, CylinderForm
 
 FORMS = {
     "ball": {"shape": "ball", "radius": [0.04, 0.06]},
@@ -24,7 +24,9 @@ HALVES = {
 
 @pytest.mark.parametrize("kind", FORMS)
 def test_a_shape_is_drawn_within_its_form(kind: str) -> None:
-    form: Ball | Box | Cylinder = TypeAdapter(Ball | Box | Cylinder).validate_python(FORMS[kind])
+    form: BallForm | BoxForm | CylinderForm = TypeAdapter(
+        BallForm | BoxForm | CylinderForm
+    ).validate_python(FORMS[kind])
     rng = np.random.default_rng(0)
     shapes = [Shape.draw(form, rng) for _ in range(20)]
     assert {shape.kind for shape in shapes} == {kind}

@@ -14,17 +14,18 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from cbdsl.documents.policy import PolicyDocument
+from cbdsl.reporting.drawing.dot import dot
+from cbdsl.reporting.drawing.graph import Graph
+from cbdsl.reporting.drawing.mermaid import mermaid
 from cbdsl.reporting.drawing.pictogram import LETTERS, symbols
-from cbdsl.reporting.drawing.policy_dot import policy_dot
-from cbdsl.reporting.drawing.policy_graph import PolicyGraph, policy_graph
-from cbdsl.reporting.drawing.policy_mermaid import policy_mermaid
-from cbdsl.reporting.drawing.policy_svg import policy_svg
-from cbdsl.reporting.drawing.policy_words import percent, sentence, title
+from cbdsl.reporting.drawing.policy_graph import percent, policy_graph, sentence, title
+from cbdsl.reporting.drawing.policy_transitions import PolicyTransitions, policy_transitions
+from cbdsl.reporting.drawing.svg import svg
 from tests.reporting.drawing.policies import MEMBERS, POLICIES, learned
 
 SVG = "{http://www.w3.org/2000/svg}"
-GRAPHS = st.builds(
-    policy_graph, POLICIES, st.floats(0, 0.9), st.booleans(), st.just(frozenset(MEMBERS[:1]))
+TRANSITIONS = st.builds(
+    policy_transitions, POLICIES, st.floats(0, 0.9), st.booleans(), st.just(frozenset(MEMBERS[:1]))
 )
 
 
@@ -33,34 +34,34 @@ def read(drawing: str) -> str:
     return unescape(re.sub(r"#(\d+);", lambda match: chr(int(match[1])), drawing))
 
 
-@pytest.mark.parametrize("draw", [policy_dot, policy_mermaid, policy_svg])
-@given(graph=GRAPHS)
+@pytest.mark.parametrize("draw", [dot, mermaid, svg])
+@given(policy=TRANSITIONS)
 @settings(max_examples=25)
 def test_every_state_action_and_share_is_drawn(
-    draw: Callable[[PolicyGraph], str], graph: PolicyGraph
+    draw: Callable[[Graph], str], policy: PolicyTransitions
 ) -> None:
-    drawing = read(draw(graph))
-    if draw is policy_dot:
+    drawing = read(draw(policy_graph(policy)))
+    if draw is dot:
         drawing = re.sub(r"</FONT></TD><TD[^>]*><FONT[^>]*>", " ", drawing)
-    for decision in graph.decisions:
-        wanted = decision.state if draw is policy_svg else symbols(decision.state)
+    for decision in policy.decisions:
+        wanted = decision.state if draw is svg else symbols(decision.state)
         assert wanted in drawing
         assert decision.action is None or decision.action in drawing
-    for arc in graph.arcs:
+    for arc in policy.arcs:
         assert percent(arc.share) in drawing
-    arrows = {policy_dot: " -> ", policy_mermaid: " -->|", policy_svg: 'class="arc"'}[draw]
-    began = sum(bool(each.started) for each in graph.decisions)
-    besides = 0 if draw is policy_mermaid else began
-    assert drawing.count(arrows) == len(graph.arcs) + besides
+    arrows = {dot: " -> ", mermaid: " -->|", svg: 'class="arc"'}[draw]
+    began = sum(bool(each.started) for each in policy.decisions)
+    besides = 0 if draw is mermaid else began
+    assert drawing.count(arrows) == len(policy.arcs) + besides
 
 
-@given(GRAPHS)
+@given(TRANSITIONS)
 @settings(max_examples=50)
-def test_svg_holds_its_states_apart_and_with_their_pictograms(graph: PolicyGraph) -> None:
-    root = ElementTree.fromstring(policy_svg(graph))
+def test_svg_holds_its_states_apart_and_with_their_pictograms(policy: PolicyTransitions) -> None:
+    root = ElementTree.fromstring(svg(policy_graph(policy)))
     width, height = float(root.attrib["width"]), float(root.attrib["height"])
     nodes = [each for each in root.iter(f"{SVG}rect") if each.attrib.get("class") == "node"]
-    assert len(nodes) == len(graph.decisions)
+    assert len(nodes) == len(policy.decisions)
     boxes = [tuple(float(each.attrib[key]) for key in ("x", "y", "width", "height"))
              for each in nodes]  # fmt: skip
     for place, (x, y, w, h) in enumerate(boxes):
@@ -72,9 +73,9 @@ def test_svg_holds_its_states_apart_and_with_their_pictograms(graph: PolicyGraph
     papers = [each.attrib["fill"] for each in root.iter(f"{SVG}rect") if "fill" in each.attrib]
     for letter, look in LETTERS.items():
         drawn = sum(
-            (2 if member in graph.programs else 1)
-            for decision in graph.decisions
-            for member, own in zip(graph.members, decision.state, strict=True)
+            (2 if member in policy.programs else 1)
+            for decision in policy.decisions
+            for member, own in zip(policy.members, decision.state, strict=True)
             if own == letter
         )
         assert papers.count(look.paper) == drawn + (letter != "*")
@@ -83,8 +84,8 @@ def test_svg_holds_its_states_apart_and_with_their_pictograms(graph: PolicyGraph
 def test_a_learned_policy_of_its_programs_name_is_not_said_to_be_written_in_it() -> None:
     policy = learned([[("reach", "1X")]]).model_copy(update={"name": "walking"})
     written = policy.model_copy(update={"values": {}, "transitions": {}, "curve": None})
-    assert title(policy_graph(policy)) == "walking, a policy of walking"
-    assert title(policy_graph(written)) == "walking, the policy written in it"
+    assert title(policy_transitions(policy)) == "walking, a policy of walking"
+    assert title(policy_transitions(written)) == "walking, the policy written in it"
 
 
 def test_names_stay_text() -> None:
@@ -97,28 +98,30 @@ def test_names_stay_text() -> None:
         predicates=(hostile,),
         policy={"X": hostile},
     )
-    graph = policy_graph(policy)
-    texts = {each.text for each in ElementTree.fromstring(policy_svg(graph)).iter(f"{SVG}text")}
+    graph = policy_graph(policy_transitions(policy))
+    texts = {each.text for each in ElementTree.fromstring(svg(graph)).iter(f"{SVG}text")}
     assert hostile in texts
-    assert hostile in read(policy_mermaid(graph)) and hostile not in policy_mermaid(graph)
-    assert '<B>a"&lt;b&gt;&amp;\\</B>' in policy_dot(graph)
+    assert hostile in read(mermaid(graph)) and hostile not in mermaid(graph)
+    assert '<B>a"&lt;b&gt;&amp;\\</B>' in dot(graph)
 
 
-@given(GRAPHS)
+@given(TRANSITIONS)
 @settings(max_examples=25)
-def test_words_say_what_the_arcs_do(graph: PolicyGraph) -> None:
-    for decision in graph.decisions:
-        own = [arc for arc in graph.arcs if arc.source == decision.state]
-        told = sentence(graph, decision)
+def test_words_say_what_the_arcs_do(policy: PolicyTransitions) -> None:
+    for decision in policy.decisions:
+        own = [arc for arc in policy.arcs if arc.source == decision.state]
+        told = sentence(policy, decision)
         assert re.findall(r"(\d+ %) to (\S+)[;.]", told) == [
             (percent(arc.share), arc.target) for arc in own
         ]
 
 
 @pytest.mark.skipif(shutil.which("dot") is None, reason="needs Graphviz")
-@given(GRAPHS)
+@given(TRANSITIONS)
 @settings(max_examples=5, deadline=None)
-def test_graphviz_reads_dot(graph: PolicyGraph) -> None:
-    run = subprocess.run(["dot", "-Tsvg"], input=policy_dot(graph), capture_output=True, text=True)
+def test_graphviz_reads_dot(policy: PolicyTransitions) -> None:
+    run = subprocess.run(
+        ["dot", "-Tsvg"], input=dot(policy_graph(policy)), capture_output=True, text=True
+    )
     assert (run.returncode, run.stderr) == (0, "")
-    assert run.stdout.count('class="edge"') == policy_dot(graph).count(" -> ")
+    assert run.stdout.count('class="edge"') == dot(policy_graph(policy)).count(" -> ")

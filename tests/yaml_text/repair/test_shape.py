@@ -8,17 +8,19 @@ from typing import Any
 import pytest
 from pydantic import BaseModel
 
-from cbdsl.documents.program import Controller, ProgramDocument
-from cbdsl.documents.stage import Ball, Box, Cylinder, StageDocument, Thing
-from cbdsl.yaml_text.reader import KINDS
-from cbdsl.yaml_text.repair.shape import Shape
+from cbdsl.documents.kinds import models
+from cbdsl.documents.program import ControllerSection, ProgramDocument
+from cbdsl.documents.stage import BallForm, BoxForm, CylinderForm, StageDocument, ThingSection
+from cbdsl.yaml_text.repair.shape import SchemaShape
+
+KINDS = models()
 
 
 def _sections(model: type[BaseModel]) -> Iterator[type[BaseModel]]:
     """A document's model and all sections below it."""
     yield model
-    for key in Shape((model,)).keys:
-        shape = Shape((model,)).child(key)
+    for key in SchemaShape((model,)).keys:
+        shape = SchemaShape((model,)).child(key)
         for part in (shape, shape.child(""), shape.child(0)):
             for section in part.sections:
                 yield from _sections(section)
@@ -27,7 +29,7 @@ def _sections(model: type[BaseModel]) -> Iterator[type[BaseModel]]:
 @pytest.mark.parametrize("kind", KINDS)
 def test_what_is_required_is_known_and_completes_a_section(kind: str) -> None:
     for section in _sections(KINDS[kind]):
-        shape = Shape((section,))
+        shape = SchemaShape((section,))
         required = {key for key, field in shape.keys.items() if field.is_required()}
         assert shape.is_complete(required)
         assert not any(shape.is_complete(required - {key}) for key in required)
@@ -36,11 +38,11 @@ def test_what_is_required_is_known_and_completes_a_section(kind: str) -> None:
 @pytest.mark.parametrize(
     ("model", "steps", "kinds"),
     [
-        (StageDocument, ("things", "cup"), (Thing,)),
-        (StageDocument, ("things", "cup", "form"), (Ball, Box, Cylinder)),
+        (StageDocument, ("things", "cup"), (ThingSection,)),
+        (StageDocument, ("things", "cup", "form"), (BallForm, BoxForm, CylinderForm)),
         (StageDocument, ("things", "cup", "unknown"), ()),
         (StageDocument, ("things", 0), ()),
-        (ProgramDocument, ("controllers", "reach"), (Controller, str)),
+        (ProgramDocument, ("controllers", "reach"), (ControllerSection, str)),
         (ProgramDocument, ("use", "x", "with", "gain"), (str,)),
         (ProgramDocument, ("actions", 3), (str,)),
         (ProgramDocument, ("actions", "reach"), ()),
@@ -49,23 +51,23 @@ def test_what_is_required_is_known_and_completes_a_section(kind: str) -> None:
 def test_shapes_at_paths(
     model: type[BaseModel], steps: tuple[Any, ...], kinds: tuple[type, ...]
 ) -> None:
-    assert Shape((model,)).at(steps).kinds == kinds
+    assert SchemaShape((model,)).at(steps).kinds == kinds
 
 
 @pytest.mark.parametrize(
     ("loc", "sections"),
     [
-        (("things", "cup", "form", "ball"), (Ball,)),
-        (("things", "form"), (Thing,)),
-        (("things", "ball", "form", "box"), (Box,)),
+        (("things", "cup", "form", "ball"), (BallForm,)),
+        (("things", "form"), (ThingSection,)),
+        (("things", "ball", "form", "box"), (BoxForm,)),
     ],
 )
 def test_tags_choose_of_a_union_and_names_are_no_keys(
     loc: tuple[str, ...], sections: tuple[type, ...]
 ) -> None:
-    assert Shape((StageDocument,)).located(loc).sections == sections
+    assert SchemaShape((StageDocument,)).located(loc).sections == sections
 
 
 def test_names_of_types_in_a_location_are_passed_over() -> None:
-    shape = Shape((ProgramDocument,)).located(("controllers", "reach", "Controller"))
-    assert shape.sections == (Controller,)
+    shape = SchemaShape((ProgramDocument,)).located(("controllers", "reach", "Controller"))
+    assert shape.sections == (ControllerSection,)

@@ -13,8 +13,8 @@ from cbdsl.checking.document import check_document
 from cbdsl.checking.session import Session
 from cbdsl.errors.diagnostic import Diagnostic
 from cbdsl.errors.errors import DiagnosticsError
-from cbdsl.yaml_text.composer import compose
 from cbdsl.yaml_text.library import Library, shipped
+from cbdsl.yaml_text.repair.mending import mend
 
 LINES = {
     path: path.read_text("utf-8").split("\n")
@@ -61,7 +61,7 @@ def test_a_missing_space_is_told_on_its_line(key: tuple[Path, int, int]) -> None
 def slips(text: str) -> list[Diagnostic]:
     """What is found in a YAML text, whether or not it could be mended."""
     try:
-        return list(compose(text, "a.yaml").findings)
+        return list(mend(text, "a.yaml").findings)
     except DiagnosticsError as error:
         return list(error.diagnostics)
 
@@ -169,6 +169,6 @@ def test_what_is_mended_hides_nothing() -> None:
 @pytest.mark.parametrize("theirs", ["b: 2\n", ""])
 def test_a_merge_conflict_is_one_finding(ours: str, theirs: str) -> None:
     conflict = f"<<<<<<< a\n{ours}=======\n{theirs}>>>>>>> b\n"
-    composed = compose(f"a: 1\n{conflict}c: yes\n", "a.yaml")
+    composed = mend(f"a: 1\n{conflict}c: yes\n", "a.yaml")
     assert [d.code for d in composed.findings] == ["CB122", "CB114"]
     assert composed.findings[0].place.line == 2

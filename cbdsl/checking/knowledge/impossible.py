@@ -1,0 +1,46 @@
+"""States of a policy that cannot occur (Eq 4.1)."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+from cbdsl.checking.findings import Findings
+from cbdsl.program.checked import CheckedProgram
+from cbdsl.program.controller import Controller
+from cbdsl.types.potential import POTENTIALS
+from cbdsl.types.resource import Origin
+from cbdsl.types.state import Predicate
+from cbdsl.yaml_text.source_map import SourceMap
+
+_ALWAYS_KNOWN = frozenset({Origin.PROPRIOCEPTION, Origin.KINEMATICS, Origin.CONSTANT, Origin.MODEL})
+
+
+def reads_what_is_known(controller: Controller) -> bool:
+    """Whether all that a controller reads is there at any time."""
+    return all(resource.origin in _ALWAYS_KNOWN for resource in controller.resources)
+
+
+def is_always_defined(controller: Controller) -> bool:
+    """Whether the potential of a controller can be computed at any time, as is certain for some."""
+    is_residual = POTENTIALS[controller.potential].residual
+    return is_residual and controller.standoff is None and reads_what_is_known(controller)
+
+
+def check_possible(
+    policy: Iterable[str], program: CheckedProgram, source: SourceMap, findings: Findings
+) -> None:
+    """Warn of states in which a controller is undefined that never is.
+
+    Args:
+        policy: its patterns, each as long as the program's states.
+        program: what the letters are of.
+        source: where the policy stands.
+        findings: where findings go.
+    """
+    leads = {name: primitive.lead for name, primitive in program.primitives.items()}
+    known = {name for name, lead in leads.items() if is_always_defined(lead)}
+    for pattern in policy:
+        pairs = zip(program.members, pattern, strict=True)
+        never = [name for name, letter in pairs if letter == Predicate.UNDEFINED and name in known]
+        if never:
+            findings.add("CB717", source.key("policy", pattern), name=never[0])

@@ -1,0 +1,153 @@
+"""State patterns of a policy: letters, lengths and contradictions (Eq 4.1)."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+
+from cbdsl.checking.findings import Findings
+from cbdsl.errors.counting import count
+from cbdsl.types.state import ANY, PREDICATES, matches, overlap, split
+from cbdsl.yaml_text.source_map import SourceMap
+
+# What is written for a predicate, and looks or sounds like it.
+_MEANT = {"x": "X", "o": "0", "O": "0", "l": "1", "I": "1", "_": "-", "?": ANY}
+# Enough for every policy that a person wrote; a document made on purpose needs any number.
+_MOST_SPLITS = 1_000
+_MOST_LETTERS = 1_000_000
+
+
+def check_states(
+    policy: Mapping[str, str], members: Sequence[str] | None, source: SourceMap, findings: Findings
+) -> None:
+    """Check the patterns of a policy.
+
+    Args:
+        policy: canonical action by pattern.
+        members: what the letters of a state are of, or ``None`` where nobody knows.
+        source: where the policy stands.
+        findings: where findings go.
+    """
+    sound = {
+        pattern: action
+        for pattern, action in policy.items()
+        if _is_sound(pattern, members, source, findings)
+    }
+    if members is None:
+        return
+    patience, contradict = _Patience(_MOST_SPLITS), False
+    for other, one, example in _contradictions(sound, patience):
+        first = (source.key("policy", one), f"'{one}' is here")
+        place = source.key("policy", other)
+        details = {"state": other, "other": one, "example": example}
+        findings.add("CB614", place, related=[first], **details)
+        contradict = True
+    for pattern in () if contradict else _idle(sound, patience):
+        findings.add("CB707", source.key("policy", pattern), state=pattern)
+
+
+def _contradictions(
+    sound: Mapping[str, str], patience: _Patience
+) -> Iterator[tuple[str, str, str]]:
+    """Each pattern that contradicts an earlier one, that one, and a state that both match."""
+    equally_close: dict[int, list[str]] = {}
+    for pattern in sound:
+        equally_close.setdefault(pattern.count(ANY), []).append(pattern)
+    for stars, patterns in equally_close.items():
+        closer = [p for fewer, ps in equally_close.items() if fewer < stars for p in ps]
+        sets = {pattern: _bits(pattern) for pattern in patterns}
+        ones = _ones(len(patterns[0]))
+        for i, other in enumerate(patterns):
+            for one in patterns[:i]:
+                if sound[one] == sound[other] or not _meet(sets[one], sets[other], ones):
+                    continue
+                both = overlap(one, other)
+                example = _left_over(both, closer, patience) if both is not None else None
+                if example is not None:
+                    yield other, one, example
+                    break
+
+
+def _idle(sound: Mapping[str, str], patience: _Patience) -> Iterator[str]:
+    """Patterns whose states are all decided by patterns with fewer stars."""
+    open_ones = [pattern for pattern in sound if ANY in pattern]
+    if len(open_ones) * sum(len(pattern) for pattern in sound) > _MOST_LETTERS:
+        return
+    sets = {pattern: (_bits(pattern), pattern.count(ANY)) for pattern in sound}
+    for pattern in open_ones:
+        bits, stars = sets[pattern]
+        ones = _ones(len(pattern))
+        closer = [p for p, (own, fewer) in sets.items() if fewer < stars and _meet(own, bits, ones)]
+        if closer and _left_over(pattern, closer, patience) is None and not patience.has_ended:
+            yield pattern
+
+
+def _is_sound(
+    pattern: str, members: Sequence[str] | None, source: SourceMap, findings: Findings
+) -> bool:
+    place = source.key("policy", pattern)
+    wrong = [letter for letter in pattern if letter not in PREDICATES + ANY]
+    if wrong:
+        suggestion = _MEANT.get(wrong[0])
+        hint = f"; did you mean '{suggestion}'?" if suggestion else ""
+        findings.add("CB612", place, letter=wrong[0], meant=hint)
+        return False
+    if members is not None and len(pattern) != len(members):
+        counts = {
+            "found": count(len(pattern), "letter"),
+            "wanted": count(len(members), "predicate"),
+        }
+        findings.add("CB611", place, members=", ".join(members), **counts)
+        return False
+    return True
+
+
+def _bits(pattern: str) -> int:
+    """A pattern as a number of four bits per letter, one for each letter that it allows."""
+    bits = 0
+    for letter in pattern:
+        bits = bits << 4 | (15 if letter == ANY else 1 << PREDICATES.index(letter))
+    return bits
+
+
+def _ones(letters: int) -> int:
+    return int("1" * letters, 16)
+
+
+def _meet(one: int, other: int, ones: int) -> bool:
+    """Whether some state matches both: every letter leaves a bit."""
+    both = one & other
+    return (both | both >> 1 | both >> 2 | both >> 3) & ones == ones
+
+
+class _Patience:
+    """How often a region may still be split: to cover one with others is a hard problem."""
+
+    def __init__(self, splits: int) -> None:
+        self._splits = splits
+
+    @property
+    def has_ended(self) -> bool:
+        """Whether there have been too many splits."""
+        return self._splits < 0
+
+    def ends(self) -> bool:
+        """Count a split; whether there have been too many."""
+        self._splits -= 1
+        return self.has_ended
+
+
+def _left_over(region: str, covers: Sequence[str], patience: _Patience) -> str | None:
+    """A part of a region that no cover touches, or ``None`` where they cover all of it.
+
+    Where patience ends, the region counts as covered.
+    """
+    if patience.ends():
+        return None
+    touching = [cover for cover in covers if overlap(region, cover) is not None]
+    if not touching:
+        return region
+    if any(matches(cover, region) for cover in touching):
+        return None
+    # Some cover fixes a letter that the region leaves open: split the region there.
+    parts = (_left_over(part, touching, patience) for part in split(region, touching[0]))
+    return next((part for part in parts if part is not None), None)

@@ -1,0 +1,76 @@
+"""Documents by name; where there is none, those that would do are proposed."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from cbdsl.checking.findings import Findings
+from cbdsl.documents.document import Document
+from cbdsl.documents.kinds import kind_of
+from cbdsl.documents.stage import StageDocument
+from cbdsl.errors.diagnostic import Place
+from cbdsl.errors.errors import DiagnosticsError
+from cbdsl.yaml_text.library import Library
+from cbdsl.yaml_text.unknown import UNKNOWN
+
+
+def find_document(
+    kind: type[Document],
+    name: str,
+    place: Place,
+    library: Library,
+    findings: Findings,
+    robot: str | None = None,
+    own: str = "",
+) -> Path | None:
+    """The file of a document; that there is none is reported, unless nobody knows its name.
+
+    Args:
+        kind: the kind of document that is wanted.
+        name: its name.
+        place: where that is written.
+        library: where documents are found by name.
+        findings: where the finding goes.
+        robot: the robot that the document has to be for, if that is known.
+        own: the name of the document itself, where it cannot be what is meant.
+    """
+    beside = Path(place.file)
+    path = None if name is UNKNOWN else library.find(kind, name, beside)
+    if path is not None or name is UNKNOWN:
+        return path
+    names = (
+        library.names(kind, beside) if robot is None else for_robot(kind, robot, beside, library)
+    )
+    names = [each for each in names if each != own]
+    hint = "" if robot is None or names else first_stage(kind, robot)
+    findings.add(kind_of(kind).unknown, place, names=names, name=name, hint=hint)
+    return None
+
+
+def first_stage(kind: type[Document], robot: str) -> str:
+    """How to come by a stage of a robot that has none; nothing for other kinds of documents."""
+    if kind is not StageDocument:
+        return ""
+    return f"; robot '{robot}' has none yet, and cb new stage NAME --robot {robot} writes one"
+
+
+def for_robot(kind: type[Document], robot: str, beside: Path | None, library: Library) -> list[str]:
+    """The names of the documents of a kind that are for a robot.
+
+    Args:
+        kind: of those documents; none is for a robot where its kind refers to none.
+        robot: the robot's name.
+        beside: the file that would name them, if there is one.
+        library: where documents are found by name.
+    """
+    suitable = []
+    key = next((k for k, of in kind_of(kind).references.items() if of == "robot"), "")
+    for name in library.names(kind, beside):
+        file = library.find(kind, name, beside)
+        try:
+            document = None if file is None else library.read_sound_parts(file, kind).document
+        except DiagnosticsError:
+            continue
+        if getattr(document, key, None) == robot:
+            suitable.append(name)
+    return suitable

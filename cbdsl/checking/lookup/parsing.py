@@ -1,0 +1,45 @@
+"""Compositions in a document: parsed, or reported where they are none."""
+
+from __future__ import annotations
+
+from cbdsl.checking.findings import Findings
+from cbdsl.language.expression import Expression
+from cbdsl.language.parser import CompositionError, LookAlikeError, parse
+from cbdsl.yaml_text.source_map import SourceMap, Step
+
+# Sections whose keys occur in compositions.
+_CALLED = ("controllers", "use")
+
+
+def parse_at(
+    text: str, source: SourceMap, steps: tuple[Step, ...], findings: Findings
+) -> Expression | None:
+    """The composition at a path, or ``None`` where it is none."""
+    try:
+        return parse(text)
+    except LookAlikeError as error:
+        place = source.inside(steps, error.span.start, error.span.end)
+        findings.add("CB408", place, sign=error.sign, suggestion=error.suggestion)
+    except CompositionError as error:
+        if _is_of_a_faulty_name(text, source):
+            return None
+        place = source.inside(steps, error.span.start, error.span.end)
+        is_cut = ends_within_a_call(text) and _is_before_a_comma(source, steps)
+        cut = "; YAML ends it at the ',', so quote the whole call" if is_cut else ""
+        findings.add("CB401", place, problem=f"{error}{cut}")
+    return None
+
+
+def ends_within_a_call(text: str) -> bool:
+    """Whether a bracket is not closed, as in the first part of ``[look(sat_10, head)]``."""
+    return text.count("(") > text.count(")")
+
+
+def _is_before_a_comma(source: SourceMap, steps: tuple[Step, ...]) -> bool:
+    place = source.place(*steps)
+    return source.lines[place.line - 1][place.end_column - 1 :].lstrip()[:1] == ","
+
+
+def _is_of_a_faulty_name(text: str, source: SourceMap) -> bool:
+    """Whether a text mentions a key such as ``track-it``, which was reported where it stands."""
+    return any(key in text and not key.isidentifier() for key in source.broken.keys(_CALLED))

@@ -1,0 +1,122 @@
+"""Names of resources that a robot does not have: each mistake is told once, where it was made."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Collection
+from typing import Any
+
+from cbdsl.checking.findings import Findings
+from cbdsl.checking.lookup.scope import Scope, parameters_in
+from cbdsl.errors.diagnostic import Place
+from cbdsl.errors.nearest import nearest_name
+from cbdsl.yaml_text.source_map import SourceMap, Step
+
+Steps = tuple[Step, ...]
+
+
+class MissingResources:
+    """Reports the resources that one program names and its robot does not have.
+
+    Args:
+        robot: the robot's name.
+        known: the names of its resources, and of the program's internal models.
+        source: the program's text.
+        findings: where findings go.
+
+    Attributes:
+        parameters: those parameters of the program whose values name nothing.
+    """
+
+    def __init__(
+        self,
+        robot: str,
+        known: Collection[str],
+        source: SourceMap,
+        findings: Findings,
+    ) -> None:
+        self._robot, self._known = robot, known
+        self._source, self._findings = source, findings
+        self._wrong_values: set[str] = set()
+        self.parameters: set[str] = set()
+
+    def report(self, text: str, name: str, steps: Steps, scope: Scope) -> None:
+        """Report that there is no such resource.
+
+        Args:
+            text: what the document says.
+            name: the same with its parameters replaced.
+            steps: path of the text.
+            scope: values of the parameters.
+        """
+        values = {parameter: scope.values[parameter] for parameter in parameters_in(text)}
+        parts = {part for known in self._known for part in known.split(".")}
+        wrong = {p: v for p, v in values.items() if not parts.issuperset(v.split("."))}
+        if not wrong:
+            self._name(text, name, steps, scope)
+        elif not self._wrong_values.issuperset(wrong.values()):
+            parameter, value = next(iter(wrong.items()))
+            self._value(parameter, value, text, name, steps, scope)
+        self._wrong_values.update(wrong.values())
+
+    def _value(
+        self, parameter: str, value: str, text: str, name: str, steps: Steps, scope: Scope
+    ) -> None:
+        """Report the value of a parameter, where it stands if that is in this document."""
+        there, here = scope.place(parameter), self._source.place(*steps)
+        self.parameters.add(parameter)
+        related = [] if there is None else [(here, f"here '${parameter}' stands for it")]
+        details = {"name": name, "robot": self._robot, "given": value}
+        names = self._values_of(parameter, text, scope)
+        self._add(there or here, names=names, related=related, **details)
+
+    def _values_of(self, parameter: str, text: str, scope: Scope) -> list[str]:
+        """The values of a parameter with which a text names a resource."""
+        others = {name: value for name, value in scope.values.items() if name != parameter}
+        written = re.escape(text).replace(rf"\${parameter}", "(.+)", 1)
+        for name, value in others.items():
+            written = re.sub(rf"\\\${name}\b", re.escape(value), written)
+        matches = (re.fullmatch(written, name) for name in self._known)
+        values = list(dict.fromkeys(match[1] for match in matches if match))
+        # More than the first part of a name is what a text adds to a parameter.
+        return [value for value in values if "." not in value] or values
+
+    def _name(self, text: str, name: str, steps: Steps, scope: Scope) -> None:
+        place, details = self._source.place(*steps), {"name": name, "robot": self._robot}
+        first = name.split(".")[0]
+        siblings = [known for known in self._known if known.split(".")[0] == first]
+        signed = self._with_sign(text, scope)
+        if signed is not None:
+            names = siblings or self._firsts()
+            self._add(place, names=names, candidates=[signed], given=text, **details)
+        elif siblings and self._is_alias(name, siblings):
+            hint = "; names of colours are declared by the robot's 'vision: channels: aliases'"
+            self._add(place, names=siblings, given="", hint=hint, **details)
+        elif siblings:
+            self._add(place, names=siblings, candidates=list(self._known), **details)
+        else:
+            # Everything that begins with an unknown name is one mistake.
+            firsts = self._firsts()
+            candidates = firsts if "." in name else [*firsts, *self._known]
+            self._add(place, names=firsts, candidates=candidates, given=first, **details)
+
+    def _add(self, place: Place, hint: str = "", **details: Any) -> None:
+        self._findings.add("CB501", place, hint=hint, **details)
+
+    def _is_alias(self, name: str, siblings: Collection[str]) -> bool:
+        """Whether a name may be meant as an alias: of a channel, and like no other."""
+        part, parts = name.partition(".")[2], [known.partition(".")[2] for known in siblings]
+        are_channels = any(known == "motion" or known.startswith("hue_") for known in parts)
+        return are_channels and bool(part) and nearest_name(part, parts) is None
+
+    def _firsts(self) -> list[str]:
+        return list(dict.fromkeys(known.split(".")[0] for known in self._known))
+
+    def _with_sign(self, text: str, scope: Scope) -> str | None:
+        """The text with a ``$`` before what is a parameter, if that names a resource."""
+        parts = text.split(".")
+        signed = ".".join(f"${part}" if part in scope.values else part for part in parts)
+        if signed == text:
+            return None
+        name = re.sub(r"\$(\w+)", lambda match: scope.values.get(match[1], ""), signed)
+        return signed if name in self._known else None

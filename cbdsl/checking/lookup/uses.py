@@ -1,0 +1,66 @@
+"""Which programs use which: whether one of them ends up in itself."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from cbdsl.documents.program import ProgramDocument
+from cbdsl.errors.errors import DiagnosticsError
+from cbdsl.yaml_text.library import Library
+
+
+class Uses:
+    """The graph of programs, by their files: a name may differ from its file's."""
+
+    def __init__(self, library: Library) -> None:
+        self._library = library
+        self._used: dict[Path, tuple[Path, ...]] = {}
+        self._as_found: dict[Path, Path] = {}
+
+    def find_path(self, start: Path, goal: Path) -> tuple[Path, ...]:
+        """The fewest uses that lead from one program to another, with both; empty for none.
+
+        Args:
+            start: a program's file.
+            goal: another's; the same one is reached in no use at all.
+        """
+        first, wanted = self._real(start), self._real(goal)
+        before = {first: first}
+        waiting = list(before)
+        for path in waiting:  # which grows
+            if path == wanted:
+                return _traced(path, before)
+            for used in self._uses(path):
+                if used not in before:
+                    before[used] = path
+                    waiting.append(used)
+        return ()
+
+    def _uses(self, path: Path) -> tuple[Path, ...]:
+        """The programs that one uses, as far as they are there."""
+        if path not in self._used:
+            self._used[path] = tuple(self._read(path))
+        return self._used[path]
+
+    def _read(self, path: Path) -> list[Path]:
+        as_found = self._as_found[path]
+        try:
+            document = self._library.read_sound_parts(as_found, ProgramDocument).document
+        except DiagnosticsError:
+            return []
+        uses = document.use.values()
+        files = [self._library.find(ProgramDocument, use.program, as_found) for use in uses]
+        return [self._real(file) for file in files if file is not None]
+
+    def _real(self, path: Path) -> Path:
+        """The file itself; findings in it name it as it was found."""
+        real = self._library.real(path)
+        self._as_found.setdefault(real, path)
+        return real
+
+
+def _traced(path: Path, before: dict[Path, Path]) -> tuple[Path, ...]:
+    path_back = [path]
+    while before[path_back[-1]] != path_back[-1]:
+        path_back.append(before[path_back[-1]])
+    return tuple(reversed(path_back))

@@ -1,0 +1,218 @@
+"""A robot as programs see it: its document, its resources and what its model says."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from typing import NamedTuple, Self
+
+from cbdsl.documents.robot import RobotDocument
+from cbdsl.errors.diagnostic import Place
+from cbdsl.robot.resources import CYCLOPEAN
+from cbdsl.robot.urdf import UrdfModel
+from cbdsl.types.resource import (
+    Centroid,
+    EffectorConfiguration,
+    FingerForces,
+    FingerLoad,
+    GaussianSample,
+    Heading,
+    Headings,
+    KernelSample,
+    NetForces,
+    NetLoad,
+    Posture,
+    Resource,
+    Separation,
+    Source,
+    StereoPosition,
+    Tip,
+    UniformSample,
+)
+from cbdsl.yaml_text.loaded import Loaded
+from cbdsl.yaml_text.source_map import Step
+
+
+class CheckedRobot(NamedTuple):
+    """A checked robot.
+
+    Attributes:
+        loaded: its document.
+        resources: everything programs can name.
+        model: its URDF, or ``None`` where that cannot be read.
+        missed: names in its document of effectors and channels that are not there, and of what
+            lacks them; nobody can know the resources that begin or end with them.
+        idle: effectors with a tip that their joints, which are sound, do not move.
+    """
+
+    loaded: Loaded[RobotDocument]
+    resources: Mapping[str, Resource]
+    model: UrdfModel | None
+    missed: frozenset[str] = frozenset()
+    idle: frozenset[str] = frozenset()
+
+    @property
+    def document(self) -> RobotDocument:
+        """The robot's document."""
+        return self.loaded.document
+
+    def declaration(self, resource: Resource) -> Place:
+        """Where the robot's document says what a resource comes from."""
+        return self.loaded.source.key(*self._declared(resource.source))
+
+    def _declared(self, source: Source) -> tuple[Step, ...]:
+        """The path in the robot's document that gives rise to a resource."""
+        match source:
+            case Posture(effector=name, posture=posture) if name not in self.document.groups:
+                return ("effectors", name, "postures", posture)
+            case FingerLoad(hand=hand, finger=finger):
+                return ("load_cells", hand, finger)
+            case NetLoad(hand=hand) | FingerForces(hand=hand):
+                return ("load_cells", hand)
+            case Centroid(group=name) | Separation(group=name) | NetForces(group=name):
+                return ("groups", name)
+            case Heading(camera=camera) if camera in self.document.cameras:
+                return ("cameras", camera)
+            case Heading() | Headings() | StereoPosition():
+                return ("cameras",)
+            case (
+                EffectorConfiguration(effector=name)
+                | Tip(effector=name)
+                | Posture(effector=name)
+                | UniformSample(effector=name)
+                | GaussianSample(effector=name)
+                | KernelSample(effector=name)
+            ):
+                return ("groups" if name in self.document.groups else "effectors", name)
+
+    def limits(self, joints: Iterable[str]) -> list[tuple[float, float] | None]:
+        """The limits of joints, rad, or ``None`` where the model does not tell."""
+        known = {} if self.model is None else self.model.joints
+        turned = [known.get(joint) for joint in joints]
+        return [None if joint is None else (joint.lower, joint.upper) for joint in turned]
+
+    def effector_joints(self, resource: Resource) -> tuple[str, ...]:
+        """The actuated joints that an effector moves."""
+        source = resource.source
+        if isinstance(source, (EffectorConfiguration, Tip)):
+            return self.document.joints(source.effector)
+        if isinstance(source, (Centroid, Separation)):
+            return self.document.joints(source.group)
+        return ()
+
+    def moves(self, effector: str, link: str) -> bool:
+        """Whether one of an effector's joints moves a link of the model."""
+        return not set(self.document.joints(effector)).isdisjoint(self._above(link))
+
+    def moved_links(self, effector: str) -> list[str]:
+        """The links that an effector moves, those first which most of its joints move."""
+        joints = set(self.document.joints(effector))
+        links = () if self.model is None else self.model.links
+        moving = {link: len(joints.intersection(self._above(link))) for link in links}
+        moved = [link for link, many in moving.items() if many]
+        return sorted(moved, key=lambda link: (-moving[link], link))
+
+    def with_idle_tips(self) -> Self:
+        """The same robot, of which ``idle`` is known."""
+        model, effectors = self.model, self.document.effectors
+        sound = set() if model is None else set(model.revolute)
+        return self._replace(
+            idle=frozenset(
+                name
+                for name, of in effectors.items()
+                if of.tip is not None and model is not None and of.tip.link in model.links
+                if sound.issuperset(of.joints) and not self.moves(name, of.tip.link)
+            )
+        )
+
+    def influence(self, resource: Resource) -> frozenset[str] | None:
+        """The actuated joints that a resource depends on, or ``None`` where nobody can tell."""
+        source = resource.source
+        if isinstance(source, EffectorConfiguration):
+            return frozenset(self.document.joints(source.effector))
+        if self.model is None:
+            return None
+        links = self._links(source)
+        if not self.model.links.issuperset(links):
+            return None
+        if isinstance(source, (Tip, Centroid, Separation)) and self._is_idle(source):
+            return None
+        return frozenset(joint for link in links for joint in self._above(link))
+
+    def _is_idle(self, source: Tip | Centroid | Separation) -> bool:
+        name = source.effector if isinstance(source, Tip) else source.group
+        return not self.idle.isdisjoint(self.document.members(name))
+
+    def sensing(self, resource: Resource) -> frozenset[str] | None:
+        """The joints that move the cameras which see a resource; ``None`` if nothing sees it."""
+        if self.model is None or not isinstance(
+            resource.source, (Heading, Headings, StereoPosition)
+        ):
+            return None
+        links = self._camera_links(resource.source)
+        if not self.model.links.issuperset(links):
+            return None
+        return frozenset(joint for link in links for joint in self._above(link))
+
+    def has_rigid_cameras(self) -> bool:
+        """Whether no joint moves one camera and not the others, as far as the model tells."""
+        links = [camera.link for camera in self.document.cameras.values()]
+        if self.model is None or not self.model.links.issuperset(links):
+            return True
+        return len({frozenset(self._above(link)) for link in links}) <= 1
+
+    def has_tip(self, resource: Resource) -> bool:
+        """Whether an effector, or each member of a group, has a tip."""
+        source = resource.source
+        return isinstance(source, EffectorConfiguration) and all(
+            self.document.effectors[name].tip for name in self.document.members(source.effector)
+        )
+
+    def _links(self, source: Source) -> list[str]:
+        """The links that carry a signal's sensors, or what they sense."""
+        robot = self.document
+        match source:
+            case Tip(effector=name) | Centroid(group=name) | Separation(group=name):
+                return self._tip_links(name)
+            case FingerLoad():
+                return [robot.load_cells[source.hand][source.finger].link]
+            case NetLoad(hand=name) | FingerForces(hand=name) | NetForces(group=name):
+                return self._cell_links(robot.members(name))
+            case Heading() | Headings():
+                return self._camera_links(source) + self._holding_links()
+            case StereoPosition():
+                return self._holding_links()
+        return []
+
+    def _camera_links(self, source: Source) -> list[str]:
+        cameras = self.document.cameras
+        if isinstance(source, Heading) and source.camera != CYCLOPEAN:
+            return [cameras[source.camera].link]
+        return [camera.link for camera in cameras.values()]
+
+    def _tip_links(self, effector: str) -> list[str]:
+        tips = [self.document.effectors[m].tip for m in self.document.members(effector)]
+        return [tip.link for tip in tips if tip is not None]
+
+    def _cell_links(self, hands: Iterable[str]) -> list[str]:
+        return [cell.link for hand in hands for cell in self.document.load_cells[hand].values()]
+
+    def _holding_links(self) -> list[str]:
+        """Links of the tips whose hands feel that they hold what is seen, which moves with them."""
+        felt = {
+            joint
+            for link in self._cell_links(self.document.load_cells)
+            for joint in self._above(link)
+        }
+        return [
+            effector.tip.link
+            for effector in self.document.effectors.values()
+            if effector.tip is not None and felt.issuperset(effector.joints)
+        ]
+
+    def _above(self, link: str) -> list[str]:
+        assert self.model is not None
+        couplings = self.document.couplings
+        return [
+            couplings[joint].follows if joint in couplings else joint
+            for joint in self.model.above(link)
+        ]

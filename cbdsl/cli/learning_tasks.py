@@ -1,0 +1,189 @@
+"""Learning tasks of ``cb learn``, run in a row or side by side, with their progress."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from cbdsl.cli.learning_progress import LearningProgress
+    from cbdsl.cli.run_request import RunRequest
+    from cbdsl.training.journal_follower import JournalFollower
+    from cbdsl.training.learning_task import LearningTask
+
+# Workers that take longer to begin are likely to compile, s.
+_QUIET = 8.0
+
+
+def one_by_one(tasks: Sequence[LearningTask], request: RunRequest) -> None:
+    """Run trials in this process.
+
+    Raises:
+        UsageError: one fails; the message says why, and what is kept.
+    """
+    from cbdsl.cli.simulation import simulation
+
+    with (
+        simulation(request, tasks[0].backend) as (body, kinematics),
+        _progress(tasks, at_once=1) as progress,
+    ):
+        for task in tasks:
+            with _explained(task):
+                files = task.run(body, kinematics, progress)
+            _print_files(files)
+
+
+def side_by_side(tasks: Sequence[LearningTask], workers: int, scheduler: str | None) -> None:
+    """Run trials in other processes.
+
+    Args:
+        tasks: the trials.
+        workers: how many processes.
+        scheduler: address of a cluster that has some instead.
+
+    Raises:
+        UsageError: some failed; the message says why, and what is kept.
+    """
+    from cbdsl.cli.simulation import needing_simulation
+    from cbdsl.errors.errors import UsageError
+
+    with needing_simulation():
+        from cbdsl.backends.backend import find_backend
+
+        find_backend(tasks[0].backend)
+    try:
+        from cbdsl.training.cluster import run_all
+    except ModuleNotFoundError as error:
+        option = "--scheduler" if scheduler else "--workers"
+        raise UsageError(
+            f"{option} needs {error.name}, which is not installed: pip install 'cbdsl[learn]'"
+        ) from error
+    with _progress(tasks, at_once=workers) as progress, _explained(*tasks):
+        supervision = Supervision(tasks, progress)
+        run_all(tasks, workers, scheduler, supervision)
+    supervision.conclude()
+
+
+class Supervision:
+    """Supervisor that prints the progress of trials from their journals.
+
+    Args:
+        tasks: the trials.
+        progress: is told of their episodes.
+    """
+
+    def __init__(self, tasks: Sequence[LearningTask], progress: LearningProgress) -> None:
+        from cbdsl.training.journal_follower import JournalFollower
+
+        self._progress = progress
+        self._workers = -1
+        self._failures: dict[str, list[int]] = {}
+        self._quiet_until = time.monotonic() + _QUIET
+        self._followers = [(each, JournalFollower(each.journal)) for each in tasks]
+        for task, follower in self._followers:
+            entries = follower.poll()[: task.episodes]
+            if follower.identity:
+                finished = [entry.experience for entry in entries]
+                progress.begin(task.number, follower.identity["renderer"], finished)
+
+    def look(self, workers: int) -> None:
+        """See ``Supervisor.look``."""
+        if workers != self._workers:
+            self._workers = workers
+            self._progress.at_once = max(1, min(workers, len(self._followers)))
+            print(f"workers: {workers}" if workers else "no workers: waiting for some", flush=True)
+        seen = sum([self._read(*each) for each in self._followers])
+        if workers == 0 or seen:
+            self._quiet_until = time.monotonic() + _QUIET if workers == 0 else float("inf")
+        elif time.monotonic() > self._quiet_until:
+            self._quiet_until = float("inf")
+            print("no episode is over yet; after an installation, workers compile at first")
+
+    def _read(self, task: LearningTask, follower: JournalFollower) -> int:
+        """Report the episodes of a trial that ended since the last poll; return their number."""
+        was_begun, number = bool(follower.identity), task.number
+        entries = follower.poll()
+        if follower.identity and not was_begun:
+            self._progress.begin(number, follower.identity["renderer"], [])
+        for entry in entries:
+            self._progress.note(number, entry.experience, entry.wall_seconds)
+        return len(entries)
+
+    def done(self, task: LearningTask, files: Sequence[Path]) -> None:
+        """See ``Supervisor.done``."""
+        self.look(self._workers)  # an episode is told before the files in which it is
+        _print_files(files)
+
+    def failed(self, task: LearningTask, error: Exception) -> None:
+        """See ``Supervisor.failed``."""
+        reason = _reason(task, error)
+        self._failures.setdefault(reason, []).append(task.number)
+        print(f"trial {task.number} cannot go on: {reason}", flush=True)
+
+    def conclude(self) -> None:
+        """Raise what is missing at the end.
+
+        Raises:
+            UsageError: a trial failed.
+        """
+        from cbdsl.errors.errors import UsageError
+
+        failures = [
+            f"trial {', '.join(map(str, numbers))}: {reason}"
+            for reason, numbers in self._failures.items()
+        ]
+        if failures:
+            raise UsageError("; ".join(failures) + "; --resume goes on with what is missing")
+
+
+def _progress(tasks: Sequence[LearningTask], at_once: int) -> LearningProgress:
+    from cbdsl.cli.learning_progress import LearningProgress
+
+    first, count = tasks[0], len(tasks)
+    title = f"{first.program.name} on {first.stage.name}, seed {first.seed}"
+    if count > 1:
+        title = f"{title}, {count} trials"
+    return LearningProgress(title, count, first.episodes, at_once)
+
+
+@contextmanager
+def _explained(*tasks: LearningTask) -> Iterator[None]:
+    """Turn what stops trials into one message, with what is kept."""
+    from cbdsl.cli.terminal import print_problem
+    from cbdsl.errors.errors import UsageError
+    from cbdsl.training.journal import JournalError
+
+    try:
+        yield
+    except JournalError:
+        raise
+    except (UsageError, OSError) as error:
+        raise UsageError(_reason(tasks[0], error) + _kept(tasks)) from error
+    except KeyboardInterrupt:
+        print_problem(f"interrupted{_kept(tasks)}")
+        raise
+
+
+def _reason(task: LearningTask, error: Exception) -> str:
+    from cbdsl.errors.reason import reason
+
+    if isinstance(error, OSError):
+        return f"{error.filename or task.path}: {reason(error)}"
+    return str(error)
+
+
+def _kept(tasks: Sequence[LearningTask]) -> str:
+    """Clause that names the journals of finished episodes."""
+    journals = [each.journal for each in tasks if each.journal.exists()]
+    if not journals:
+        return ""
+    more = f" and {len(journals) - 1} more" if len(journals) > 1 else ""
+    return f"; what is over is kept in {journals[0]}{more}: --resume goes on with it"
+
+
+def _print_files(files: Sequence[Path]) -> None:
+    for file in files:
+        print(f"wrote {file}", flush=True)

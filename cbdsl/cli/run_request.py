@@ -1,0 +1,144 @@
+"""The request of a command: a program on a stage, located, read and checked."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from cbdsl.documents.document import Document
+    from cbdsl.documents.robot import RobotDocument
+    from cbdsl.documents.stage import StageDocument
+    from cbdsl.program.checked import CheckedProgram
+    from cbdsl.yaml_text.library import Library
+
+
+@dataclass(frozen=True)
+class RunRequest:
+    """A program on a stage, read and checked.
+
+    Attributes:
+        program: as it will run.
+        program_file: its document.
+        robot: what runs it.
+        urdf: the robot's model.
+        stage: who is shown what, where.
+        library: where all of them were found.
+    """
+
+    program: CheckedProgram
+    program_file: Path
+    robot: RobotDocument
+    urdf: Path
+    stage: StageDocument
+    library: Library
+
+
+def read_request(
+    program: str, stage: str | None, policy: str | None, values: Mapping[str, str]
+) -> RunRequest:
+    """Read and check what a user asks for.
+
+    Args:
+        program: a file or a name.
+        stage: a file or a name; without it the program's own.
+        policy: a file or a name; without it the program's own.
+        values: of the program's parameters.
+
+    Raises:
+        DiagnosticsError: a document has errors.
+        UsageError: there is no such document, or they do not fit each other.
+    """
+    from cbdsl.checking.program import check_program
+    from cbdsl.documents.program import ProgramDocument
+    from cbdsl.documents.robot import RobotDocument
+    from cbdsl.yaml_text.library import Library
+
+    library = Library()
+    path = library.locate(ProgramDocument, program)
+    checked = check_program(path, values, library)
+    robot_file = library.find(RobotDocument, checked.robot, path)
+    assert robot_file is not None, "a checked program has a robot"
+    robot = library.read(robot_file, RobotDocument).document
+    return RunRequest(
+        program=checked if policy is None else _under_policy(checked, policy, path, library),
+        program_file=path,
+        robot=robot,
+        urdf=robot_file.parent / robot.model,
+        stage=_read_stage(stage, checked, path, library),
+        library=library,
+    )
+
+
+def _read_stage(
+    name: str | None, program: CheckedProgram, program_file: Path, library: Library
+) -> StageDocument:
+    from cbdsl.documents.stage import StageDocument
+    from cbdsl.errors.errors import UsageError
+
+    wanted = name or program.stage
+    if wanted is None:
+        known = _stages_for(program.robot, program_file, library)
+        raise UsageError(f"{program.name} names no stage; give one with --stage (known: {known})")
+    file = _locate(StageDocument, wanted, program_file, library)
+    _require_clean(file, library)
+    stage = library.read(file, StageDocument).document
+    if stage.robot != program.robot:
+        raise UsageError(
+            f"{file}: stage '{stage.name}' is for robot '{stage.robot}', "
+            f"but program '{program.name}' is for '{program.robot}'"
+        )
+    return stage
+
+
+def _locate(kind: type[Document], name: str, program_file: Path, library: Library) -> Path:
+    """The file that is meant by a path, or by a name beside the program or here."""
+    return library.find(kind, name, program_file) or library.locate(kind, name)
+
+
+def _stages_for(robot: str, program_file: Path, library: Library) -> str:
+    """The names of the stages on which a robot is shown something."""
+    from cbdsl.checking.lookup.documents import for_robot
+    from cbdsl.documents.stage import StageDocument
+
+    names = for_robot(StageDocument, robot, program_file, library)
+    return ", ".join(names) or f"none; cb new stage NAME --robot {robot} writes one"
+
+
+def _under_policy(
+    program: CheckedProgram, name: str, program_file: Path, library: Library
+) -> CheckedProgram:
+    from cbdsl.checking.knowledge.learned import with_policy
+    from cbdsl.documents.policy import PolicyDocument
+    from cbdsl.errors.errors import UsageError
+
+    file = _locate(PolicyDocument, name, program_file, library)
+    if _is_recording(file):
+        raise UsageError(f"{file}: this is no policy document; it looks like a recording")
+    _require_clean(file, library)
+    loaded = library.read(file, PolicyDocument)
+    if loaded.document.program != program.name:
+        raise UsageError(
+            f"{file}: this policy serves program '{loaded.document.program}', not '{program.name}'"
+        )
+    return with_policy(program, loaded, library)
+
+
+def _is_recording(file: Path) -> bool:
+    """Whether a file is one of the two that ``cb run --record`` writes for an episode."""
+    if not file.is_file():
+        return False
+    is_summary = file.suffix == ".json" and b'"kind": "recording"' in file.read_bytes()
+    return is_summary or file.suffix == ".npz"
+
+
+def _require_clean(file: Path, library: Library) -> None:
+    from cbdsl.checking.document import check_document
+    from cbdsl.checking.session import Session
+    from cbdsl.errors.errors import DiagnosticsError
+
+    diagnostics = check_document(file, session=Session(library))
+    if any(diagnostic.is_error for diagnostic in diagnostics):
+        raise DiagnosticsError(diagnostics)

@@ -1,0 +1,79 @@
+"""Trial jobs of an experiment that learns: run side by side, with progress."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from cbdsl.reproduction.experiment import Experiment, RunSettings
+    from cbdsl.reproduction.trial_job import TrialJob
+
+
+def run_jobs(experiment: Experiment, settings: RunSettings, workers: int) -> None:
+    """Run all episodes of an experiment in other processes; its folder keeps them.
+
+    Args:
+        experiment: in which the robot learns.
+        settings: of it.
+        workers: how many processes.
+
+    Raises:
+        UsageError: a job could not be carried out; what is over is kept.
+    """
+    from cbdsl.backends.backend import find_backend
+    from cbdsl.cli.quiet import quiet_stderr
+    from cbdsl.errors.errors import UsageError
+    from cbdsl.reproduction.trial_job import trial_jobs
+
+    with quiet_stderr():
+        find_backend(settings.backend)
+    try:
+        from cbdsl.training.cluster import run_all
+    except ModuleNotFoundError as error:
+        raise UsageError(
+            f"--workers needs {error.name}, which is not installed: pip install 'cbdsl[learn]'"
+        ) from error
+    with trial_jobs(experiment, settings) as jobs:
+        supervision = _Supervision(jobs, settings)
+        if len(jobs) > 1:  # with a single one nothing can be done side by side
+            run_all(jobs, min(workers, len(jobs)), None, supervision)
+    supervision.conclude()
+
+
+class _Supervision:
+    """Tells how far the jobs are that run elsewhere; see ``Supervisor``.
+
+    Args:
+        jobs: all of them.
+        settings: who watches.
+    """
+
+    def __init__(self, jobs: Sequence[TrialJob], settings: RunSettings) -> None:
+        self._jobs, self._settings = jobs, settings
+        self._failures: list[Exception] = []
+
+    def look(self, workers: int) -> None:
+        """See ``Supervisor.look``."""
+        progress = [job.progress() for job in self._jobs]
+        # One that has not begun has as many episodes as any other.
+        total = max(total for _, total in progress)
+        if total:
+            self._settings.progress(sum(done for done, _ in progress), total * len(progress))
+
+    def done(self, job: TrialJob, files: Sequence[Path], /) -> None:
+        """See ``Supervisor.done``."""
+
+    def failed(self, job: TrialJob, error: Exception, /) -> None:
+        """See ``Supervisor.failed``."""
+        self._failures.append(error)
+
+    def conclude(self) -> None:
+        """At the end, say what went wrong first.
+
+        Raises:
+            Exception: what a job raised.
+        """
+        if self._failures:
+            raise self._failures[0]

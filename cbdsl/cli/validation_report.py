@@ -1,0 +1,34 @@
+"""The result of ``cb validate``, before it is formatted."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import NamedTuple
+
+from cbdsl.errors.diagnostic import Diagnostic
+
+
+class ValidationReport(NamedTuple):
+    """The findings of one run.
+
+    Attributes:
+        findings: by file and place.
+        documents: how many were checked.
+        left_out: how many more findings there are than any person could mend at once.
+        text_of: the text of a file, or ``None`` where it has none.
+    """
+
+    findings: tuple[Diagnostic, ...]
+    documents: int
+    left_out: int
+    text_of: Callable[[str], str | None]
+
+    @property
+    def errors(self) -> int:
+        """How many findings are errors."""
+        return sum(diagnostic.is_error for diagnostic in self.findings)
+
+    @property
+    def warnings(self) -> int:
+        """How many findings are warnings."""
+        return len(self.findings) - self.errors

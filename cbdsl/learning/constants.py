@@ -1,0 +1,56 @@
+"""Constants of learning algorithms, as they are declared and read."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Annotated, Literal, TypeVar
+
+from pydantic import ValidationError
+
+from cbdsl.documents.document import Count, Section, quantity
+from cbdsl.errors.errors import UsageError
+
+Form = Literal["kernel", "gaussian"]
+C = TypeVar("C", bound=Section)
+
+
+class AccommodateConstants(Section):
+    """Constants of Algorithm 1, line 3, and of the densities that it learns."""
+
+    gamma: Annotated[float, quantity(ge=0, lt=1)] = 0.8
+    """Discount."""
+    alpha: Annotated[float, quantity(gt=0, le=1)] = 0.1
+    """Learning rate."""
+    epsilon: Annotated[float, quantity(ge=0, le=1)] = 0.2
+    """Share of actions chosen at random."""
+    exploring_episodes: Count | None = None
+    """Episodes with epsilon; later ones do what is best, and learn from it; all where it is left
+    out."""
+    density: Form = "kernel"
+    """Form of the internal models: kernel or gaussian."""
+    bandwidth: Annotated[float, quantity("angle", gt=0, le=100)] = 0.1
+    """Standard deviation of their kernels, smallest one of their Gaussians."""
+    prior: Annotated[float, quantity(ge=0, le=1e9)] = 10.0
+    """As how many samples the uniform density counts in them."""
+
+
+def read_constants(model: type[C], given: Mapping[str, str], learner: str) -> C:
+    """Constants of a learner from text, in SI or with units.
+
+    Args:
+        model: constants that it declares.
+        given: text by name; the others keep their defaults.
+        learner: its name, for messages.
+
+    Raises:
+        UsageError: it has no such constant, or the text is no value of one.
+    """
+    for name in given:
+        if name not in model.model_fields:
+            raise UsageError.unknown(f"constant of learner '{learner}',", name, model.model_fields)
+    try:
+        return model.model_validate(dict(given))
+    except ValidationError as error:
+        first = error.errors(include_url=False)[0]
+        name = str(first["loc"][0])
+        raise UsageError(f"constant {name} = {given[name]}: {first['msg'].lower()}") from error

@@ -1,0 +1,61 @@
+"""Knowledge of a trial as documents: a policy, and internal models beside it."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+from cbdsl.documents.model import Gaussian, Kernel, ModelDocument
+from cbdsl.documents.policy import Curve, PolicyDocument
+from cbdsl.learning.learner import TrialSummary
+
+
+def model_documents(
+    summary: TrialSummary, densities: Mapping[str, Kernel | Gaussian]
+) -> list[ModelDocument]:
+    """Internal models Pr(tau | sigma, reward), named ``<policy>_<effector>``."""
+    program = summary.program
+    return [
+        ModelDocument(
+            cbdsl=1,
+            kind="model",
+            name=f"{summary.name}_{effector}",
+            description=f"Where {effector} was when {program.name} was rewarded.",
+            robot=program.robot,
+            effector=effector,
+            density=density,
+        )
+        for effector, density in densities.items()
+    ]
+
+
+def policy_document(
+    summary: TrialSummary, policy: Mapping[str, str], **learned: Any
+) -> PolicyDocument:
+    """Policy with its learning curve and provenance.
+
+    Args:
+        summary: the trial.
+        policy: action by state or pattern.
+        learned: further keys of the document, such as ``values``.
+    """
+    program, experiences = summary.program, summary.experiences
+    learner = summary.provenance.algorithm.upper()
+    return PolicyDocument(
+        cbdsl=1,
+        kind="policy",
+        name=summary.name,
+        description=f"Learned by {learner}; provenance says from what, and how to learn it again.",
+        program=program.name,
+        predicates=program.members,
+        policy=dict(policy),
+        models={model: f"{summary.name}_{each}" for model, each in summary.models.items()},
+        curve=Curve(
+            context=tuple(each.context for each in experiences),
+            reward=tuple(each.reward for each in experiences),
+            transitions=tuple(len(each.transitions) for each in experiences),
+            ticks=tuple(each.ticks for each in experiences),
+        ),
+        provenance=summary.provenance,
+        **learned,
+    )

@@ -1,0 +1,265 @@
+"""Series of trials on one backend, and greedy episodes under what they learned."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from cbdsl.backends.backend import Backend, find_backend
+from cbdsl.checking.knowledge.digest import program_digest
+from cbdsl.checking.program import check_program
+from cbdsl.documents.policy import Provenance
+from cbdsl.documents.program import ProgramDocument
+from cbdsl.documents.robot import RobotDocument
+from cbdsl.documents.stage import StageDocument
+from cbdsl.learning.constants import AccommodateConstants
+from cbdsl.learning.experience import Experience
+from cbdsl.program.checked import CheckedProgram
+from cbdsl.program.transition import Transition
+from cbdsl.reproduction.experiment import RunSettings
+from cbdsl.reproduction.series import Series
+from cbdsl.reproduction.shipped import shipped_file, shipped_robot
+from cbdsl.sensing.kinematics import Kinematics
+from cbdsl.training.episode_runner import BackendEpisodeRunner
+from cbdsl.training.journal import Journal
+from cbdsl.training.provenance import Setting, provenance_of
+from cbdsl.training.trial import Trial
+from cbdsl.training.trial_loop import (
+    NullObserver,
+    TrialObserver,
+    identity_of,
+    open_journal,
+    run_trial,
+)
+from cbdsl.types.policy import Policy, WrittenPolicy
+from cbdsl.yaml_text.library import Library, shipped
+
+_ROBOT = "dexter"
+# As many seeds as the field asks for, where the backend is fast; else as many as the source has.
+_TRIALS = {"kinematic": 30}
+_QUICK_TRIALS, _QUICK_EPISODES = 2, 6
+# Where the held-out episodes of a trial are numbered from, far beyond its own ones.
+_HELD_OUT = 1_000_000
+
+
+@dataclass(frozen=True)
+class LearnedTrial:
+    """A trial at its end, or as it was before.
+
+    Attributes:
+        trial: what was learned, and from which episodes.
+        provenance: of the whole trial.
+        stage: the training context.
+        path: of the policy; what is found out about it is kept beside it.
+    """
+
+    trial: Trial
+    provenance: Provenance
+    stage: StageDocument
+    path: Path
+
+    def after(self, episodes: int) -> LearnedTrial:
+        """The same trial as it was after its first ``episodes``."""
+        whole = self.trial
+        trial = Trial(whole.program, whole.constants, whole.seed, whole.number)
+        for experience in whole.experiences[:episodes]:
+            trial.replay(experience)
+        return LearnedTrial(trial, self.provenance, self.stage, self.path)
+
+    def held_out(self, count: int) -> list[int]:
+        """Seeds of episodes that the trial does not learn from."""
+        entropy = (
+            np.random.SeedSequence([self.trial.seed, self.trial.number, _HELD_OUT + index])
+            for index in range(count)
+        )
+        return [int(each.generate_state(1)[0]) for each in entropy]
+
+
+class TrialRunner:
+    """Runs episodes one after another; those that are kept already are not run again.
+
+    Args:
+        settings: which seed, how many trials, where they are kept, and who is told how far it is.
+        body: runs the episodes.
+        robot: that it embodies.
+        kinematics: of the same robot.
+        observer: is told of each episode that is run, and may end it all.
+    """
+
+    def __init__(
+        self,
+        settings: RunSettings,
+        body: Backend,
+        robot: RobotDocument,
+        kinematics: Kinematics,
+        observer: TrialObserver | None = None,
+    ) -> None:
+        self._settings = settings
+        self._body, self._robot, self._kinematics = body, robot, kinematics
+        self._observer = observer or NullObserver()
+        self._library = Library(shipped())
+        self._done = self._expected = 0
+
+    def expect(self, episodes: int) -> None:
+        """Tell those who watch that so many more episodes are to come."""
+        self._expected += episodes
+
+    def numbers(self, series: Series) -> list[int]:
+        """The trials of a series that are to be run."""
+        numbers = range(trials(self._settings, series))
+        return [each for each in numbers if self._settings.only in (None, each)]
+
+    def episodes(self, series: Series) -> int:
+        """How many episodes each of them has."""
+        return _QUICK_EPISODES if self._settings.quick else series.episodes
+
+    def learn(self, series: Series) -> list[LearnedTrial]:
+        """Run the trials of a series, each from zero.
+
+        Raises:
+            JournalError: what is kept in the folder belongs to other trials.
+            BackendError, EpisodeError: the simulator cannot run them.
+            OSError: they cannot be kept.
+        """
+        program = self.program(series)
+        return [self._follow(series, program, n) for n in self.numbers(series)]
+
+    def program(self, series: Series) -> CheckedProgram:
+        """The program of a series, with the actions to choose from."""
+        program = check_program(self._file(series), {}, self._library)
+        return program._replace(actions=series.actions(program))
+
+    def _file(self, series: Series) -> Path:
+        return shipped_file(self._library, ProgramDocument, series.program)
+
+    def greedy(
+        self,
+        learned: LearnedTrial,
+        name: str,
+        seeds: Sequence[int],
+        program: CheckedProgram | None = None,
+        known: Sequence[Experience] = (),
+    ) -> tuple[Experience, ...]:
+        """Run episodes under what was learned, without exploring or learning.
+
+        Args:
+            learned: what chooses the actions.
+            name: of these episodes, for their file beside the policy.
+            seeds: one for each episode.
+            program: the program with internal models other than those that were learned.
+            known: episodes of the same program under other policies; what this one would have
+                chosen as well is not run again.
+
+        Raises:
+            JournalError, BackendError, EpisodeError, OSError: as ``learn``.
+        """
+        trial = learned.trial
+        actions = trial.learner.greedy()
+        policy = WrittenPolicy(actions)
+        same = {each.seed: each for each in known if _chooses(policy, each)}
+        program = trial.informed_program() if program is None else program
+        classroom = self._classroom(learned.stage)
+        path = learned.path.with_suffix(f".{name}.jsonl")
+        identity = identity_of(learned.provenance) | {"policy": actions}
+        with Journal(path, identity) as journal:
+            experiences = list(journal.finished[: len(seeds)])
+            self._advance(len(experiences))
+            for seed in seeds[len(experiences) :]:
+                began = time.perf_counter()
+                experiences.append(same.get(seed) or classroom.run(program, policy, seed, _ignore))
+                seconds = time.perf_counter() - began
+                journal.append(experiences[-1], seconds)
+                self.note(trial.number, experiences[-1], seconds)
+        return tuple(experiences)
+
+    def begin(self, number: int, renderer: str, finished: Sequence[Experience]) -> None:
+        """See ``TrialObserver.begin``."""
+        self._advance(len(finished))
+
+    def note(self, number: int, experience: Experience, seconds: float) -> None:
+        """See ``TrialObserver.note``."""
+        self._advance(1)
+        self._observer.note(number, experience, seconds)
+
+    def _follow(self, series: Series, program: CheckedProgram, number: int) -> LearnedTrial:
+        """One trial, from its beginning or from where it was interrupted."""
+        settings, episodes = self._settings, self.episodes(series)
+        stage = self._stage(series)
+        setting = Setting(
+            program_sha256=program_digest(self._file(series), self._library),
+            robot=self._robot,
+            stage=stage,
+            backend=settings.backend,
+            renderer=self._body.renderer,
+        )
+        constants = AccommodateConstants(density=series.density)
+        trial = Trial(program, constants, settings.seed, number)
+        command = series.command(
+            settings.seed, trials(settings, series), episodes, settings.backend
+        )
+        provenance = provenance_of(trial, setting, episodes, command)
+        path = self._path(series, number)
+        with open_journal(path, provenance) as journal:
+            run_trial(trial, self._classroom(stage), journal, provenance, path, self)
+        return LearnedTrial(trial, provenance, stage, path)
+
+    def _stage(self, series: Series) -> StageDocument:
+        file = shipped_file(self._library, StageDocument, series.stage)
+        return self._library.read(file, StageDocument).document
+
+    def _classroom(self, stage: StageDocument) -> BackendEpisodeRunner:
+        return BackendEpisodeRunner(self._robot, self._kinematics, self._body, stage)
+
+    def _path(self, series: Series, number: int) -> Path:
+        """Where a policy goes: trials that are not comparable have folders of their own."""
+        settings = self._settings
+        folder = settings.folder / f"{settings.backend}_{settings.seed}" / series.name
+        folder.mkdir(parents=True, exist_ok=True)
+        return folder / f"{series.name}_{number}.yaml"
+
+    def _advance(self, episodes: int) -> None:
+        self._done += episodes
+        self._settings.progress(self._done, max(self._expected, self._done))
+
+
+def trials(settings: RunSettings, series: Series) -> int:
+    """How many trials of a series there are."""
+    if settings.trials is not None:
+        return settings.trials
+    return _QUICK_TRIALS if settings.quick else _TRIALS.get(settings.backend, series.trials)
+
+
+def shipped_dexter() -> tuple[RobotDocument, Path]:
+    """The robot that all series are for, and its URDF."""
+    return shipped_robot(_ROBOT)
+
+
+@contextmanager
+def trial_runner(settings: RunSettings) -> Iterator[TrialRunner]:
+    """A runner on the backend of the settings.
+
+    Raises:
+        BackendError: there is no such backend, or it cannot embody the robot.
+    """
+    robot, urdf = shipped_dexter()
+    body = find_backend(settings.backend)(robot, urdf)
+    try:
+        yield TrialRunner(settings, body, robot, Kinematics(robot, urdf))
+    finally:
+        body.close()
+
+
+def _chooses(policy: Policy, experience: Experience) -> bool:
+    """Whether an episode of the same seed is the same under a policy, to the last bit."""
+    return all(
+        policy.choose(each.state, changed=True) == each.action for each in experience.transitions
+    )
+
+
+def _ignore(transition: Transition) -> None:
+    """Greedy episodes teach nothing."""

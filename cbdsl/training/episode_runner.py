@@ -1,0 +1,115 @@
+"""Episode runners: episodes of a stage on a backend."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Protocol
+
+from cbdsl.backends.backend import Backend
+from cbdsl.documents.robot import RobotDocument
+from cbdsl.documents.stage import StageDocument
+from cbdsl.learning.experience import Experience
+from cbdsl.program.checked import CheckedProgram
+from cbdsl.program.controller import Controller
+from cbdsl.program.transition import Transition
+from cbdsl.runtime.episode import Runner, Tick
+from cbdsl.sensing.kinematics import Kinematics
+from cbdsl.types.policy import Policy
+from cbdsl.types.resource import Centroid, EffectorConfiguration, Separation, Tip
+
+
+class EpisodeRunner(Protocol):
+    """Runs one episode after another."""
+
+    def run(
+        self,
+        program: CheckedProgram,
+        policy: Policy,
+        seed: int,
+        see: Callable[[Transition], None],
+    ) -> Experience:
+        """Run an episode.
+
+        Args:
+            program: what runs.
+            policy: chooses its actions.
+            seed: equal ones give equal episodes, as long as the policy chooses equally.
+            see: is told each transition of the program before the next action is chosen.
+        """
+        ...
+
+
+class BackendEpisodeRunner:
+    """Runs episodes of a stage on a backend.
+
+    Args:
+        robot: the robot that programs were checked against.
+        kinematics: of the same robot.
+        backend: its body.
+        stage: the training context.
+    """
+
+    def __init__(
+        self, robot: RobotDocument, kinematics: Kinematics, backend: Backend, stage: StageDocument
+    ) -> None:
+        self._robot, self._kinematics = robot, kinematics
+        self._backend, self._stage = backend, stage
+        self._last: tuple[CheckedProgram, Policy, Runner] | None = None
+
+    def run(
+        self,
+        program: CheckedProgram,
+        policy: Policy,
+        seed: int,
+        see: Callable[[Transition], None],
+    ) -> Experience:
+        """See ``EpisodeRunner.run``.
+
+        Raises:
+            BackendError, EpisodeError: as ``Runner.run``.
+        """
+        runner = self._runner(program, policy)
+        transitions: list[Transition] = []
+        rewarded: dict[str, tuple[float, ...]] = {}
+
+        def on_transition(transition: Transition) -> None:
+            if transition.depth == 0:
+                transitions.append(transition)
+                see(transition)
+
+        def on_tick(tick: Tick) -> None:
+            if not tick.run.rewarded:
+                return
+            for member in transitions[-1].rewarding:
+                effector = moved(program.primitives[member].lead)
+                angles = tick.observation.positions[tick.signals.joints.of(effector)]
+                rewarded[effector] = tuple(float(angle) for angle in angles)
+
+        result = runner.run(self._stage, seed, on_transition=on_transition, on_tick=on_tick)
+        return Experience(
+            context=result.context,
+            seed=seed,
+            transitions=tuple(transitions),
+            rewarded=rewarded,
+            ticks=result.ticks,
+            sim_seconds=result.sim_seconds,
+        )
+
+    def _runner(self, program: CheckedProgram, policy: Policy) -> Runner:
+        """Runner of the last episode, where program and policy are the same again."""
+        if self._last is not None:
+            before, chooser, runner = self._last
+            if before is program and chooser is policy:
+                return runner
+        runner = Runner(self._robot, self._kinematics, program, self._backend, policy)
+        self._last = program, policy, runner
+        return runner
+
+
+def moved(controller: Controller) -> str:
+    """Effector or group whose joints a controller moves."""
+    source = controller.effector.source
+    if isinstance(source, (Centroid, Separation)):
+        return source.group
+    assert isinstance(source, (EffectorConfiguration, Tip)), "only these can be moved"
+    return source.effector

@@ -1,0 +1,41 @@
+"""Journal follower: progress of a trial that runs in another process."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+from cbdsl.training.journal import JournalEntry, entry_of, rows_of
+
+
+class JournalFollower:
+    """Reader of new lines in the journal of a trial.
+
+    Args:
+        path: the journal; it need not be there yet.
+
+    Attributes:
+        identity: what the trial is; empty until its journal is begun.
+    """
+
+    def __init__(self, path: Path) -> None:
+        self._path, self._read = path, 0
+        self.identity: dict[str, Any] = {}
+
+    def poll(self) -> list[JournalEntry]:
+        """Episodes that ended since the last poll, or since the trial began.
+
+        Raises:
+            JournalError: the file is no journal.
+            OSError: it cannot be read.
+        """
+        try:
+            with self._path.open("rb") as file:
+                file.seek(self._read)
+                rows, length = rows_of(file.read(), self._path)
+        except FileNotFoundError:
+            return []
+        self._read += length
+        if rows and not self.identity:
+            self.identity = rows.pop(0)
+        return [entry_of(row, self._path) for row in rows]

@@ -1,0 +1,40 @@
+"""Policies: the action that follows a state."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Protocol
+
+from cbdsl.types.state import closest_first, matches
+
+
+class Policy(Protocol):
+    """Choice of actions by state, written or learned."""
+
+    def choose(self, state: str, *, changed: bool) -> str | None:
+        """The next action's name, or ``None`` to end the episode.
+
+        Args:
+            state: predicates, one character per member.
+            changed: whether the last action changed the state.
+        """
+        ...
+
+
+class WrittenPolicy:
+    """A table of state patterns, of which the one with the fewest wildcards applies.
+
+    Where an action ran out of time without a change of state, the same table would choose it
+    again, so the episode ends.
+    """
+
+    def __init__(self, table: Mapping[str, str]) -> None:
+        self._table = {pattern: table[pattern] for pattern in closest_first(table)}
+
+    def choose(self, state: str, *, changed: bool) -> str | None:
+        """See ``Policy.choose``."""
+        if not changed:
+            return None
+        return next(
+            (action for pattern, action in self._table.items() if matches(pattern, state)), None
+        )

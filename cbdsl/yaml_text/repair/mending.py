@@ -1,0 +1,59 @@
+"""Texts that are no YAML: what is wrong beyond doubt is mended, so that it hides nothing."""
+
+from __future__ import annotations
+
+from itertools import islice
+
+from cbdsl.errors.diagnostic import Diagnostic, Place
+from cbdsl.errors.errors import DiagnosticsError
+from cbdsl.errors.lines import lines_of
+from cbdsl.errors.wording import diagnostic
+from cbdsl.yaml_text.characters import invisible_in, without_invisible
+from cbdsl.yaml_text.composer import (
+    Composed,
+    SyntaxFaultError,
+    compose,
+    require_readable,
+    unseen,
+)
+from cbdsl.yaml_text.repair.conflict import conflicts, one_side
+from cbdsl.yaml_text.repair.syntax import find_slip
+
+# More slips in one text are found once these are mended.
+_MOST_SLIPS = 10
+
+
+def mend(text: str, file: str) -> Composed:
+    """The one document of a text, with slips mended; lines keep their numbers.
+
+    Raises:
+        DiagnosticsError: with every finding up to the first one that hides the rest.
+    """
+    require_readable(text, file)
+    text, findings = _legible(text, file)
+    while True:
+        try:
+            composed = compose(text, file)
+        except SyntaxFaultError as fault:
+            slip = find_slip(fault.error, lines_of(text))
+            place = Place(file, slip.line, slip.column, slip.column + 1)
+            findings.append(diagnostic(slip.code, place, problem=slip.problem))
+            if not slip.lines or len(findings) >= _MOST_SLIPS:
+                raise DiagnosticsError([*findings, *fault.findings]) from None
+            text = "\n".join(slip.mended(lines_of(text)))
+        except DiagnosticsError as error:
+            raise DiagnosticsError([*findings, *error.diagnostics]) from None
+        else:
+            return composed._replace(findings=(*findings, *composed.findings))
+
+
+def _legible(text: str, file: str) -> tuple[str, list[Diagnostic]]:
+    """A text without invisible characters and conflicts, and the findings about these."""
+    findings = []
+    if invisible := invisible_in(text):
+        # One stands for all: they tend to come in swarms.
+        findings.append(unseen("CB118", invisible, file))
+        text = without_invisible(text)
+    lines = lines_of(text)
+    findings += islice(conflicts(lines, file), _MOST_SLIPS)
+    return "\n".join(one_side(lines)), findings

@@ -1,0 +1,39 @@
+"""Texts with faults: the one door to all guesses at what was meant."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TypeVar
+
+from cbdsl.documents.document import Document
+from cbdsl.documents.kinds import kind_name
+from cbdsl.errors.errors import DiagnosticsError
+from cbdsl.errors.wording import diagnostic
+from cbdsl.yaml_text.loaded import Loaded
+from cbdsl.yaml_text.repair.kind import identify
+from cbdsl.yaml_text.repair.mending import mend
+from cbdsl.yaml_text.repair.salvage import salvage
+from cbdsl.yaml_text.source_map import SourceMap
+
+D = TypeVar("D", bound=Document)
+
+
+def repair(path: Path, kind: type[D], text: str) -> Loaded[D]:
+    """The sound parts of a document of one kind, with all faults of its text.
+
+    Args:
+        path: its file.
+        kind: the kind that it has to be of.
+        text: the file's text.
+
+    Raises:
+        DiagnosticsError: there is nothing that could be checked.
+    """
+    composed = mend(text, str(path))
+    source = SourceMap(path, composed.lines, composed.root)
+    model, findings = identify(source, composed.findings)
+    if not issubclass(model, kind):
+        place, given = source.place("kind"), str(source.node(("kind",)).value)
+        wrong = diagnostic("CB201", place, wanted=kind_name(kind), found=given)
+        raise DiagnosticsError([wrong])
+    return salvage(source, model, findings)

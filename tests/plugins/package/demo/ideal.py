@@ -1,0 +1,63 @@
+"""A robot whose joints are where they are told to be, alone in the dark."""
+
+from collections.abc import Collection
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cbdsl.backends.backend import BackendError
+from cbdsl.documents.robot import RobotDocument
+from cbdsl.documents.stage import StageDocument
+from cbdsl.sensing.kinematics import Kinematics
+from cbdsl.sensing.observation import Observation
+
+Floats = NDArray[np.float64]
+
+
+class IdealBackend:
+    """Joints without errors; see ``cbdsl.backends.backend.Backend``."""
+
+    renderer = "nothing"
+
+    def __init__(self, robot: RobotDocument, urdf: Path, gui: bool = False) -> None:
+        if gui:
+            raise BackendError("the ideal backend has no window")
+        self._robot = robot
+        self._joints = Kinematics(robot, urdf).joints
+        self.control_period = 1 / robot.control.rate
+
+    def reset(
+        self,
+        stage: StageDocument,
+        context: str | None,
+        rng: np.random.Generator,
+        channels: Collection[str] | None = None,
+    ) -> str:
+        self._time = 0.0
+        self._positions = np.zeros(len(self._joints.names))
+        for name, effector in self._robot.effectors.items():
+            if effector.start is not None:
+                self._positions[self._joints.of(name)] = effector.postures[effector.start]
+        self._reference = self._positions
+        self._velocities = np.zeros_like(self._positions)
+        return context or next(iter(stage.contexts))
+
+    def observe(self) -> Observation:
+        loads = {
+            (hand, finger): np.zeros(6)
+            for hand, cells in self._robot.load_cells.items()
+            for finger in cells
+        }
+        return Observation(self._time, self._positions, self._velocities, loads, images={})
+
+    def apply(self, reference: Floats) -> None:
+        self._reference = np.array(reference)
+
+    def step(self) -> None:
+        self._velocities = (self._reference - self._positions) / self.control_period
+        self._positions = self._reference
+        self._time += self.control_period
+
+    def close(self) -> None:
+        """Nothing is held."""

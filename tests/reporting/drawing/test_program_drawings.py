@@ -1,0 +1,143 @@
+"""Graphs of the shipped programs, in every format."""
+
+from __future__ import annotations
+
+import re
+import shutil
+import subprocess
+from collections.abc import Callable
+from xml.etree import ElementTree
+
+import pytest
+
+from cbdsl.program.checked import CheckedProgram
+from cbdsl.reporting.drawing.dot import dot
+from cbdsl.reporting.drawing.graph import Edge, Graph, Outline, TextLine, Vertex
+from cbdsl.reporting.drawing.mermaid import mermaid
+from cbdsl.reporting.drawing.pictogram import symbols
+from cbdsl.reporting.drawing.program_graph import program_graph
+from cbdsl.reporting.drawing.svg import svg
+from tests.program.test_dry_run import PROGRAMS, program_of
+
+SVG = "{http://www.w3.org/2000/svg}"
+NOTATIONS = (dot, mermaid, svg)
+
+
+def within(program: CheckedProgram) -> list[CheckedProgram]:
+    used = [action.program for action in program.actions if action.program is not None]
+    return [program, *(inner for use in used for inner in within(use))]
+
+
+def read(drawing: str) -> str:
+    """A drawing's labels as a reader sees them."""
+    codes = re.sub(r"#(\d+);", lambda match: chr(int(match[1])), drawing)
+    codes = re.sub(r"</FONT></TD><TD[^>]*><FONT[^>]*>", " ", codes)
+    return codes.replace("&gt;", ">").replace("&lt;", "<").replace("&amp;", "&")
+
+
+@pytest.mark.parametrize("name", PROGRAMS)
+@pytest.mark.parametrize("notation", NOTATIONS, ids=lambda notation: notation.__name__)
+def test_everything_is_drawn(notation: Callable[[Graph], str], name: str) -> None:
+    program = program_of(name)
+    drawing = read(notation(program_graph(program)))
+    for part in within(program):
+        patterns = part.policy if notation is svg else map(symbols, part.policy)
+        names = [part.name, *part.members, *patterns, *(a.name for a in part.actions)]
+        assert [name for name in names if name not in drawing] == []
+
+
+@pytest.mark.parametrize("notation", NOTATIONS, ids=lambda notation: notation.__name__)
+def test_the_end_is_drawn_where_states_have_no_action(notation: Callable[[Graph], str]) -> None:
+    drawings = {n: notation(program_graph(program_of(n))) for n in ("reachtouch", "searchtrack")}
+    assert "any other" in drawings["reachtouch"] and "any other" not in drawings["searchtrack"]
+
+
+def hostile() -> Graph:
+    """Names that no document can hold: they stay text."""
+    label = (TextLine('a"<b>&\\'), TextLine("`*_-"))
+    nodes = (
+        Vertex("a", Outline.SELECTOR, (TextLine("<m>"),)),
+        Vertex("b", Outline.ACTION, label),
+    )
+    edges = (Edge("a", "b", '"&'), Edge("b", "a", back=True))
+    return Graph("x", 'x & y; below: "', nodes, edges, ("<m>",), across=True)
+
+
+@pytest.mark.parametrize("name", PROGRAMS)
+def test_svg_holds_its_nodes_without_overlap(name: str) -> None:
+    root = ElementTree.fromstring(svg(program_graph(program_of(name))))
+    width, height = float(root.attrib["width"]), float(root.attrib["height"])
+    panels = {each.attrib["id"]: each for each in root.iter(f"{SVG}g") if "id" in each.attrib}
+    assert panels.keys() == {part.name for part in within(program_of(name))}
+    bottom = 0.0
+    for panel in panels.values():
+        offset = re.findall(r"[\d.]+", panel.find(f"{SVG}g").attrib["transform"])
+        left, top = map(float, offset)
+        assert top > bottom
+        boxes = [
+            tuple(float(rectangle.attrib[key]) for key in ("x", "y", "width", "height"))
+            for rectangle in panel.iter(f"{SVG}rect")
+            if rectangle.attrib.get("class", "").endswith("-node")
+        ]
+        assert len(boxes) > 1
+        for place, one in enumerate(boxes):
+            assert left + one[0] + one[2] <= width and top + one[1] + one[3] <= height
+            assert not any(overlap(one, other) for other in boxes[place + 1 :])
+        bottom = max(top + one[1] + one[3] for one in boxes)
+
+
+def overlap(one: tuple[float, ...], other: tuple[float, ...]) -> bool:
+    return all(
+        one[axis] < other[axis] + other[axis + 2] and other[axis] < one[axis] + one[axis + 2]
+        for axis in (0, 1)
+    )
+
+
+def test_svg_links_lead_to_the_panels_of_programs() -> None:
+    root = ElementTree.fromstring(svg(program_graph(program_of("reachtouch"))))
+    panels = {group.attrib.get("id") for group in root.iter(f"{SVG}g")}
+    links = {link.attrib["href"].removeprefix("#") for link in root.iter(f"{SVG}a")}
+    assert links == {"searchtrack"} <= panels
+
+
+def test_svg_escapes_names() -> None:
+    texts = {element.text for element in ElementTree.fromstring(svg(hostile())).iter(f"{SVG}text")}
+    assert {'a"<b>&\\', "`*_-", "<m>", 'x & y; below: "'} <= texts
+
+
+def test_the_way_back_is_dashed_and_ends_at_the_state() -> None:
+    assert dot(hostile()).count('p_1 -> p_0 [label="" penwidth=0.8 style=dashed') == 1
+    assert "p_1 -.-> p_0\n" in mermaid(hostile())
+    root = ElementTree.fromstring(svg(hostile()))
+    paths = [each.attrib["d"] for each in root.iter(f"{SVG}path") if each.get("class") == "back"]
+    state = next(r for r in root.iter(f"{SVG}rect") if r.get("class") == "selector-node")
+    foot = float(state.attrib["y"]) + float(state.attrib["height"])
+    assert len(paths) == 2  # from the action to the track, and along it
+    assert float(paths[1].rsplit("V", 1)[1]) == pytest.approx(foot + 9, abs=0.1)
+
+
+def test_mermaid_labels_hold_nothing_that_has_a_meaning() -> None:
+    labels = re.findall(r'"([^"]*)"', mermaid(hostile()))
+    assert len(labels) == 4  # title, two nodes, an edge
+    assert all(not re.search(r"[<>&*_`-]", label.replace("<br>", "")) for label in labels)
+    assert read(mermaid(hostile())).count('a"<b>&\\') == 1
+
+
+@pytest.mark.parametrize("name", PROGRAMS)
+def test_mermaid_declares_every_node_and_ends_every_subgraph(name: str) -> None:
+    text = mermaid(program_graph(program_of(name)))
+    lines = [line.strip() for line in text.splitlines()]
+    assert lines[0] == "flowchart LR"
+    assert lines.count("end") == sum(line.startswith("subgraph") for line in lines)
+    ends = re.findall(r"(\w+)(?= -\.?->)|(?<=-> )(\w+)", text)
+    declared = set(re.findall(r"(\w+)(?=[\[{(])", text))
+    assert {one or other for one, other in ends} <= declared
+
+
+@pytest.mark.skipif(shutil.which("dot") is None, reason="needs Graphviz")
+@pytest.mark.parametrize("drawn", [*PROGRAMS, "hostile"])
+def test_graphviz_reads_dot(drawn: str) -> None:
+    text = dot(hostile() if drawn == "hostile" else program_graph(program_of(drawn)))
+    run = subprocess.run(["dot", "-Tsvg"], input=text, capture_output=True, text=True)
+    assert (run.returncode, run.stderr) == (0, "")
+    assert run.stdout.count('class="node"') == len(re.findall(r"shape=", text))

@@ -1,0 +1,198 @@
+"""The words of cbdsl: none is banned, no class name has two owners, no signature is overlong."""
+
+from __future__ import annotations
+
+import ast
+import io
+import re
+import tokenize
+import tomllib
+from collections import defaultdict
+from collections.abc import Iterable, Iterator, Mapping
+from typing import NamedTuple
+
+import pytest
+
+from tests.conftest import ROOT
+
+#: Folders of cbdsl whose words are not held to this yet.
+EXEMPT = frozenset(
+    {
+        "backends", "checking", "control", "documents", "errors", "language", "learning", "numeric",
+        "program", "robot", "runtime", "sensing", "training", "types", "yaml_text",
+    }
+)  # fmt: skip
+#: The same for files in other folders.
+EXEMPT_FILES = frozenset(
+    {
+        "cli/learn.py", "cli/learning_progress.py", "cli/lessons.py", "cli/schema.py",
+        "cli/simulation.py",
+        "reproduction/trial_job.py",  # its method is named by the protocol in training
+    }
+)  # fmt: skip
+WORDS = tomllib.loads((ROOT / "tests" / "banned_words.toml").read_text("utf-8"))
+#: No function takes more positional parameters, unless it is compiled.
+PARAMETERS = 8
+_COMPILED = ("njit", "jit", "compiled", "potential")
+
+
+class Finding(NamedTuple):
+    """A fault and its line."""
+
+    line: int
+    message: str
+
+
+def findings(source: str) -> list[Finding]:
+    """The faults of a module, except for those that take several modules."""
+    tree = ast.parse(source)
+    return sorted({*identifiers(tree), *prose(tree, source), *openings(tree), *signatures(tree)})
+
+
+def identifiers(tree: ast.AST) -> Iterator[Finding]:
+    """Names that are bound here and are banned; names that others bind are theirs."""
+    for node in ast.walk(tree):
+        for name in bound(node):
+            plain = name.strip("_")
+            if plain in WORDS["identifiers"]:
+                line = getattr(node, "lineno", 1)
+                yield Finding(line, f"{name}: say {WORDS['identifiers'][plain]}")
+
+
+def bound(node: ast.AST) -> Iterable[str]:
+    """The names that a node binds."""
+    if isinstance(node, ast.ClassDef | ast.FunctionDef | ast.AsyncFunctionDef):
+        return [node.name]
+    if isinstance(node, ast.arg):
+        return [node.arg]
+    if isinstance(node, ast.Name) and isinstance(node.ctx, ast.Store):
+        return [node.id]
+    if isinstance(node, ast.Attribute) and isinstance(node.ctx, ast.Store):
+        return [node.attr]
+    return []
+
+
+def prose(tree: ast.AST, source: str) -> Iterator[Finding]:
+    """Banned words of docstrings and comments."""
+    texts = [(line, text) for line, text in docstrings(tree)]
+    for token in tokenize.generate_tokens(io.StringIO(source).readline):
+        if token.type == tokenize.COMMENT:
+            texts.append((token.start[0], token.string))
+    for word, replacement in WORDS["prose"].items():
+        pattern = re.compile(rf"\b{word.replace('*', '[a-z]*')}\b", re.IGNORECASE)
+        for line, text in texts:
+            if match := pattern.search(text):
+                yield Finding(line, f"{match[0]}: say {replacement}")
+
+
+def openings(tree: ast.AST) -> Iterator[Finding]:
+    """Docstrings that do not begin with a noun or a verb."""
+    for line, text in docstrings(tree):
+        if re.match(r"what\b", text, re.I):
+            yield Finding(line, "a docstring begins with 'What': say what it is or does")
+
+
+def docstrings(tree: ast.AST) -> Iterator[tuple[int, str]]:
+    for node in ast.walk(tree):
+        if isinstance(node, ast.Module | ast.ClassDef | ast.FunctionDef | ast.AsyncFunctionDef):
+            text = ast.get_docstring(node)
+            if text is not None:
+                yield node.body[0].lineno, text
+
+
+def signatures(tree: ast.AST) -> Iterator[Finding]:
+    """Functions with too many positional parameters; compiled ones have no others."""
+    for node in ast.walk(tree):
+        if not isinstance(node, ast.FunctionDef) or is_compiled(node):
+            continue
+        arguments = [*node.args.posonlyargs, *node.args.args]
+        names = [each.arg for each in arguments if each.arg not in ("self", "cls")]
+        if len(names) > PARAMETERS:
+            yield Finding(node.lineno, f"{node.name} takes {len(names)} positional parameters")
+
+
+def is_compiled(function: ast.FunctionDef) -> bool:
+    named = {
+        each.id if isinstance(each, ast.Name) else each.attr
+        for decorator in function.decorator_list
+        for each in ast.walk(decorator)
+        if isinstance(each, ast.Name | ast.Attribute)
+    }
+    return any(name in _COMPILED for name in named)
+
+
+def shared_names(sources: Mapping[str, str]) -> dict[str, list[str]]:
+    """Names of classes that several modules define, each with these modules."""
+    owners: dict[str, list[str]] = defaultdict(list)
+    for file, source in sources.items():
+        for node in ast.walk(ast.parse(source)):
+            if isinstance(node, ast.ClassDef):
+                owners[node.name].append(file)
+    return {name: files for name, files in owners.items() if len(files) > 1}
+
+
+def sources() -> dict[str, str]:
+    package = ROOT / "cbdsl"
+    files = {path.relative_to(package): path for path in sorted(package.rglob("*.py"))}
+    return {
+        str(file): path.read_text("utf-8")
+        for file, path in files.items()
+        if file.parts[0] not in EXEMPT and file.as_posix() not in EXEMPT_FILES
+    }
+
+
+@pytest.mark.parametrize("file", sources())
+def test_a_module_keeps_to_the_words(file: str) -> None:
+    faults = findings((ROOT / "cbdsl" / file).read_text("utf-8"))
+    assert [f"cbdsl/{file}:{line}: {message}" for line, message in faults] == []
+
+
+def test_no_class_name_has_two_owners() -> None:
+    assert shared_names(sources()) == {}
+
+
+def test_exempt_folders_exist() -> None:
+    package = ROOT / "cbdsl"
+    assert [name for name in (*EXEMPT, *EXEMPT_FILES) if not (package / name).exists()] == []
+
+
+@pytest.mark.parametrize(
+    ("source", "fault"),
+    [
+        ("found = 1", "found: say"),
+        ("def f(self):\n    self._told = 1", "_told: say"),
+        ("for found in (): ...", "found: say"),
+        ("def f(meant): ...", "meant: say suggestion"),
+        ("class School: ...", "School: say TrialRunner"),
+        ('"""Lessons of a robot."""', "Lessons: say"),
+        ("x = 1  # the wishes of all", "wishes: say"),
+        ('def f():\n    """What is done."""', "begins with 'What'"),
+        ('class A:\n    """what it is"""', "begins with 'What'"),
+        ("def f(a, b, c, d, e, f, g, h, i): ...", "f takes 9 positional parameters"),
+        ("def f(self, a, b, c, d, e, f, g, /, h, i=1): ...", "f takes 9 positional parameters"),
+    ],
+)
+def test_a_fault_is_seen(source: str, fault: str) -> None:
+    assert any(fault in message for _, message in findings(source))
+
+
+@pytest.mark.parametrize(
+    "source",
+    [
+        "from a import told\ntold()",
+        "foundation = finder.found(1)",
+        '"""Whatever is left."""',
+        "def f(self, a, b, c, d, e, f, g, h): ...",
+        "def f(a, b, *, c, d, e, f, g, h, i): ...",
+        "@njit(cache=True)\ndef f(a, b, c, d, e, f, g, h, i): ...",
+        "@numba.njit\ndef f(a, b, c, d, e, f, g, h, i): ...",
+    ],
+)
+def test_others_names_endings_and_compiled_functions_pass(source: str) -> None:
+    assert findings(source) == []
+
+
+def test_a_class_name_with_two_owners_is_seen() -> None:
+    assert shared_names({"a": "class A: ...", "b": "class A: ...\nclass B: ..."}) == {
+        "A": ["a", "b"]
+    }

@@ -1,0 +1,29 @@
+"""Written policies: patterns, the closest of which applies."""
+
+from __future__ import annotations
+
+from itertools import product
+
+import pytest
+
+from cbdsl.types.policy import WrittenPolicy
+
+
+@pytest.mark.parametrize("turned", [False, True])
+def test_the_most_specific_pattern_wins_in_whatever_order_they_are_written(turned: bool) -> None:
+    table = {"**": "any", "X*": "first", "X1": "both"}
+    items = list(table.items())
+    policy = WrittenPolicy(dict(reversed(items) if turned else items))
+    chosen = {
+        state: policy.choose(state, changed=True) for state in map("".join, product("X-01", "X-01"))
+    }
+    assert chosen.pop("X1") == "both"
+    assert {chosen.pop(state) for state in ("XX", "X-", "X0")} == {"first"}
+    assert set(chosen.values()) == {"any"}
+
+
+def test_it_ends_where_no_pattern_fits_and_where_nothing_changed() -> None:
+    policy = WrittenPolicy({"0": "move"})
+    assert policy.choose("1", changed=True) is None
+    assert policy.choose("0", changed=True) == "move"
+    assert policy.choose("0", changed=False) is None

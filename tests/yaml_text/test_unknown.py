@@ -1,0 +1,33 @@
+"""The error value, and sections that hold it."""
+
+from __future__ import annotations
+
+import pytest
+
+from cbdsl.yaml_text.broken import Broken
+from cbdsl.yaml_text.unknown import UNKNOWN, Declared
+
+
+def test_unknown_is_no_name_that_a_document_can_have() -> None:
+    assert (UNKNOWN != "unknown") and not (UNKNOWN == "unknown")  # noqa: SIM201
+    assert UNKNOWN not in {"unknown": 1} and UNKNOWN in (UNKNOWN, "unknown")
+
+
+def test_what_was_left_out_is_declared_and_unknown() -> None:
+    declared = Declared({"arm": 1}, Broken([("effectors", "head")]), ("effectors",))
+    assert declared["arm"] == 1 and list(declared) == ["arm"]
+    assert "head" in declared and declared["head"] is UNKNOWN
+    assert "leg" not in declared
+    with pytest.raises(KeyError, match="leg"):
+        declared["leg"]
+
+
+def test_where_the_section_was_left_out_every_name_is_unknown() -> None:
+    declared: Declared[int] = Declared({}, Broken([("effectors",)]), ("effectors",))
+    assert declared["leg"] is UNKNOWN and len(declared) == 0
+
+
+def test_further_entries_hide_those_of_the_same_name() -> None:
+    declared = Declared({"arm": 1}, Broken([("effectors", "head")]), ("effectors",))
+    extended = declared.extended({"arm": 2, "head": 3})
+    assert dict(extended) == {"arm": 2, "head": 3} and declared["head"] is UNKNOWN
