@@ -7,7 +7,7 @@ from importlib import import_module
 
 import numpy as np
 
-from cbdsl.control.potential import Potential, PotentialError, address_of
+from cbdsl.control.potential import Potential, PotentialError, address_of, interpreted
 from cbdsl.control.setting import Setting
 from cbdsl.program.controller import Controller
 from cbdsl.types.potential import POTENTIALS
@@ -53,7 +53,6 @@ def _try_out(potential: Potential, setting: Setting) -> None:
     if not isinstance(potential, Potential):
         raise PotentialError(f"its builder returns a {type(potential).__name__}, not a Potential")
     address_of(potential.function)
-    interpreted = getattr(potential.function, "py_func", potential.function)
     value, rows = np.full(setting.components, 0.1), setting.rows
     if potential.identity and potential.size != rows:
         raise PotentialError(
@@ -61,4 +60,5 @@ def _try_out(potential: Potential, setting: Setting) -> None:
         )
     slope = np.zeros((0 if potential.identity else potential.size, rows))
     residual = np.zeros(potential.size)
-    interpreted(value, np.full_like(value, 0.2), potential.parameters, residual, slope)
+    function = interpreted(potential.function)
+    function(value, np.full_like(value, 0.2), potential.parameters, residual, slope)
