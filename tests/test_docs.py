@@ -305,7 +305,8 @@ def test_the_new_potential_gets_its_tests(tmp_path: Path, monkeypatch: pytest.Mo
     monkeypatch.setitem(sys.modules, module, importlib.util.module_from_spec(spec))
     spec.loader.exec_module(sys.modules[module])
     entry = eval(files["entry.py"], vars(potentials))
-    monkeypatch.setitem(potentials.POTENTIALS, entry.name, entry)
+    monkeypatch.setitem(potentials.POTENTIALS._built_in, entry.name, entry)
+    monkeypatch.setitem(potentials.POTENTIALS.registry._builtins, entry.name, "")
     for kind in sorted(entry.accepts):
         for test in GENERIC:
             test(entry.name, kind, None, *([rng] if "rng" in test.__annotations__ else []))

@@ -2,15 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from functools import cache
-from types import FunctionType
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
-from numba.core.dispatcher import Dispatcher
 
-from cbdsl.control.potential import Potential, Rule
+from cbdsl.control.potential import Potential, Rule, interpreted
 from cbdsl.control.signal import Floats
 from cbdsl.sensing.reading import flattened
 from cbdsl.types.potential import POTENTIALS
@@ -37,11 +33,11 @@ def evaluate(
     signal: Signal,
     reference: Floats | None = None,
     *,
-    interpreted: bool = False,
+    in_python: bool = False,
 ) -> Evaluation:
     """A potential by its function alone, compiled or, with bounds checked, interpreted."""
     goal = np.zeros(0) if reference is None else flat(reference)
-    function = in_python(potential.function) if interpreted else potential.function
+    function = interpreted(potential.function) if in_python else potential.function
     residual, slope = np.zeros(potential.size), np.zeros((potential.size, len(signal.jacobian)))
     phi = function(flat(signal.value), goal, potential.parameters, residual, slope)
     if potential.identity:
@@ -52,17 +48,6 @@ def evaluate(
         residual[0] = -float(jacobian[0] @ jacobian[0])
     step = 0.5 * residual if potential.rule == Rule.RESIDUAL else residual
     return Evaluation(float(phi), residual, jacobian, step)
-
-
-@cache
-def in_python(function: Any) -> Callable[..., Any]:
-    """The function that was compiled, and all that it calls, as Python runs them."""
-    source = function.py_func
-    scope = dict(source.__globals__)
-    for name in source.__code__.co_names:
-        if isinstance(scope.get(name), Dispatcher):
-            scope[name] = in_python(scope[name])
-    return FunctionType(source.__code__, scope, source.__name__, None, source.__closure__)
 
 
 def gradient(potential: str, evaluation: Evaluation) -> Floats:

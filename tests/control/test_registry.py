@@ -50,9 +50,11 @@ def made(
     potential: str, kind: ResourceType, joints: int, axis: str | None, rng: np.random.Generator
 ) -> Potential:
     """As the registry builds it for the tip of a chain."""
-    components = 3 * joints if potential == "manipulability" else kind.size
+    components, rows = {"orientation": 9, "pose": 12}.get(kind.name, kind.size), kind.size
+    if potential == "manipulability":
+        components = rows = 3 * joints
     limits = -rng.uniform(2, 3, joints), rng.uniform(2, 3, joints)
-    return build(controller(potential, kind, axis), Setting(*limits, components, CAMERAS))
+    return build(controller(potential, kind, axis), Setting(*limits, components, rows, CAMERAS))
 
 
 def measure(potential: str, kind: ResourceType, chain: Chain, q: Floats, mix: Floats) -> Signal:
@@ -151,10 +153,8 @@ def test_what_is_compiled_is_what_is_written(
     for q, goal in rng.uniform(-1.5, 1.5, (3, 2, 5)):
         here, there = (measure(potential, typed, chain, each, mix) for each in (q, goal))
         reference = there.value if POTENTIALS[potential].reference else None
-        compiled, interpreted = (
-            evaluate(law, here, reference, interpreted=each) for each in (False, True)
-        )
-        for one, other in zip(compiled, interpreted, strict=True):
+        found = (evaluate(law, here, reference, in_python=each) for each in (False, True))
+        for one, other in zip(*found, strict=True):
             np.testing.assert_allclose(one, other, rtol=1e-12, atol=1e-14)
 
 
