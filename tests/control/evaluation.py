@@ -55,7 +55,8 @@ def gradient(potential: str, evaluation: Evaluation) -> Floats:
     if POTENTIALS[potential].residual:
         slope: Floats = -evaluation.jacobian.T @ evaluation.residual
         return slope
-    return evaluation.jacobian[0]
+    row: Floats = evaluation.jacobian[0]
+    return row
 
 
 def flat(value: Floats) -> Floats:

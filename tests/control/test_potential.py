@@ -156,8 +156,8 @@ def setting(case: Case) -> Setting:
         for frame in frames
     ]
     rows = {"position": 3, "pose": 6}.get(case.part, 0)
-    size = rows * len(robot.members(case.effector)) * len(robot.joints(case.effector))
-    return Setting(model.lower[own], model.upper[own], size, size, tuple(relative))
+    components = rows * len(robot.members(case.effector)) * len(robot.joints(case.effector))
+    return Setting(model.lower[own], model.upper[own], components, components, tuple(relative))
 
 
 @pytest.mark.parametrize("case", CASES, ids=lambda case: "-".join(case))
