@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from itertools import takewhile
 from typing import NamedTuple
 
-from cbdsl.robot.hindrance import hindrance
+from cbdsl.robot.unsupported_joint import unsupported
 from cbdsl.robot.urdf import UrdfJoint, UrdfModel
 
 
@@ -77,7 +77,7 @@ _DEEPEST = 200  # joints in a row: bounds the walk where a model has a loop
 
 
 def _actuated(joint: UrdfJoint) -> bool:
-    return hindrance(joint) is None
+    return unsupported(joint) is None
 
 
 def _moves(branches: _Branches, joint: UrdfJoint, depth: int = 0) -> bool:
