@@ -1,4 +1,4 @@
-"""What every backend offers, and how one is found by its name."""
+"""The backend contract, and the look-up of a backend by its name."""
 
 from __future__ import annotations
 
@@ -20,21 +20,30 @@ Floats = NDArray[np.float64]
 #: Entry point group under which packages offer backends.
 GROUP = "cbdsl.backends"
 
+#: Kinds of cameras that a run may choose.
+CAMERAS = ("rendered", "ideal")
+
 
 class BackendError(UsageError):
     """A backend cannot be found, or cannot embody a robot or a stage; the message says why."""
 
 
 class Backend(Protocol):
-    """A body in a world: it takes joint references and gives observations.
+    """A robot in a world: it takes joint references and gives observations.
+
+    It keeps the velocity and effort limits of the robot's URDF, whatever it is asked for.
 
     Attributes:
         renderer: what makes the images, for people.
         control_period: simulated time of one step, s.
+        deadline: wall time that the robot's controllers may take in a tick, from an observation
+            until its reference, s; ``None`` where the world waits for them. An episode ends where
+            they take longer, and the backend is halted.
     """
 
     renderer: str
     control_period: float
+    deadline: float | None
 
     def reset(
         self,
@@ -76,20 +85,39 @@ class Backend(Protocol):
         """Let one control period pass."""
         ...
 
+    def halt(self) -> None:
+        """Freeze the references at the measured positions: nobody controls the robot any more.
+
+        Called in an episode when it cannot go on, and at Ctrl-C; ``reset`` or ``close`` follows.
+        """
+        ...
+
     def close(self) -> None:
         """Free what the backend holds; it cannot be used afterwards."""
         ...
 
 
 class BackendFactory(Protocol):
-    """What an entry point of the group ``cbdsl.backends`` refers to: a backend's class."""
+    """Target of an entry point of the group ``cbdsl.backends``: a backend's class."""
 
-    def __call__(self, robot: RobotDocument, urdf: Path, gui: bool = False) -> Backend:
-        """Embody ``robot``, whose model is the file ``urdf``; ``gui`` opens a window if it can."""
+    def __call__(
+        self, robot: RobotDocument, urdf: Path, *, gui: bool = False, cameras: str | None = None
+    ) -> Backend:
+        """Embody a robot.
+
+        Args:
+            robot: the robot.
+            urdf: file of its model.
+            gui: whether to open a window.
+            cameras: one of ``CAMERAS``, the backend's own choice when ``None``.
+
+        Raises:
+            BackendError: robot, window or cameras cannot be had.
+        """
         ...
 
 
-_METHODS = ("reset", "observe", "apply", "step", "close")
+_METHODS = ("reset", "observe", "apply", "step", "halt", "close")
 
 
 def find_backend(name: str) -> BackendFactory:

@@ -175,11 +175,11 @@ def _episode(
 
 
 def _recording(body: Backend, order: Order) -> Recording:
-    from cbdsl.backends.staging.scenery import Witness
+    from cbdsl.backends.staging.world_state import GroundTruthProvider
     from cbdsl.runtime.recording import Recording
 
     # What a backend knows of its world is in the recording only: people look at that.
-    scenery = (lambda: body.truth) if isinstance(body, Witness) else None
+    scenery = (lambda: body.truth) if isinstance(body, GroundTruthProvider) else None
     return Recording(order.program, order.robot, order.urdf, scenery)
 
 

@@ -49,5 +49,5 @@ def test_a_class_that_is_not_there_is_named(monkeypatch: pytest.MonkeyPatch) -> 
 
 def test_what_is_no_backend_says_what_it_lacks(monkeypatch: pytest.MonkeyPatch) -> None:
     _install(monkeypatch, tuple="builtins:tuple")
-    with pytest.raises(BackendError, match="reset, observe, apply, step, close"):
+    with pytest.raises(BackendError, match="reset, observe, apply, step, halt, close"):
         find_backend("tuple")

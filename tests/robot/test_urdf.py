@@ -76,7 +76,7 @@ def test_a_shape_without_numbers_says_which(tmp_path: Path) -> None:
     shape = '<visual><geometry><box size="1 2"/></geometry></visual>'
     path = write(tmp_path, f'<link name="a">{shape}</link>')
     with pytest.raises(UrdfError, match=r"link 'a' has size=\"1 2\", which should be three"):
-        print(read_urdf(path).bodies)
+        assert read_urdf(path).bodies
 
 
 def test_a_loop_of_links_ends(tmp_path: Path) -> None:

@@ -7,7 +7,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from cbdsl.backends.ideal_cameras.solids import BALL, CYLINDER, into
+from cbdsl.backends.staging.solids import BALL, CYLINDER, into
 from cbdsl.numeric.compiled import compiled, compiled_once
 
 Floats = NDArray[np.float64]
@@ -55,7 +55,7 @@ def depths(
 
     Args:
         solids: shape (k, 16).
-        placements: of links, as ``Tree`` has them, shape (links, 12).
+        placements: of links, as ``Engine`` has them, shape (links, 12).
         carriers: rows of the links that carry the balls, shape (n,).
         balls: their centres in these links' frames, m, and their radii, m, shape (n, 4).
         found: takes depth, m, negative where they do not touch; the ball's deepest point, m, and

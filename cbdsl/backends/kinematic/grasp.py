@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from cbdsl.backends.kinematic.hands import Contact, Hands
 from cbdsl.backends.kinematic.thing import Thing
 from cbdsl.backends.staging.pose import Pose
-from cbdsl.backends.staging.presentation import GRAVITY
+from cbdsl.backends.staging.scenario import GRAVITY
 
 Floats = NDArray[np.float64]
 

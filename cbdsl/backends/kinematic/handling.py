@@ -1,4 +1,4 @@
-"""What the hands do with the thing on show, and what their fingertips feel."""
+"""Handling: how hands move the thing on show, and the contacts of their fingertips."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from cbdsl.backends.kinematic.grasp import STIFFNESS, Grasp
 from cbdsl.backends.kinematic.hands import Contact, Hands
 from cbdsl.backends.kinematic.thing import Thing
 from cbdsl.backends.kinematic.world import World
-from cbdsl.backends.staging.presentation import GRAVITY
+from cbdsl.backends.staging.scenario import GRAVITY
 from cbdsl.numeric.compiled import compiled_once
 
 Floats = NDArray[np.float64]
@@ -27,19 +27,19 @@ class Handling:
     """Hands and the one thing that can be moved, in one episode.
 
     Attributes:
-        touched: whether a fingertip touches the thing, as of the last step.
+        contacts: of all fingertips, as of the last step.
     """
 
-    def __init__(self, world: World, hands: Hands, thing: Thing | None) -> None:
+    def __init__(self, world: World, hands: Hands) -> None:
         self._world = world
         self._hands = hands
-        self._thing = thing
-        self._grasp = None if thing is None else Grasp(thing, hands)
-        self.touched = self._touching = False
-        self._names, self._solids = tuple(world.things), world.solids
+        self._thing: Thing | None = None
+        self._grasp: Grasp | None = None
+        self._touching = False
+        self._names: tuple[str, ...] = ()
+        self._solids = world.solids
         # What ``Hands.touch`` finds, now and a tick ago.
-        shape = len(hands.cells), len(world.things), 7
-        self._found, self._before = np.zeros(shape), np.zeros(shape)
+        self._found, self._before = np.zeros((2, len(hands.cells), 0, 7))
         self._wrenches, self._nothing = np.zeros((2, len(hands.cells), 6))
 
     @property
@@ -51,8 +51,15 @@ class Handling:
             for tip, which in np.argwhere(self._found[:, :, 0] > 0.0)
         ]
 
+    def touches(self, name: str) -> bool:
+        """Whether a fingertip touches something, as of the last step."""
+        touched = self._touching and name in self._names
+        return touched and bool((self._found[:, self._names.index(name), 0] > 0.0).any())
+
     def move(self, period: float) -> None:
         """Let the thing go along with whoever holds it, or by itself, for ``period``, s."""
+        if self._solids is not self._world.solids:
+            self._match()
         self._found, self._before = self._before, self._found
         thing, grasp = self._thing, self._grasp
         if thing is None or grasp is None or thing.name not in self._world.things:
@@ -72,18 +79,24 @@ class Handling:
         Returns:
             Whether there are any.
         """
-        if self._solids is not self._world.solids:
-            self._forget_gone()
         self._touching = self._hands.touch(self._world, self._found)
         return self._touching
 
-    def _forget_gone(self) -> None:
-        """Something is taken away; the others were where they were."""
-        kept = [self._names.index(name) for name in self._world.things]
-        self._found, self._before = (
-            np.take(found, kept, axis=1) for found in (self._found, self._before)
-        )
-        self._names, self._solids = tuple(self._world.things), self._world.solids
+    def _match(self) -> None:
+        """Something came or went; the others were where they were."""
+        names = tuple(self._world.things)
+        kept = [name for name in names if name in self._names]
+        old = [self._names.index(name) for name in kept]
+        new = [names.index(name) for name in kept]
+        for which in ("_found", "_before"):
+            depths = np.zeros((len(self._hands.cells), len(names), 7))
+            depths[:, new] = getattr(self, which)[:, old]
+            setattr(self, which, depths)
+        added = [self._world.things[name] for name in names if name not in self._names]
+        for thing in added:
+            if thing.mass:
+                self._thing, self._grasp = thing, Grasp(thing, self._hands)
+        self._names, self._solids = names, self._world.solids
 
     def hold_back(self, share: Floats) -> bool:
         """Let the joints of fingertips that are too deep and going deeper go less of their way.
@@ -105,14 +118,12 @@ class Handling:
         """
         wrenches, thing, grasp = self._wrenches, self._thing, self._grasp
         if not self._touching and (grasp is None or not grasp.holders):
-            self.touched = False
             return self._nothing
         wrenches.fill(0.0)
         if self._touching:
             _press(self._found, STIFFNESS, wrenches)
         if thing is not None and grasp is not None:
             own = self._of(thing) if self._touching else []
-            self.touched = bool(own)
             if own and not thing.gripped:
                 self._push(thing, own, grasp)
             if own or grasp.holders:

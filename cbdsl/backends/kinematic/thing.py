@@ -1,15 +1,13 @@
-"""Something that a stage has put into the world."""
+"""An object of the stage, as the kinematic engine moves it."""
 
 from __future__ import annotations
 
 import numpy as np
 from numpy.typing import NDArray
 
-from cbdsl.backends.ideal_cameras.solids import POSITION, ROTATION, placed
 from cbdsl.backends.staging.pose import Pose
-from cbdsl.backends.staging.presentation import GRAVITY
-from cbdsl.backends.staging.shape import Shape
-from cbdsl.documents.stage import Surface
+from cbdsl.backends.staging.scenario import GRAVITY, SceneObject
+from cbdsl.backends.staging.solids import POSITION, ROTATION, placed
 
 Floats = NDArray[np.float64]
 
@@ -29,12 +27,9 @@ class Thing:
         resting: whether it stands still on something, and will until somebody moves it.
     """
 
-    def __init__(self, name: str, shape: Shape, surface: Surface, mass: float, pose: Pose) -> None:
-        self.name = name
-        self.shape = shape
-        self.surface = surface
-        self.mass = mass
-        self.solid = placed(shape, pose)
+    def __init__(self, item: SceneObject) -> None:
+        self.name, self.shape, self.surface, self.mass, pose = item
+        self.solid = placed(self.shape, pose)
         self.velocity: Floats = np.zeros(3)
         self.rolling: Floats = np.zeros(3)
         self.gripped = self.resting = False

@@ -1,4 +1,4 @@
-"""The world besides the robot: what stands, rolls, falls, and goes along with hands."""
+"""The world besides the robot: things that stand, roll, fall, and go along with hands."""
 
 from __future__ import annotations
 
@@ -7,12 +7,9 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from cbdsl.backends.ideal_cameras.solids import WIDTH
 from cbdsl.backends.kinematic.thing import Thing
-from cbdsl.backends.staging.pose import Pose
-from cbdsl.backends.staging.presentation import GRAVITY
-from cbdsl.backends.staging.shape import Shape
-from cbdsl.documents.stage import Surface
+from cbdsl.backends.staging.scenario import GRAVITY, SceneObject
+from cbdsl.backends.staging.solids import WIDTH
 
 Floats = NDArray[np.float64]
 
@@ -26,24 +23,27 @@ class World:
     """Things in one episode, moved without forces: they stay upright where they fall and roll.
 
     Attributes:
-        things: fixtures and things by name.
+        objects: fixtures and things by name, as the stage has them.
+        things: the same, as they move.
         solids: all of them in that order, as ``solids`` has them, shape (k, 16); another array
             when something comes or goes.
     """
 
     def __init__(self) -> None:
+        self.objects: dict[str, SceneObject] = {}
         self.things: dict[str, Thing] = {}
         self.solids: Floats = np.empty((0, WIDTH))
 
-    def add(self, name: str, shape: Shape, surface: Surface, mass: float, pose: Pose) -> Thing:
+    def add(self, item: SceneObject) -> Thing:
         """Put something there; without mass it does not move."""
-        thing = self.things[name] = Thing(name, shape, surface, mass, pose)
+        thing = self.things[item.name] = Thing(item)
+        self.objects[item.name] = item
         self._gather()
         return thing
 
     def remove(self, name: str) -> None:
         """Take something out of the world."""
-        del self.things[name]
+        del self.things[name], self.objects[name]
         self._gather()
 
     def _gather(self) -> None:

@@ -13,7 +13,7 @@ from cbdsl.backends.kinematic.grasp import STIFFNESS, Grasp
 from cbdsl.backends.kinematic.hands import Contact, Fingertip
 from cbdsl.backends.kinematic.thing import Thing
 from cbdsl.backends.staging.pose import Pose
-from cbdsl.backends.staging.presentation import GRAVITY
+from cbdsl.backends.staging.scenario import GRAVITY, SceneObject
 from cbdsl.backends.staging.shape import Shape
 from cbdsl.documents.stage import Surface
 
@@ -39,7 +39,8 @@ def carriers() -> Carriers:
 @pytest.fixture
 def thing() -> Thing:
     surface = Surface(friction=FRICTION)
-    return Thing("ball", Shape.ball(RADIUS), surface, MASS, Pose(np.zeros(3), np.eye(3)))
+    pose = Pose(np.zeros(3), np.eye(3))
+    return Thing(SceneObject("ball", Shape.ball(RADIUS), surface, MASS, pose))
 
 
 @pytest.fixture
