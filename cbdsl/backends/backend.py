@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Collection
 from importlib.metadata import entry_points
+from inspect import signature
 from pathlib import Path
 from typing import Any, Protocol
 
@@ -143,3 +144,21 @@ def find_backend(name: str) -> BackendFactory:
         raise BackendError(f"backend '{name}' lacks the methods {', '.join(lacking)}")
     backend: BackendFactory = factory
     return backend
+
+
+def embody(
+    name: str, robot: RobotDocument, urdf: Path, *, gui: bool = False, cameras: str | None = None
+) -> Backend:
+    """A robot on the backend of this name; see ``BackendFactory``.
+
+    Raises:
+        BackendError: there is no such backend, or it cannot embody the robot with these cameras.
+    """
+    factory = find_backend(name)
+    if cameras is None:
+        return factory(robot, urdf, gui=gui)
+    if cameras not in CAMERAS:
+        raise BackendError.unknown("kind of cameras", cameras, CAMERAS)
+    if "cameras" not in signature(factory).parameters:
+        raise BackendError(f"backend '{name}' offers no choice of cameras; leave --cameras out")
+    return factory(robot, urdf, gui=gui, cameras=cameras)

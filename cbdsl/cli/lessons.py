@@ -27,7 +27,10 @@ def one_by_one(assignments: Sequence[Assignment], order: Order) -> None:
     from cbdsl.cli.simulation import simulation
 
     with (
-        simulation(order, assignments[0].backend) as (body, kinematics),
+        simulation(order, assignments[0].backend, cameras=assignments[0].cameras) as (
+            body,
+            kinematics,
+        ),
         _progress(assignments, at_once=1) as progress,
     ):
         for assignment in assignments:

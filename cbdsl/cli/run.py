@@ -36,6 +36,10 @@ Episodes = Annotated[
     int, typer.Option("--episodes", min=1, help="How many, with successive seeds.")
 ]
 BackendName = Annotated[str, typer.Option("--backend", help="What embodies the robot.")]
+Cameras = Annotated[
+    str | None,
+    typer.Option("--cameras", help="Its cameras: rendered or ideal [the backend's own]."),
+]
 Policy = Annotated[
     str | None,
     typer.Option("--policy", help="A policy: its file, or its name [the program's own]."),
@@ -80,6 +84,7 @@ def run(
     seed: Seed = 0,
     episodes: Episodes = 1,
     backend: BackendName = "bullet",
+    cameras: Cameras = None,
     policy: Policy = None,
     with_: With = [],  # noqa: B006 (typer)
     gui: Gui = False,
@@ -103,25 +108,26 @@ def run(
         raise UsageError("--explain tells people and --json tells scripts: choose one")
     order = read_order(program, stage, policy, read_assignments(with_))
     _require_context(order.stage, context)
-    with shown_on_failure(), simulation(order, backend, gui=gui) as (body, kinematics):
-        runner = _runner(order, kinematics, body)
+    opened = simulation(order, backend, gui=gui, cameras=cameras)
+    with shown_on_failure(), opened as (embodied, kinematics):
+        runner = _runner(order, kinematics, embodied)
         if record is not None:
             _require_folder(record)
         telling = Telling(record, explain, as_json)
         if not as_json:
-            print(_introduction(order, body))
+            print(_introduction(order, embodied))
         results: list[EpisodeResult] = []
         for index in range(episodes):
             if not as_json:
                 print(_heading(seed + index, index, episodes, results))
-            results.append(_episode(body, runner, order, seed + index, context, telling))
+            results.append(_episode(embodied, runner, order, seed + index, context, telling))
     if episodes > 1 and not as_json:
         _summarise(results)
 
 
-def _introduction(order: Order, body: Backend) -> str:
+def _introduction(order: Order, backend: Backend) -> str:
     """What runs where, and what makes the images if anything does."""
-    images = f"; images by {body.renderer}" if order.robot.cameras else ""
+    images = f"; images by {backend.renderer}" if order.robot.cameras else ""
     return f"{order.program.name} on {order.stage.name}{images}"
 
 
@@ -147,25 +153,30 @@ def _require_folder(folder: Path) -> None:
         raise UsageError(f"--record {folder}: {reason(error)}") from error
 
 
-def _runner(order: Order, kinematics: Kinematics, body: Backend) -> Runner:
+def _runner(order: Order, kinematics: Kinematics, backend: Backend) -> Runner:
     from cbdsl.runtime.episode import Runner
 
-    return Runner(order.robot, kinematics, order.program, body)
+    return Runner(order.robot, kinematics, order.program, backend)
 
 
 def _episode(
-    body: Backend, runner: Runner, order: Order, seed: int, context: str | None, telling: Telling
+    backend: Backend, runner: Runner, order: Order, seed: int, context: str | None, telling: Telling
 ) -> EpisodeResult:
     from cbdsl.backends.backend import BackendError
     from cbdsl.cli.narration import json_line
     from cbdsl.errors.errors import UsageError
+    from cbdsl.runtime.episode import DeadlineError
 
-    recording = None if telling.record is None else _recording(body, order)
+    recording = None if telling.record is None else _recording(backend, order)
     on_transition, on_tick = _listeners(telling, recording)
     try:
         result = runner.run(order.stage, seed, context, on_transition, on_tick)
     except BackendError as error:
         raise UsageError(f"seed {seed}: {error}") from error
+    except DeadlineError as error:
+        if telling.as_json:
+            print(json_line(error.result), flush=True)
+        raise
     if recording is not None and telling.record is not None:
         file = recording.write(telling.record, result)
         if not telling.as_json:
@@ -174,12 +185,12 @@ def _episode(
     return result
 
 
-def _recording(body: Backend, order: Order) -> Recording:
+def _recording(backend: Backend, order: Order) -> Recording:
     from cbdsl.backends.staging.world_state import GroundTruthProvider
     from cbdsl.runtime.recording import Recording
 
     # What a backend knows of its world is in the recording only: people look at that.
-    scenery = (lambda: body.truth) if isinstance(body, GroundTruthProvider) else None
+    scenery = (lambda: backend.truth) if isinstance(backend, GroundTruthProvider) else None
     return Recording(order.program, order.robot, order.urdf, scenery)
 
 

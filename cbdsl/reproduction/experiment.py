@@ -32,6 +32,7 @@ class Settings:
         trials: how many times it learns from zero; ``None`` for as many as the backend is fast
             enough for, see ``school``.
         folder: where trials are kept, episode by episode, and gone on with.
+        cameras: kind of the backend's cameras, its own choice when ``None``.
         only: the number of the only trial to run, where others run the others.
     """
 
@@ -41,6 +42,7 @@ class Settings:
     backend: str = "kinematic"
     trials: int | None = None
     folder: Path = Path()
+    cameras: str | None = None
     only: int | None = None
 
 

@@ -10,7 +10,7 @@ from pathlib import Path
 
 import numpy as np
 
-from cbdsl.backends.backend import Backend, find_backend
+from cbdsl.backends.backend import Backend, embody
 from cbdsl.checking.knowledge.digest import program_digest
 from cbdsl.checking.program import check_program
 from cbdsl.documents.policy import Provenance
@@ -192,9 +192,9 @@ class School:
             renderer=self._body.renderer,
         )
         trial = Trial(program, Constants(density=lesson.density), settings.seed, number)
-        command = lesson.command(
-            settings.seed, trials(settings, lesson), episodes, settings.backend
-        )
+        count = trials(settings, lesson)
+        where = settings.backend, settings.cameras
+        command = lesson.command(settings.seed, count, episodes, *where)
         provenance = provenance_of(trial, setting, episodes, command)
         path = self._path(lesson, number)
         with open_journal(path, provenance) as journal:
@@ -211,7 +211,8 @@ class School:
     def _path(self, lesson: Lesson, number: int) -> Path:
         """Where a policy goes: trials that are not comparable have folders of their own."""
         settings = self._settings
-        folder = settings.folder / f"{settings.backend}_{settings.seed}" / lesson.name
+        eyes = "" if settings.cameras is None else f"_{settings.cameras}"
+        folder = settings.folder / f"{settings.backend}{eyes}_{settings.seed}" / lesson.name
         folder.mkdir(parents=True, exist_ok=True)
         return folder / f"{lesson.name}_{number}.yaml"
 
@@ -240,7 +241,7 @@ def school(settings: Settings) -> Iterator[School]:
         BackendError: there is no such backend, or it cannot embody the robot.
     """
     robot, urdf = shipped_dexter()
-    body = find_backend(settings.backend)(robot, urdf)
+    body = embody(settings.backend, robot, urdf, cameras=settings.cameras)
     try:
         yield School(settings, body, robot, Kinematics(robot, urdf))
     finally:

@@ -47,6 +47,11 @@ class Share:
         """Name of what embodies the robot."""
         return self.settings.backend
 
+    @property
+    def cameras(self) -> str | None:
+        """Kind of the backend's cameras."""
+        return self.settings.cameras
+
     def carry_out(self, body: Backend, kinematics: Kinematics, watcher: Watcher) -> list[Path]:
         """Run its episodes on a body; see ``Job.carry_out``.
 

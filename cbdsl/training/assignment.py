@@ -45,6 +45,7 @@ class Assignment:
         episodes: how many.
         command: what learns it again.
         path: the policy's file, at the same place for everybody.
+        cameras: kind of the backend's cameras, its own choice when ``None``.
     """
 
     program: CheckedProgram
@@ -59,6 +60,7 @@ class Assignment:
     episodes: int
     command: str
     path: Path
+    cameras: str | None = None
 
     @property
     def journal(self) -> Path:

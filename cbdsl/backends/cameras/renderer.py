@@ -6,7 +6,6 @@ from collections.abc import Callable, Sequence
 from typing import Literal, Protocol
 
 from cbdsl.backends.backend import BackendError
-from cbdsl.backends.cameras.opengl import OpenGLRenderer
 from cbdsl.backends.cameras.view import View
 from cbdsl.backends.staging.engine import Engine
 from cbdsl.robot.urdf import UrdfModel
@@ -70,6 +69,9 @@ def make_renderer(
             )
         return tiny()
     try:
+        # Ideal cameras need no graphics, and take no time to load them.
+        from cbdsl.backends.cameras.opengl import OpenGLRenderer
+
         return OpenGLRenderer(model)
     # moderngl raises bare exceptions, and whatever the reason, there are images without it.
     except Exception as error:

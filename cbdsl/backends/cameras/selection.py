@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from cbdsl.backends.backend import CAMERAS, BackendError
 from cbdsl.backends.cameras.camera_system import CameraSystem
 from cbdsl.backends.cameras.ideal import IdealCameras
 from cbdsl.backends.cameras.rendered import RenderedCameras
@@ -28,10 +27,8 @@ def make_cameras(
         tiny: makes the engine's own renderer, if it has one.
 
     Raises:
-        BackendError: there is no such kind, or nothing can render here.
+        BackendError: nothing can render here.
     """
-    if kind not in CAMERAS:
-        raise BackendError.unknown("kind of cameras", kind, CAMERAS)
     if kind == "ideal":
         return IdealCameras(robot, model)
     renderer = make_renderer(robot.vision.renderer, model, tiny) if robot.cameras else NoRenderer()
