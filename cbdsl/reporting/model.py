@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from cbdsl.reporting.mesh import Mesh, find_mesh, read_mesh
-from cbdsl.robot.urdf import Origin, UrdfJoint, UrdfModel, UrdfShape, parse_urdf
+from cbdsl.robot.urdf import UrdfJoint, UrdfModel, UrdfOrigin, UrdfShape, parse_urdf
 
 _Numbers = tuple[float, ...]
 
@@ -80,7 +80,7 @@ def read_links(robot: Mapping[str, Any], joints: Sequence[str]) -> list[Link]:
         places[name] = len(links)
         joint = above.get(name)
         if joint is None:
-            root = Origin()
+            root = UrdfOrigin()
             fixed = ("fixed", (0, 0, 1), -1, 1.0, 0.0)
             links.append(Link(name, -1, root.xyz, root.quaternion, *fixed, shapes))
             continue

@@ -15,7 +15,7 @@ class UrdfError(ValueError):
     """A URDF model cannot be read; the message says why."""
 
 
-class Origin(NamedTuple):
+class UrdfOrigin(NamedTuple):
     """A frame in another one.
 
     Attributes:
@@ -51,7 +51,7 @@ class UrdfShape(NamedTuple):
 
     kind: str
     size: Numbers
-    origin: Origin
+    origin: UrdfOrigin
     color: Numbers | None = None
     file: str = ""
 
@@ -61,7 +61,7 @@ class UrdfInertial(NamedTuple):
 
     mass: float
     inertia: Numbers
-    origin: Origin
+    origin: UrdfOrigin
 
 
 class UrdfLink(NamedTuple):
@@ -105,7 +105,7 @@ class UrdfJoint(NamedTuple):
     upper: float
     limited: bool
     mimic: Mimic | None = None
-    origin: Origin = Origin()
+    origin: UrdfOrigin = UrdfOrigin()
     axis: Numbers = (1.0, 0.0, 0.0)
     velocity: float = math.inf
     effort: float = math.inf
@@ -233,7 +233,7 @@ def parse_urdf(text: bytes | str, path: Path) -> UrdfModel:
 
 
 def _require_distinct(root: ElementTree.Element) -> None:
-    """Whatever reads models insists on names, and on different ones.
+    """Require names, and different ones, as whatever reads models does.
 
     Raises:
         ValueError: something has no name, or that of another.
@@ -340,12 +340,12 @@ def _numbers(text: str) -> Numbers:
     return tuple(map(float, text.split()))
 
 
-def _origin(element: ElementTree.Element) -> Origin:
+def _origin(element: ElementTree.Element) -> UrdfOrigin:
     """The ``<origin>`` of an element; without one, no displacement."""
     origin = element.find("origin")
     if origin is None:
-        return Origin()
-    return Origin(_numbers(origin.get("xyz", "0 0 0")), _numbers(origin.get("rpy", "0 0 0")))
+        return UrdfOrigin()
+    return UrdfOrigin(_numbers(origin.get("xyz", "0 0 0")), _numbers(origin.get("rpy", "0 0 0")))
 
 
 def _color(material: ElementTree.Element) -> Numbers | None:

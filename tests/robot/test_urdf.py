@@ -9,7 +9,7 @@ from pathlib import Path
 import pybullet_data
 import pytest
 
-from cbdsl.robot.urdf import Origin, UrdfError, read_urdf
+from cbdsl.robot.urdf import UrdfError, UrdfOrigin, read_urdf
 from cbdsl.yaml_text.library import shipped
 
 LINKS = '<robot name="m"><link name="b"/><link name="c"/>'
@@ -50,7 +50,7 @@ def test_a_prismatic_joint_is_described(tmp_path: Path) -> None:
     assert (slide.kind, slide.axis, slide.origin) == (
         "prismatic",
         (0, 1, 0),
-        Origin((3, 0, 4), (0, 0, 1)),
+        UrdfOrigin((3, 0, 4), (0, 0, 1)),
     )
     assert (slide.lower, slide.upper, slide.effort, slide.velocity) == (-1, 2, 30, math.inf)
     assert slide.mimic == ("b", 1, 2) and slide.length == 5

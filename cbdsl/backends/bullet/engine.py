@@ -12,10 +12,10 @@ from numpy.typing import NDArray
 from cbdsl.backends.bullet.printed import create_printed
 from cbdsl.backends.bullet.robot import BulletRobot
 from cbdsl.backends.staging.engine import Engine
-from cbdsl.backends.staging.load_cells import Touch, sum_wrenches
+from cbdsl.backends.staging.load_cells import ContactPoint, sum_wrenches
 from cbdsl.backends.staging.pose import Pose, rotations
 from cbdsl.backends.staging.scenario import GRAVITY, SceneObject
-from cbdsl.backends.staging.shape import Shape
+from cbdsl.backends.staging.shape import SolidShape
 from cbdsl.backends.staging.solids import POSITION, ROTATION, WIDTH, placed
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.robot.urdf import UrdfModel
@@ -243,23 +243,23 @@ class BulletEngine(Engine):
         )
         return any(contact[9] for contact in contacts)
 
-    def touches(self, name: str | None = None) -> list[Touch]:
+    def touches(self, name: str | None = None) -> list[ContactPoint]:
         """Contact points of the fingertips, with everything or with one object."""
         touches = list(self._touches())
         if name is None:
             return touches
         return [touch for touch in touches if touch.other == self.bodies[name]]
 
-    def _touches(self) -> Iterator[Touch]:
+    def _touches(self) -> Iterator[ContactPoint]:
         own, cells = self.robot.id, self._cell_of_link
         for contact in p.getContactPoints(bodyA=own, physicsClientId=self.client):
             body_a, body_b, link_a, link_b = contact[1:5]
             if not contact[9]:
                 continue
             if body_a == own and link_a in cells:
-                yield Touch(cells[link_a], body_b, contact[5], *_force(contact, -1.0))
+                yield ContactPoint(cells[link_a], body_b, contact[5], *_force(contact, -1.0))
             if body_b == own and link_b in cells:
-                yield Touch(cells[link_b], body_a, contact[6], *_force(contact, 1.0))
+                yield ContactPoint(cells[link_b], body_a, contact[6], *_force(contact, 1.0))
 
     def wrenches(self) -> Floats:
         """See ``Engine``."""
@@ -287,7 +287,7 @@ def _force(contact: Any, sign: float) -> tuple[Triple, float]:
     return force, pressure
 
 
-def _size(shape: Shape, height: str) -> dict[str, Any]:
+def _size(shape: SolidShape, height: str) -> dict[str, Any]:
     """A shape's size by the simulator's names; ``height`` is that of a cylinder's height."""
     if shape.kind == "box":
         return {"halfExtents": shape.halves}

@@ -1,4 +1,4 @@
-"""The camera system: how a backend's cameras are exposed, whatever makes their images."""
+"""The camera system: a robot's cameras, whatever makes their images."""
 
 from __future__ import annotations
 
@@ -70,7 +70,7 @@ class CameraSystem(Protocol):
 def draw_errors(
     robot: RobotDocument, disturbance: Disturbance, rng: np.random.Generator
 ) -> Mapping[str, Pose]:
-    """Where each camera really is in the frame of its link: nothing where all are exact.
+    """Errors of the cameras' poses in the frames of their links: none where all are exact.
 
     An error is a distance in a random direction and an angle about a random axis.
     """

@@ -16,7 +16,7 @@ from cbdsl.backends.cameras.silhouettes import WHOLE, silhouettes
 from cbdsl.backends.staging.engine import Engine
 from cbdsl.backends.staging.pose import Pose
 from cbdsl.backends.staging.scenario import SceneObject
-from cbdsl.backends.staging.shape import Shape
+from cbdsl.backends.staging.shape import SolidShape
 from cbdsl.backends.staging.solids import POSITION
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.documents.stage import Disturbance, Spot
@@ -62,7 +62,7 @@ class VisibleSurface(NamedTuple):
 
 
 class _Scene:
-    """What there is to see until something comes or goes.
+    """Surfaces to be seen until an object comes or goes.
 
     Args:
         engine: that it is in.
@@ -101,7 +101,7 @@ class _Scene:
         self.shapes = np.zeros((cameras, count, 4))
 
     def moved(self) -> set[str]:
-        """What has moved since this was asked before, where the robot looks for motion."""
+        """Objects that moved since the call before, where the robot looks for motion."""
         if not self._movable or not _have_moved(self.solids, self._before, self._shifts):
             return set()
         shifts = self._shifts.tolist()
@@ -176,7 +176,7 @@ class IdealCameras:
         return Exposure(regions=regions)
 
     def _misplaced(self, placements: Floats) -> Floats:
-        """Where the cameras really are, in the rows of their links."""
+        """Placements of the links, with those of the cameras in the rows of theirs."""
         if not self._errors:
             return placements
         placements = placements.copy()
@@ -245,7 +245,7 @@ def _surfaces(engine: Engine, palette: Palette, channels: Collection[str]) -> li
     return wholes + spots
 
 
-def _patch(shape: Shape, spot: Spot) -> tuple[float, float, float, float]:
+def _patch(shape: SolidShape, spot: Spot) -> tuple[float, float, float, float]:
     """A spot as ``silhouettes`` has it."""
     side = -1.0 if spot.face.startswith("-") else 1.0
     # A ray meets a plane but for rounding.

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cbdsl.backends.staging.pose import Pose
-from cbdsl.backends.staging.shape import Shape
+from cbdsl.backends.staging.shape import SolidShape
 from cbdsl.backends.staging.solids import WIDTH, placed
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.robot.urdf import UrdfModel, UrdfShape
@@ -41,15 +41,15 @@ class Limbs:
         self.parts = self.parts.reshape(len(parts), WIDTH)
 
 
-def solid_shapes(shapes: Iterable[UrdfShape]) -> Iterator[tuple[Shape, Pose]]:
+def solid_shapes(shapes: Iterable[UrdfShape]) -> Iterator[tuple[SolidShape, Pose]]:
     """The balls, boxes and cylinders among some shapes, with their poses in the link's frame."""
     for shape in shapes:
         pose = Pose.at(shape.origin)
         if shape.kind == "ball":
-            yield Shape.ball(shape.size[0]), pose
+            yield SolidShape.ball(shape.size[0]), pose
         elif shape.kind == "cylinder":
             radius, height = shape.size
-            yield Shape.cylinder(radius, height), pose
+            yield SolidShape.cylinder(radius, height), pose
         elif shape.kind == "box":
             x, y, z = (edge / 2 for edge in shape.size)
-            yield Shape("box", (x, y, z)), pose
+            yield SolidShape("box", (x, y, z)), pose

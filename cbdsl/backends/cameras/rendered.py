@@ -40,7 +40,7 @@ class RenderedCameras:
         self._deviation, self._noise = disturbance.image_noise, chance.noise
 
     def views(self) -> dict[str, View]:
-        """Where the cameras really are."""
+        """True views of all cameras, errors included."""
         views = {}
         for name, camera in self._cameras.items():
             pose, error = self._engine.link_pose(camera.link), self._errors.get(name)

@@ -20,18 +20,18 @@ Patch = tuple[float, float, float, float]
 WHOLE = (0.0, 1.0, -math.inf, math.inf)
 
 _NEAREST = 0.02
-"""What is nearer to a camera than this is not seen, m."""
+"""Least distance from a camera at which anything is seen, m."""
 
 _ROUNDING = 1e-6
 """More than rounding makes of any distance, m."""
 
 _TOUCHING = 1e-9
-"""What is in another one no deeper than this only touches it, m."""
+"""Largest depth at which one solid only touches another, m."""
 
 
 @compiled
 def _slab(origin: float, direction: float, half: float) -> tuple[float, float]:
-    """Where a ray is between two planes."""
+    """Interval of a ray between two planes."""
     if direction == 0.0:
         return (-math.inf, math.inf) if abs(origin) <= half else (math.inf, -math.inf)
     near, far = (-half - origin) / direction, (half - origin) / direction
@@ -40,7 +40,7 @@ def _slab(origin: float, direction: float, half: float) -> tuple[float, float]:
 
 @compiled
 def _round(a: float, b: float, c: float) -> tuple[float, float]:
-    """Where a t^2 + 2 b t + c is not positive."""
+    """Interval in which a t^2 + 2 b t + c is not positive."""
     root = b * b - a * c
     if root < 0.0 or a == 0.0:
         return (-math.inf, math.inf) if a == 0.0 and c <= 0.0 else (math.inf, -math.inf)
@@ -50,7 +50,7 @@ def _round(a: float, b: float, c: float) -> tuple[float, float]:
 
 @compiled
 def _entered(kind: float, halves: Triple, origin: Triple, direction: Triple) -> float:
-    """How far along a ray, in a solid's frame, it enters the solid; infinite if it does not."""
+    """Distance along a ray, in a solid's frame, to its entry; infinite if there is none."""
     x, y, z = origin
     u, v, w = direction
     if kind == BALL:
@@ -155,7 +155,7 @@ def _view(solid: Floats, camera: Floats, view: Floats) -> None:
 def _beside(solid: Floats, camera: Floats, window: Window, end: float) -> bool:
     """Whether the ball around a solid is out of a camera's window, or farther ahead than its end.
 
-    That is found much faster than the solid's own view.
+    That is shapes much faster than the solid's own view.
     """
     left, right, bottom, top = window
     radius = _circumscribed(solid) + _ROUNDING
@@ -176,7 +176,7 @@ def _beside(solid: Floats, camera: Floats, window: Window, end: float) -> bool:
 
 @compiled
 def _reach(solid: Floats, x: float, y: float, z: float) -> float:
-    """How far a solid extends from its centre along a unit vector of the world frame, m."""
+    """Extent of a solid from its centre along a unit vector of the world frame, m."""
     a, b, c = float(solid[1]), float(solid[2]), float(solid[3])
     if solid[0] == BALL:
         return a
@@ -249,7 +249,7 @@ def _within(patch: Patch, x: float, y: float, z: float) -> bool:
 def _scanned(
     views: Floats, window: Window, samples: int, patch: Patch
 ) -> tuple[int, float, float, Window]:
-    """How many lines of sight in a window meet a patch of the first of some solids, unhidden.
+    """Number of lines of sight in a window that meet a patch of the first solid, unhidden.
 
     Also the mean of their slopes, and between which they lie. The loops hand no arrays to other
     functions, which would cost more than all else in them.
@@ -301,9 +301,9 @@ def _scanned(
 
 @compiled
 def _silhouette(
-    views: Floats, window: Window, samples: int, patch: Patch, lens: Floats, found: Floats
+    views: Floats, window: Window, samples: int, patch: Patch, lens: Floats, shapes: Floats
 ) -> None:
-    """What a camera sees of the first of some solids in a window, as ``silhouettes`` has it."""
+    """Silhouette of the first of some solids in a window, as ``silhouettes`` has it."""
     focal = lens[0]
     aside, above = 0.5 * lens[1] / focal, 0.5 * lens[2] / focal
     # The outermost pixel belongs to a region that covers its centre.
@@ -312,11 +312,11 @@ def _silhouette(
     hits, y, z, ends = _scanned(views, window, samples, patch)
     if hits > 0:
         area = hits * (right - left) * (top - bottom) / samples**2
-        found[0] = area * focal * focal
-        found[1] = focal * (aside - y)
-        found[2] = focal * (above - z)
+        shapes[0] = area * focal * focal
+        shapes[1] = focal * (aside - y)
+        shapes[2] = focal * (above - z)
         sideways = ends[0] <= -rim_y or ends[1] >= rim_y
-        found[3] = sideways or ends[2] <= -rim_z or ends[3] >= rim_z
+        shapes[3] = sideways or ends[2] <= -rim_z or ends[3] >= rim_z
 
 
 @compiled_once
@@ -330,7 +330,7 @@ def silhouettes(
     cameras: Floats,
     rows: Rows,
     lenses: Floats,
-    found: Floats,
+    shapes: Floats,
 ) -> bool:
     """Find what pinhole cameras see of solids, which all of them, and parts of links, may hide.
 
@@ -347,7 +347,7 @@ def silhouettes(
         cameras: their placements, with the axes ahead, left and up, among others, shape (n, 12).
         rows: which of these are the cameras', shape (c,).
         lenses: focal length, width and height of each camera's image, px, shape (c, 3).
-        found: takes visible area, px; column and row of its centroid, px; and 1 where it touches
+        shapes: takes visible area, px; column and row of its centroid, px; and 1 where it touches
             the image's border; zeros where nothing is seen; shape (c, n, 4).
 
     Returns:
@@ -367,7 +367,7 @@ def silhouettes(
         for index in range(len(targets)):
             target, samples = targets[index, 0], targets[index, 1]
             for i in range(4):
-                found[which, index, i] = 0.0
+                shapes[which, index, i] = 0.0
             _view(solids[target], camera, views[0])
             left, right = max(views[0, 16], -aside), min(views[0, 17], aside)
             bottom, top = max(views[0, 18], -above), min(views[0, 19], above)
@@ -379,6 +379,6 @@ def silhouettes(
             window = (left, right, bottom, top)
             count = _relevant(solids, camera, target, window, views)
             patch = (patches[index, 0], patches[index, 1], patches[index, 2], patches[index, 3])
-            _silhouette(views[:count], window, samples, patch, lens, found[which, index])
-            seen |= found[which, index, 0] > 0.0
+            _silhouette(views[:count], window, samples, patch, lens, shapes[which, index])
+            seen |= shapes[which, index, 0] > 0.0
     return seen

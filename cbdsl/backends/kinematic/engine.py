@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from cbdsl.backends.kinematic.handling import Handling
-from cbdsl.backends.kinematic.hands import Contact, Hands
+from cbdsl.backends.kinematic.hands import FingertipContact, Hands
+from cbdsl.backends.kinematic.manipulation import Manipulation
 from cbdsl.backends.kinematic.servos import Servos
 from cbdsl.backends.kinematic.tree import Tree
 from cbdsl.backends.kinematic.world import World
@@ -43,16 +43,16 @@ class KinematicEngine(Engine):
         self._tree.update(positions)
         self._world = World()
         self.objects = self._world.objects
-        self._handling = Handling(self._world, self._hands)
+        self._manipulation = Manipulation(self._world, self._hands)
 
     def step(self, targets: Floats) -> None:
         """See ``Engine``."""
         before = self._positions
         self._positions, self._velocities = self._servos.follow(before, targets)
-        self._handling.move(self._period)
-        if self._handling.touch():
+        self._manipulation.move(self._period)
+        if self._manipulation.touch():
             self._hold_back(before)
-        self._wrenches = self._handling.press()
+        self._wrenches = self._manipulation.press()
 
     def _hold_back(self, before: Floats) -> None:
         """Hold back the joints of fingertips that push what they cannot push away.
@@ -61,11 +61,11 @@ class KinematicEngine(Engine):
         fingers share, another one may go deeper: all are asked again until nobody does.
         """
         wanted, share = self._positions, np.ones(len(before))
-        while self._handling.hold_back(share):
+        while self._manipulation.hold_back(share):
             self._positions = before + share * (wanted - before)
             self._velocities = (self._positions - before) / self._period
             self._tree.update(self._positions)
-            self._handling.touch()
+            self._manipulation.touch()
 
     def read(self) -> tuple[Floats, Floats]:
         """See ``Engine``."""
@@ -92,9 +92,9 @@ class KinematicEngine(Engine):
         return self._tree.placements
 
     @property
-    def contacts(self) -> list[Contact]:
+    def contacts(self) -> list[FingertipContact]:
         """Contacts of all fingertips, as of the last step."""
-        return self._handling.contacts
+        return self._manipulation.contacts
 
     def pose(self, name: str) -> Pose:
         """See ``Engine``."""
@@ -106,7 +106,7 @@ class KinematicEngine(Engine):
 
     def touched(self, name: str) -> bool:
         """Whether any fingertip touches an object, as of the last step."""
-        return self._handling.touches(name)
+        return self._manipulation.touches(name)
 
     def add(self, item: SceneObject) -> None:
         """See ``Engine``."""

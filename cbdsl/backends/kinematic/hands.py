@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from cbdsl.backends.cameras.limbs import solid_shapes
 from cbdsl.backends.kinematic.depths import depths
-from cbdsl.backends.kinematic.thing import Thing
+from cbdsl.backends.kinematic.kinematic_object import KinematicObject
 from cbdsl.backends.kinematic.tree import Tree
 from cbdsl.backends.kinematic.world import World
 from cbdsl.backends.staging.pose import Pose
@@ -62,7 +62,7 @@ class Hand:
     fingertips: tuple[Fingertip, ...]
 
 
-class Contact(NamedTuple):
+class FingertipContact(NamedTuple):
     """A fingertip pressed into something.
 
     Attributes:
@@ -76,7 +76,7 @@ class Contact(NamedTuple):
 
     hand: str
     fingertip: Fingertip
-    thing: Thing
+    thing: KinematicObject
     depth: float
     point: Floats
     normal: Floats
@@ -154,29 +154,29 @@ class Hands:
         middle = (one.position + other.position) / 2
         return Pose(middle, np.column_stack((x, y, np.cross(x, y))))
 
-    def touch(self, world: World, found: Floats) -> bool:
+    def touch(self, world: World, contacts: Floats) -> bool:
         """Find how deep all fingertips are in all things and fixtures.
 
         Args:
             world: where these are.
-            found: takes depths, points and normals, as ``depths`` has them, shape (fingertips,
+            contacts: takes depths, points and normals, as ``depths`` has them, shape (fingertips,
                 things, 7).
 
         Returns:
             Whether any fingertip touches anything.
         """
-        return depths(world.solids, self._tree.placements, self._carriers, self._balls, found)
+        return depths(world.solids, self._tree.placements, self._carriers, self._balls, contacts)
 
-    def contact(self, index: int, thing: Thing, found: Floats) -> Contact:
+    def contact(self, index: int, thing: KinematicObject, contacts: Floats) -> FingertipContact:
         """The contact of the fingertip of that index with something.
 
         Args:
             index: among all fingertips.
             thing: that is touched.
-            found: depth, point and normal, shape (7,).
+            contacts: depth, point and normal, shape (7,).
         """
         hand, tip = self._fingertips[index]
-        return Contact(hand, tip, thing, float(found[0]), found[1:4], found[4:])
+        return FingertipContact(hand, tip, thing, float(contacts[0]), contacts[1:4], contacts[4:])
 
 
 def _ball(link: UrdfLink) -> tuple[Floats, float]:

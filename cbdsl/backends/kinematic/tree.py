@@ -67,7 +67,7 @@ class Tree:
         place(positions, *self.chain)
 
     def pose(self, link: str) -> Pose:
-        """Where a link is, until the next update changes it."""
+        """Pose of a link, until the next update changes it."""
         return self._poses[link]
 
 

@@ -8,10 +8,10 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 
 from cbdsl.backends.staging.scenario import SceneObject
-from cbdsl.backends.staging.shape import Shape
+from cbdsl.backends.staging.shape import SolidShape
 from cbdsl.backends.staging.world_state import Part
 from cbdsl.documents.stage import Pattern, Spot
-from cbdsl.robot.urdf import Origin
+from cbdsl.robot.urdf import UrdfOrigin
 
 # How far a print stands out of its side, so that what is in front of what stays clear, m.
 _THICKNESS = 1e-4
@@ -22,8 +22,8 @@ _CENTRE, _UNTURNED = (0.0, 0.0, 0.0), (0.0, 0.0, 0.0, 1.0)
 _NORMALS = {"-x": (-1, 0, 0), "+x": (1, 0, 0), "-y": (0, -1, 0), "+y": (0, 1, 0)}
 #: Turns that lay a cylinder, which stands along z, along x or y.
 LYING = {
-    "x": Origin(rpy=(0.0, math.pi / 2, 0.0)),
-    "y": Origin(rpy=(math.pi / 2, 0.0, 0.0)),
+    "x": UrdfOrigin(rpy=(0.0, math.pi / 2, 0.0)),
+    "y": UrdfOrigin(rpy=(math.pi / 2, 0.0, 0.0)),
 }
 
 
@@ -38,7 +38,7 @@ def parts_of(item: SceneObject) -> list[Part]:
     return parts
 
 
-def _size(shape: Shape) -> tuple[float, ...]:
+def _size(shape: SolidShape) -> tuple[float, ...]:
     """The size of a shape as ``Part`` has it."""
     a, b, c = shape.halves
     if shape.kind == "ball":
@@ -46,7 +46,7 @@ def _size(shape: Shape) -> tuple[float, ...]:
     return (2 * a, 2 * b, 2 * c) if shape.kind == "box" else (a, 2 * c)
 
 
-def _spot(shape: Shape, spot: Spot) -> Part:
+def _spot(shape: SolidShape, spot: Spot) -> Part:
     """A spot: of a ball the part of another ball that stands out of it, of a box a disc."""
     normal, height = np.array(_NORMALS[spot.face], dtype=np.float64), shape.spot_height()
     if shape.kind == "ball":

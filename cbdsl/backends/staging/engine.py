@@ -66,7 +66,7 @@ class Engine(ABC):
     @property
     @abstractmethod
     def placements(self) -> Floats:
-        """Of all links: rotation, row by row, then position, m, shape (links, 12)."""
+        """Rotation, row by row, then position, m, of all links, shape (links, 12)."""
 
     @abstractmethod
     def add(self, item: SceneObject) -> None:

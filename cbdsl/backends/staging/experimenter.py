@@ -6,7 +6,13 @@ from collections.abc import Iterator
 
 from cbdsl.backends.staging.engine import Engine
 from cbdsl.backends.staging.scenario import Scenario
-from cbdsl.backends.staging.scripted_action import Carry, Hold, Return, ScriptedAction, Throw
+from cbdsl.backends.staging.scripted_action import (
+    CarryAction,
+    HoldAction,
+    ReturnAction,
+    ScriptedAction,
+    ThrowAction,
+)
 
 
 class Experimenter:
@@ -31,12 +37,12 @@ class Experimenter:
 
     def _planned(self, scenario: Scenario, name: str) -> Iterator[ScriptedAction]:
         if scenario.held_until is not None:
-            yield Hold(self._engine, name, scenario.held_until)
+            yield HoldAction(self._engine, name, scenario.held_until)
         if scenario.movement is not None:
-            action = Throw if scenario.movement.thrown else Carry
+            action = ThrowAction if scenario.movement.thrown else CarryAction
             yield action(self._engine, name, scenario.movement)
         if scenario.returned_after is not None:
-            yield Return(self._engine, name, scenario.returned_after)
+            yield ReturnAction(self._engine, name, scenario.returned_after)
 
     def act(self, time: float) -> None:
         """Act at this time since the episode began, s."""

@@ -20,7 +20,7 @@ Triple = tuple[float, float, float]
 _LEVER = 0.012
 
 
-class Touch(NamedTuple):
+class ContactPoint(NamedTuple):
     """One contact point of a fingertip.
 
     Attributes:
@@ -39,7 +39,7 @@ class Touch(NamedTuple):
 
 
 def sum_wrenches(
-    cells: tuple[Cell, ...], touches: Sequence[Touch], origins: Mapping[Cell, Triple]
+    cells: tuple[Cell, ...], touches: Sequence[ContactPoint], origins: Mapping[Cell, Triple]
 ) -> Floats:
     """Wrench of each fingertip on the world, world frame, shape (cells, 6).
 

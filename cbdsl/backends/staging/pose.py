@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from cbdsl.robot.urdf import Origin
+from cbdsl.robot.urdf import UrdfOrigin
 
 Floats = NDArray[np.float64]
 
@@ -50,7 +50,7 @@ class Pose:
         return cls(np.zeros(3), rotations(quaternion))
 
     @classmethod
-    def at(cls, origin: Origin) -> Pose:
+    def at(cls, origin: UrdfOrigin) -> Pose:
         """From a URDF's notation."""
         roll, pitch, yaw = origin.rpy
         turned = cls.turned(_Z, yaw) @ cls.turned(_Y, pitch) @ cls.turned(_X, roll)

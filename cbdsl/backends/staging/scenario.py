@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from cbdsl.backends.backend import BackendError
 from cbdsl.backends.staging.pose import Pose
-from cbdsl.backends.staging.shape import Shape
+from cbdsl.backends.staging.shape import SolidShape
 from cbdsl.backends.staging.span import draw
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.documents.stage import Context, Motion, Place, StageDocument, Surface
@@ -39,7 +39,7 @@ class SceneObject(NamedTuple):
     """
 
     name: str
-    shape: Shape
+    shape: SolidShape
     surface: Surface
     mass: float
     pose: Pose
@@ -61,7 +61,7 @@ class Movement(NamedTuple):
 
 @dataclass(frozen=True)
 class Scenario:
-    """What one episode shows; times are since it began, s.
+    """Objects and events of one episode; times are since it began, s.
 
     Attributes:
         fixtures: objects that do not move.
@@ -125,7 +125,7 @@ class ScenarioSampler:
     def _fixtures(self) -> tuple[SceneObject, ...]:
         fixtures = []
         for name, fixture in self._stage.fixtures.items():
-            shape = Shape.draw(fixture.form, self._rng)
+            shape = SolidShape.draw(fixture.form, self._rng)
             pose = Pose(np.array(fixture.position), np.eye(3))
             fixtures.append(SceneObject(name, shape, fixture, 0.0, pose))
         return tuple(fixtures)
@@ -135,7 +135,7 @@ class ScenarioSampler:
     ) -> SceneObject:
         name = context.things[int(self._rng.integers(len(context.things)))]
         thing = self._named(self._stage.things, name, "thing")
-        shape = Shape.draw(thing.form, self._rng)
+        shape = SolidShape.draw(thing.form, self._rng)
         mass = draw(thing.mass, self._rng)
         pose = self._pose(place, shape.half_height, fixtures)
         return SceneObject(name, shape, thing, mass, pose)

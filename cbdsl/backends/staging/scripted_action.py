@@ -23,7 +23,7 @@ class ScriptedAction(Protocol):
         ...
 
 
-class Hold:
+class HoldAction:
     """Hold an object still, whatever presses against it, until a time, s."""
 
     def __init__(self, engine: Engine, name: str, until: float) -> None:
@@ -38,7 +38,7 @@ class Hold:
         return over
 
 
-class Carry:
+class CarryAction:
     """Carry an object along at a constant horizontal velocity until the robot touches it."""
 
     def __init__(self, engine: Engine, name: str, movement: Movement) -> None:
@@ -61,7 +61,7 @@ class Carry:
         return False
 
 
-class Throw:
+class ThrowAction:
     """Give an object a velocity once."""
 
     def __init__(self, engine: Engine, name: str, movement: Movement) -> None:
@@ -75,7 +75,7 @@ class Throw:
         return due
 
 
-class Return:
+class ReturnAction:
     """Put an object back where it was shown, a while after it fell from there."""
 
     def __init__(self, engine: Engine, name: str, delay: float) -> None:

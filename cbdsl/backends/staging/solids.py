@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cbdsl.backends.staging.pose import Pose
-from cbdsl.backends.staging.shape import Shape
+from cbdsl.backends.staging.shape import SolidShape
 from cbdsl.numeric.compiled import compiled
 
 Floats = NDArray[np.float64]
@@ -22,7 +22,7 @@ WIDTH = 16
 HALVES, POSITION, ROTATION = slice(1, 4), slice(4, 7), slice(7, 16)
 
 
-def placed(shape: Shape, pose: Pose) -> Floats:
+def placed(shape: SolidShape, pose: Pose) -> Floats:
     """Row of a shape at a pose, shape (16,)."""
     solid = np.empty(WIDTH)
     solid[0], solid[HALVES] = _NUMBERS[shape.kind], shape.halves

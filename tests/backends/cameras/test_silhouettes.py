@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from cbdsl.backends.cameras.silhouettes import WHOLE, silhouettes
 from cbdsl.backends.staging.pose import Pose
-from cbdsl.backends.staging.shape import Shape
+from cbdsl.backends.staging.shape import SolidShape
 from cbdsl.backends.staging.solids import WIDTH, placed
 from tests.backends.kinematic.shapes import SHAPES, inside, turned
 
@@ -80,7 +80,7 @@ def test_a_patch_is_seen_from_its_side_alone_and_round(axis: float, side: float,
 
 def test_what_reaches_the_border_is_clipped() -> None:
     border = LENS[1] / 2 / LENS[0]
-    ball = Shape.ball(0.05)
+    ball = SolidShape.ball(0.05)
     for aside, whole in ((border - 0.07, True), (border - 0.03, False), (border, False)):
         row = seen(placed(ball, Pose(np.array([1.0, aside, 0.0]), AHEAD)))
         assert row[3] != whole
@@ -90,8 +90,8 @@ def test_what_reaches_the_border_is_clipped() -> None:
 
 
 def test_what_is_before_a_thing_hides_it_and_what_is_behind_does_not() -> None:
-    ball = placed(Shape.ball(0.05), Pose(np.array([1.0, 0.0, 0.0]), AHEAD))
-    board = Shape("box", (0.001, 0.1, 0.1))
+    ball = placed(SolidShape.ball(0.05), Pose(np.array([1.0, 0.0, 0.0]), AHEAD))
+    board = SolidShape("box", (0.001, 0.1, 0.1))
     free = seen(ball)
     half = seen(ball, placed(board, Pose(np.array([0.8, 0.1, 0.0]), AHEAD)))
     assert half[0] == pytest.approx(free[0] / 2, rel=0.02)
@@ -108,7 +108,7 @@ def test_what_a_thing_stands_on_hides_it_from_below_alone(name: str) -> None:
     for side in (1.0, -1.0):
         # The board's top is just below the thing where the camera looks at it from above.
         down = -side * tilted.T[2]
-        board = Shape("box", (0.3, 0.3, 0.01))
+        board = SolidShape("box", (0.3, 0.3, 0.01))
         below = place.position + (shape.half_height + 0.01) * down
         solid = placed(shape, Pose(place.position, tilted))
         free = seen(solid)
@@ -118,6 +118,8 @@ def test_what_a_thing_stands_on_hides_it_from_below_alone(name: str) -> None:
 
 
 def test_a_ball_looks_as_large_as_it_is() -> None:
-    area = seen(placed(Shape.ball(0.05), Pose(np.array([1.0, 0.0, 0.0]), AHEAD)), samples=24)[0]
+    area = seen(placed(SolidShape.ball(0.05), Pose(np.array([1.0, 0.0, 0.0]), AHEAD)), samples=24)[
+        0
+    ]
     tangent = math.tan(math.asin(0.05))
     assert area == pytest.approx(math.pi * (LENS[0] * tangent) ** 2, rel=0.01)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from cbdsl.backends.staging.load_cells import LoadCells, Touch, sum_wrenches
+from cbdsl.backends.staging.load_cells import ContactPoint, LoadCells, sum_wrenches
 from cbdsl.documents.robot import Contact, RobotDocument
 
 CELLS = (("hand", "a"), ("hand", "b"))
@@ -90,8 +90,8 @@ def test_a_reading_is_not_changed_by_the_next_sample() -> None:
 def test_contact_forces_are_summed_about_each_fingertip() -> None:
     one, other = CELLS
     touches = [
-        Touch(one, 0, (1.0, 0.0, 0.0), (0.0, 0.0, 2.0), 2.0),
-        Touch(one, 0, (0.0, 1.0, 0.0), (0.0, 0.0, 3.0), 3.0),
+        ContactPoint(one, 0, (1.0, 0.0, 0.0), (0.0, 0.0, 2.0), 2.0),
+        ContactPoint(one, 0, (0.0, 1.0, 0.0), (0.0, 0.0, 3.0), 3.0),
     ]
     sums = sum_wrenches(CELLS, touches, {one: (0.0, 0.0, 0.5), other: (9.0, 9.0, 9.0)})
     assert sums.tolist() == [[0, 0, 5, 3, -2, 0], [0] * 6]

@@ -12,7 +12,7 @@ from cbdsl.backends.staging.solids import POSITION, ROTATION, placed
 Floats = NDArray[np.float64]
 
 
-class Thing:
+class KinematicObject:
     """A fixture, or a thing that can be moved.
 
     Attributes:
@@ -36,12 +36,12 @@ class Thing:
 
     @property
     def position(self) -> Floats:
-        """Of its centre, m, shape (3,)."""
+        """Position of its centre, m, shape (3,)."""
         return self.solid[POSITION]
 
     @property
     def pose(self) -> Pose:
-        """Where it is now."""
+        """Its pose now."""
         return Pose(self.solid[POSITION].copy(), self.solid[ROTATION].reshape(3, 3).copy())
 
     def put(self, pose: Pose) -> None:
@@ -69,11 +69,11 @@ class Thing:
         """Whether it can roll over a level floor."""
         return self.shape.kind == "ball"
 
-    def sliding_friction(self, floor: Thing) -> float:
+    def sliding_friction(self, floor: KinematicObject) -> float:
         """Deceleration while it slides over a level floor, m/s^2."""
         return self.surface.friction * floor.surface.friction * GRAVITY
 
-    def resistance(self, floor: Thing) -> float:
+    def resistance(self, floor: KinematicObject) -> float:
         """Deceleration while it rolls, or slides if it cannot roll, on a level floor, m/s^2."""
         if not self.rolls:
             return self.sliding_friction(floor)

@@ -1,4 +1,4 @@
-"""Handling: how hands move the thing on show, and the contacts of their fingertips."""
+"""Manipulation: how hands move the object on show, and the contacts of their fingertips."""
 
 from __future__ import annotations
 
@@ -8,8 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cbdsl.backends.kinematic.grasp import STIFFNESS, Grasp
-from cbdsl.backends.kinematic.hands import Contact, Hands
-from cbdsl.backends.kinematic.thing import Thing
+from cbdsl.backends.kinematic.hands import FingertipContact, Hands
+from cbdsl.backends.kinematic.kinematic_object import KinematicObject
 from cbdsl.backends.kinematic.world import World
 from cbdsl.backends.staging.scenario import GRAVITY
 from cbdsl.numeric.compiled import compiled_once
@@ -23,7 +23,7 @@ _DEEPEST = 0.02
 _LEAST_SHARE = 0.1
 
 
-class Handling:
+class Manipulation:
     """Hands and the one thing that can be moved, in one episode.
 
     Attributes:
@@ -33,34 +33,34 @@ class Handling:
     def __init__(self, world: World, hands: Hands) -> None:
         self._world = world
         self._hands = hands
-        self._thing: Thing | None = None
+        self._thing: KinematicObject | None = None
         self._grasp: Grasp | None = None
         self._touching = False
         self._names: tuple[str, ...] = ()
         self._solids = world.solids
         # What ``Hands.touch`` finds, now and a tick ago.
-        self._found, self._before = np.zeros((2, len(hands.cells), 0, 7))
+        self._contacts, self._before = np.zeros((2, len(hands.cells), 0, 7))
         self._wrenches, self._nothing = np.zeros((2, len(hands.cells), 6))
 
     @property
-    def contacts(self) -> list[Contact]:
-        """Of all fingertips, as of the last step."""
+    def contacts(self) -> list[FingertipContact]:
+        """Contacts of all fingertips, as of the last step."""
         things = list(self._world.things.values())
         return [
-            self._hands.contact(tip, things[which], self._found[tip, which].copy())
-            for tip, which in np.argwhere(self._found[:, :, 0] > 0.0)
+            self._hands.contact(tip, things[which], self._contacts[tip, which].copy())
+            for tip, which in np.argwhere(self._contacts[:, :, 0] > 0.0)
         ]
 
     def touches(self, name: str) -> bool:
         """Whether a fingertip touches something, as of the last step."""
         touched = self._touching and name in self._names
-        return touched and bool((self._found[:, self._names.index(name), 0] > 0.0).any())
+        return touched and bool((self._contacts[:, self._names.index(name), 0] > 0.0).any())
 
     def move(self, period: float) -> None:
         """Let the thing go along with whoever holds it, or by itself, for ``period``, s."""
         if self._solids is not self._world.solids:
             self._match()
-        self._found, self._before = self._before, self._found
+        self._contacts, self._before = self._before, self._contacts
         thing, grasp = self._thing, self._grasp
         if thing is None or grasp is None or thing.name not in self._world.things:
             return
@@ -79,7 +79,7 @@ class Handling:
         Returns:
             Whether there are any.
         """
-        self._touching = self._hands.touch(self._world, self._found)
+        self._touching = self._hands.touch(self._world, self._contacts)
         return self._touching
 
     def _match(self) -> None:
@@ -88,7 +88,7 @@ class Handling:
         kept = [name for name in names if name in self._names]
         old = [self._names.index(name) for name in kept]
         new = [names.index(name) for name in kept]
-        for which in ("_found", "_before"):
+        for which in ("_contacts", "_before"):
             depths = np.zeros((len(self._hands.cells), len(names), 7))
             depths[:, new] = getattr(self, which)[:, old]
             setattr(self, which, depths)
@@ -107,7 +107,7 @@ class Handling:
         Returns:
             Whether any joint goes less far than before.
         """
-        return _held_back(self._found, self._before, self._hands.moving, share)
+        return _held_back(self._contacts, self._before, self._hands.moving, share)
 
     def press(self) -> Floats:
         """Let the fingertips press on what they touch.
@@ -121,7 +121,7 @@ class Handling:
             return self._nothing
         wrenches.fill(0.0)
         if self._touching:
-            _press(self._found, STIFFNESS, wrenches)
+            _press(self._contacts, STIFFNESS, wrenches)
         if thing is not None and grasp is not None:
             own = self._of(thing) if self._touching else []
             if own and not thing.gripped:
@@ -131,18 +131,18 @@ class Handling:
                 self._bear(thing, grasp, own, wrenches)
         return wrenches
 
-    def _of(self, thing: Thing) -> list[Contact]:
+    def _of(self, thing: KinematicObject) -> list[FingertipContact]:
         """The contacts with a thing that may have been taken away."""
         if thing.name not in self._names:
             return []
-        found = self._found[:, self._names.index(thing.name)]
+        contacts = self._contacts[:, self._names.index(thing.name)]
         return [
-            self._hands.contact(tip, thing, found[tip])
-            for tip, depth in enumerate(found[:, 0].tolist())
+            self._hands.contact(tip, thing, contacts[tip])
+            for tip, depth in enumerate(contacts[:, 0].tolist())
             if depth > 0.0
         ]
 
-    def _push(self, thing: Thing, contacts: list[Contact], grasp: Grasp) -> None:
+    def _push(self, thing: KinematicObject, contacts: list[FingertipContact], grasp: Grasp) -> None:
         """Move the thing sidewise until the fingertips' forces are what friction can balance."""
         force = sum((STIFFNESS * each.depth * each.normal for each in contacts), np.zeros(3))
         force[2] = 0.0
@@ -156,7 +156,13 @@ class Handling:
         stiffness = STIFFNESS * sum(float(each.normal @ along) ** 2 for each in contacts)
         thing.shift(excess / stiffness * along)
 
-    def _bear(self, thing: Thing, grasp: Grasp, contacts: list[Contact], wrenches: Floats) -> None:
+    def _bear(
+        self,
+        thing: KinematicObject,
+        grasp: Grasp,
+        contacts: list[FingertipContact],
+        wrenches: Floats,
+    ) -> None:
         """Add the weight of what is held in the air, shared evenly by the fingertips."""
         if thing.gripped or not grasp.holders or self._world.floor(thing) is not None:
             return
@@ -171,19 +177,19 @@ class Handling:
 
 
 @compiled_once
-def _held_back(found: Floats, before: Floats, moving: Booleans, share: Floats) -> bool:
+def _held_back(contacts: Floats, before: Floats, moving: Booleans, share: Floats) -> bool:
     """Lessen the shares, shape (n,), of joints whose fingertips are too deep and go deeper.
 
     Args:
-        found: depths, m, of fingertips in things, first of each row, shape (tips, things, 7).
+        contacts: depths, m, of fingertips in things, first of each row, shape (tips, things, 7).
         before: the same, a tick ago.
         moving: the joints of each fingertip, shape (tips, n).
-        share: as ``Handling.hold_back`` has it.
+        share: as ``Manipulation.hold_back`` has it.
     """
     blocked = np.zeros(len(share), np.bool_)
-    for tip in range(found.shape[0]):
-        for thing in range(found.shape[1]):
-            if found[tip, thing, 0] > max(_DEEPEST, before[tip, thing, 0]):
+    for tip in range(contacts.shape[0]):
+        for thing in range(contacts.shape[1]):
+            if contacts[tip, thing, 0] > max(_DEEPEST, before[tip, thing, 0]):
                 blocked |= moving[tip]
     less = False
     for joint in range(len(share)):
@@ -194,17 +200,17 @@ def _held_back(found: Floats, before: Floats, moving: Booleans, share: Floats) -
 
 
 @compiled_once
-def _press(found: Floats, stiffness: float, wrenches: Floats) -> None:
+def _press(contacts: Floats, stiffness: float, wrenches: Floats) -> None:
     """Add the force, N, of each fingertip on all that it touches, shape (tips, 6).
 
     Args:
-        found: depth, point and inward normal by fingertip and thing, shape (tips, things, 7).
+        contacts: depth, point and inward normal by fingertip and thing, shape (tips, things, 7).
         stiffness: of the fingertips, N/m.
         wrenches: takes the forces.
     """
-    for tip in range(found.shape[0]):
-        for thing in range(found.shape[1]):
-            depth = found[tip, thing, 0]
+    for tip in range(contacts.shape[0]):
+        for thing in range(contacts.shape[1]):
+            depth = contacts[tip, thing, 0]
             if depth > 0.0:
                 for i in range(3):
-                    wrenches[tip, i] += stiffness * depth * found[tip, thing, 4 + i]
+                    wrenches[tip, i] += stiffness * depth * contacts[tip, thing, 4 + i]
