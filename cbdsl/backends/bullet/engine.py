@@ -90,29 +90,23 @@ class BulletEngine(Engine):
         self._solids: Floats = np.empty((0, WIDTH))
 
     def begin(self, positions: Floats) -> None:
-        """See ``Engine``."""
         self._empty()
         self.robot.place(positions)
 
     def step(self, targets: Floats) -> None:
-        """See ``Engine``."""
         self.robot.drive(targets)
         p.stepSimulation(physicsClientId=self.client)
 
     def read(self) -> tuple[Floats, Floats]:
-        """See ``Engine``."""
         return self.robot.read()
 
     def efforts(self) -> Floats:
-        """See ``Engine``."""
         return self.robot.efforts()
 
     def close(self) -> None:
-        """See ``Engine``."""
         p.disconnect(physicsClientId=self.client)
 
     def add(self, item: SceneObject) -> None:
-        """See ``Engine``."""
         body = self._create(item)
         self.objects[item.name], self.bodies[item.name] = item, body
         p.changeDynamics(
@@ -151,14 +145,12 @@ class BulletEngine(Engine):
         self._solids = np.array(solids).reshape(len(solids), WIDTH)
 
     def remove(self, name: str) -> None:
-        """See ``Engine``."""
         del self.objects[name]
         p.removeBody(self.bodies.pop(name), physicsClientId=self.client)
         self._gather()
 
     @property
     def solids(self) -> Floats:
-        """See ``Engine``."""
         for solid, body in zip(self._solids, self.bodies.values(), strict=True):
             position, quaternion = p.getBasePositionAndOrientation(
                 body, physicsClientId=self.client
@@ -169,17 +161,14 @@ class BulletEngine(Engine):
 
     @property
     def placements(self) -> Floats:
-        """See ``Engine``."""
         return self.robot.placements()
 
     def pose(self, name: str) -> Pose:
-        """See ``Engine``."""
         return Pose.of(
             *p.getBasePositionAndOrientation(self.bodies[name], physicsClientId=self.client)
         )
 
     def velocity(self, name: str) -> Floats:
-        """See ``Engine``."""
         return np.array(p.getBaseVelocity(self.bodies[name], physicsClientId=self.client)[0])
 
     def attach(self, name: str) -> None:
@@ -202,7 +191,6 @@ class BulletEngine(Engine):
         self.lead(name, pose.position, np.zeros(3))
 
     def lead(self, name: str, position: Floats, velocity: Floats) -> None:
-        """See ``Engine``."""
         constraint, quaternion = self._held[name]
         p.changeConstraint(
             constraint,
@@ -213,18 +201,15 @@ class BulletEngine(Engine):
         )
 
     def release(self, name: str) -> None:
-        """See ``Engine``."""
         if name in self._held:
             p.removeConstraint(self._held.pop(name)[0], physicsClientId=self.client)
 
     def launch(self, name: str, velocity: Floats) -> None:
-        """See ``Engine``."""
         p.resetBaseVelocity(
             self.bodies[name], velocity.tolist(), [0, 0, 0], physicsClientId=self.client
         )
 
     def put_back(self, name: str, pose: Pose) -> None:
-        """See ``Engine``."""
         body, before = self.bodies[name], self.pose(name)
         velocity = p.getBaseVelocity(body, physicsClientId=self.client)
         self._put(body, pose, ([0, 0, 0], [0, 0, 0]))
@@ -237,7 +222,6 @@ class BulletEngine(Engine):
         p.resetBaseVelocity(body, *velocity, physicsClientId=self.client)
 
     def touched(self, name: str) -> bool:
-        """See ``Engine``."""
         contacts = p.getContactPoints(
             bodyA=self.robot.id, bodyB=self.bodies[name], physicsClientId=self.client
         )
@@ -262,7 +246,6 @@ class BulletEngine(Engine):
                 yield ContactPoint(cells[link_b], body_a, contact[6], *_force(contact, 1.0))
 
     def wrenches(self) -> Floats:
-        """See ``Engine``."""
         touches = self.touches()
         if not touches:
             return np.zeros((len(self.cells), 6))

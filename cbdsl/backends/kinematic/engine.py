@@ -38,7 +38,6 @@ class KinematicEngine(Engine):
         self.rows, self.cells = self._tree.rows, self._hands.cells
 
     def begin(self, positions: Floats) -> None:
-        """See ``Engine``."""
         self._positions, self._velocities = positions, np.zeros_like(positions)
         self._tree.update(positions)
         self._world = World()
@@ -46,7 +45,6 @@ class KinematicEngine(Engine):
         self._manipulation = Manipulation(self._world, self._hands)
 
     def step(self, targets: Floats) -> None:
-        """See ``Engine``."""
         before = self._positions
         self._positions, self._velocities = self._servos.follow(before, targets)
         self._manipulation.move(self._period)
@@ -68,11 +66,9 @@ class KinematicEngine(Engine):
             self._manipulation.touch()
 
     def read(self) -> tuple[Floats, Floats]:
-        """See ``Engine``."""
         return self._positions, self._velocities
 
     def wrenches(self) -> Floats:
-        """See ``Engine``."""
         return self._wrenches
 
     def efforts(self) -> None:
@@ -83,12 +79,10 @@ class KinematicEngine(Engine):
 
     @property
     def solids(self) -> Floats:
-        """See ``Engine``."""
         return self._world.solids
 
     @property
     def placements(self) -> Floats:
-        """See ``Engine``."""
         return self._tree.placements
 
     @property
@@ -97,11 +91,9 @@ class KinematicEngine(Engine):
         return self._manipulation.contacts
 
     def pose(self, name: str) -> Pose:
-        """See ``Engine``."""
         return self._world.things[name].pose
 
     def velocity(self, name: str) -> Floats:
-        """See ``Engine``."""
         return self._world.things[name].velocity.copy()
 
     def touched(self, name: str) -> bool:
@@ -109,15 +101,12 @@ class KinematicEngine(Engine):
         return self._manipulation.touches(name)
 
     def add(self, item: SceneObject) -> None:
-        """See ``Engine``."""
         self._world.add(item)
 
     def remove(self, name: str) -> None:
-        """See ``Engine``."""
         self._world.remove(name)
 
     def attach(self, name: str) -> None:
-        """See ``Engine``."""
         self._world.things[name].gripped = True
 
     def lead(self, name: str, position: Floats, velocity: Floats) -> None:
@@ -125,12 +114,10 @@ class KinematicEngine(Engine):
         self._world.things[name].launch(velocity)
 
     def release(self, name: str) -> None:
-        """See ``Engine``."""
         self._world.things[name].gripped = False
         self.launch(name, np.zeros(3))
 
     def launch(self, name: str, velocity: Floats) -> None:
-        """See ``Engine``."""
         self._world.things[name].launch(velocity)
 
     def put_back(self, name: str, pose: Pose) -> None:

@@ -8,7 +8,7 @@ import pytest
 from cbdsl.backends.backend import BackendError
 from cbdsl.backends.bullet.backend import BulletBackend
 from cbdsl.backends.bullet.tiny import TinyRenderer
-from cbdsl.backends.cameras import renderer as renderer_module
+from cbdsl.backends.cameras import opengl
 from cbdsl.backends.cameras.opengl import OpenGLRenderer
 from cbdsl.backends.cameras.renderer import make_renderer
 from cbdsl.backends.cameras.view import View
@@ -124,7 +124,7 @@ def _fail(model: UrdfModel) -> OpenGLRenderer:
 def test_without_opengl_auto_takes_the_simulators_own(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    monkeypatch.setattr(renderer_module, "OpenGLRenderer", _fail)
+    monkeypatch.setattr(opengl, "OpenGLRenderer", _fail)
     model, tiny = read_urdf(URDF), TinyRenderer(0)
     assert make_renderer("auto", model, lambda: tiny) is tiny
     with pytest.raises(BackendError, match=r"libEGL\.so\.1.*libegl1.*'auto' and 'tiny' do"):
