@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from collections.abc import Collection, Mapping
-from typing import NamedTuple, Protocol
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -32,14 +33,19 @@ class Chance(NamedTuple):
     noise: np.random.Generator
 
 
-class CameraSystem(Protocol):
+class CameraSystem(ABC):
     """All cameras of a robot.
 
-    Attributes:
+    Each is where the robot's model has it but for an error, drawn once in an episode: a distance
+    in a random direction and an angle about a random axis.
+
+    Args:
+        robot: names the cameras and their links.
         renderer: what makes the images, for people.
     """
 
-    renderer: str
+    def __init__(self, robot: RobotDocument, renderer: str) -> None:
+        self._robot, self._cameras, self.renderer = robot, robot.cameras, renderer
 
     def begin(
         self,
@@ -56,27 +62,17 @@ class CameraSystem(Protocol):
             channels: whose regions are looked for, all of them when ``None``.
             chance: draws errors and noise.
         """
-        ...
+        self._engine = engine
+        disturbed = disturbance.camera_position or disturbance.camera_rotation
+        names = self._cameras if disturbed else ()
+        self._errors = {name: _error(disturbance, chance.errors) for name in names}
 
+    @abstractmethod
     def take(self) -> Exposure:
         """Expose all cameras now."""
-        ...
 
-    def close(self) -> None:
+    def close(self) -> None:  # noqa: B027 (ideal ones hold nothing)
         """Free what makes the images."""
-        ...
-
-
-def draw_errors(
-    robot: RobotDocument, disturbance: Disturbance, rng: np.random.Generator
-) -> Mapping[str, Pose]:
-    """Errors of the cameras' poses in the frames of their links: none where all are exact.
-
-    An error is a distance in a random direction and an angle about a random axis.
-    """
-    if not (disturbance.camera_position or disturbance.camera_rotation):
-        return {}
-    return {name: _error(disturbance, rng) for name in robot.cameras}
 
 
 def _error(disturbance: Disturbance, rng: np.random.Generator) -> Pose:

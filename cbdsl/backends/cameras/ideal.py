@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from cbdsl.backends.cameras.camera_system import Chance, Exposure, draw_errors
+from cbdsl.backends.cameras.camera_system import CameraSystem, Chance, Exposure
 from cbdsl.backends.cameras.limbs import Limbs
 from cbdsl.backends.cameras.palette import Palette
 from cbdsl.backends.cameras.silhouettes import WHOLE, silhouettes
@@ -108,7 +108,7 @@ class _Scene:
         return {name for row, name in self._movable.items() if shifts[row] > _LEAST_MOTION}
 
 
-class IdealCameras:
+class IdealCameras(CameraSystem):
     """Cameras without noise of pixels and shading; see ``CameraSystem``.
 
     They see nothing that is printed on boxes but spots.
@@ -119,8 +119,7 @@ class IdealCameras:
     """
 
     def __init__(self, robot: RobotDocument, model: UrdfModel) -> None:
-        self.renderer = "ideal cameras" if robot.cameras else "nothing"
-        self._robot = robot
+        super().__init__(robot, "ideal cameras" if robot.cameras else "nothing")
         self._links = {name: camera.link for name, camera in robot.cameras.items()}
         self._lenses = np.array(
             [
@@ -140,12 +139,11 @@ class IdealCameras:
         chance: Chance,
     ) -> None:
         """Begin an episode."""
-        self._engine = engine
+        super().begin(engine, disturbance, channels, chance)
         every = tuple(channel_names(self._robot.vision.channels))
         self._channels = every if channels is None else channels
         self._rows = np.array([engine.rows[link] for link in self._links.values()], np.intp)
         self._carriers = np.array([engine.rows[link] for link in self._limbs.links], np.intp)
-        self._errors = draw_errors(self._robot, disturbance, chance.errors)
         self._scene: _Scene | None = None
 
     def take(self) -> Exposure:
@@ -185,9 +183,6 @@ class IdealCameras:
             pose = Pose(own[9:], own[:9].reshape(3, 3)) @ self._errors[name]
             own[:9], own[9:] = pose.rotation.ravel(), pose.position
         return placements
-
-    def close(self) -> None:
-        """Nothing is held."""
 
 
 def _regions(

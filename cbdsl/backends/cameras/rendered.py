@@ -6,7 +6,7 @@ from collections.abc import Collection, Mapping
 
 import numpy as np
 
-from cbdsl.backends.cameras.camera_system import Chance, Exposure, draw_errors
+from cbdsl.backends.cameras.camera_system import CameraSystem, Chance, Exposure
 from cbdsl.backends.cameras.renderer import Renderer
 from cbdsl.backends.cameras.view import View
 from cbdsl.backends.staging.engine import Engine
@@ -15,7 +15,7 @@ from cbdsl.documents.stage import Disturbance
 from cbdsl.sensing.observation import Image
 
 
-class RenderedCameras:
+class RenderedCameras(CameraSystem):
     """Cameras whose images a renderer makes; see ``CameraSystem``.
 
     Args:
@@ -24,8 +24,8 @@ class RenderedCameras:
     """
 
     def __init__(self, robot: RobotDocument, renderer: Renderer) -> None:
-        self._robot, self._cameras = robot, robot.cameras
-        self._renderer, self.renderer = renderer, renderer.name
+        super().__init__(robot, renderer.name)
+        self._renderer = renderer
 
     def begin(
         self,
@@ -35,8 +35,7 @@ class RenderedCameras:
         chance: Chance,
     ) -> None:
         """Begin an episode; images hold all channels."""
-        self._engine = engine
-        self._errors = draw_errors(self._robot, disturbance, chance.errors)
+        super().begin(engine, disturbance, channels, chance)
         self._deviation, self._noise = disturbance.image_noise, chance.noise
 
     def views(self) -> dict[str, View]:
