@@ -79,8 +79,8 @@ def _show(
         print_table(title, rows)
 
 
-def _described(told: tuple[str, str]) -> dict[str, str]:
-    words, unit = told
+def _described(description: tuple[str, str]) -> dict[str, str]:
+    words, unit = description
     return {"unit": unit, "meaning": words}
 
 

@@ -64,10 +64,10 @@ def resources(robot: RobotDocument) -> dict[str, Resource]:
     ``group.net_forces``                      force x members      environment
     ========================================  ===================  ==============
     """
-    found: dict[str, Resource] = {}
+    by_name: dict[str, Resource] = {}
     for some in (_effectors(robot), _loads(robot), _vision(robot), _groups(robot)):
-        found.update((resource.name, resource) for resource in some)
-    return found
+        by_name.update((resource.name, resource) for resource in some)
+    return by_name
 
 
 def _effectors(robot: RobotDocument) -> Iterator[Resource]:
