@@ -10,21 +10,18 @@ from stopwatch import Stages
 
 from cbdsl.checking.program import check_program
 from cbdsl.control.composition import compose
-from cbdsl.control.crew import Crew
 from cbdsl.control.law import Law, LawSettings, Step
+from cbdsl.control.plan import ControllerPlan
 from cbdsl.control.signal import Floats
 from cbdsl.control.stack import Stack
-from cbdsl.control.task import Task
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.program.checked import CheckedProgram
 from cbdsl.runtime.actuation import Actuation
-from cbdsl.runtime.controller_run import ControllerRun
 from cbdsl.runtime.episode import resources_of
 from cbdsl.runtime.program_run import ProgramRun
 from cbdsl.sensing.kinematics import Kinematics
-from cbdsl.sensing.observation import Observation
+from cbdsl.sensing.observation import Loads, Observation
 from cbdsl.sensing.signals import Signals
-from cbdsl.sensing.tips import Tips
 from cbdsl.yaml_text.library import Library
 
 ROOT = Path(__file__).parents[1]
@@ -36,21 +33,17 @@ CYCLES = 90  # a restart: 1.5 s, before the program changes its action
 #: A Jacobian (k, n) and a displacement of its task coordinates (k,), highest priority first.
 Rows = Sequence[tuple[Floats, Floats]]
 
-#: The methods that ``control_cycle.py`` clocks; ``bounds`` is moving beside controllers and law.
+#: The methods that ``control_cycle.py`` clocks.
 CYCLE_STAGES: Stages = {
     "signals": [(Signals, "update")],
-    "controllers": [(ControllerRun, "sense"), (Crew, "act")],
-    "law": [(Law, "advance")],
-    "bounds": [(Actuation, "move")],
+    "tick": [(Actuation, "move")],
     "program": [(ProgramRun, "advance")],
 }
 #: The methods that ``control_peers.py`` clocks.
 PATH_STAGES: Stages = {
-    "kinematics": [(Kinematics, "update"), (Kinematics, "point"), (Kinematics, "curvature")],
-    "signals": [(Signals, "update"), (Signals, "read"), (Tips, "manipulator")],
-    "levels": [(Crew, "act"), (Task, "act")],
-    "law": [(Law, "advance")],
-    "runtime": [(ControllerRun, "sense"), (Actuation, "move")],
+    "kinematics": [(Kinematics, "update"), (Kinematics, "place")],
+    "signals": [(Signals, "update")],
+    "tick": [(Actuation, "move")],
 }
 
 
@@ -69,7 +62,8 @@ def law(sizes: Sequence[int], joints: int) -> Callable[[Rows, Floats], Floats]:
     stack = Stack([(str(place), size) for place, size in enumerate(sizes)], joints)
     step = Step.of(stack)
     stack.ages[:] = 1  # levels without a past
-    parts = rule._parts_of(stack, step)
+    limits, guards = rule.arrays
+    results = step.displacement, step.locked, step.singular_values
     spans = [slice(*span) for span in zip(stack.starts, stack.ends, strict=True)]
     rows, wanted = stack.rows[stack.newest], stack.wanted
 
@@ -77,7 +71,17 @@ def law(sizes: Sequence[int], joints: int) -> Callable[[Rows, Floats], Floats]:
         for span, (jacobian, displacement) in zip(spans, levels, strict=True):
             rows[span] = jacobian
             wanted[span] = displacement
-        compose(q, stack.newest, *parts)
+        compose(
+            q,
+            stack.newest,
+            stack.rows,
+            stack.ages,
+            wanted,
+            stack.ends,
+            limits,
+            *guards[:3],
+            *results,
+        )
         return step.displacement
 
     return solve
@@ -102,9 +106,10 @@ class TwoArms:
         kinematics = Kinematics(robot, folder / "two_arms.urdf")
         self._signals = Signals(robot, kinematics, ())
         self._still = np.zeros(len(self._signals.joints))
-        run = ProgramRun(program, self._signals, period)
+        plan = ControllerPlan()
+        run = ProgramRun(program, self._signals, plan, period)
         run.begin(np.random.default_rng(0), lambda transition: None)
-        self._actuation = Actuation(robot, self._signals, period)
+        self._actuation = Actuation(robot, self._signals, plan, period)
         self._actuation.reset(self._still)
         self._signals.update(Observation(0.0, self._still, self._still, {}, {}))
         run.activate()
@@ -115,10 +120,10 @@ class TwoArms:
 
     def tick(self, q: Floats) -> Floats:
         """Joint references for joint positions."""
-        self._actuation.reference = q
+        self._actuation.reference[:] = q
         self._signals.update(Observation(0.0, q, self._still, {}, {}))
         self._actuation.move(self._active)
-        return self._actuation.reference
+        return self._actuation.reference.copy()
 
 
 class DexterCycle:
@@ -155,9 +160,10 @@ class DexterCycle:
         signals.reset()
         for memory in signals.vision.memories.values():
             memory.see(0.0, BALL, SIZES)
-        self._run = ProgramRun(self._program, signals, self._period)
+        plan = ControllerPlan()
+        self._run = ProgramRun(self._program, signals, plan, self._period)
         self._run.begin(np.random.default_rng(0), lambda transition: None)
-        self._actuation = Actuation(self._robot, signals, self._period)
+        self._actuation = Actuation(self._robot, signals, plan, self._period)
         self._actuation.reset(positions)
         signals.update(self._observation(0.0, np.zeros(6)))  # the load cells' zero
         self._run.activate()
@@ -168,11 +174,10 @@ class DexterCycle:
 
     def _observation(self, time: float, load: Floats) -> Observation:
         positions = self._actuation.reference.copy()
-        loads = {
-            (hand, finger): load
-            for hand, fingers in self._robot.load_cells.items()
-            for finger in fingers
-        }
+        cells = tuple(
+            (hand, finger) for hand, cells in self._robot.load_cells.items() for finger in cells
+        )
+        loads = Loads(cells, np.tile(load, (len(cells), 1)))
         return Observation(time, positions, np.zeros(len(positions)), loads, {})
 
     def tick(self, observation: Observation) -> None:

@@ -12,7 +12,7 @@ from cbdsl.program.checked import Action, CheckedProgram
 
 
 class Actions:
-    """What the policy of one program can choose from.
+    """The actions that the policy of one program chooses from.
 
     Args:
         context: the program.
@@ -20,7 +20,7 @@ class Actions:
         programs: those that it uses, by name.
 
     Attributes:
-        members: what a state has a predicate for: the actions of a single term.
+        members: the actions of a single term; a state has one predicate for each.
         are_read: whether every action could be read, and is there once.
         lack_a_member: whether the policy chooses something that a state would have a letter for.
     """
@@ -54,7 +54,7 @@ class Actions:
 
     def _read(self) -> list[tuple[Expression, Steps]]:
         """The actions that can be parsed, with their paths."""
-        found: dict[str, tuple[Expression, Steps]] = {}
+        actions: dict[str, tuple[Expression, Steps]] = {}
         is_cut = False
         for i, text in enumerate(self._context.document.actions):
             steps: Steps = ("actions", i)
@@ -65,11 +65,11 @@ class Actions:
             expression = self._context.parse(text, steps)
             if expression is None:
                 continue
-            if str(expression) in found:
+            if str(expression) in actions:
                 place = self._context.source.place(*steps)
                 self._context.add("CB607", place, name=str(expression))
-            found.setdefault(str(expression), (expression, steps))
-        return list(found.values())
+            actions.setdefault(str(expression), (expression, steps))
+        return list(actions.values())
 
     def check(self) -> list[Action | None]:
         """The actions in their order, ``None`` for those with faults."""

@@ -20,11 +20,11 @@ def causes_first(findings: Iterable[Diagnostic], library: Library) -> list[Diagn
         library: where these found each other.
     """
     by_file: dict[Path, list[Diagnostic]] = {}
-    for found in sorted(findings, key=lambda found: (found.place, found.code)):
-        by_file.setdefault(library.real(Path(found.place.file)), []).append(found)
+    for finding in sorted(findings, key=lambda finding: (finding.place, finding.code)):
+        by_file.setdefault(library.real(Path(finding.place.file)), []).append(finding)
     if len(by_file) < 2:
-        return [found for some in by_file.values() for found in some]
-    return [found for file in _named_first(by_file, library) for found in by_file.get(file, ())]
+        return [finding for some in by_file.values() for finding in some]
+    return [finding for file in _named_first(by_file, library) for finding in by_file.get(file, ())]
 
 
 def _named_first(files: Iterable[Path], library: Library) -> Iterable[Path]:

@@ -179,12 +179,12 @@ class Compositions:
 
     def wrong_arity(self, term: Term, steps: Steps, parameters: tuple[str, ...]) -> None:
         """Report a call with too many or too few arguments."""
-        found = len(term.arguments)
+        given = len(term.arguments)
         names = f" ({', '.join(parameters)})" if parameters else ""
         self._context.add(
             "CB403",
             self._context.at(steps, term.span),
             name=term.name,
             wanted=count(len(parameters), "argument") + names,
-            found=f"{found or 'none'} {'is' if found <= 1 else 'are'}",
+            found=f"{given or 'none'} {'is' if given <= 1 else 'are'}",
         )

@@ -21,7 +21,7 @@ Steps = tuple[Step, ...]
 
 
 class ProgramContext:
-    """What every check of one program needs.
+    """One program, its robot and its scope, as every check of it needs them.
 
     Args:
         loaded: the program's document.

@@ -55,7 +55,7 @@ def check_program(loaded: Loaded[ProgramDocument], session: Session, findings: F
 
 
 def _named_like_its_file(loaded: Loaded[Document], findings: Findings) -> None:
-    """What is on a disk is found by its file's name; what an editor holds may not have one."""
+    """Documents on a disk are found by their files' names; those of an editor may have none."""
     name, path = loaded.document.name, loaded.path
     if name not in (path.stem, UNKNOWN) and path.is_file():
         findings.add("CB704", loaded.source.place("name"), name=name, file=path.name)

@@ -39,34 +39,34 @@ class Findings:
     @property
     def failed(self) -> bool:
         """Whether there is an error among them."""
-        return any(found.is_error for found in self._found)
+        return any(finding.is_error for finding in self._found)
 
     def holds(self, codes: Collection[str]) -> bool:
         """Whether there is one of some codes among them."""
-        return any(found.code in codes for found in self._found)
+        return any(finding.code in codes for finding in self._found)
 
     def sorted(self) -> tuple[Diagnostic, ...]:
         """All of them by place, and what shows in several places once."""
         firsts: dict[tuple[str, str, str], Diagnostic] = {}
         places: dict[Diagnostic, list[Place]] = {}
-        for found in sorted(self._found, key=lambda found: (found.place, found.code)):
+        for finding in sorted(self._found, key=lambda finding: (finding.place, finding.code)):
             # Of resources, all that begin with the same unknown name are missed for one cause.
-            what = found.given if found.code == "CB501" else found.message
-            key = (found.place.file, found.code, what)
-            first = firsts.setdefault(key, found) if found.code in _REPEATED else found
+            what = finding.given if finding.code == "CB501" else finding.message
+            key = (finding.place.file, finding.code, what)
+            first = firsts.setdefault(key, finding) if finding.code in _REPEATED else finding
             others = places.setdefault(first, [])
             # What was told of a document may come by several ways, put together or not.
             known = (first.place, *(related.place for related in first.related))
-            if found.place not in known:
-                others.append(found.place)
+            if finding.place not in known:
+                others.append(finding.place)
         return tuple(_with(first, others) for first, others in places.items())
 
 
-def _with(found: Diagnostic, others: list[Place]) -> Diagnostic:
+def _with(finding: Diagnostic, others: list[Place]) -> Diagnostic:
     """A finding that speaks of the other places where it shows."""
     if not others:
-        return found
-    told = [Related(place, "and here") for place in others[:_MOST_PLACES]]
-    if more := len(others) - len(told):
-        told[-1] = told[-1]._replace(message=f"and here, and in {count(more, 'more place')}")
-    return found._replace(related=(*found.related, *told))
+        return finding
+    related = [Related(place, "and here") for place in others[:_MOST_PLACES]]
+    if more := len(others) - len(related):
+        related[-1] = related[-1]._replace(message=f"and here, and in {count(more, 'more place')}")
+    return finding._replace(related=(*finding.related, *related))

@@ -19,7 +19,7 @@ from cbdsl.checking.unused import check_unused
 from cbdsl.checking.used_programs import Budget, UsedPrograms
 from cbdsl.documents.program import ProgramDocument
 from cbdsl.errors.errors import DiagnosticsError, UsageError
-from cbdsl.errors.nearest import meant
+from cbdsl.errors.nearest import suggestion
 from cbdsl.program.checked import Action, CheckedProgram
 from cbdsl.program.controller import Composition, Primitive
 from cbdsl.yaml_text.library import Library
@@ -58,7 +58,7 @@ def check_program(
 
 def _no_parameter(name: str, known: list[str]) -> str:
     listed = ", ".join(known) or "none"
-    return f"there is no parameter '{name}'{meant(name, known)} (known: {listed})"
+    return f"there is no parameter '{name}'{suggestion(name, known)} (known: {listed})"
 
 
 def examine_program(
@@ -123,8 +123,8 @@ class _ProgramCheck:
         dependencies = Dependencies(loaded, session, findings)
         dependencies.check_stage()
 
-        def examine(path: Path, with_: Mapping[str, str], found: Findings) -> CheckedProgram | None:
-            return examine_program(path, with_, session, found, budget)
+        def examine(path: Path, with_: Mapping[str, str], own: Findings) -> CheckedProgram | None:
+            return examine_program(path, with_, session, own, budget)
 
         used = UsedPrograms(loaded, session, findings, dependencies, self._scope, budget, examine)
         self._used, programs = used, used.check()

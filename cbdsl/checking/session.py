@@ -1,4 +1,4 @@
-"""What several checks share: documents and robots, each read and checked once."""
+"""Documents and robots that several checks share, each read and checked once."""
 
 from __future__ import annotations
 
@@ -77,7 +77,7 @@ class Session:
     def recall(
         self, path: Path, values: Mapping[str, str]
     ) -> tuple[CheckedProgram | None, Findings] | None:
-        """What was remembered of a program with these values of its parameters."""
+        """Outcome of the earlier check of a program with these values of its parameters."""
         return self._programs.get((self.library.real(path), frozenset(values.items())))
 
     def remember(

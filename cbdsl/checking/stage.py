@@ -8,7 +8,7 @@ from cbdsl.checking.controller.reach import farthest_tip
 from cbdsl.checking.findings import Findings
 from cbdsl.checking.lookup.documents import find_document
 from cbdsl.checking.robot.checked_robot import CheckedRobot
-from cbdsl.checking.robot.limits import limits_told
+from cbdsl.checking.robot.limits import limit_details
 from cbdsl.checking.session import Session
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.documents.stage import (
@@ -17,7 +17,7 @@ from cbdsl.documents.stage import (
     Context,
     CylinderForm,
     Fixture,
-    Placement,
+    PlaceSection,
     StageDocument,
 )
 from cbdsl.yaml_text.loaded import Loaded
@@ -122,11 +122,11 @@ class _ContextCheck:
             beyond = [i for i, a in enumerate(span) if limits and not limits[0] <= a <= limits[1]]
             if limits is not None and beyond:
                 node = self._source.node((*self._steps, "joints", joint, beyond[0]))
-                told = limits_told(node.value, span[beyond[0]], limits)
-                self._findings.add("CB355", node.place, joint=joint, **told)
+                limits_text = limit_details(node.value, span[beyond[0]], limits)
+                self._findings.add("CB355", node.place, joint=joint, **limits_text)
 
-    def _on_fixture(self, place: Placement, name: str) -> None:
-        """What stands on a fixture has its centre above it, wherever it is drawn."""
+    def _on_fixture(self, place: PlaceSection, name: str) -> None:
+        """A thing on a fixture has its centre above it, wherever it is drawn."""
         if place.hand is not None:
             self._lacks("place", "a place on a fixture is in the world, not in reach of a hand")
             return
@@ -152,7 +152,7 @@ class _ContextCheck:
             self._findings.add("CB351", place, names=list(names), name=name, what=what)
 
     def _complete(self) -> None:
-        """What is said of a thing needs a thing, and the other way round."""
+        """Keys about a thing need a thing, and the other way round."""
         context, place = self._context, self._context.place
         if context.things and place is None:
             self._lacks("things", "things need a place")
@@ -167,7 +167,7 @@ class _ContextCheck:
             self._lacks("released_after", "released_after needs a place with `held: true`")
 
     def _deeds(self) -> None:
-        """What the experimenter does with a thing happens in some order."""
+        """Actions of the experimenter on a thing happen in an order that is possible."""
         context = self._context
         removed, released = context.removed_after, context.released_after
         is_held = context.place is not None and context.place.held
@@ -189,7 +189,7 @@ class _ContextCheck:
 
 
 def _idle(context: Context) -> list[str]:
-    """What a context says of the thing that it shows."""
+    """Keys of a context that are about the thing that it shows."""
     return [key for key in _FOR_THINGS if getattr(context, key) is not None]
 
 

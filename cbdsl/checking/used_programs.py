@@ -91,26 +91,26 @@ class UsedPrograms:
         if not self._dependencies.is_for_the_robot(used.document.robot, use.program, steps):
             return None
         values = self._values(name, use, used)
-        found = Findings()
-        program = self._examine(path, values, found)
-        if found.failed and not found.holds(_ENDLESS):
+        faults = Findings()
+        program = self._examine(path, values, faults)
+        if faults.failed and not faults.holds(_ENDLESS):
             own = Findings()
             self._examine(path, {}, own)
             if not own.failed:
                 wrong = [key for key in values if not self._runs(path, {key: values[key]})]
-                self._unsuitable.append((name, path, (*wrong, *values)[0], found))
+                self._unsuitable.append((name, path, (*wrong, *values)[0], faults))
                 return None
-            found = own  # with its own values it has faults already
-        self._findings.extend(found.sorted())
+            faults = own  # with its own values it has faults already
+        self._findings.extend(faults.sorted())
         if program is None or use.policy is None:
             return program
         return self._learned(use.policy, program, path, ("use", name, "policy"))
 
     def _runs(self, path: Path, values: Mapping[str, str]) -> bool:
         """Whether a program has no faults with some values of its parameters."""
-        found = Findings()
-        self._examine(path, values, found)
-        return not found.failed
+        findings = Findings()
+        self._examine(path, values, findings)
+        return not findings.failed
 
     def report_values(self, reported: Collection[str]) -> None:
         """Report values with which used programs cannot run.
@@ -119,11 +119,11 @@ class UsedPrograms:
             reported: parameters of this program whose values have been reported.
         """
         source = self._source
-        for name, path, key, found in self._unsuitable:
+        for name, path, key, faults in self._unsuitable:
             text = self._loaded.document.use[name].with_[key]
             if text.startswith("$") and text[1:] in reported:
                 continue
-            fault = next(fault for fault in found.sorted() if fault.is_error)
+            fault = next(fault for fault in faults.sorted() if fault.is_error)
             passed_on = self._scope.place(text[1:]) if text.startswith("$") else None
             here = source.place("use", name, "with", key)
             self._findings.add(
@@ -144,10 +144,10 @@ class UsedPrograms:
         path = self._dependencies.find(ProgramDocument, use.program, steps)
         if path is None:
             return None
-        way = self._session.uses.way(path, self._loaded.path)
-        if way:
-            cycle = " → ".join(file.stem for file in (way[-1], *way))
-            self._findings.add("CB605", source.place(*steps), name=way[-1].stem, cycle=cycle)
+        path_back = self._session.uses.find_path(path, self._loaded.path)
+        if path_back:
+            cycle = " → ".join(file.stem for file in (path_back[-1], *path_back))
+            self._findings.add("CB605", source.place(*steps), name=path_back[-1].stem, cycle=cycle)
             return None
         if self._budget.ended:
             self._findings.add("CB610", source.place(*steps), depth=_DEEPEST, bound=_MOST)
@@ -182,7 +182,7 @@ class UsedPrograms:
             details = {"name": name, "other": loaded.document.program, "program": program.name}
             self._findings.add("CB626", source.place(*steps), **details)
             return None
-        found = Findings()
-        check_policy(loaded, program, path, self._session, found)
-        self._findings.extend(found.sorted())
-        return None if found.failed else with_policy(program, loaded, library)
+        findings = Findings()
+        check_policy(loaded, program, path, self._session, findings)
+        self._findings.extend(findings.sorted())
+        return None if findings.failed else with_policy(program, loaded, library)

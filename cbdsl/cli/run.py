@@ -134,11 +134,11 @@ def _introduction(request: RunRequest, backend: Backend) -> str:
 
 def _require_context(stage: StageDocument, context: str | None) -> None:
     from cbdsl.errors.errors import UsageError
-    from cbdsl.errors.nearest import meant
+    from cbdsl.errors.nearest import suggestion
 
     if context is None or context in stage.contexts:
         return
-    near, known = meant(context, stage.contexts), ", ".join(stage.contexts)
+    near, known = suggestion(context, stage.contexts), ", ".join(stage.contexts)
     raise UsageError(f"stage '{stage.name}' has no context '{context}'{near} (known: {known})")
 
 

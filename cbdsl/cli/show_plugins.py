@@ -79,8 +79,8 @@ def _show(
         print_table(title, rows)
 
 
-def _described(description: tuple[str, str]) -> dict[str, str]:
-    words, unit = description
+def _described(described: tuple[str, str]) -> dict[str, str]:
+    words, unit = described
     return {"unit": unit, "meaning": words}
 
 

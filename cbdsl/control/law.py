@@ -165,7 +165,8 @@ class Law:
         step = Step.of(stack)
         compose(
             q, stack.newest, stack.rows, stack.ages, stack.wanted, stack.ends, self._limits,
-            settings.joint_step, settings.damping, settings.singular_value, step.displacement, step.locked, step.singular_values,
+            settings.joint_step, settings.damping, settings.singular_value,
+            step.displacement, step.locked, step.singular_values,
         )  # fmt: skip
         if math.isnan(step.displacement.item(0)):
             step.require_sound(q)

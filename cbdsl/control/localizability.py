@@ -1,12 +1,13 @@
 """The measure of localizability (Section 3.1.3 c, Eq 3.6).
 
-phi = 1 / sqrt(det(J^T J)), with J the sensitivity of two headings to displacements. The headings are
-those of the source, one angle each (SO(2), Table 3.1): the angles at the two cameras in the plane
-through both and the seen point. J is their derivative by displacements of the point in that plane,
-2 x 2. With the point's distances r_l and r_r from the cameras and d from the baseline b,
-phi = (r_l r_r)^2 / (b d), in m^2/rad^2. It falls to 0 as the point comes near a camera. (Printed is the
-inverse Jacobian, with which phi would rise instead.) A baseline of 36.5 cm gives the ratios of Table 3.2
-within 2.2 %; with azimuth and elevation, J of shape (4, 3), no baseline does within 7 %.
+phi = 1 / sqrt(det(J^T J)), with J the sensitivity of two headings to displacements. The headings
+are those of the source, one angle each (SO(2), Table 3.1): the angles at the two cameras in the
+plane through both and the seen point. J is their derivative by displacements of the point in that
+plane, 2 x 2. With the point's distances r_l and r_r from the cameras and d from the baseline b,
+phi = (r_l r_r)^2 / (b d), in m^2/rad^2. It falls to 0 as the point comes near a camera. (Printed
+is the inverse Jacobian, with which phi would rise instead.) A baseline of 36.5 cm gives the ratios
+of Table 3.2 within 2.2 %; with azimuth and elevation, J of shape (4, 3), no baseline does within 7
+%.
 
 The feedback has azimuth and elevation of both cameras. They are a function of the point, the middle
 between the lines of sight where these come nearest to each other.

@@ -1,11 +1,12 @@
 """The measure of manipulability (Section 3.1.3 b, Eq 3.5).
 
-phi = -w with w = sqrt(det(J J^T)), the volume that a ball of joint velocities is mapped to. The value is
-J itself, and its Jacobian the curvature, so that dphi/dJ is all that is to be known here. The
-derivative of w by the entries of J is w (J J^T)^-1 J. The singular values s_i of J, with singular
-vectors u_i and v_i, give it as sum_i (w / s_i) u_i v_i^T, products of the other singular values, which
-is bounded everywhere. At a singularity itself w has a kink: one vanishing s_i, and a v_i that may be
-any null vector of J. Whichever is taken, the gradient points to where w grows, if it does not vanish.
+phi = -w with w = sqrt(det(J J^T)), the volume that a ball of joint velocities is mapped to. The
+value is J itself, and its Jacobian the curvature, so that dphi/dJ is all that is to be known here.
+The derivative of w by the entries of J is w (J J^T)^-1 J. The singular values s_i of J, with
+singular vectors u_i and v_i, give it as sum_i (w / s_i) u_i v_i^T, products of the other singular
+values, which is bounded everywhere. At a singularity itself w has a kink: one vanishing s_i, and a
+v_i that may be any null vector of J. Whichever is taken, the gradient points to where w grows, if
+it does not vanish.
 
 Several tips at once, as rows of one Jacobian, give the product of their manipulabilities where they
 have no joint in common.
@@ -44,7 +45,8 @@ def of_jacobian(rows: int, joints: int) -> Potential:
     """The manipulability of a Jacobian of shape (rows, joints), row by row."""
     if rows > joints:
         raise ValueError(
-            f"{joints} joints cannot all move {rows} components: their manipulability is 0 everywhere"
+            f"{joints} joints cannot all move {rows} components: "
+            "their manipulability is 0 everywhere"
         )
     return Potential(volume, 1, Rule.DESCENT, np.array([float(rows)]))
 

@@ -1,9 +1,9 @@
 """Artificial potentials: compiled functions of a value and its reference (Omega_phi, Eq 3.7).
 
-A potential knows neither joints nor gains. It is computed from the value of one row of the signal table
-and that of its reference, in k task coordinates; the control law moves the joints by the row's
-Jacobian. The tick calls potentials by their native addresses, so that another one, of whatever
-package, neither recompiles nor slows it.
+A potential knows neither joints nor gains. It is computed from the value of one row of the signal
+table and that of its reference, in k task coordinates; the control law moves the joints by the
+row's Jacobian. The tick calls potentials by their native addresses, so that another one, of
+whatever package, neither recompiles nor slows it.
 """
 
 from __future__ import annotations
@@ -54,13 +54,16 @@ def potential(function: Function) -> Function:
     """A compiled potential ``(value, reference, parameters, residual, slope) -> phi``.
 
     Args of the function:
-        value: of the feedback, shape (m,); a rotation row by row, shape (9,); a pose's position before
+        value: of the feedback, shape (m,); a rotation row by row, shape (9,); a pose's position
+            before
             its rotation, shape (12,).
         reference: shaped like the value, or empty.
         parameters: of the controller, shape (p,).
         residual: becomes the error in task coordinates, shape (k,).
-        slope: zeros, becomes the derivative of minus the residual, or of phi where there is no residual,
-            by the rows of the feedback's Jacobian, shape (k, rows); untouched where it is the identity.
+        slope: zeros, becomes the derivative of minus the residual, or of phi where there is no
+            residual,
+            by the rows of the feedback's Jacobian, shape (k, rows); untouched where it is the
+            identity.
 
     Returns:
         phi; NaN where it cannot be computed.

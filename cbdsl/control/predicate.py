@@ -25,10 +25,10 @@ PREDICATE, _TICKS, _OLDEST, _KEPT, _STAMP, ROOM = range(6)
 def settings_of(rate: float, window: float, period: float) -> Floats:
     """The window, s, the largest range in it at rest, and the period, s, shape (3,).
 
-    A potential is at rest by its range over a window, not by its derivative at an instant, since the
-    latter flips with every ripple of the signal. Only measured values enter it: a potential that is
-    repeated between two camera images is not at rest for that. Time passes with every tick all the
-    same.
+    A potential is at rest by its range over a window, not by its derivative at an instant, since
+    the latter flips with every ripple of the signal. Only measured values enter it: a potential
+    that is repeated between two camera images is not at rest for that. Time passes with every tick
+    all the same.
 
     Args:
         rate: largest range per second at rest, in the potential's unit per second (epsilon).

@@ -1,8 +1,8 @@
 """The range-limit potential (Section 3.1.3 a, Eq 3.3 and 3.4).
 
 phi = sum_i 1 - cos g_i, with g_i from -pi/2 to pi/2 between a joint's limits. Since
-1 - cos g = (2 sin(g/2))^2 / 2, phi is half the square of r_i = 2 sin(g_i / 2). Those coordinates have
-a Jacobian of full rank at the centre, where the gradient of phi vanishes.
+1 - cos g = (2 sin(g/2))^2 / 2, phi is half the square of r_i = 2 sin(g_i / 2). Those coordinates
+have a Jacobian of full rank at the centre, where the gradient of phi vanishes.
 """
 
 from __future__ import annotations

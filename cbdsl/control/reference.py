@@ -32,7 +32,8 @@ def move(
     Args:
         positions: measured, of all joints, rad, shape (all,).
         columns: which joint each of the levels' n is, shape (n,).
-        guards: largest displacement, largest damping, singular value below which damping sets in, and
+        guards: largest displacement, largest damping, singular value below which damping sets in,
+            and
             how far a reference may be from the position; else a blocked joint's would run away.
 
     The others are those of ``compose``.

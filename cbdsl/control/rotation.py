@@ -38,7 +38,7 @@ def log(rotation: Floats) -> Floats:
 
 @compiled_once
 def log_between(rotation: Floats, wanted: Floats, vector: Floats) -> None:
-    """The rotation vector, rad, shape (3,), in world axes, from a rotation (9,) to a wanted one (9,).
+    """The rotation vector, rad, world axes, shape (3,), from a rotation (9,) to another (9,).
 
     Of the four components of the turn's quaternion the largest is computed first and the others are
     divided by it, so that no angle, near pi least of all, costs accuracy (Shepperd 1978).

@@ -2,8 +2,8 @@
 
 phi = e . e / 2 with e the difference between reference and feedback in the feedback's type.
 Configurations, positions, headings, forces, torques and wrenches subtract. Orientations differ by a
-rotation vector in the world frame; poses by translation above rotation. Where the tip may turn about
-one of its axes, the residual is in the tip's two other axes.
+rotation vector in the world frame; poses by translation above rotation. Where the tip may turn
+about one of its axes, the residual is in the tip's two other axes.
 """
 
 from __future__ import annotations
@@ -29,7 +29,8 @@ def spring(kind: str, size: int, free_axis: str | None = None) -> Potential:
     Args:
         kind: name of the feedback's type.
         size: number of its components that are compared.
-        free_axis: axis of the tip, ``x``, ``y`` or ``z``, that is aligned with the reference's while
+        free_axis: axis of the tip, ``x``, ``y`` or ``z``, that is aligned with the reference's
+            while
             the tip may turn about it; ``None`` for none.
     """
     if free_axis is None:

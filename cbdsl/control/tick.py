@@ -1,8 +1,8 @@
 """One tick: from the posture to potentials, predicates and references, in one compiled call.
 
-A controller's slot says which row of the signal table is its feedback and which its reference, by which
-potential they are compared, and how fast its task coordinates may move. Slots that act together,
-highest priority first, write the levels of a stack, which the control law composes.
+A controller's slot says which row of the signal table is its feedback and which its reference, by
+which potential they are compared, and how fast its task coordinates may move. Slots that act
+together, highest priority first, write the levels of a stack, which the control law composes.
 """
 
 from __future__ import annotations
@@ -29,8 +29,8 @@ Records = NDArray[Any]
 
 _DESCENT, _RESIDUAL = int(Rule.DESCENT), int(Rule.RESIDUAL)
 
-#: What a slot does in a tick: nothing, since something that it needs is undefined; move its feedback
-#: to the reference; the same while the feedback is no measurement, so that it becomes one.
+#: What a slot does in a tick: nothing, since something that it needs is undefined; move its
+#: feedback to the reference; the same while the feedback is no measurement, so that it becomes one.
 IDLE, TRACK, SEARCH = range(3)
 
 #: A controller's slot.
@@ -116,7 +116,8 @@ def tick(
         needed: rows to be refreshed, shape (r,).
         clock: stamp of the posture, shape (1,).
         positions: of the actuated joints, rad, shape (all,).
-        loads, feeling, table, parts, support, value, jacobian, tree, frames, axes: as of ``refresh``.
+        loads, feeling, table, parts, support, value, jacobian, tree, frames, axes: as of
+            ``refresh``.
         slots: all controllers', shape (s,) of ``SLOT``.
         parameters: of their potentials.
         before: displacements of their task coordinates in the tick before.

@@ -121,4 +121,4 @@ class Document(Section):
     name: Name
     """Name by which other documents refer to this one."""
     description: str = ""
-    """What it is for, in a sentence or two."""
+    """Purpose, in a sentence or two."""

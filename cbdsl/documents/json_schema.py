@@ -225,11 +225,11 @@ def _said_of(field: FieldInfo) -> str:
 
 def docstrings(model: type[BaseModel]) -> dict[str, str]:
     """Docstrings of the fields of a model and its bases."""
-    found: dict[str, str] = {}
+    texts: dict[str, str] = {}
     for section in reversed(model.__mro__):
         if issubclass(section, BaseModel) and section is not BaseModel:
-            found |= _literals(section.__module__).get(section.__name__, {})
-    return found
+            texts |= _literals(section.__module__).get(section.__name__, {})
+    return texts
 
 
 @cache

@@ -46,9 +46,9 @@ class Provenance(Section):
     episodes: PositiveCount
     """How many episodes were learned from."""
     backend: str
-    """What embodied the robot."""
+    """Backend that embodied the robot."""
     renderer: str
-    """What made the images."""
+    """Renderer that made the images."""
     versions: dict[str, str]
     """Of the packages that the outcome depends on."""
 

@@ -67,7 +67,7 @@ class SeekSection(Section):
 
 
 class ObstacleSection(Section):
-    """What a motion keeps away from: a ball around a resource, or a box that stays."""
+    """An obstacle of a motion: a ball around a resource, or a box that stays."""
 
     center: Text | None = None
     """Resource of the feedback's type, such as the tip of another arm."""
@@ -117,7 +117,7 @@ class ControllerSection(Section):
     feedback: Text
     """The resource sigma that is measured."""
     reference: Text | tuple[Text | Number, ...] | Number | None = None
-    """What the feedback is compared with: a resource, or a literal such as ``[0 deg, 0 deg]``."""
+    """The reference rho: a resource, or a literal such as ``[0 deg, 0 deg]``."""
     effector: Text
     """The resource tau that is moved."""
     gain: Rate | None = None

@@ -208,7 +208,7 @@ class Control(Section):
 
 
 class Contact(Section):
-    """What counts as contact on a load cell."""
+    """Threshold and noise of contact on a load cell."""
 
     threshold: Force = 0.1
     """Smaller forces are noise."""
@@ -260,7 +260,7 @@ class RobotDocument(Document):
     base: LinkName
     """Link whose frame is the world frame."""
     effectors: dict[Name, Effector]
-    """What can be moved, by name."""
+    """Groups of joints that move, by name."""
     groups: dict[Name, Group] = {}
     """Effectors that programs can name together."""
     couplings: dict[str, Coupling] = {}

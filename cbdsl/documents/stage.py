@@ -50,7 +50,7 @@ class BallForm(Section):
     radius: SizeSpan
     """Radius, or the span that it is drawn from."""
     spot: Spot | None = None
-    """What is painted on a side of it."""
+    """Pattern that is painted on a side of it."""
 
     @model_validator(mode="after")
     def _has_room_for_the_spot(self) -> Self:
@@ -84,9 +84,9 @@ class BoxForm(Section):
     size: tuple[SizeSpan, SizeSpan, SizeSpan]
     """Edge lengths."""
     pattern: Pattern | None = None
-    """What is printed on a side of it."""
+    """Pattern that is printed on a side of it."""
     spot: Spot | None = None
-    """What is painted on a side of it."""
+    """Pattern that is painted on a side of it."""
 
     @model_validator(mode="after")
     def _has_room_for_the_spot(self) -> Self:
@@ -120,7 +120,7 @@ class CylinderForm(Section):
 
 
 class Surface(Section):
-    """What a thing is made of."""
+    """Material of a thing."""
 
     color: Color = (1.0, 0.0, 0.0)
     """Red, green and blue, each from 0 to 1."""
@@ -151,7 +151,7 @@ class ThingSection(Surface):
     """Mass, or the span that it is drawn from."""
 
 
-class Placement(Section):
+class PlaceSection(Section):
     """Where a thing is put: on a fixture, at a height, or in reach of a hand."""
 
     x: LengthSpan = (0.0, 0.0)
@@ -204,7 +204,7 @@ class Context(Section):
     """Relative frequency."""
     things: tuple[Name, ...] = ()
     """One of these is presented, drawn evenly; none: nothing is."""
-    place: Placement | None = None
+    place: PlaceSection | None = None
     motion: Motion | None = None
     joints: dict[str, AngleSpan] = {}
     """Where these joints start, instead of their effector's start posture."""

@@ -11,7 +11,7 @@ from cbdsl.errors.diagnostic import Severity
 
 @dataclass(frozen=True)
 class Entry:
-    """What there is to say about one code.
+    """One code: title, message, explanation and examples.
 
     Attributes:
         code: ``CB`` and three digits.

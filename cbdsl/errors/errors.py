@@ -6,7 +6,7 @@ from collections.abc import Iterable
 from typing import Self
 
 from cbdsl.errors.diagnostic import Diagnostic
-from cbdsl.errors.nearest import meant
+from cbdsl.errors.nearest import suggestion
 
 
 class DiagnosticsError(Exception):
@@ -31,4 +31,4 @@ class UsageError(Exception):
         """
         names = list(known)
         listed = ", ".join(names) or "none"
-        return cls(f"there is no {what} '{name}'{meant(name, names)} (known: {listed})")
+        return cls(f"there is no {what} '{name}'{suggestion(name, names)} (known: {listed})")

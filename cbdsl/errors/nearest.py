@@ -20,7 +20,7 @@ def nearest_name(name: str, names: Iterable[str]) -> str | None:
     return matches[0] if matches else None
 
 
-def meant(name: str, names: Iterable[str]) -> str:
+def suggestion(name: str, names: Iterable[str]) -> str:
     """The question with which a message goes on, if one of ``names`` is similar."""
     nearest = nearest_name(name, names)
     return f"; did you mean '{nearest}'?" if nearest else ""

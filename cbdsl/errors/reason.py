@@ -11,5 +11,5 @@ _WORDS: dict[type[OSError], str] = {
 
 
 def reason(error: OSError) -> str:
-    """What keeps a file or a folder from being used, without its name."""
+    """Cause for which a file or a folder cannot be used, without its name."""
     return _WORDS.get(type(error)) or error.strerror or str(error)

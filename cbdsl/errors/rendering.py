@@ -59,7 +59,7 @@ def _snippet(place: Place, source: str | None, tint: str) -> list[str]:
 
 
 def _window(line: str, column: int) -> tuple[str, int]:
-    """What is shown of a line, and where in it the column then is."""
+    """Part of a line that is shown, and the column in it."""
     if len(line) <= _MOST_COLUMNS:
         return line, column
     start = max(0, column - 1 - _BEFORE)

@@ -43,8 +43,8 @@ def compiled_once(function: Function) -> Function:
 
     Numba stamps what it keeps with the function's own file alone, so that after an edit of a callee
     the old code would run on. Here the stamp covers every file of the package, and of cbdsl, that
-    defines compiled functions. The code is kept beside the package or, where that is read-only, among
-    the user's caches. Where neither can be written, every process compiles anew.
+    defines compiled functions. The code is kept beside the package or, where that is read-only,
+    among the user's caches. Where neither can be written, every process compiles anew.
     """
     dispatcher: Any = njit(**_OUTER)(function)
     with suppress(RuntimeError):  # there is no place to keep it

@@ -76,8 +76,8 @@ class Actuation:
     ) -> None:
         control = robot.control
         self._signals, self._plan = signals, plan
-        # The robot's are those for its own rate. In a tick that lasts longer the joints move farther
-        # and their Jacobians change more, unless those are larger by as much.
+        # The robot's are those for its own rate. In a tick that lasts longer the joints move
+        # farther and their Jacobians change more, unless those are larger by as much.
         longer = period * control.rate
         self.settings = LawSettings(
             damping=control.damping * longer**2,

@@ -87,6 +87,7 @@ class ControllerRun:
                 limits.lower[own],
                 limits.upper[own],
                 len(signals.table.values(self.feedback)),
+                len(signals.table.rows(self.feedback)),
                 signals.sight.cameras() if is_seen_twice else (),
             ),
         )

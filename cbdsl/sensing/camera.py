@@ -109,8 +109,8 @@ def line_of_sight(
         direction: becomes the line, as long as it is to the plane x = 1 m of the camera's frame.
 
     Returns:
-        Its length, and how much a pinhole enlarges areas there: the cosine cubed of its angle off the
-        camera's axis.
+        Its length, and how much a pinhole enlarges areas there: the cosine cubed of its angle off
+        the camera's axis.
     """
     y, z = (lens[0] / 2 - column) / lens[2], (lens[1] / 2 - row) / lens[2]
     square = 1.0 + y * y + z * z

@@ -15,8 +15,9 @@ Floats = NDArray[np.float64]
 Integers = NDArray[np.int64]
 Records = NDArray[Any]
 
-#: A moving joint, parents first: the frame it moves in, its column among the actuated joints and how
-#: far it follows that one, its placement in the parent's frame, its axis there, and whether it slides.
+#: A moving joint, parents first: the frame it moves in, its column among the actuated joints and
+#: how far it follows that one, its placement in the parent's frame, its axis there, and whether it
+#: slides.
 JOINT = np.dtype(
     [
         ("parent", np.int64),
@@ -104,7 +105,7 @@ def place_point(frame: Floats, offset: Floats, point: Floats) -> None:
 
 @compiled_once
 def place_points(frames: Floats, numbers: Integers, offsets: Floats, points: Floats) -> None:
-    """Compute where points are in the world, each by its frame and its offset there, shape (k, 3)."""
+    """Compute where points (k, 3) are in the world, by their frames and offsets there."""
     for place in range(len(numbers)):
         place_point(frames[numbers[place]], offsets[place], points[place])
 

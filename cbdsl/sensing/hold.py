@@ -20,8 +20,8 @@ Booleans = NDArray[np.bool_]
 class Hold(NamedTuple):
     """The place of the hands that hold something.
 
-    A thing that one hand holds turns with it. One that several hands hold moves with the mean of their
-    tips and does not turn, since they keep facing each other.
+    A thing that one hand holds turns with it. One that several hands hold moves with the mean of
+    their tips and does not turn, since they keep facing each other.
 
     Attributes:
         hands: a bit for each hand that holds.

@@ -1,4 +1,4 @@
-"""Forward kinematics and Jacobians of a robot: the only home of Pinocchio, which reads the model."""
+"""Forward kinematics and Jacobians of a robot; the only home of Pinocchio."""
 
 from __future__ import annotations
 

@@ -25,9 +25,11 @@ WRITTEN, CONFIGURATION, TIP, MANIPULATOR, MIXTURE, NORMAL_FORCES = range(6)
 UNDEFINED, READABLE, DEFINED = range(3)
 
 #: A resource: how it gets its numbers, where its value and its Jacobian's rows begin and how many
-#: they are, its parts, whether linear and angular motion are among them, where its columns begin and
-#: how many they are, whether it is defined, the newest measurement, and the radius of what is seen.
-#: A tip's control point may stand off along its z axis by the radius of another row and a clearance.
+#: they are, its parts, whether linear and angular motion are among them, where its columns begin
+#: and how many they are, whether it is defined, the newest measurement, and the radius of what is
+#: seen.
+#: A tip's control point may stand off along its z axis by the radius of another row and a
+#: clearance.
 ROW = np.dtype(
     [
         ("kind", np.int64),
@@ -216,7 +218,7 @@ def _place(columns: Integers, column: int) -> int:
 def _write_mixture(
     row: Any, table: Records, parts: Records, value: Floats, jacobian: Floats
 ) -> None:
-    """Weighted sums of other rows, each from where it is to go; as new and defined as all of them."""
+    """Weighted sums of other rows, defined where all of them are."""
     fill(value[row.start : row.start + row.size], 0.0)
     for i in range(row.rows):
         fill(jacobian[row.row + i], 0.0)

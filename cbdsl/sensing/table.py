@@ -1,4 +1,4 @@
-"""The signal table: one row per resource that is bound, with its value and Jacobian in this tick."""
+"""The signal table: a row per resource, with its value and Jacobian in this tick."""
 
 from __future__ import annotations
 

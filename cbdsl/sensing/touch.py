@@ -141,7 +141,7 @@ class Touch:
         return Reading(forces.ravel(), np.vstack(rows), self._tips.stamp)
 
     def pads(self, hand: str) -> tuple[Sequence[Part], Floats]:
-        """The load cells of a hand as parts of a row of forces along their normals, and its Jacobian.
+        """Parts and Jacobian of a row of the forces along the normals of a hand's load cells.
 
         Such forces are defined without contact too, as a measured zero, so that a hand can close on
         something. A finger's force follows the joint that flexes it.
@@ -154,7 +154,7 @@ class Touch:
         return parts, self._flexions[hand]
 
     def palm_forces(self, source: NetForces) -> Reading:
-        """The force of each hand along its palm's normal, N, which follows all joints of its arm."""
+        """Forces of hands along their palms' normals, N; each follows all joints of its arm."""
         hands = self.hands(source.group)
         touching = all(self.touching(hand) for hand in hands)
         return stacked([self._palm_force(hand) for hand in hands])._replace(measured=touching)

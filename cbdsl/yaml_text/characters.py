@@ -70,7 +70,7 @@ def without_invisible(text: str) -> str:
 
 def escaped_invisible(text: str) -> str:
     """A text whose quotes hold such characters, with their escapes in place of them."""
-    return re.sub(_INVISIBLE, lambda found: f"\\u{ord(found[0]):04x}", text)
+    return re.sub(_INVISIBLE, lambda character: f"\\u{ord(character[0]):04x}", text)
 
 
 def _is_visible(text: str) -> bool:
@@ -86,7 +86,7 @@ def plain(text: str) -> str:
     return "".join(str(int(c)) if c > "\x7f" and c.isdecimal() else c for c in known)
 
 
-def meant_value(text: str) -> str | None:
+def suggested_value(text: str) -> str | None:
     """The quantity or the name that a text only looks like; ``None`` where it is a text."""
     meant = plain(text)
     if meant == text:
@@ -95,13 +95,13 @@ def meant_value(text: str) -> str | None:
     return meant if is_word or is_quantity(meant) else None
 
 
-def meant_key(key: str) -> str | None:
+def suggested_key(key: str) -> str | None:
     """The key that a text only looks like, or ``None``; a typographic quote is left out."""
     meant = plain(key).strip(' "')
     return meant if meant.isascii() and not key.isascii() else None
 
 
-def meant_line(line: str) -> str | None:
+def suggested_line(line: str) -> str | None:
     """A line whose indentation, bullet or colon only looks like one, as it should be."""
     mended = re.sub(_INDENTATION, lambda match: " " * len(match[0]), line, count=1)
     mended = re.sub(_COLON, r"\1: ", re.sub(_BULLET, r"\1- ", mended, count=1), count=1)
@@ -113,8 +113,8 @@ def first_look_alike(text: str) -> int:
     return next(index for index, character in enumerate(text) if plain(character) != character)
 
 
-def said_of(text: str, meant: str) -> str:
-    """What is to be said of a text with such a character."""
+def look_alike_message(text: str, meant: str) -> str:
+    """Message about a text with such a character."""
     character = spelled(text[first_look_alike(text)])
     return f"{character} is not the character that is meant; write '{' '.join(meant.split())}'"
 

@@ -41,7 +41,7 @@ def is_stray(text: str, rest: str) -> bool:
 
 
 def explain(key: str, value: Node, strays: Sequence[Stray]) -> Cut:
-    """What a key's value and the quantities behind it were meant to be."""
+    """The value that a key's value and the quantities behind it probably are."""
     parts = [str(value.value), *(stray.text for stray in strays)]
     row = f"[{', '.join(parts)}]"
     if len(parts) != 2 or not _are_halves(value.value, parts[1]):
@@ -53,7 +53,7 @@ def explain(key: str, value: Node, strays: Sequence[Stray]) -> Cut:
 
 
 def decimal_comma(node: Node) -> str | None:
-    """What is to be said of a list in which a comma without a space cuts a number in two."""
+    """Message about a list in which a comma without a space cuts a number in two."""
     items = node.value if isinstance(node.value, list) else []
     for one, other in pairwise(items):
         if _is_tight(one.place, other.place) and _are_halves(one.value, str(other.value)):

@@ -7,7 +7,7 @@ depth, while libyaml's composer recurses, and crashes the process on deep input.
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import yaml
@@ -18,10 +18,10 @@ from cbdsl.errors.lines import lines_of
 from cbdsl.errors.wording import diagnostic
 from cbdsl.yaml_text.characters import (
     control_in,
-    meant_key,
-    meant_value,
-    said_of,
+    look_alike_message,
     spelled,
+    suggested_key,
+    suggested_value,
 )
 from cbdsl.yaml_text.node import Node
 from cbdsl.yaml_text.scalar import ScalarError, resolve
@@ -110,7 +110,7 @@ class _Composer:
         self.findings: list[Diagnostic] = []
         self.lines = lines_of(text)
         self._file = file
-        self._loader = LOADER(text)
+        self._next: Callable[[], Any] = LOADER(text).get_event
         self._anchors: dict[str, Node] = {}
         self._nodes = 0
 
@@ -124,9 +124,6 @@ class _Composer:
         if not isinstance(event, yaml.StreamEndEvent):
             raise self._fatal("CB106", self._place(event, 3))
         return root
-
-    def _next(self) -> Any:
-        return self._loader.get_event()
 
     def _node(self, event: Any, depth: int) -> Node:
         place = self._place(event)
@@ -176,9 +173,9 @@ class _Composer:
             bound = f"{LONGEST_TEXT} characters in one text"
             raise self._fatal("CB108", node.place, bound=bound)
         is_plain: bool = event.implicit[0]
-        if is_plain and not text.isascii() and (meant := meant_value(text)):
-            self._find("CB123", node.place, problem=said_of(text, meant))
-            text = meant
+        if is_plain and not text.isascii() and (suggestion := suggested_value(text)):
+            self._find("CB123", node.place, problem=look_alike_message(text, suggestion))
+            text = suggestion
         node.value = text
         if not is_plain:
             return
@@ -221,12 +218,12 @@ class _Composer:
                 values[key].faulty = True
             else:
                 values[key], node.keys[key] = value, place
-        for key, found in strays.items():
-            self._join(key, values[key], found)
+        for key, pieces in strays.items():
+            self._join(key, values[key], pieces)
         node.value = values
 
     def _stray(self, key: str, place: Place) -> Stray | None:
-        """What stands where a key should be, if a comma cut it off the value in front of it."""
+        """The quantity in the place of a key, if a comma cut it off the value in front of it."""
         from cbdsl.yaml_text.comma import Stray, is_stray  # only a key without a value needs it
 
         behind = self.lines[place.line - 1][place.end_column - 1 :]
@@ -254,9 +251,9 @@ class _Composer:
         if not isinstance(event, yaml.ScalarEvent):
             return None
         text: str = event.value
-        if event.implicit[0] and not text.isascii() and (meant := meant_key(text)):
-            self._find("CB123", place, problem=said_of(text, meant))
-            return meant
+        if event.implicit[0] and not text.isascii() and (suggestion := suggested_key(text)):
+            self._find("CB123", place, problem=look_alike_message(text, suggestion))
+            return suggestion
         return text
 
     def _one_more(self, entries: int, event: Any) -> int:

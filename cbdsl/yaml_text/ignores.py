@@ -43,14 +43,14 @@ def read_ignores(text: str, file: str) -> list[Ignore]:
         return []
     lines, quoted = lines_of(text), _Scalars(text)
     below = _lines_below(lines)
-    found = []
+    ignores = []
     for number, line in enumerate(lines, 1):
         match = _IGNORE.search(line)
         if match and not quoted.hold(number, match.start()):
             place = Place(file, number, match.start() + 1, len(line.rstrip()) + 1)
             target = number if line[: match.start()].strip() else below[number - 1]
-            found.append(Ignore(match["code"], match["reason"].strip(), place, target))
-    return found
+            ignores.append(Ignore(match["code"], match["reason"].strip(), place, target))
+    return ignores
 
 
 def _lines_below(lines: list[str]) -> list[int]:

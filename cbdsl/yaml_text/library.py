@@ -10,7 +10,7 @@ from typing import Any, TypeVar
 from cbdsl.documents.document import Document
 from cbdsl.documents.kinds import KINDS, kind_name, kind_of, models
 from cbdsl.errors.errors import UsageError
-from cbdsl.errors.nearest import meant
+from cbdsl.errors.nearest import suggestion
 from cbdsl.yaml_text.loaded import Loaded
 from cbdsl.yaml_text.reader import decode, flawless, read_sound_parts, read_text
 
@@ -63,10 +63,10 @@ class Library:
         """
         key = (kind, name, beside and beside.parent)
         if key not in self._found:
-            found = self._search(kind, name, beside)
-            if found is None:
+            path = self._search(kind, name, beside)
+            if path is None:
                 return None
-            self._found[key] = found
+            self._found[key] = path
         if beside is not None:
             self._named.setdefault(self.real(beside), set()).add(self._found[key])
         return self._found[key]
@@ -166,7 +166,7 @@ class Library:
         names = [n for kind in known.values() for n in self.names(kind, self.here / name)]
         return (
             f"there is no file '{name}', and no {', '.join(kinds)} or {last} of this "
-            f"name{meant(name, names)} (a file is written with its folder and ending, as "
+            f"name{suggestion(name, names)} (a file is written with its folder and ending, as "
             f"programs/{name}.yaml)"
         )
 
@@ -180,10 +180,10 @@ class Library:
 def is_of(kind: type[Document], path: Path) -> bool:
     """Whether a file says that it is of a kind; its other faults are for its reader to tell."""
     try:
-        said = _KIND_LINE.search(path.read_text(encoding="utf-8"))
+        declared = _KIND_LINE.search(path.read_text(encoding="utf-8"))
     except (OSError, UnicodeDecodeError):
         return False
-    return said is not None and said[1] == kind_name(kind)
+    return declared is not None and declared[1] == kind_name(kind)
 
 
 def _shortened(path: Path) -> Path:

@@ -1,4 +1,4 @@
-"""What an unquoted scalar means: the core schema of YAML 1.2, with ``1e-3`` as a number.
+"""Values of unquoted scalars: the core schema of YAML 1.2, with ``1e-3`` as a number.
 
 Reader and writer share these patterns, so that what is written reads back as it was. Where YAML 1.1
 has another meaning (``NO`` as false, ``0755`` as 493, ``12:30:45`` as 45045) the text is refused: a

@@ -72,8 +72,8 @@ class SourceMap(NamedTuple):
         for number, character in enumerate(value[: end - 1], 1):
             if character.isspace():
                 continue
-            row, column, found = next(written, (0, 0, ""))
-            if found != character:  # it is written with escapes
+            row, column, written_as = next(written, (0, 0, ""))
+            if written_as != character:  # it is written with escapes
                 return None
             if number >= start:
                 stretch.append((row, column))

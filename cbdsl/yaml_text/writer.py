@@ -14,7 +14,12 @@ import yaml
 
 from cbdsl.documents.document import Document
 from cbdsl.yaml_text import scalar
-from cbdsl.yaml_text.characters import escaped_invisible, invisible_in, meant_key, meant_value
+from cbdsl.yaml_text.characters import (
+    escaped_invisible,
+    invisible_in,
+    suggested_key,
+    suggested_value,
+)
 
 
 class _Dumper(yaml.SafeDumper):
@@ -46,7 +51,7 @@ class _Dumper(yaml.SafeDumper):
         # YAML folds these line breaks into spaces unless they are escaped; what only looks like a
         # number or a name is taken for one; what nobody sees has to be escaped.
         is_strange = not data.isascii() and (
-            meant_value(data) or meant_key(data) or invisible_in(data)
+            suggested_value(data) or suggested_key(data) or invisible_in(data)
         )
         style = '"' if is_strange or _BREAKS.intersection(data) else None
         return self.represent_scalar("tag:yaml.org,2002:str", data, style)

@@ -140,9 +140,7 @@ def test_gradient_equals_finite_differences_of_headings_that_do_not_meet(
             (look(cameras, angles + d).phi - look(cameras, angles - d).phi) / (2 * small)
             for d in small * np.eye(4)
         ]
-        np.testing.assert_allclose(
-            look(cameras, angles).jacobian[0], slopes, rtol=1e-5, atol=1e-6
-        )
+        np.testing.assert_allclose(look(cameras, angles).jacobian[0], slopes, rtol=1e-5, atol=1e-6)
 
 
 def test_newton_steps_bring_a_thing_nearer(rng: np.random.Generator) -> None:

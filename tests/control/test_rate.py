@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+
 import numpy as np
 import pytest
 from hypothesis import given
@@ -51,7 +52,9 @@ def rate(task: Task, residual: Floats, jacobian: Floats | None = None) -> Floats
 
 
 def test_gain_times_newton_step() -> None:
-    moved = rate(task_of(controller(POSITION, gain=8.0)), np.array([0.1, 0.0, -0.2]), np.ones((3, 7)))
+    moved = rate(
+        task_of(controller(POSITION, gain=8.0)), np.array([0.1, 0.0, -0.2]), np.ones((3, 7))
+    )
     np.testing.assert_allclose(moved, 4 * np.array([0.1, 0.0, -0.2]))
 
 

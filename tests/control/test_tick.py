@@ -84,13 +84,20 @@ class Bench:
         for case, window in zip(cases, self.windows, strict=True):
             drawn = case.reading(rng)
             assert drawn.jacobian is not None
-            self.feedback.append(self.table.bind(Form(WRITTEN, len(drawn.value), len(drawn.jacobian))))
+            self.feedback.append(
+                self.table.bind(Form(WRITTEN, len(drawn.value), len(drawn.jacobian)))
+            )
             self.reference.append(self.table.bind(Form(WRITTEN, len(drawn.value), 0)))
             self.plan.add(
                 SlotForm(
-                    case.potential, bounds_of(case.controller, TICK),
-                    settings_of(1e-3, window, TICK), self.feedback[-1], self.reference[-1],
-                    case.funnel, case.search, case.requires,
+                    case.potential,
+                    bounds_of(case.controller, TICK),
+                    settings_of(1e-3, window, TICK),
+                    self.feedback[-1],
+                    self.reference[-1],
+                    case.funnel,
+                    case.search,
+                    case.requires,
                 )  # fmt: skip
             )
         sizes = [(str(i), case.potential.size) for i, case in enumerate(cases)]
@@ -235,7 +242,11 @@ def test_where_nothing_acts_nothing_moves(bench: Bench) -> None:
 def test_it_acts_while_what_it_requires_does(rng: np.random.Generator) -> None:
     bench = Bench([CASES[0], CASES[1]._replace(requires=True)], rng)
     bench.draw(rng)
-    for condition, condition_defined, engaged in ((-1, True, False), (0, True, True), (0, False, False)):
+    for condition, condition_defined, engaged in (
+        (-1, True, False),
+        (0, True, True),
+        (0, False, False),
+    ):
         bench.acting[1, 2] = condition
         if not condition_defined:
             bench.table.forget(bench.feedback[0])
@@ -362,7 +373,9 @@ def test_another_potential_runs_without_compiling_the_tick_again(
     bench.draw(rng)
     bench.tick()
     versions = len(tick.overloads)  # type: ignore[attr-defined]
-    own = Bench([CASES[0]._replace(potential=Potential(towards, 3, parameters=np.array([2.0])))], rng)
+    own = Bench(
+        [CASES[0]._replace(potential=Potential(towards, 3, parameters=np.array([2.0])))], rng
+    )
     own.draw(rng)
     assert own.tick() == MOVED
     assert len(tick.overloads) == versions  # type: ignore[attr-defined]

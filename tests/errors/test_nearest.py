@@ -5,14 +5,14 @@ from __future__ import annotations
 import pytest
 
 from cbdsl.errors.errors import UsageError
-from cbdsl.errors.nearest import meant
+from cbdsl.errors.nearest import suggestion
 
 
 @pytest.mark.parametrize(
     ("name", "told"), [("serch", "; did you mean 'search'?"), ("grasp", ""), ("", "")]
 )
 def test_only_what_is_near_is_proposed(name: str, told: str) -> None:
-    assert meant(name, ["track", "search"]) == told
+    assert suggestion(name, ["track", "search"]) == told
 
 
 def test_an_unknown_name_is_told_with_all_known_ones() -> None:

@@ -9,7 +9,7 @@ import pytest
 from numpy.typing import NDArray
 
 from cbdsl.documents.model import Gaussian, Kernel
-from cbdsl.documents.stage import BoxForm, Placement, StageDocument
+from cbdsl.documents.stage import BoxForm, PlaceSection, StageDocument
 from cbdsl.reproduction.experiment import RunSettings
 from cbdsl.reproduction.internal_models import Expectation, marginal
 from cbdsl.reproduction.series import COARTICULATED
@@ -67,7 +67,7 @@ def directions(stage: StageDocument) -> dict[str, tuple[float, float]]:
     eyes = [kinematics.frame(camera.link).position for camera in robot.cameras.values()]
     x, y, _ = np.mean(eyes, axis=0)
     place, window = stage.contexts["presented"].place, stage.fixtures["window"]
-    assert isinstance(place, Placement) and isinstance(window.form, BoxForm)
+    assert isinstance(place, PlaceSection) and isinstance(window.form, BoxForm)
     depth = max(window.form.size[1]) / 2
     corners = {
         "presented": [(a, b) for a in place.x for b in place.y],

@@ -15,7 +15,7 @@ from cbdsl.backends.staging.pose import Pose
 from cbdsl.backends.staging.shape import SolidShape
 from cbdsl.backends.staging.span import draw
 from cbdsl.documents.robot import RobotDocument
-from cbdsl.documents.stage import Context, Motion, Placement, StageDocument, Surface
+from cbdsl.documents.stage import Context, Motion, PlaceSection, StageDocument, Surface
 
 Floats = NDArray[np.float64]
 _Entry = TypeVar("_Entry")
@@ -131,7 +131,7 @@ class ScenarioSampler:
         return tuple(fixtures)
 
     def _thing(
-        self, context: Context, place: Placement, fixtures: tuple[SceneObject, ...]
+        self, context: Context, place: PlaceSection, fixtures: tuple[SceneObject, ...]
     ) -> SceneObject:
         name = context.things[int(self._rng.integers(len(context.things)))]
         thing = self._named(self._stage.things, name, "thing")
@@ -141,7 +141,7 @@ class ScenarioSampler:
         return SceneObject(name, shape, thing, mass, pose)
 
     def _pose(
-        self, place: Placement, half_height: float, fixtures: tuple[SceneObject, ...]
+        self, place: PlaceSection, half_height: float, fixtures: tuple[SceneObject, ...]
     ) -> Pose:
         x, y = draw(place.x, self._rng), draw(place.y, self._rng)
         turned = Pose.turned(_UP, draw(place.yaw, self._rng))

@@ -72,20 +72,22 @@ class Agreement:
         return reference
 
     def _conclude(self, feedback: Resource, of: dict[str, Findings]) -> None:
-        against = [part for part, found in of.items() if found.failed]
+        against = [part for part, findings in of.items() if findings.failed]
         self.holds = not against
         if self.holds:  # no part warns of anything
             return
         suitable = self._suitable() if len(against) > 1 else []
         if len(against) < 2 or feedback.name in suitable:
-            for found in of.values():
-                self._context.findings.extend(found.sorted())
+            for findings in of.values():
+                self._context.findings.extend(findings.sorted())
             return
-        told = [(found.place, found.message) for part in against for found in of[part].sorted()]
-        details = {"feedback": feedback.type, "number": count(len(told), "part")}
+        related = [
+            (findings.place, findings.message) for part in against for findings in of[part].sorted()
+        ]
+        details = {"feedback": feedback.type, "number": count(len(related), "part")}
         place = self._place("feedback")
         self._context.add(
-            "CB530", place, names=suitable, related=told, name=feedback.name, **details
+            "CB530", place, names=suitable, related=related, name=feedback.name, **details
         )
 
     def _suitable(self) -> list[str]:
@@ -112,8 +114,8 @@ class Agreement:
             return False
         if not (moves(self._context.body, feedback, effector) and self._comparison.suits(effector)):
             return False
-        told = f"'{feedback.name}' moves it: are feedback and effector exchanged?"
-        related = [(self._place("feedback"), told)]
+        question = f"'{feedback.name}' moves it: are feedback and effector exchanged?"
+        related = [(self._place("feedback"), question)]
         self._context.add("CB507", self._place("effector"), related=related, name=effector.name)
         return True
 
@@ -170,8 +172,8 @@ class Agreement:
         related = [(self._place("feedback"), f"the feedback, {feedback.type}")]
         reference = self._comparison.resource
         if reference is not None and reference.type == feedback.type and reference.movable:
-            told = f"'{reference.name}' is measured: are reference and feedback exchanged?"
-            related = [(self._place("reference"), told)]
+            question = f"'{reference.name}' is measured: are reference and feedback exchanged?"
+            related = [(self._place("reference"), question)]
         findings.add("CB508", place, names=names, related=related, name=effector.name, **details)
 
 

@@ -1,4 +1,4 @@
-"""What a controller compares its feedback with."""
+"""References of controllers: resources and literals that a feedback is compared with."""
 
 from __future__ import annotations
 

@@ -18,7 +18,7 @@ MANIPULABILITY = "manipulability"
 
 
 class ControllerSettings(NamedTuple):
-    """What the robot's settings and the controller's own come to."""
+    """Settings of one controller, its own before the robot's."""
 
     gain: float
     speed: float | None

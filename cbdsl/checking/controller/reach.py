@@ -59,7 +59,7 @@ def _farthest(body: CheckedRobot, feedback: Resource) -> float | None:
 
 def _reaches(body: CheckedRobot, effector: str) -> list[float]:
     """How far the tip of each member can be from the base, m; empty where one has no bound."""
-    robot, model, found = body.document, body.model, []
+    robot, model, reaches = body.document, body.model, []
     for member in robot.members(effector):
         tip = robot.effectors[member].tip
         if tip is None or model is None or not model.links.issuperset((robot.base, tip.link)):
@@ -67,5 +67,5 @@ def _reaches(body: CheckedRobot, effector: str) -> list[float]:
         links = model.reach(robot.base, tip.link)
         if links is None:
             return []
-        found.append(links + math.hypot(*tip.offset))
-    return found
+        reaches.append(links + math.hypot(*tip.offset))
+    return reaches

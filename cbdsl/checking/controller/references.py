@@ -98,9 +98,9 @@ def _quantity(value: str | float, dimensions: tuple[str, ...], item: int | None)
         raise LiteralError("CB506", {"problem": told(value, error)}, item) from None
 
 
-def _wrong_count(found: int, feedback: Resource) -> LiteralError:
+def _wrong_count(number: int, feedback: Resource) -> LiteralError:
     kind = feedback.type
-    given = f"{count(found, 'number')} {'is' if found == 1 else 'are'}"
+    given = f"{count(number, 'number')} {'is' if number == 1 else 'are'}"
     wanted = count(kind.size, "component")
     if isinstance(feedback.source, (FingerForces, NetForces)):
         wanted += "; '2 N along normals' gives each a force along its own normal"

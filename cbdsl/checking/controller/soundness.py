@@ -8,7 +8,7 @@ from collections.abc import Iterator
 from cbdsl.checking.context import ProgramContext, Steps
 from cbdsl.checking.controller.reach import check_reach
 from cbdsl.checking.robot.constants import check_signs
-from cbdsl.checking.robot.limits import limits_told
+from cbdsl.checking.robot.limits import limit_details
 from cbdsl.documents import program as written
 from cbdsl.errors.counting import count
 from cbdsl.program.controller import AlongNormals, Literal, Reference
@@ -55,8 +55,8 @@ def check_reference(
         ):
             if span is not None and not span[0] <= angle <= span[1]:
                 node = context.source.node((*steps, i))
-                told = limits_told(node.value, angle, span)
-                context.add("CB517", node.place, joint=joint, **told)
+                limits_text = limit_details(node.value, angle, span)
+                context.add("CB517", node.place, joint=joint, **limits_text)
 
 
 def suits_body(

@@ -56,11 +56,11 @@ def _learned(name: str, beside: Path, library: Library) -> str:
     """Digest of a policy with the models that belong to it."""
     path = _found(PolicyDocument, name, beside, library)
     document = library.read(path, PolicyDocument).document
-    found = (
+    models = (
         library.read(_found(ModelDocument, model, path, library), ModelDocument)
         for _, model in sorted(document.models.items())
     )
-    return "".join((digest(document, _HISTORY), *(digest(each.document) for each in found)))
+    return "".join((digest(document, _HISTORY), *(digest(each.document) for each in models)))
 
 
 def _found(kind: type[Document], name: str, beside: Path, library: Library) -> Path:

@@ -81,7 +81,7 @@ class _PolicyCheck:
             self._model(name, model, known)
 
     def _unchanged(self, program_file: Path) -> None:
-        """What was learned of a program says nothing about another."""
+        """A policy that was learned for one program says nothing about another."""
         from cbdsl.checking.knowledge.digest import program_digest  # only what was learned needs it
 
         provenance = self._document.provenance
@@ -96,8 +96,8 @@ class _PolicyCheck:
     def _predicates(self) -> None:
         members, program = self._members, self._program
         if members != program.members:
-            found, wanted = ", ".join(members), ", ".join(program.members)
-            details = {"found": found, "wanted": wanted, "program": program.name}
+            given, wanted = ", ".join(members), ", ".join(program.members)
+            details = {"found": given, "wanted": wanted, "program": program.name}
             self._findings.add("CB621", self._source.key("predicates"), **details)
 
     def _action(self, text: str, steps: tuple[Step, ...]) -> None:
@@ -131,9 +131,9 @@ class _PolicyCheck:
     def _state(self, state: str, steps: tuple[Step, ...]) -> None:
         members = self._members
         if len(state) != len(members):
-            found, wanted = count(len(state), "letter"), count(len(members), "predicate")
+            given, wanted = count(len(state), "letter"), count(len(members), "predicate")
             place, names = self._source.key(*steps), ", ".join(members)
-            self._findings.add("CB611", place, found=found, wanted=wanted, members=names)
+            self._findings.add("CB611", place, found=given, wanted=wanted, members=names)
 
     def _model(self, name: str, model: str, known: dict[str, Resource]) -> None:
         source, library = self._source, self._session.library

@@ -30,7 +30,7 @@ def examine_model(loaded: Loaded[ModelDocument], session: Session, findings: Fin
 def model_resource(
     alias: str, loaded: Loaded[ModelDocument], body: CheckedRobot, findings: Findings
 ) -> Resource | None:
-    """What a program names ``<effector>.<alias>``, or ``None`` where the model does not fit."""
+    """Resource ``<effector>.<alias>`` of a program, or ``None`` where the model does not fit."""
     if not _fits(loaded, body, findings):
         return None
     effector = loaded.document.effector
@@ -48,9 +48,9 @@ def _fits(loaded: Loaded[ModelDocument], body: CheckedRobot, findings: Findings)
         findings.add("CB308", place, names=names, name=document.effector, what="effector")
         return False
     wanted = len(robot.joints(document.effector))
-    wrong = [(steps, found) for steps, found in _lengths(document) if found != wanted]
-    for steps, found in wrong:
-        details = {"found": count(found, "angle"), "wanted": count(wanted, "joint")}
+    wrong = [(steps, length) for steps, length in _lengths(document) if length != wanted]
+    for steps, length in wrong:
+        details = {"found": count(length, "angle"), "wanted": count(wanted, "joint")}
         findings.add("CB631", source.place(*steps), name=document.effector, **details)
     return not wrong
 

@@ -87,8 +87,8 @@ def _is_sound(
     place = source.key("policy", pattern)
     wrong = [letter for letter in pattern if letter not in PREDICATES + ANY]
     if wrong:
-        meant = _MEANT.get(wrong[0])
-        hint = f"; did you mean '{meant}'?" if meant else ""
+        suggestion = _MEANT.get(wrong[0])
+        hint = f"; did you mean '{suggestion}'?" if suggestion else ""
         findings.add("CB612", place, letter=wrong[0], meant=hint)
         return False
     if members is not None and len(pattern) != len(members):

@@ -63,7 +63,7 @@ def for_robot(kind: type[Document], robot: str, beside: Path | None, library: Li
         beside: the file that would name them, if there is one.
         library: where documents are found by name.
     """
-    found = []
+    suitable = []
     key = next((k for k, of in kind_of(kind).references.items() if of == "robot"), "")
     for name in library.names(kind, beside):
         file = library.find(kind, name, beside)
@@ -72,5 +72,5 @@ def for_robot(kind: type[Document], robot: str, beside: Path | None, library: Li
         except DiagnosticsError:
             continue
         if getattr(document, key, None) == robot:
-            found.append(name)
-    return found
+            suitable.append(name)
+    return suitable

@@ -76,8 +76,8 @@ class MissingResources:
         written = re.escape(text).replace(rf"\${parameter}", "(.+)", 1)
         for name, value in others.items():
             written = re.sub(rf"\\\${name}\b", re.escape(value), written)
-        found = (re.fullmatch(written, name) for name in self._known)
-        values = list(dict.fromkeys(match[1] for match in found if match))
+        matches = (re.fullmatch(written, name) for name in self._known)
+        values = list(dict.fromkeys(match[1] for match in matches if match))
         # More than the first part of a name is what a text adds to a parameter.
         return [value for value in values if "." not in value] or values
 
@@ -85,10 +85,10 @@ class MissingResources:
         place, details = self._source.place(*steps), {"name": name, "robot": self._robot}
         first = name.split(".")[0]
         siblings = [known for known in self._known if known.split(".")[0] == first]
-        meant = self._with_sign(text, scope)
-        if meant is not None:
+        signed = self._with_sign(text, scope)
+        if signed is not None:
             names = siblings or self._firsts()
-            self._add(place, names=names, candidates=[meant], given=text, **details)
+            self._add(place, names=names, candidates=[signed], given=text, **details)
         elif siblings and self._is_alias(name, siblings):
             hint = "; names of colours are declared by the robot's 'vision: channels: aliases'"
             self._add(place, names=siblings, given="", hint=hint, **details)

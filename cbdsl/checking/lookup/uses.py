@@ -17,7 +17,7 @@ class Uses:
         self._used: dict[Path, tuple[Path, ...]] = {}
         self._as_found: dict[Path, Path] = {}
 
-    def way(self, start: Path, goal: Path) -> tuple[Path, ...]:
+    def find_path(self, start: Path, goal: Path) -> tuple[Path, ...]:
         """The fewest uses that lead from one program to another, with both; empty for none.
 
         Args:
@@ -49,8 +49,8 @@ class Uses:
         except DiagnosticsError:
             return []
         uses = document.use.values()
-        found = [self._library.find(ProgramDocument, use.program, as_found) for use in uses]
-        return [self._real(file) for file in found if file is not None]
+        files = [self._library.find(ProgramDocument, use.program, as_found) for use in uses]
+        return [self._real(file) for file in files if file is not None]
 
     def _real(self, path: Path) -> Path:
         """The file itself; findings in it name it as it was found."""
@@ -60,7 +60,7 @@ class Uses:
 
 
 def _traced(path: Path, before: dict[Path, Path]) -> tuple[Path, ...]:
-    way = [path]
-    while before[way[-1]] != way[-1]:
-        way.append(before[way[-1]])
-    return tuple(reversed(way))
+    path_back = [path]
+    while before[path_back[-1]] != path_back[-1]:
+        path_back.append(before[path_back[-1]])
+    return tuple(reversed(path_back))

@@ -87,8 +87,8 @@ class CheckedRobot(NamedTuple):
     def limits(self, joints: Iterable[str]) -> list[tuple[float, float] | None]:
         """The limits of joints, rad, or ``None`` where the model does not tell."""
         known = {} if self.model is None else self.model.joints
-        found = [known.get(joint) for joint in joints]
-        return [None if joint is None else (joint.lower, joint.upper) for joint in found]
+        turned = [known.get(joint) for joint in joints]
+        return [None if joint is None else (joint.lower, joint.upper) for joint in turned]
 
     def effector_joints(self, resource: Resource) -> tuple[str, ...]:
         """The actuated joints that an effector moves."""
@@ -197,7 +197,7 @@ class CheckedRobot(NamedTuple):
         return [cell.link for hand in hands for cell in self.document.load_cells[hand].values()]
 
     def _holding_links(self) -> list[str]:
-        """What is seen moves with a tip whose hand feels that it holds it."""
+        """Links of the tips whose hands feel that they hold what is seen, which moves with them."""
         felt = {
             joint
             for link in self._cell_links(self.document.load_cells)

@@ -5,8 +5,8 @@ from __future__ import annotations
 from cbdsl.types.unit import QuantityError, parse_quantity
 
 
-def limits_told(written: object, angle: float, limits: tuple[float, float]) -> dict[str, str]:
-    """What messages say of an angle and the limits of its joint.
+def limit_details(written: object, angle: float, limits: tuple[float, float]) -> dict[str, str]:
+    """Details of messages about an angle and the limits of its joint.
 
     Args:
         written: the angle in its document, whose unit is used; radians without one.

@@ -10,7 +10,7 @@ from pathlib import Path
 from cbdsl.checking.findings import Findings
 from cbdsl.checking.robot.checked_robot import CheckedRobot
 from cbdsl.checking.robot.constants import check_constants, check_margins
-from cbdsl.checking.robot.limits import limits_told
+from cbdsl.checking.robot.limits import limit_details
 from cbdsl.checking.robot.names import check_names
 from cbdsl.checking.robot.settings import check_settings
 from cbdsl.documents.robot import Effector, RobotDocument
@@ -44,7 +44,7 @@ def examine_robot(loaded: Loaded[RobotDocument], findings: Findings) -> CheckedR
     _RobotCheck(loaded, findings, _unclaimed(robot, model), _unmovable(model)).all()
     check_names(loaded, findings)
     check_constants(loaded, findings)
-    missed = frozenset(found.given for found in findings.sorted() if found.code == "CB308")
+    missed = frozenset(finding.given for finding in findings.sorted() if finding.code == "CB308")
     missed |= frozenset(_lacking(robot, missed))
     body = CheckedRobot(loaded, resources(robot), model, missed).with_idle_tips()
     if model is not None:
@@ -66,8 +66,8 @@ def _lacking(robot: RobotDocument, missed: Collection[str]) -> Iterator[str]:
 def _models_near(folder: Path) -> list[str]:
     """URDF files in a folder, beside it, and one level below, as a robot's document names them."""
     patterns = ("*.urdf", "*/*.urdf", "../*.urdf", "../*/*.urdf")
-    found = {os.path.relpath(file, folder) for each in patterns for file in folder.glob(each)}
-    return sorted(Path(file).as_posix() for file in found)
+    models = {os.path.relpath(file, folder) for each in patterns for file in folder.glob(each)}
+    return sorted(Path(file).as_posix() for file in models)
 
 
 def _unclaimed(robot: RobotDocument, model: UrdfModel | None) -> frozenset[str]:
@@ -85,7 +85,7 @@ def _unmovable(model: UrdfModel | None) -> frozenset[str]:
 
 
 class _RobotCheck:
-    """What can be said without the model.
+    """Checks of a robot's document that need no model.
 
     Args:
         loaded: the robot.
@@ -202,7 +202,7 @@ class _RobotCheck:
 
 
 class _ModelCheck:
-    """What the model says."""
+    """Checks of a robot's document against its model."""
 
     def __init__(self, body: CheckedRobot, findings: Findings, model: UrdfModel) -> None:
         self._body = body
@@ -340,12 +340,12 @@ class _ModelCheck:
                 limits = self._model.joints.get(joint)
                 if limits is not None and not limits.lower <= angle <= limits.upper:
                     node = self._source.node(("effectors", name, "postures", posture, i))
-                    told = limits_told(node.value, angle, (limits.lower, limits.upper))
-                    hint = _degrees_meant(angle, limits) if told["unit"] == "rad" else ""
-                    self._findings.add("CB305", node.place, joint=joint, hint=hint, **told)
+                    limits_text = limit_details(node.value, angle, (limits.lower, limits.upper))
+                    hint = _degrees_meant(angle, limits) if limits_text["unit"] == "rad" else ""
+                    self._findings.add("CB305", node.place, joint=joint, hint=hint, **limits_text)
 
 
 def _degrees_meant(angle: float, limits: UrdfJoint) -> str:
-    """What to write where an angle fits if it is taken for degrees."""
+    """Remedy for an angle that fits if it is taken for degrees."""
     fits = limits.lower <= math.radians(angle) <= limits.upper
     return f"; write {angle:g} deg if degrees are meant" if fits and abs(angle) > 3.15 else ""

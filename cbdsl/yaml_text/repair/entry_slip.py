@@ -1,4 +1,4 @@
-"""What was written in place of an entry, a value or a name that is nearly one."""
+"""Slips in entries, values and names: nearly right ones, and their remedies."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ _KEY_AND_VALUE = re.compile(r"(\w+)(:?) *(?:&\w+ +)?[-{\[*]")
 
 
 def slip_in_key(path: tuple[Step, ...], source: SourceMap) -> str | None:
-    """What made a key out of what was never meant to be one."""
+    """The slip that made a key out of something else."""
     mapping, key = source.node(path[:-1]).value, str(path[-1])
     if not isinstance(mapping, dict) or key not in mapping:
         return None
@@ -31,7 +31,7 @@ def slip_in_key(path: tuple[Step, ...], source: SourceMap) -> str | None:
 
 
 def slip_in_text(value: object) -> str | None:
-    """What made a text out of a key and its value."""
+    """The slip that made a text out of a key and its value."""
     match = _KEY_AND_VALUE.match(value) if isinstance(value, str) else None
     if match is None:
         return None
@@ -54,7 +54,7 @@ def _is_entry(node: Node) -> bool:
 
 
 def named_instead(text: str) -> str:
-    """What to write for what is no name, such as a document's file."""
+    """Remedy for a text that is no name, such as a document's file."""
     core, *words = re.split(r"\s*(?:#|//)\s*", text, maxsplit=1)
     if words and re.match(NAME_PATTERN, core):
         return f"; a comment begins with a space and '#': write {core} # {words[0]}"

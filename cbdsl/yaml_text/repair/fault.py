@@ -1,4 +1,4 @@
-"""One of pydantic's errors, and what is to be said of it."""
+"""One of pydantic's errors, and its diagnostic."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from cbdsl.types.unit import QuantityError
 from cbdsl.yaml_text.comma import decimal_comma
 from cbdsl.yaml_text.repair.entry_slip import left_out, named_instead, slip_in_key, slip_in_text
 from cbdsl.yaml_text.repair.form import form
-from cbdsl.yaml_text.repair.row import meant_row
+from cbdsl.yaml_text.repair.row import suggested_row
 from cbdsl.yaml_text.repair.shape import SchemaShape
 from cbdsl.yaml_text.source_map import SourceMap, Step
 
@@ -64,7 +64,7 @@ class Fault(NamedTuple):
 
     @property
     def expected(self) -> str:
-        """What a value of the right kind is."""
+        """Name of the right kind of value."""
         kind, context = self.error["type"], self.error.get("ctx", {})
         return str(context["expected"]) if kind == "not_named" else _EXPECTED[kind]
 
@@ -78,7 +78,7 @@ class Fault(NamedTuple):
 def diagnose(
     path: tuple[Step, ...], same: list[Fault], source: SourceMap, model: type[BaseModel]
 ) -> Diagnostic:
-    """What is to be said of a value.
+    """Diagnostic of the faults of one value.
 
     Args:
         path: where it is.
@@ -95,30 +95,30 @@ def diagnose(
             return diagnostic("CB205", source.place(*path), problem=slip)
         if example := form(model, path, source.node(path)):
             expected += f", as in {example}"
-        found = describe(value) + left_out(value, expected)
-        return diagnostic("CB204", source.place(*path), expected=expected, found=found)
+        given = describe(value) + left_out(value, expected)
+        return diagnostic("CB204", source.place(*path), expected=expected, found=given)
     return _special(path, same, source, model)
 
 
 def _row(
     path: tuple[Step, ...], same: list[Fault], source: SourceMap, model: type[BaseModel]
 ) -> Diagnostic | None:
-    """What is to be said of what should be a list, or a list less, where its values are there."""
+    """Diagnostic of a value that should be a list, or a list less, and has its items."""
     steps = path[:-1] if path and path[-1] == 0 else path
     is_inner = steps != path and isinstance(source.node(path).value, list)
     if not is_inner and all(fault.error["type"] != "tuple_type" for fault in same):
         return None
     node = source.node(steps if is_inner else path)
-    row = meant_row(node, source)
+    row = suggested_row(node, source)
     places = (form(model, path) or "").count("...")
     if row is None or (isinstance(node.value, str) and row.count(",") + 1 < places):
         return None
-    found = "a list within a list" if is_inner else describe(node.value)
-    return diagnostic("CB204", node.place, expected="a list", found=f"{found}; write {row}")
+    given = "a list within a list" if is_inner else describe(node.value)
+    return diagnostic("CB204", node.place, expected="a list", found=f"{given}; write {row}")
 
 
 def _too_few(path: tuple[Step, ...], same: list[Fault], source: SourceMap) -> Diagnostic:
-    """What is to be said of a list that ends before its last value."""
+    """Diagnostic of a list that ends before its last value."""
     missing = [fault.error["loc"][-1] for fault in same if fault.error["type"] == "missing"]
     wanted = max(index for index in missing if isinstance(index, int)) + 1
     given = source.node(path)
@@ -132,7 +132,7 @@ def _too_few(path: tuple[Step, ...], same: list[Fault], source: SourceMap) -> Di
 def _special(
     path: tuple[Step, ...], same: list[Fault], source: SourceMap, model: type[BaseModel]
 ) -> Diagnostic:
-    """What is to be said of a value of the right kind that cannot be used."""
+    """Diagnostic of a value of the right kind that cannot be used."""
     error = next(fault.error for fault in same if not fault.is_wrong_kind)
     name = str(path[-1]) if path else ""
     context: dict[str, Any] = error.get("ctx", {})
@@ -144,8 +144,8 @@ def _special(
         case "missing":
             # A missing key has no place of its own: its parent's key stands for it.
             place = source.key(*path[:-1])
-            said = [(place, text) for text in _said_of(path, model)]
-            return diagnostic("CB203", place, key=name, related=said)
+            related = [(place, text) for text in _documentation(path, model)]
+            return diagnostic("CB203", place, key=name, related=related)
         case "extra_forbidden":
             shape = SchemaShape((model,)).located(error["loc"][:-1])
             if new := shape.renamed.get(name):
@@ -174,8 +174,8 @@ def _problem(error: ValueError, value: object) -> str:
     return told(value, error) if isinstance(error, QuantityError) else str(error)
 
 
-def _said_of(path: tuple[Step, ...], model: type[BaseModel]) -> set[str]:
-    """What the documentation says of a key."""
+def _documentation(path: tuple[Step, ...], model: type[BaseModel]) -> set[str]:
+    """Docstrings of a key."""
     from cbdsl.documents.json_schema import docstrings  # only a missing key needs it
 
     return {
@@ -186,7 +186,7 @@ def _said_of(path: tuple[Step, ...], model: type[BaseModel]) -> set[str]:
 
 
 def describe(value: object) -> str:
-    """What a value is, as messages say it."""
+    """A value in the words of messages."""
     if isinstance(value, dict):
         return "a mapping"
     if isinstance(value, list):

@@ -30,10 +30,10 @@ def faults(
         model: the kind of document.
         follows: whether an error of a type at a path is there only because of another one.
     """
-    found = [Fault(path_of(error, source), error) for error in errors]
-    enclosing = {fault.path[:depth] for fault in found for depth in range(len(fault.path))}
+    every = [Fault(path_of(error, source), error) for error in errors]
+    enclosing = {fault.path[:depth] for fault in every for depth in range(len(fault.path))}
     by_path: dict[tuple[Step, ...], list[Fault]] = {}
-    for fault in found:
+    for fault in every:
         is_known = follows(fault.path, fault.error["type"])
         if not (is_known or (fault.is_of_parts and fault.path in enclosing)):
             by_path.setdefault(fault.path, []).append(fault)
@@ -60,13 +60,13 @@ def _numbered_again(by_path: Mapping[tuple[Step, ...], list[Fault]]) -> set[tupl
 
 def _is_nameless(path: tuple[Step, ...], source: SourceMap, model: type[BaseModel]) -> bool:
     """Whether where names are wanted there is what should be below one of them."""
-    found, shape = source.node(path).value, SchemaShape((model,)).at(path)
+    value, shape = source.node(path).value, SchemaShape((model,)).at(path)
     keys = shape.child("").keys
-    if not (shape.is_of_names and keys and isinstance(found, dict)):
+    if not (shape.is_of_names and keys and isinstance(value, dict)):
         return False
     # A section may well be named like one of the keys below it.
-    are_sections = all(isinstance(node.value, dict) for node in found.values())
-    return keys.keys() >= found.keys() and not are_sections
+    are_sections = all(isinstance(node.value, dict) for node in value.values())
+    return keys.keys() >= value.keys() and not are_sections
 
 
 def _is_below(path: tuple[Step, ...], above: set[tuple[Step, ...]]) -> bool:
@@ -76,9 +76,9 @@ def _is_below(path: tuple[Step, ...], above: set[tuple[Step, ...]]) -> bool:
 def _without_a_name(
     path: tuple[Step, ...], source: SourceMap, model: type[BaseModel]
 ) -> Diagnostic:
-    """What is to be said of a section that stands where it should have a name."""
-    found = source.node(path).value
-    keys = ", ".join(f"'{key}'" for key in found) if isinstance(found, dict) else ""
+    """Diagnostic of a section without the name that it should have."""
+    value = source.node(path).value
+    keys = ", ".join(f"'{key}'" for key in value) if isinstance(value, dict) else ""
     expected = f"names, as in {form(model, path)}"
     return diagnostic("CB204", source.key(*path), expected=expected, found=f"{keys} without a name")
 

@@ -18,28 +18,28 @@ _LEAST_EVIDENCE = 2
 
 
 def identify(
-    source: SourceMap, found: tuple[Diagnostic, ...]
+    source: SourceMap, findings: tuple[Diagnostic, ...]
 ) -> tuple[type[Document], tuple[Diagnostic, ...]]:
     """The kind of document that a text is, and what was found with what it says of that."""
     root = source.root
     if not isinstance(root.value, dict):
         described = describe(root.value)
         fault = diagnostic("CB204", root.place, expected="a mapping", found=described)
-        raise DiagnosticsError([*found, fault])
+        raise DiagnosticsError([*findings, fault])
     kind: Node | None = root.value.get("kind")
     if kind is not None and (kind.faulty or any(part.faulty for part in kind.children())):
-        raise DiagnosticsError(found)
-    said = None if kind is None else str(kind.value)
-    model = None if said is None else _model_of(said)
-    meant = _contradicted(root.value, said, model)
-    is_right = model is not None and meant is None
-    wrong = () if is_right else (_wrong_kind(source, said, model, meant),)
-    model = _model_of(meant) if meant else model
+        raise DiagnosticsError(findings)
+    declared = None if kind is None else str(kind.value)
+    model = None if declared is None else _model_of(declared)
+    suggestion = _contradicted(root.value, declared, model)
+    is_right = model is not None and suggestion is None
+    wrong = () if is_right else (_wrong_kind(source, declared, model, suggestion),)
+    model = _model_of(suggestion) if suggestion else model
     if model is None:
-        raise DiagnosticsError([*found, *wrong])
+        raise DiagnosticsError([*findings, *wrong])
     place = root.place if kind is None else kind.place
     root.value["kind"] = Node(place, kind_name(model))
-    return model, (*found, *wrong)
+    return model, (*findings, *wrong)
 
 
 def _model_of(kind: str) -> type[Document] | None:
@@ -51,37 +51,37 @@ def _model_of(kind: str) -> type[Document] | None:
 
 
 def _contradicted(
-    keys: Iterable[str], said: str | None, model: type[Document] | None
+    keys: Iterable[str], declared: str | None, model: type[Document] | None
 ) -> str | None:
     """The kind that the keys of a document are those of, where it says that it is another."""
     if model is not None and model.model_fields.keys() >= set(keys):
         return None
-    return kind_by_keys(keys, said, models())
+    return kind_by_keys(keys, declared, models())
 
 
 def _wrong_kind(
-    source: SourceMap, said: str | None, model: type[Document] | None, meant: str | None
+    source: SourceMap, declared: str | None, model: type[Document] | None, suggestion: str | None
 ) -> Diagnostic:
-    """What is to be said of a kind that is missing, unknown or contradicted by the keys."""
-    if said is None:
-        names = [meant] if meant else list(models())
+    """Diagnostic of a kind that is missing, unknown or contradicted by the keys."""
+    if declared is None:
+        names = [suggestion] if suggestion else list(models())
         return diagnostic("CB203", source.root.place, names=names, key="kind")
     place = source.place("kind")
     if model is None:
-        return diagnostic("CB206", place, names=list(models()), name=said)
-    assert meant is not None, "nothing is wrong with it otherwise"
-    keys = ", ".join(telling_keys(source.root.keys, meant, said, models()))
-    return diagnostic("CB210", place, said=said, found=meant, keys=keys)
+        return diagnostic("CB206", place, names=list(models()), name=declared)
+    assert suggestion is not None, "nothing is wrong with it otherwise"
+    keys = ", ".join(telling_keys(source.root.keys, suggestion, declared, models()))
+    return diagnostic("CB210", place, said=declared, found=suggestion, keys=keys)
 
 
 def kind_by_keys(
-    keys: Iterable[str], said: str | None, kinds: Mapping[str, type[Document]]
+    keys: Iterable[str], declared: str | None, kinds: Mapping[str, type[Document]]
 ) -> str | None:
     """The kind that the keys of a document are those of, instead of the one that it says.
 
     Args:
         keys: of the document.
-        said: the kind that it says it is.
+        declared: the kind that it says it is.
         kinds: models by kind.
 
     Returns:
@@ -90,16 +90,16 @@ def kind_by_keys(
     given = frozenset(keys)
     evidence = {kind: _evidence(given, model) for kind, model in kinds.items()}
     best = max(evidence, key=lambda kind: evidence[kind])
-    least = evidence.get(said, 0) if said is not None else 0
-    is_clear = sum(found == evidence[best] for found in evidence.values()) == 1
+    least = evidence.get(declared, 0) if declared is not None else 0
+    is_clear = sum(number == evidence[best] for number in evidence.values()) == 1
     return best if is_clear and evidence[best] >= least + _LEAST_EVIDENCE else None
 
 
 def telling_keys(
-    keys: Iterable[str], kind: str, said: str | None, kinds: Mapping[str, type[Document]]
+    keys: Iterable[str], kind: str, declared: str | None, kinds: Mapping[str, type[Document]]
 ) -> list[str]:
     """The keys that documents of one kind have, and those of another do not."""
-    others = kinds.get(said or "", Document).model_fields
+    others = kinds.get(declared or "", Document).model_fields
     return [key for key in keys if key in kinds[kind].model_fields and key not in others]
 
 

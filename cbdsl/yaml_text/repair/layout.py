@@ -39,7 +39,7 @@ class Row(NamedTuple):
 
 
 class Shift(NamedTuple):
-    """What is to be done about a line that is out of line.
+    """Remedy for a line that is out of line.
 
     Attributes:
         problem: as a sentence without a full stop.
@@ -60,8 +60,8 @@ def find_shift(lines: Sequence[str], line: int) -> Shift | None:
     index = next((i for i, row in enumerate(rows) if row.line == line), 0)
     if index == 0:
         return None
-    found = _Outline(lines, rows, index)
-    return found.children() or found.dash() or found.odd_one()
+    outline = _Outline(lines, rows, index)
+    return outline.children() or outline.dash() or outline.odd_one()
 
 
 def _rows(lines: Sequence[str]) -> Iterator[Row]:
@@ -149,11 +149,11 @@ class _Outline:
         """The rows above on the next levels, or the one that the row below is on, too."""
         above, indent = self._rows[: self._index][::-1], self._row.indent
         inner = list(takewhile(lambda other: other.indent > indent, above))
-        found = [min(inner, key=lambda other: other.indent)] if inner else []
-        found += [other for other in above if other.indent < indent][:1]
+        levels = [min(inner, key=lambda other: other.indent)] if inner else []
+        levels += [other for other in above if other.indent < indent][:1]
         following = self._rows[self._index + 1 : self._index + 2]
-        agreed = [other for other in found if following and other.indent == following[0].indent]
-        return agreed or found
+        agreed = [other for other in levels if following and other.indent == following[0].indent]
+        return agreed or levels
 
     def _shift(self, row: Row, neighbours: list[Row]) -> Shift:
         levels = {other.indent: other for other in neighbours}
@@ -166,32 +166,32 @@ class _Outline:
 
     def _level(self) -> list[Row]:
         """Rows above the one in question with its indentation, in the same section."""
-        found = []
+        rows = []
         for other in self._rows[: self._index][::-1]:
             if other.indent < self._row.indent:
                 break
             if other.indent == self._row.indent:
-                found.append(other)
-        return found
+                rows.append(other)
+        return rows
 
     def _level_of(self, row: Row) -> list[Row]:
         """A row and those directly above it with the same indentation."""
-        found = []
+        rows = []
         for other in self._rows[: self._index][::-1]:
             if other.indent != row.indent:
                 break
-            found.append(other)
-        return found
+            rows.append(other)
+        return rows
 
     def _run(self) -> list[Row]:
         """The row in question and those below it with the same indentation, in the same section."""
-        found = []
+        rows = []
         for other in self._rows[self._index :]:
             if other.indent < self._row.indent or other.is_item != self._row.is_item:
                 break
             if other.indent == self._row.indent:
-                found.append(other)
-        return found
+                rows.append(other)
+        return rows
 
     def _opening(self, indent: int) -> Row | None:
         """The key above whose section has an indentation."""

@@ -30,30 +30,30 @@ def mend(text: str, file: str) -> Composed:
         DiagnosticsError: with every finding up to the first one that hides the rest.
     """
     require_readable(text, file)
-    text, found = _legible(text, file)
+    text, findings = _legible(text, file)
     while True:
         try:
             composed = compose(text, file)
         except SyntaxFaultError as fault:
             slip = find_slip(fault.error, lines_of(text))
             place = Place(file, slip.line, slip.column, slip.column + 1)
-            found.append(diagnostic(slip.code, place, problem=slip.problem))
-            if not slip.lines or len(found) >= _MOST_SLIPS:
-                raise DiagnosticsError([*found, *fault.findings]) from None
+            findings.append(diagnostic(slip.code, place, problem=slip.problem))
+            if not slip.lines or len(findings) >= _MOST_SLIPS:
+                raise DiagnosticsError([*findings, *fault.findings]) from None
             text = "\n".join(slip.mended(lines_of(text)))
         except DiagnosticsError as error:
-            raise DiagnosticsError([*found, *error.diagnostics]) from None
+            raise DiagnosticsError([*findings, *error.diagnostics]) from None
         else:
-            return composed._replace(findings=(*found, *composed.findings))
+            return composed._replace(findings=(*findings, *composed.findings))
 
 
 def _legible(text: str, file: str) -> tuple[str, list[Diagnostic]]:
     """A text without invisible characters and conflicts, and the findings about these."""
-    found = []
+    findings = []
     if invisible := invisible_in(text):
         # One stands for all: they tend to come in swarms.
-        found.append(unseen("CB118", invisible, file))
+        findings.append(unseen("CB118", invisible, file))
         text = without_invisible(text)
     lines = lines_of(text)
-    found += islice(conflicts(lines, file), _MOST_SLIPS)
-    return "\n".join(one_side(lines)), found
+    findings += islice(conflicts(lines, file), _MOST_SLIPS)
+    return "\n".join(one_side(lines)), findings

@@ -56,15 +56,15 @@ def find_moves(source: SourceMap, model: type[BaseModel], wrong: Iterable[Steps]
 
 def move(source: SourceMap, moved: Move) -> Diagnostic:
     """Put keys where they belong, and say so."""
-    said = diagnostic(
-        "CB209", source.key(*moved.start, moved.keys[0]), problem=_said(source, moved)
+    fault = diagnostic(
+        "CB209", source.key(*moved.start, moved.keys[0]), problem=_message(source, moved)
     )
     start = source.node(moved.start)
     _put(start, moved.keys, _mapping(source, moved.goal, start.keys[moved.keys[0]]))
     if moved.followers:
         goal = (*moved.goal, moved.keys[-1])
         _put(start, moved.followers, _mapping(source, goal, source.key(*goal)))
-    return said
+    return fault
 
 
 def _mapping(source: SourceMap, path: Steps, place: Place) -> Node:
@@ -83,7 +83,7 @@ def _put(start: Node, keys: Iterable[str], goal: Node) -> None:
         goal.value[key], goal.keys[key] = start.value.pop(key), start.keys.pop(key)
 
 
-def _said(source: SourceMap, moved: Move) -> str:
+def _message(source: SourceMap, moved: Move) -> str:
     names = [f"'{key}'" for key in moved.keys[:_MOST_NAMES]]
     if len(moved.keys) > _MOST_NAMES:
         names[-1] = f"{len(moved.keys) - len(names) + 1} more keys"
@@ -146,14 +146,14 @@ class _Finder:
             return
         here = (*around, _Enclosing(path, node, shape))
         if isinstance(node.value, dict):
-            found = (
+            moved = (
                 self._names(node, shape, path)
                 if shape.is_of_names
                 else self._keys(node, shape, path)
             )
-            found = found or self._upwards(node, shape, path, around)
-            if found is not None:
-                yield found
+            moved = moved or self._upwards(node, shape, path, around)
+            if moved is not None:
+                yield moved
                 return
         for step, child in node.steps():
             inner = shape.child(step)

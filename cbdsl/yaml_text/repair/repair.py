@@ -31,9 +31,9 @@ def repair(path: Path, kind: type[D], text: str) -> Loaded[D]:
     """
     composed = mend(text, str(path))
     source = SourceMap(path, composed.lines, composed.root)
-    model, found = identify(source, composed.findings)
+    model, findings = identify(source, composed.findings)
     if not issubclass(model, kind):
         place, given = source.place("kind"), str(source.node(("kind",)).value)
         wrong = diagnostic("CB201", place, wanted=kind_name(kind), found=given)
         raise DiagnosticsError([wrong])
-    return salvage(source, model, found)
+    return salvage(source, model, findings)

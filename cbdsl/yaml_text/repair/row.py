@@ -12,7 +12,7 @@ _BRACKETS = re.compile(r"[\[({]?(?P<inner>.*?)[\])}]?", re.DOTALL)
 _DASH = re.compile(r"(?:^|\s)-\s*(?=[^\W\d])")
 
 
-def meant_row(node: Node, source: SourceMap) -> str | None:
+def suggested_row(node: Node, source: SourceMap) -> str | None:
     """The list in brackets that a mapping, a text or a list within a list was meant to be."""
     value = node.value
     if isinstance(value, list):

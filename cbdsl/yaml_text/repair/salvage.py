@@ -35,25 +35,25 @@ _MOST_ROUNDS = 12
 D = TypeVar("D", bound=Document)
 
 
-def salvage(source: SourceMap, model: type[D], found: Iterable[Diagnostic]) -> Loaded[D]:
+def salvage(source: SourceMap, model: type[D], findings: Iterable[Diagnostic]) -> Loaded[D]:
     """Read a document from its nodes, from which faulty ones are taken away.
 
     Args:
         source: the text, whose nodes change.
         model: the kind of document.
-        found: what is wrong with the values that are marked as faulty.
+        findings: what is wrong with the values that are marked as faulty.
 
     Raises:
         DiagnosticsError: nothing that could be checked is left.
     """
-    return _Salvage(source, model, found).salvage()
+    return _Salvage(source, model, findings).salvage()
 
 
 class _Salvage(Generic[D]):
-    def __init__(self, source: SourceMap, model: type[D], found: Iterable[Diagnostic]) -> None:
+    def __init__(self, source: SourceMap, model: type[D], findings: Iterable[Diagnostic]) -> None:
         self._source = source
         self._model = model
-        self._faults = list(found)
+        self._faults = list(findings)
         self._broken = Broken()
         self._respelt: set[Steps] = set()
         self._unknown: dict[str, object] = {}
@@ -106,11 +106,14 @@ class _Salvage(Generic[D]):
         shape = SchemaShape((self._model,)).located(loc[:-1])
         free = sorted(shape.keys.keys() - parent.value)
         new = shape.renamed.get(key)
-        meant = nearest_name(key, free) if new is None else new if new in free else None
-        if meant is not None:
-            parent.value[meant], parent.keys[meant] = parent.value.pop(key), parent.keys.pop(key)
-            self._respelt.add((*path[:-1], meant))
-        return meant is not None
+        suggestion = nearest_name(key, free) if new is None else new if new in free else None
+        if suggestion is not None:
+            parent.value[suggestion], parent.keys[suggestion] = (
+                parent.value.pop(key),
+                parent.keys.pop(key),
+            )
+            self._respelt.add((*path[:-1], suggestion))
+        return suggestion is not None
 
     def _leave_out(self, paths: Iterable[Steps]) -> None:
         """Take the parts of the document away that paths lead to."""

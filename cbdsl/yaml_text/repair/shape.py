@@ -1,4 +1,4 @@
-"""What the models of documents want at a place: sections with keys, names, or lists."""
+"""Shapes that the models of documents want at a place: sections with keys, names, or lists."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What YAML's syntax errors mean: libyaml says where it gave up, and people slipped before."""
+"""Slips behind YAML's syntax errors: libyaml says where it gave up, and people slipped before."""
 
 from __future__ import annotations
 
@@ -45,7 +45,7 @@ _NO_PROSE = re.compile(r"[\[{◁]|<\|")
 
 
 class Slip(NamedTuple):
-    """What somebody probably did.
+    """A probable slip of the pen.
 
     Attributes:
         problem: as a clause.
@@ -92,12 +92,12 @@ class _Trouble(NamedTuple):
 
     @property
     def before(self) -> str:
-        """What is in front of the place in its line."""
+        """Text in front of the place in its line."""
         return self.text[: self.column - 1]
 
     @property
     def rest(self) -> str:
-        """What stands at the place, and behind it."""
+        """Text at the place, and behind it."""
         return self.text[self.column - 1 :]
 
     @property
@@ -119,8 +119,8 @@ def find_slip(error: yaml.MarkedYAMLError, lines: Sequence[str]) -> Slip:
         lines: of the text.
     """
     trouble = _trouble(error, lines)
-    found = (explain(trouble) for explain in _EXPLANATIONS) if trouble.line <= len(lines) else ()
-    slip = next((slip for slip in found if slip is not None), None)
+    slips = (explain(trouble) for explain in _EXPLANATIONS) if trouble.line <= len(lines) else ()
+    slip = next((slip for slip in slips if slip is not None), None)
     return slip or Slip(trouble.problem, trouble.line, trouble.column)
 
 
@@ -144,11 +144,11 @@ def _look_alike(trouble: _Trouble) -> Slip | None:
     """A space, a bullet or a colon that is none, here or in the line above."""
     for number in (trouble.line, trouble.above):
         line = trouble.lines[number - 1]
-        meant = characters.meant_line(line) if number else None
-        if meant is not None:
-            problem = characters.said_of(line, meant)
+        suggestion = characters.suggested_line(line) if number else None
+        if suggestion is not None:
+            problem = characters.look_alike_message(line, suggestion)
             column = characters.first_look_alike(line) + 1
-            return Slip(problem, number, column, "CB123", {number: meant})
+            return Slip(problem, number, column, "CB123", {number: suggestion})
     return None
 
 
