@@ -20,7 +20,7 @@ class Signal(NamedTuple):
 
 
 class Evaluation(NamedTuple):
-    """A potential in task coordinates: phi, residual (k,), coordinates per joint (k, n), step (k,)."""
+    """A potential in task coordinates: residual (k,), coordinates per joint (k, n), step (k,)."""
 
     phi: float
     residual: Floats

@@ -1,4 +1,4 @@
-"""Functions that are none of a potential: named when a controller gets its slot, before any tick."""
+"""Functions that are none of a potential are named when a controller gets its slot."""
 
 from __future__ import annotations
 
