@@ -88,7 +88,7 @@ def address_of(function: Callable[..., float]) -> int:
         raise PotentialError(f"potential '{name}' cannot be compiled: {first}") from None
     returned = function.overloads[SIGNATURE.args].signature.return_type  # type: ignore[attr-defined]
     if returned != types.float64:
-        kind = types.unliteral(returned)
+        kind = types.unliteral(returned)  # type: ignore[no-untyped-call]
         raise PotentialError(f"potential '{name}' returns {kind}, not a float")
     address: int = _get_jit_address(function, SIGNATURE)  # type: ignore[no-untyped-call]
     return address
