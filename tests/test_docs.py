@@ -60,7 +60,7 @@ GENERIC: list[Callable[..., None]] = [
     test_registry.test_gradient_equals_finite_differences,
     test_registry.test_small_steps_lower_phi_and_shapes_agree,
     test_registry.test_known_minimum_is_where_the_residual_leads,
-    test_registry.test_wrong_shapes_are_refused_by_name,
+    test_registry.test_what_is_compiled_is_what_is_written,
 ]
 #: What is left to fill in, or to choose.
 PATTERN = re.compile(r"[A-Z]{3,}(?!\d)|\.\.\.|[|<>]")

@@ -137,16 +137,19 @@ class SimulatedBackend(Generic[SomeEngine]):
         Joint references move evenly over its physics steps: a jump per control period would shake
         what is held out of the hand.
         """
-        change, count = self._reference - self._reached, self._substeps
+        count = self._substeps
         for substep in range(1, count + 1):
             begun = self._tick + (substep - 1) / count
             self._experimenter.act(begun * self.control_period)
-            even = self._reached + change * (substep / count)
-            self.truth.step(self._reference if count == 1 else even)
+            self.truth.step(self._reference if count == 1 else self._between(substep / count))
             self._cells.sample(self.truth.wrenches())
         self._reached = self._reference
         self._tick += 1
         self._observation = self._sense()
+
+    def _between(self, share: float) -> Floats:
+        """References after a share of the control period."""
+        return self._reached + (self._reference - self._reached) * share
 
     def halt(self) -> None:
         """Freeze the references at the measured positions."""

@@ -75,8 +75,10 @@ class World:
             thing: what may have landed.
             fallen: how far it has just fallen, m.
         """
-        deepest = _BESIDE + max(fallen, 0.0)
-        sunk = max((top - thing.bottom for top in self._tops(thing, deepest)), default=0.0)
+        bottom, deepest = thing.bottom, _BESIDE + max(fallen, 0.0)
+        tops = [_top(fixture, thing) for fixture in self.things.values()]
+        depths = [top - bottom for top in tops if top is not None]
+        sunk = max((depth for depth in depths if depth < deepest), default=0.0)
         if sunk > 0.0:
             thing.shift(np.array([0.0, 0.0, sunk]))
             thing.velocity[2] = 0.0
@@ -89,11 +91,6 @@ class World:
             if top is not None and abs(bottom - top) < _CLOSE:
                 return fixture
         return None
-
-    def _tops(self, thing: KinematicObject, deepest: float) -> list[float]:
-        """Heights of the fixtures' tops that something is above, or no deeper than that below."""
-        tops = [_top(fixture, thing) for fixture in self.things.values()]
-        return [top for top in tops if top is not None and top - thing.bottom < deepest]
 
     @staticmethod
     def _glide(thing: KinematicObject, floor: KinematicObject, period: float) -> None:

@@ -67,10 +67,10 @@ class SolidShape:
 
     def depth(self, rotation: Floats) -> float:
         """From its centre to its lowest point with these axes, shape (3, 3), m."""
-        x, y, z = np.abs(rotation[2]).tolist()
         a, b, c = self.halves
         if self.kind == "ball":
             return a
+        x, y, z = np.abs(rotation[2]).tolist()
         if self.kind == "cylinder":
             return float(a * np.hypot(x, y) + c * z)
         return float(a * x + b * y + c * z)
