@@ -2,9 +2,13 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from collections.abc import Callable
+from functools import cache
+from types import FunctionType
+from typing import Any, NamedTuple
 
 import numpy as np
+from numba.core.dispatcher import Dispatcher
 
 from cbdsl.control.potential import Potential, Rule
 from cbdsl.control.signal import Floats
@@ -37,7 +41,7 @@ def evaluate(
 ) -> Evaluation:
     """A potential by its function alone, compiled or, with bounds checked, interpreted."""
     goal = np.zeros(0) if reference is None else flat(reference)
-    function = potential.function.py_func if interpreted else potential.function
+    function = in_python(potential.function) if interpreted else potential.function
     residual, slope = np.zeros(potential.size), np.zeros((potential.size, len(signal.jacobian)))
     phi = function(flat(signal.value), goal, potential.parameters, residual, slope)
     if potential.identity:
@@ -48,6 +52,17 @@ def evaluate(
         residual[0] = -float(jacobian[0] @ jacobian[0])
     step = 0.5 * residual if potential.rule == Rule.RESIDUAL else residual
     return Evaluation(float(phi), residual, jacobian, step)
+
+
+@cache
+def in_python(function: Any) -> Callable[..., Any]:
+    """The function that was compiled, and all that it calls, as Python runs them."""
+    source = function.py_func
+    scope = dict(source.__globals__)
+    for name in source.__code__.co_names:
+        if isinstance(scope.get(name), Dispatcher):
+            scope[name] = in_python(scope[name])
+    return FunctionType(source.__code__, scope, source.__name__, None, source.__closure__)
 
 
 def gradient(potential: str, evaluation: Evaluation) -> Floats:
