@@ -6,16 +6,16 @@ pass over the tree takes less time than asking for three links one by one.
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterator, Mapping
 
 import numpy as np
 from numpy.typing import NDArray
 
 from cbdsl.backends.staging.pose import Pose
-from cbdsl.numeric.compiled import compiled, compiled_once
+from cbdsl.numeric.compiled import compiled_once
 from cbdsl.robot.joints import Joints
 from cbdsl.robot.urdf import UrdfJoint, UrdfModel
+from cbdsl.sensing.forward import multiply, place_point, rotate
 
 Floats = NDArray[np.float64]
 Rows = NDArray[np.intp]
@@ -115,7 +115,7 @@ def place(
         moved: takes whether each link moves, shape (1 + joints,); the base does not.
         placed: the placements of all links, shape (1 + joints, 12).
     """
-    turn, turned = np.empty((3, 3)), np.empty((3, 3))
+    turn, turned = np.empty(9), np.empty(9)
     for joint in range(len(joints)):
         local = joints[joint]
         angle = local[15] * positions[follows[joint, 1]]
@@ -124,35 +124,7 @@ def place(
             continue
         angles[joint] = angle
         parent, own = placed[follows[joint, 0]], placed[joint + 1]
-        _rotate(local[12], local[13], local[14], angle, turn)
-        for i in range(3):
-            own[9 + i] = parent[9 + i]
-            for k in range(3):
-                own[9 + i] += parent[3 * i + k] * local[9 + k]
-                turned[i, k] = (
-                    parent[3 * i] * local[k]
-                    + parent[3 * i + 1] * local[3 + k]
-                    + parent[3 * i + 2] * local[6 + k]
-                )
-        for i in range(3):
-            for k in range(3):
-                own[3 * i + k] = (
-                    turned[i, 0] * turn[0, k]
-                    + turned[i, 1] * turn[1, k]
-                    + turned[i, 2] * turn[2, k]
-                )
-
-
-@compiled
-def _rotate(x: float, y: float, z: float, angle: float, turn: Floats) -> None:
-    """The rotation (3, 3) about a unit axis, entry by entry: rows would take long to compile."""
-    sine, cosine = math.sin(angle), math.cos(angle)
-    rest = 1.0 - cosine
-    turn[0, 0], turn[1, 1], turn[2, 2] = (
-        cosine + rest * x * x,
-        cosine + rest * y * y,
-        cosine + rest * z * z,
-    )
-    turn[0, 1], turn[1, 0] = rest * x * y - sine * z, rest * x * y + sine * z
-    turn[0, 2], turn[2, 0] = rest * x * z + sine * y, rest * x * z - sine * y
-    turn[1, 2], turn[2, 1] = rest * y * z - sine * x, rest * y * z + sine * x
+        place_point(parent, local[9:12], own[9:])
+        multiply(parent, local, turned)
+        rotate(local[12:15], angle, turn)
+        multiply(turned, turn, own)
