@@ -19,6 +19,7 @@ from cbdsl.errors.diagnostic import Place
 from cbdsl.robot.chains import root
 from cbdsl.robot.channel_names import channel_names
 from cbdsl.robot.resources import resources
+from cbdsl.robot.source_kind import SOURCES
 from cbdsl.robot.unsupported_joint import UnsupportedJoint, unsupported
 from cbdsl.robot.urdf import UrdfError, UrdfJoint, UrdfModel, read_urdf
 from cbdsl.types.resource_type import TYPES
@@ -115,6 +116,7 @@ class _RobotCheck:
         self._masters()
         self._couplings()
         self._load_cells()
+        self._sensors()
         self._aliases()
         self._tasks()
 
@@ -177,6 +179,16 @@ class _RobotCheck:
                 steps = ("load_cells", hand, finger, "joint")
                 if cell.joint not in self._unclaimed:
                     self._known(cell.joint, effector.joints, steps, f"joint of '{hand}'")
+
+    def _sensors(self) -> None:
+        for name, sensor in self._robot.sensors.items():
+            if sensor.kind not in SOURCES:
+                place = self._source.place("sensors", name, "kind")
+                self._findings.add("CB320", place, names=list(SOURCES.names()), name=sensor.kind)
+            if sensor.hand is not None and sensor.hand not in self._robot.load_cells:
+                place, names = self._source.place("sensors", name, "hand"), self._robot.load_cells
+                what = "effector with load cells"
+                self._findings.add("CB308", place, names=list(names), name=sensor.hand, what=what)
 
     def _aliases(self) -> None:
         if not self._source.is_whole("vision", "channels"):
@@ -310,6 +322,9 @@ class _ModelCheck:
                 yield ("load_cells", hand, finger, "link"), cell.link
         for name, camera in self._robot.cameras.items():
             yield ("cameras", name, "link"), camera.link
+        for name, sensor in self._robot.sensors.items():
+            if sensor.link is not None:
+                yield ("sensors", name, "link"), sensor.link
 
     def _patterns(self) -> Iterator[tuple[Steps, str]]:
         """Where links are named of which a trailing * matches any ending."""

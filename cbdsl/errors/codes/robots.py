@@ -225,4 +225,16 @@ ROBOTS = (
         _MODEL,
         good=robot("  head: {joints: [pan]}\n"),
     ),
+    Entry(
+        "CB320",
+        "unknown kind of sensor",
+        "there is no kind of sensor '{name}'",
+        "Kinds of sensors below `sensors` come from packages that are installed beside this one, "
+        "under the entry point group `cbdsl.sources`; `cb show sources` lists them. Load cells and "
+        "cameras have sections of their own.",
+        robot(more="sensors: {wrist: {kind: wrist_force}}\n"),
+        _PATH,
+        _MODEL,
+        good=robot(),
+    ),
 )
