@@ -67,16 +67,10 @@ def resources(robot: RobotDocument) -> dict[str, Resource]:
     ``group.net_forces``                      force x members      environment
     ========================================  ===================  ==============
     """
-    found: dict[str, Resource] = {}
-    for some in (
-        _effectors(robot),
-        _loads(robot),
-        _vision(robot),
-        _groups(robot),
-        _sensors(robot),
-    ):
-        found.update((resource.name, resource) for resource in some)
-    return found
+    by_name: dict[str, Resource] = {}
+    for some in (_effectors, _loads, _vision, _groups, _sensors):
+        by_name.update((resource.name, resource) for resource in some(robot))
+    return by_name
 
 
 def _effectors(robot: RobotDocument) -> Iterator[Resource]:
