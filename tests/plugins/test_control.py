@@ -62,7 +62,8 @@ def test_a_program_with_them_runs(here: Path, monkeypatch: pytest.MonkeyPatch) -
         ("orbit: {radius", "orbt: {radius", "there is no modifier 'orbt'"),
         ("period: 4 s", "period: 4 cm", "expected time"),
         (", period: 4 s", "", "its options are radius, period"),
-        ("[0.35 m, -0.3 m, 0.1 m], feedback: right_arm.position,\n     effector: right_arm.position",
+        ("[0.35 m, -0.3 m, 0.1 m], feedback: right_arm.position,\n     effector: "
+         "right_arm.position",
          "0, feedback: right_arm,\n     effector: right_arm", "references of type position"),
     ],
 )  # fmt: skip

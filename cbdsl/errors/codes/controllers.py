@@ -254,8 +254,8 @@ CONTROLLERS = (
         "CB531",
         "modifier that does not fit",
         "modifier '{name}' cannot be used here: {problem}",
-        "`modifiers` names kinds of changes of the reference that packages add, under the entry point "
-        "group `cbdsl.modifiers`, each with its options; `cb show modifiers` lists them.",
+        "`modifiers` names kinds of changes of the reference that packages add, under the entry "
+        "point group `cbdsl.modifiers`, each with its options; `cb show modifiers` lists them.",
         controller(_HEADING + ", modifiers: {sway: {height: 2 cm}}"),
         good=controller(_HEADING),
     ),
