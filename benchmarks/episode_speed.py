@@ -19,7 +19,7 @@ from typing import Any
 from stopwatch import Stages, Stopwatch
 
 from cbdsl.backends.bullet.backend import BulletBackend
-from cbdsl.backends.bullet.cameras import Cameras
+from cbdsl.backends.cameras.rendered import RenderedCameras
 from cbdsl.checking.program import check_program
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.documents.stage import StageDocument
@@ -35,7 +35,7 @@ from cbdsl.yaml_text.library import Library
 ROOT = Path(__file__).parents[1]
 STAGES: Stages = {
     "physics": [(BulletBackend, "step")],
-    "rendering": [(Cameras, "take")],
+    "rendering": [(RenderedCameras, "take")],
     "perception": [(Vision, "update")],
     "control": [(Signals, "update"), (Actuation, "move"), (ProgramRun, "advance")],
 }

@@ -17,11 +17,12 @@ Commands within sentences run, too. Those with a WORD in capitals are patterns; 
 
 from __future__ import annotations
 
-import importlib
+import importlib.util
 import re
 import runpy
 import shlex
 import shutil
+import sys
 import tomllib
 from collections.abc import Callable, Iterator
 from pathlib import Path
@@ -33,7 +34,6 @@ import typer
 
 from cbdsl.checking.document import check_document
 from cbdsl.cli.main import build_app
-from cbdsl.control import registry
 from cbdsl.reproduction.registry import EXPERIMENTS
 from cbdsl.types import potential as potentials
 from tests.cli.test_main import cb
@@ -60,7 +60,8 @@ GENERIC: list[Callable[..., None]] = [
     test_registry.test_gradient_equals_finite_differences,
     test_registry.test_small_steps_lower_phi_and_shapes_agree,
     test_registry.test_known_minimum_is_where_the_residual_leads,
-    test_registry.test_wrong_shapes_are_refused_by_name,
+    test_registry.test_what_is_compiled_is_what_is_written,
+    test_registry.test_its_rule_is_the_one_that_the_checker_knows,
 ]
 #: What is left to fill in, or to choose.
 PATTERN = re.compile(r"[A-Z]{3,}(?!\d)|\.\.\.|[|<>]")
@@ -292,16 +293,20 @@ def test_commands_in_sentences_exist_with_their_options(page: Path) -> None:
 
 
 def test_the_new_potential_gets_its_tests(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """The page's class, entry and function do what the page says when they are put in place."""
+    """The page's functions and entry do what the page says when they are put in place."""
     found = blocks(DOCS / "how_to" / "new_potential.md")
     files = {block.marks["file"]: block.text for block in found if "file" in block.marks}
     rng = np.random.default_rng(7)
-    (source := tmp_path / "soft_spring.py").write_text(files["soft_spring.py"], encoding="utf-8")
-    built = runpy.run_path(str(source))["SoftSpring"].build
+    module = "cbdsl.control.soft_spring"
+    (source := tmp_path / "cbdsl" / "control" / "soft_spring.py").parent.mkdir(parents=True)
+    source.write_text(files["soft_spring.py"], encoding="utf-8")
+    spec = importlib.util.spec_from_file_location(module, source)
+    assert spec is not None and spec.loader is not None
+    monkeypatch.setitem(sys.modules, module, importlib.util.module_from_spec(spec))
+    spec.loader.exec_module(sys.modules[module])
     entry = eval(files["entry.py"], vars(potentials))
-    monkeypatch.setitem(potentials.POTENTIALS, entry.name, entry)
-    known = {**registry.IMPLEMENTATIONS, entry.name: built}
-    monkeypatch.setattr(registry, "IMPLEMENTATIONS", known)
+    monkeypatch.setitem(potentials.POTENTIALS._built_in, entry.name, entry)
+    monkeypatch.setitem(potentials.POTENTIALS.registry._builtins, entry.name, "")
     for kind in sorted(entry.accepts):
         for test in GENERIC:
             test(entry.name, kind, None, *([rng] if "rng" in test.__annotations__ else []))

@@ -33,6 +33,7 @@ class Only:
     def __init__(self, backend: Backend) -> None:
         self.renderer = backend.renderer
         self.control_period = backend.control_period
+        self.deadline = backend.deadline
         for name, _ in getmembers(Backend, isfunction):
             if not name.startswith("_"):
                 setattr(self, name, getattr(backend, name))
@@ -87,7 +88,8 @@ def test_the_runtime_needs_nothing_but_the_protocol(
 ) -> None:
     wrapped = Only(bullet)
     assert set(vars(wrapped)) == {
-        "renderer", "control_period", "reset", "observe", "apply", "step", "close",
+        "renderer", "control_period", "deadline",
+        "reset", "observe", "apply", "step", "halt", "close",
     }  # fmt: skip
     backends: list[Any] = [wrapped, bullet]
     results = [

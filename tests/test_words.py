@@ -25,7 +25,7 @@ EXEMPT = frozenset(
 #: The same for files in other folders.
 EXEMPT_FILES = frozenset(
     {
-        "cli/learn.py", "cli/learning_progress.py", "cli/lessons.py", "cli/schema.py",
+        "cli/learn.py", "cli/learning_progress.py", "cli/learning_tasks.py", "cli/schema.py",
         "cli/simulation.py",
         "reproduction/trial_job.py",  # its method is named by the protocol in training
     }

@@ -1,8 +1,9 @@
-"""What every backend offers, and how one is found by its name."""
+"""The backend contract, and the look-up of a backend by its name."""
 
 from __future__ import annotations
 
 from collections.abc import Collection
+from inspect import signature
 from pathlib import Path
 from typing import Any, Protocol
 
@@ -17,21 +18,30 @@ from cbdsl.types.registry import PluginError, Registry
 
 Floats = NDArray[np.float64]
 
+#: Kinds of cameras that a run may choose.
+CAMERAS = ("rendered", "ideal")
+
 
 class BackendError(UsageError):
     """A backend cannot be found, or cannot embody a robot or a stage; the message says why."""
 
 
 class Backend(Protocol):
-    """A body in a world: it takes joint references and gives observations.
+    """A robot in a world: it takes joint references and gives observations.
+
+    It keeps the velocity and effort limits of the robot's URDF, whatever it is asked for.
 
     Attributes:
         renderer: what makes the images, for people.
         control_period: simulated time of one step, s.
+        deadline: wall time that the robot's controllers may take in a tick, from an observation
+            until its reference, s; ``None`` where the world waits for them. An episode ends where
+            they take longer, and the backend is halted.
     """
 
     renderer: str
     control_period: float
+    deadline: float | None
 
     def reset(
         self,
@@ -73,20 +83,39 @@ class Backend(Protocol):
         """Let one control period pass."""
         ...
 
+    def halt(self) -> None:
+        """Freeze the references at the measured positions: nobody controls the robot any more.
+
+        Called in an episode when it cannot go on, and at Ctrl-C; ``reset`` or ``close`` follows.
+        """
+        ...
+
     def close(self) -> None:
         """Free what the backend holds; it cannot be used afterwards."""
         ...
 
 
 class BackendFactory(Protocol):
-    """What an entry point of the group ``cbdsl.backends`` refers to: a backend's class."""
+    """Target of an entry point of the group ``cbdsl.backends``: a backend's class."""
 
-    def __call__(self, robot: RobotDocument, urdf: Path, gui: bool = False) -> Backend:
-        """Embody ``robot``, whose model is the file ``urdf``; ``gui`` opens a window if it can."""
+    def __call__(
+        self, robot: RobotDocument, urdf: Path, *, gui: bool = False, cameras: str | None = None
+    ) -> Backend:
+        """Embody a robot.
+
+        Args:
+            robot: the robot.
+            urdf: file of its model.
+            gui: whether to open a window.
+            cameras: one of ``CAMERAS``, the backend's own choice when ``None``.
+
+        Raises:
+            BackendError: robot, window or cameras cannot be had.
+        """
         ...
 
 
-_METHODS = ("reset", "observe", "apply", "step", "close")
+_METHODS = ("reset", "observe", "apply", "step", "halt", "close")
 
 
 def _factory(_: str, factory: Any) -> BackendFactory:
@@ -124,3 +153,21 @@ def find_backend(name: str) -> BackendFactory:
         ) from error
     except UsageError as error:
         raise BackendError(str(error)) from error
+
+
+def embody(
+    name: str, robot: RobotDocument, urdf: Path, *, gui: bool = False, cameras: str | None = None
+) -> Backend:
+    """A robot on the backend of this name; see ``BackendFactory``.
+
+    Raises:
+        BackendError: there is no such backend, or it cannot embody the robot with these cameras.
+    """
+    factory = find_backend(name)
+    if cameras is None:
+        return factory(robot, urdf, gui=gui)
+    if cameras not in CAMERAS:
+        raise BackendError.unknown("kind of cameras", cameras, CAMERAS)
+    if "cameras" not in signature(factory).parameters:
+        raise BackendError(f"backend '{name}' offers no choice of cameras; leave --cameras out")
+    return factory(robot, urdf, gui=gui, cameras=cameras)

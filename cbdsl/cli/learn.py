@@ -39,6 +39,10 @@ Stage = Annotated[
 Episodes = Annotated[int, typer.Option("--episodes", min=1, help="How many episodes in all.")]
 Seed = Annotated[int, typer.Option("--seed", min=0, help="Seed of all chance.")]
 BackendName = Annotated[str, typer.Option("--backend", help="What embodies the robot.")]
+Cameras = Annotated[
+    str | None,
+    typer.Option("--cameras", help="Its cameras: rendered or ideal [the backend's own]."),
+]
 Trials = Annotated[
     int,
     typer.Option(
@@ -138,6 +142,7 @@ def learn(
     episodes: Episodes = 50,
     seed: Seed = 0,
     backend: BackendName = "bullet",
+    cameras: Cameras = None,
     with_: With = [],  # noqa: B006 (typer)
     trials: Trials = 1,
     workers: Workers = 1,
@@ -192,6 +197,7 @@ def learn(
             episodes=episodes,
             command=_command(context, chosen),
             path=out.absolute(),
+            cameras=cameras,
         )
         tasks = _numbered(first, trials)
         _require_ready(tasks, resume)

@@ -27,7 +27,7 @@ def one_by_one(tasks: Sequence[LearningTask], request: RunRequest) -> None:
     from cbdsl.cli.simulation import simulation
 
     with (
-        simulation(request, tasks[0].backend) as (body, kinematics),
+        simulation(request, tasks[0].backend, cameras=tasks[0].cameras) as (body, kinematics),
         _progress(tasks, at_once=1) as progress,
     ):
         for task in tasks:

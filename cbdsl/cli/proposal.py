@@ -14,7 +14,7 @@ from typing import NamedTuple
 from cbdsl.errors.counting import count
 from cbdsl.errors.errors import UsageError
 from cbdsl.robot.chains import Chain, chains, root
-from cbdsl.robot.hindrance import Hindrance, hindered
+from cbdsl.robot.unsupported_joint import UnsupportedJoint, unsupported_joints
 from cbdsl.robot.urdf import Mimic, UrdfJoint, UrdfModel
 
 _COMMENT = TextWrapper(
@@ -114,14 +114,16 @@ def _couplings(model: UrdfModel, effectors: Sequence[Chain]) -> str:
     return "".join(("\n# Passive joints.\ncouplings:\n", *lines)) if lines else ""
 
 
-def _left_out(model: UrdfModel, effectors: Sequence[Chain]) -> dict[Hindrance, list[UrdfJoint]]:
+def _left_out(
+    model: UrdfModel, effectors: Sequence[Chain]
+) -> dict[UnsupportedJoint, list[UrdfJoint]]:
     """The joints that are in no effector and in no coupling, by the reason."""
     named = {joint.name for chain in effectors for joint in chain.joints}
     named.update(_passive(model, effectors))
-    return hindered(joint for name, joint in model.joints.items() if name not in named)
+    return unsupported_joints(joint for name, joint in model.joints.items() if name not in named)
 
 
-def _comment(idle: Mapping[Hindrance, Sequence[UrdfJoint]]) -> str:
+def _comment(idle: Mapping[UnsupportedJoint, Sequence[UrdfJoint]]) -> str:
     """Lines that say which joints were left out, and why."""
     if not idle:
         return ""
@@ -136,7 +138,7 @@ def _comment(idle: Mapping[Hindrance, Sequence[UrdfJoint]]) -> str:
 def _nothing_to_move(model: UrdfModel) -> str:
     """A sentence about the joints of a model of which none can be actuated."""
     reasons = []
-    for why, joints in hindered(model.joints.values()).items():
+    for why, joints in unsupported_joints(model.joints.values()).items():
         verb = "is" if len(joints) == 1 else "are"
         cure = f" (to move them, {why.cure})" if why.cure else ""
         reasons.append(f"{len(joints)} {verb} {why.trait}{cure}")
@@ -144,7 +146,7 @@ def _nothing_to_move(model: UrdfModel) -> str:
     return f"{model.path} has no joint that programs could move{because}"
 
 
-def _word(why: Hindrance) -> str:
+def _word(why: UnsupportedJoint) -> str:
     """The reason why joints are left out, in a word or two."""
     return why.trait.partition(",")[0]
 

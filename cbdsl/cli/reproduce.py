@@ -30,6 +30,10 @@ BackendName = Annotated[
         "--backend", help="What embodies the robot in experiments that learn [kinematic]."
     ),
 ]
+Cameras = Annotated[
+    str | None,
+    typer.Option("--cameras", help="Its cameras: rendered or ideal [the backend's own]."),
+]
 Trials = Annotated[
     int | None,
     typer.Option(
@@ -68,6 +72,7 @@ def reproduce(
     seed: Seed = 0,
     quick: Quick = False,
     backend: BackendName = None,
+    cameras: Cameras = None,
     trials: Trials = None,
     workers: Workers = None,
     keep: Keep = None,
@@ -95,14 +100,15 @@ def reproduce(
     if out is not None:
         _require_writable(out)
     if not any(each.learns for each in chosen):
-        given = {"--backend": backend, "--trials": trials, "--workers": workers, "--keep": keep}
-        _require_unused(given, name)
+        where = {"--backend": backend, "--cameras": cameras}
+        _require_unused({**where, "--trials": trials, "--workers": workers, "--keep": keep}, name)
     results: list[dict[str, object]] = []
     with _kept(keep) as folder:
         settings = RunSettings(
             seed=seed,
             quick=quick,
             backend=backend or RunSettings.backend,
+            cameras=cameras,
             trials=trials,
             folder=folder,
         )

@@ -36,6 +36,10 @@ Episodes = Annotated[
     int, typer.Option("--episodes", min=1, help="How many, with successive seeds.")
 ]
 BackendName = Annotated[str, typer.Option("--backend", help="What embodies the robot.")]
+Cameras = Annotated[
+    str | None,
+    typer.Option("--cameras", help="Its cameras: rendered or ideal [the backend's own]."),
+]
 Policy = Annotated[
     str | None,
     typer.Option("--policy", help="A policy: its file, or its name [the program's own]."),
@@ -81,6 +85,7 @@ def run(
     seed: Seed = 0,
     episodes: Episodes = 1,
     backend: BackendName = "bullet",
+    cameras: Cameras = None,
     policy: Policy = None,
     with_: With = [],  # noqa: B006 (typer)
     gui: Gui = False,
@@ -104,25 +109,26 @@ def run(
         raise UsageError("--explain tells people and --json tells scripts: choose one")
     request = read_request(program, stage, policy, read_assignments(with_))
     _require_context(request.stage, context)
-    with shown_on_failure(), simulation(request, backend, gui=gui) as (body, kinematics):
-        runner = _runner(request, kinematics, body)
+    opened = simulation(request, backend, gui=gui, cameras=cameras)
+    with shown_on_failure(), opened as (embodied, kinematics):
+        runner = _runner(request, kinematics, embodied)
         if record is not None:
             _require_folder(record)
         telling = Telling(record, explain, as_json)
         if not as_json:
-            print(_introduction(request, body))
+            print(_introduction(request, embodied))
         results: list[EpisodeResult] = []
         for index in range(episodes):
             if not as_json:
                 print(_heading(seed + index, index, episodes, results))
-            results.append(_episode(body, runner, request, seed + index, context, telling))
+            results.append(_episode(embodied, runner, request, seed + index, context, telling))
     if episodes > 1 and not as_json:
         _summarise(results)
 
 
-def _introduction(request: RunRequest, body: Backend) -> str:
+def _introduction(request: RunRequest, backend: Backend) -> str:
     """The program, its stage, and the renderer if there are images."""
-    images = f"; images by {body.renderer}" if request.robot.cameras else ""
+    images = f"; images by {backend.renderer}" if request.robot.cameras else ""
     return f"{request.program.name} on {request.stage.name}{images}"
 
 
@@ -148,14 +154,14 @@ def _require_folder(folder: Path) -> None:
         raise UsageError(f"--record {folder}: {reason(error)}") from error
 
 
-def _runner(request: RunRequest, kinematics: Kinematics, body: Backend) -> Runner:
+def _runner(request: RunRequest, kinematics: Kinematics, backend: Backend) -> Runner:
     from cbdsl.runtime.episode import Runner
 
-    return Runner(request.robot, kinematics, request.program, body)
+    return Runner(request.robot, kinematics, request.program, backend)
 
 
 def _episode(
-    body: Backend,
+    backend: Backend,
     runner: Runner,
     request: RunRequest,
     seed: int,
@@ -165,13 +171,18 @@ def _episode(
     from cbdsl.backends.backend import BackendError
     from cbdsl.cli.narration import json_line
     from cbdsl.errors.errors import UsageError
+    from cbdsl.runtime.episode import DeadlineError
 
-    recording = None if telling.record is None else _recording(body, request)
+    recording = None if telling.record is None else _recording(backend, request)
     on_transition, on_tick = _listeners(telling, recording)
     try:
         result = runner.run(request.stage, seed, context, on_transition, on_tick)
     except BackendError as error:
         raise UsageError(f"seed {seed}: {error}") from error
+    except DeadlineError as error:
+        if telling.as_json:
+            print(json_line(error.result), flush=True)
+        raise
     if recording is not None and telling.record is not None:
         file = recording.write(telling.record, result)
         if not telling.as_json:
@@ -180,12 +191,12 @@ def _episode(
     return result
 
 
-def _recording(body: Backend, request: RunRequest) -> Recording:
-    from cbdsl.backends.staging.scenery import Witness
+def _recording(backend: Backend, request: RunRequest) -> Recording:
+    from cbdsl.backends.staging.world_state import GroundTruthProvider
     from cbdsl.runtime.recording import Recording
 
     # What a backend knows of its world is in the recording only: people look at that.
-    scenery = (lambda: body.truth) if isinstance(body, Witness) else None
+    scenery = (lambda: backend.truth) if isinstance(backend, GroundTruthProvider) else None
     return Recording(request.program, request.robot, request.urdf, scenery)
 
 

@@ -6,7 +6,13 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from cbdsl.cli.show_plugins import show_backends, show_kinds, show_learners
+from cbdsl.cli.show_plugins import (
+    show_backends,
+    show_kinds,
+    show_learners,
+    show_modifiers,
+    show_sources,
+)
 from cbdsl.cli.show_policy import show_policy
 from cbdsl.cli.show_program import show_program
 
@@ -14,7 +20,7 @@ if TYPE_CHECKING:
     from cbdsl.types.potential import PotentialType
 
 show = typer.Typer(
-    help="Show types, potentials, resources, learners, kinds, backends, programs and policies.",
+    help="Show types, potentials, resources, plug-ins, programs and policies.",
     no_args_is_help=True,
     rich_markup_mode=None,
     pretty_exceptions_enable=False,
@@ -55,8 +61,11 @@ def show_types(as_json: Json = False) -> None:
 @show.command("potentials")
 def show_potentials(as_json: Json = False) -> None:
     """The artificial potentials, and how good a guide each is."""
+    from cbdsl.cli.plugins import warn_of_faults
     from cbdsl.cli.terminal import print_json, print_table
     from cbdsl.types.potential import POTENTIALS
+
+    warn_of_faults(POTENTIALS.registry)
 
     if as_json:
         print_json([_potential(potential) for potential in POTENTIALS.values()])
@@ -94,6 +103,8 @@ def show_resources(robot: Robot = "dexter", as_json: Json = False) -> None:
         print_table(f"Resources of {document.name}", rows)
 
 
+show.command("sources")(show_sources)
+show.command("modifiers")(show_modifiers)
 show.command("learners")(show_learners)
 show.command("kinds")(show_kinds)
 show.command("backends")(show_backends)

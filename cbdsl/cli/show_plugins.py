@@ -1,4 +1,4 @@
-"""``cb show learners``, ``kinds`` and ``backends``: what is built in, and what packages add."""
+"""``cb show`` of everything that packages can add: built-in entries and theirs."""
 
 from __future__ import annotations
 
@@ -52,6 +52,20 @@ def show_kinds(as_json: Json = False) -> None:
     _show("Kinds of documents", KINDS, as_json, lambda name: {"folder": KINDS.get(name).folder})
 
 
+def show_sources(as_json: Json = False) -> None:
+    """The kinds of sensors that packages add, for robots' documents."""
+    from cbdsl.robot.source_kind import SOURCES
+
+    _show("Kinds of sensors", SOURCES, as_json, lambda n: {"summary": SOURCES.get(n).summary})
+
+
+def show_modifiers(as_json: Json = False) -> None:
+    """The changes of controllers' references that packages add, for programs."""
+    from cbdsl.types.modifier import MODIFIERS
+
+    _show("Modifiers", MODIFIERS, as_json, lambda n: {"summary": MODIFIERS.get(n).summary})
+
+
 def show_backends(as_json: Json = False) -> None:
     """The bodies that programs run on."""
     from cbdsl.cli.simulation import needing_simulation
@@ -79,8 +93,8 @@ def _show(
         print_table(title, rows)
 
 
-def _described(told: tuple[str, str]) -> dict[str, str]:
-    words, unit = told
+def _described(described: tuple[str, str]) -> dict[str, str]:
+    words, unit = described
     return {"unit": unit, "meaning": words}
 
 

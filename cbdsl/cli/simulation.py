@@ -1,4 +1,4 @@
-"""The body that a command runs programs on."""
+"""The backend that a command runs programs on."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
 @contextmanager
 def needing_simulation() -> Iterator[None]:
-    """Whatever is imported on the way may not be installed; that is the user's to know.
+    """Tell the user of whatever is imported on the way and not installed.
 
     Raises:
         UsageError: it is not.
@@ -34,32 +34,32 @@ def needing_simulation() -> Iterator[None]:
 
 @contextmanager
 def simulation(
-    request: RunRequest, backend: str, *, gui: bool = False
+    request: RunRequest, backend: str, *, gui: bool = False, cameras: str | None = None
 ) -> Iterator[tuple[Backend, Kinematics]]:
     """The robot of an request on a backend, and its kinematics.
 
     Raises:
-        UsageError: there is no such backend, what it needs is not installed, or the robot's model
-            cannot be read by it.
+        UsageError: there is no such backend, what it needs is not installed, it has no such
+            cameras, or the robot's model cannot be read by it.
     """
     from cbdsl.cli.quiet import quiet_stderr
     from cbdsl.errors.errors import UsageError
     from cbdsl.robot.urdf import UrdfError
 
     with needing_simulation():
-        from cbdsl.backends.backend import find_backend
+        from cbdsl.backends.backend import embody, find_backend
         from cbdsl.cli.compilation import told_of_compilation
         from cbdsl.sensing.kinematics import Kinematics
 
         with quiet_stderr():
-            factory = find_backend(backend)
+            find_backend(backend)  # whose imports talk
     with told_of_compilation():
         try:
             with needing_simulation():
-                body = factory(request.robot, request.urdf, gui=gui)
+                simulated = embody(backend, request.robot, request.urdf, gui=gui, cameras=cameras)
             try:
-                yield body, Kinematics(request.robot, request.urdf)
+                yield simulated, Kinematics(request.robot, request.urdf)
             finally:
-                body.close()
+                simulated.close()
         except UrdfError as error:
             raise UsageError(str(error)) from error

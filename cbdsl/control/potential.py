@@ -11,12 +11,15 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from enum import IntEnum
+from functools import cache
+from types import FunctionType
 from typing import Any
 
 import numpy as np
 from llvmlite import ir
 from numba import types
 from numba.core import cgutils
+from numba.core.dispatcher import Dispatcher
 from numba.core.errors import NumbaError
 from numba.experimental.function_type import _get_jit_address
 from numba.extending import intrinsic
@@ -88,10 +91,25 @@ def address_of(function: Callable[..., float]) -> int:
         raise PotentialError(f"potential '{name}' cannot be compiled: {first}") from None
     returned = function.overloads[SIGNATURE.args].signature.return_type  # type: ignore[attr-defined]
     if returned != types.float64:
-        kind = types.unliteral(returned)
+        kind = types.unliteral(returned)  # type: ignore[no-untyped-call]
         raise PotentialError(f"potential '{name}' returns {kind}, not a float")
     address: int = _get_jit_address(function, SIGNATURE)  # type: ignore[no-untyped-call]
     return address
+
+
+@cache
+def interpreted(function: Any) -> Callable[..., Any]:
+    """The function that was compiled, and all that it calls, as Python runs them.
+
+    There indices beyond an array are errors. Functions that only compiled ones call have no way in
+    from Python.
+    """
+    source = getattr(function, "py_func", function)
+    scope = dict(source.__globals__)
+    for name in source.__code__.co_names:
+        if isinstance(scope.get(name), Dispatcher):
+            scope[name] = interpreted(scope[name])
+    return FunctionType(source.__code__, scope, source.__name__, None, source.__closure__)
 
 
 @intrinsic(prefer_literal=False)

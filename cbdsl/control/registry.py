@@ -5,7 +5,9 @@ from __future__ import annotations
 from collections.abc import Callable
 from importlib import import_module
 
-from cbdsl.control.potential import Potential
+import numpy as np
+
+from cbdsl.control.potential import Potential, PotentialError, address_of, interpreted
 from cbdsl.control.setting import Setting
 from cbdsl.program.controller import Controller
 from cbdsl.types.potential import POTENTIALS
@@ -23,7 +25,40 @@ def build(controller: Controller, setting: Setting) -> Potential:
 
     Raises:
         ValueError: the robot lacks what the potential needs, such as joint limits or cameras.
+        PluginError: the potential of another package breaks its contract; the message names both.
     """
-    module, function = POTENTIALS[controller.potential].implementation.split(":")
-    builder: Builder = getattr(import_module(module), function)
-    return builder(controller, setting)
+    name = controller.potential
+    module, function = POTENTIALS[name].implementation.split(":")
+    if POTENTIALS.registry.is_builtin(name):
+        builder: Builder = getattr(import_module(module), function)
+        return builder(controller, setting)
+    # Whatever goes wrong is the package's fault and nobody else's.
+    try:
+        potential: Potential = getattr(import_module(module), function)(controller, setting)
+        _try_out(potential, setting)
+    except Exception as error:
+        reason = f"{type(error).__name__}: {error}"
+        raise POTENTIALS.registry.fault(name, reason) from error
+    return potential
+
+
+def _try_out(potential: Potential, setting: Setting) -> None:
+    """Evaluate a potential in Python, where indices beyond its arrays are errors.
+
+    Machine code would write there.
+
+    Raises:
+        PotentialError: it is none, or does not compute a number.
+    """
+    if not isinstance(potential, Potential):
+        raise PotentialError(f"its builder returns a {type(potential).__name__}, not a Potential")
+    address_of(potential.function)
+    value, rows = np.full(setting.components, 0.1), setting.rows
+    if potential.identity and potential.size != rows:
+        raise PotentialError(
+            f"its slope cannot be the identity of {potential.size} and {rows} rows"
+        )
+    slope = np.zeros((0 if potential.identity else potential.size, rows))
+    residual = np.zeros(potential.size)
+    function = interpreted(potential.function)
+    function(value, np.full_like(value, 0.2), potential.parameters, residual, slope)

@@ -15,6 +15,7 @@ class Setting(NamedTuple):
         lower: lower limits of the controller's joints, rad, shape (n,); may be infinite.
         upper: upper limits, rad, shape (n,).
         components: of the feedback's value.
+        rows: of its Jacobian.
         cameras: the cameras' frames (x forward, y left, z up), left before right, all in one
             frame that moves with them; empty where they move relative to each other.
     """
@@ -22,4 +23,5 @@ class Setting(NamedTuple):
     lower: Floats
     upper: Floats
     components: int
+    rows: int
     cameras: tuple[Frame, ...] = ()

@@ -138,6 +138,9 @@ class ControllerSection(Section):
     """Undefined without this controller, written as in ``actions``: acts from when that is defined,
     until that neither is nor seeks to be. What is done with a thing needs a hand that holds it."""
     field: FieldSection | None = None
+    modifiers: dict[Name, dict[Name, Text | Number]] = {}
+    """Changes of the reference in every tick, in turn, by kinds that other packages add; with the
+    options of each."""
 
     @field_validator("reference")
     @classmethod

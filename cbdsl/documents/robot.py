@@ -89,6 +89,19 @@ class LoadCell(Section):
     """Share of a force reference that this finger takes, so that opposing fingers balance."""
 
 
+class Sensor(Section):
+    """A sensor of a kind that another package adds."""
+
+    kind: Name
+    """Name of the kind."""
+    link: LinkName | None = None
+    """Link of the URDF that carries it."""
+    hand: Name | None = None
+    """Effector whose load cells it goes by."""
+    options: dict[Name, Number] = {}
+    """Numbers that the kind asks for."""
+
+
 class Camera(Section):
     """A pinhole camera; its frame looks along +x, with +y to its left and +z up."""
 
@@ -269,6 +282,8 @@ class RobotDocument(Document):
     """Load cells by hand (an effector) and finger."""
     cameras: dict[Name, Camera] = {}
     """Cameras, by name; two of them triangulate."""
+    sensors: dict[Name, Sensor] = {}
+    """Sensors of kinds that other packages add, by name."""
     vision: VisionSection = VisionSection.model_construct()
     contact: Contact = Contact.model_construct()
     control: Control

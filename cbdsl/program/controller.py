@@ -108,6 +108,13 @@ class Field(NamedTuple):
     obstacles: tuple[Box | Ball, ...]
 
 
+class Modifier(NamedTuple):
+    """A change of the reference in every tick; options by name, in SI."""
+
+    name: str
+    options: tuple[tuple[str, float], ...]
+
+
 @dataclass(frozen=True)
 class Controller:
     """A checked triple c(phi, sigma, tau).
@@ -125,6 +132,7 @@ class Controller:
         speed: largest rate of the task coordinates, or ``None``.
         acceleration: largest acceleration of the task coordinates, or ``None``.
         manipulator: ``position`` or ``pose``, where phi is a function of that Jacobian of the tip.
+        modifiers: changes of the reference, in turn.
         requires: name of the controller without which it is undefined, or ``None``.
     """
 
@@ -147,6 +155,7 @@ class Controller:
     seek: Seek | None = None
     requires: str | None = None
     field: Field | None = None
+    modifiers: tuple[Modifier, ...] = ()
 
     @property
     def resources(self) -> tuple[Resource, ...]:

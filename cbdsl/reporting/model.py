@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
-from xml.etree import ElementTree
 
 from cbdsl.reporting.mesh import Mesh, find_mesh, read_mesh
+from cbdsl.robot.urdf import UrdfJoint, UrdfModel, UrdfOrigin, UrdfShape, parse_urdf
 
 _Numbers = tuple[float, ...]
 
@@ -71,49 +70,41 @@ def read_links(robot: Mapping[str, Any], joints: Sequence[str]) -> list[Link]:
             and ``couplings``.
         joints: names of the recorded joints.
     """
-    root = ElementTree.fromstring(robot["urdf"])
-    colors = {
-        material.get("name", ""): color
-        for material in root.findall("material")
-        if (color := _color(material)) is not None
-    }
-    elements = {link.get("name", ""): link for link in root.findall("link")}
-    above = {_end(joint, "child"): joint for joint in root.findall("joint")}
+    folder = Path(robot["folder"])
+    model = parse_urdf(robot["urdf"], folder / "model.urdf")
+    above = {joint.child: joint for joint in model.joints.values()}
     links: list[Link] = []
     places: dict[str, int] = {}
-    for name in _outwards(elements, above):
-        shapes = tuple(_shapes(elements[name], colors, Path(robot["folder"])))
+    for name in _outwards(model, above):
+        shapes = tuple(_shapes(model.bodies[name].visuals, folder))
         places[name] = len(links)
         joint = above.get(name)
         if joint is None:
-            links.append(Link(name, -1, *_ORIGIN, "fixed", (0, 0, 1), -1, 1.0, 0.0, shapes))
+            root = UrdfOrigin()
+            fixed = ("fixed", (0, 0, 1), -1, 1.0, 0.0)
+            links.append(Link(name, -1, root.xyz, root.quaternion, *fixed, shapes))
             continue
-        column, ratio, offset = _driven(joint, robot["couplings"], joints)
-        axis = joint.find("axis")
         links.append(
             Link(
                 name,
-                places[_end(joint, "parent")],
-                *_origin(joint),
-                _KINDS.get(joint.get("type", ""), "fixed"),
-                (1.0, 0.0, 0.0) if axis is None else _numbers(axis.get("xyz", "1 0 0")),
-                column,
-                ratio,
-                offset,
+                places[joint.parent],
+                joint.origin.xyz,
+                joint.origin.quaternion,
+                _KINDS.get(joint.kind, "fixed"),
+                joint.axis,
+                *_driven(joint, robot["couplings"], joints),
                 shapes,
             )
         )
     return links
 
 
-def _outwards(
-    links: Mapping[str, ElementTree.Element], above: Mapping[str, ElementTree.Element]
-) -> Iterator[str]:
+def _outwards(model: UrdfModel, above: Mapping[str, UrdfJoint]) -> Iterator[str]:
     """The links' names, from the root outwards."""
     below: dict[str, list[str]] = {}
     for name, joint in above.items():
-        below.setdefault(_end(joint, "parent"), []).append(name)
-    waiting = [name for name in links if name not in above]
+        below.setdefault(joint.parent, []).append(name)
+    waiting = [name for name in model.bodies if name not in above]
     while waiting:
         name = waiting.pop(0)
         yield name
@@ -121,84 +112,29 @@ def _outwards(
 
 
 def _driven(
-    joint: ElementTree.Element, couplings: Mapping[str, Any], joints: Sequence[str]
+    joint: UrdfJoint, couplings: Mapping[str, Any], joints: Sequence[str]
 ) -> tuple[int, float, float]:
     """The recorded joint that moves a joint, its ratio and its offset."""
-    name, mimic = joint.get("name", ""), joint.find("mimic")
-    if name in joints:
-        return joints.index(name), 1.0, 0.0
-    if name in couplings:
-        follows, ratio = couplings[name]
+    if joint.name in joints:
+        return joints.index(joint.name), 1.0, 0.0
+    if joint.name in couplings:
+        follows, ratio = couplings[joint.name]
         return joints.index(follows), float(ratio), 0.0
-    if mimic is not None and mimic.get("joint") in joints:
-        ratio, offset = float(mimic.get("multiplier", "1")), float(mimic.get("offset", "0"))
-        return joints.index(mimic.get("joint", "")), ratio, offset
+    if joint.mimic is not None and joint.mimic.joint in joints:
+        return joints.index(joint.mimic.joint), joint.mimic.ratio, joint.mimic.offset
     return -1, 1.0, 0.0
 
 
-def _shapes(
-    link: ElementTree.Element, colors: Mapping[str, _Numbers], folder: Path
-) -> Iterator[LinkShape]:
-    for visual in link.findall("visual"):
-        geometry, material = visual.find("geometry"), visual.find("material")
-        if geometry is None:
-            continue
-        color: _Numbers = _GREY
-        if material is not None:
-            color = _color(material) or colors.get(material.get("name", ""), _GREY)
-        for element in geometry:
-            shape = _shape(element, folder)
-            if shape is not None:
-                name, size, mesh = shape
-                yield LinkShape(name, size, *_origin(visual), color, mesh)
-
-
-def _shape(element: ElementTree.Element, folder: Path) -> tuple[str, _Numbers, Mesh | None] | None:
-    """Kind, size and triangles of a geometry; ``None`` where it cannot be shown."""
-    if element.tag == "box":
-        return "box", _numbers(element.get("size", "0 0 0")), None
-    if element.tag == "sphere":
-        return "ball", _numbers(element.get("radius", "0")), None
-    if element.tag in ("cylinder", "capsule"):
-        size = _numbers(f"{element.get('radius', '0')} {element.get('length', '0')}")
-        return "cylinder", size, None
-    file = find_mesh(element.get("filename", ""), folder) if element.tag == "mesh" else None
-    mesh = None if file is None else read_mesh(file, _numbers(element.get("scale", "1 1 1")))
-    return None if mesh is None else ("mesh", (), mesh)
-
-
-def _color(material: ElementTree.Element) -> _Numbers | None:
-    color = material.find("color")
-    return None if color is None else _numbers(color.get("rgba", "0.7 0.7 0.7 1"))[:3]
-
-
-def _end(joint: ElementTree.Element, which: str) -> str:
-    end = joint.find(which)
-    return "" if end is None else end.get("link", "")
-
-
-def _numbers(text: str) -> _Numbers:
-    return tuple(float(word) for word in text.split())
-
-
-_ORIGIN: tuple[_Numbers, _Numbers] = ((0.0, 0.0, 0.0), (0.0, 0.0, 0.0, 1.0))
-
-
-def _origin(element: ElementTree.Element) -> tuple[_Numbers, _Numbers]:
-    """Position and quaternion of the element's ``<origin>``."""
-    origin = element.find("origin")
-    if origin is None:
-        return _ORIGIN
-    angles = _numbers(origin.get("rpy", "0 0 0"))
-    return _numbers(origin.get("xyz", "0 0 0")), _quaternion(angles)
-
-
-def _quaternion(rpy: Sequence[float]) -> _Numbers:
-    """Turned about the fixed x, then y, then z axis, rad; as (x, y, z, w)."""
-    (cr, sr), (cp, sp), (cy, sy) = ((math.cos(a / 2), math.sin(a / 2)) for a in rpy)
-    return (
-        sr * cp * cy - cr * sp * sy,
-        cr * sp * cy + sr * cp * sy,
-        cr * cp * sy - sr * sp * cy,
-        cr * cp * cy + sr * sp * sy,
-    )
+def _shapes(visuals: Sequence[UrdfShape], folder: Path) -> Iterator[LinkShape]:
+    """The shapes of a link that can be shown; a mesh that is not there cannot."""
+    for visual in visuals:
+        kind, size, mesh = visual.kind, visual.size, None
+        if kind == "mesh":
+            file = find_mesh(visual.file, folder)
+            mesh = None if file is None else read_mesh(file, size)
+            if mesh is None:
+                continue
+            size = ()
+        kind = "cylinder" if kind == "capsule" else kind
+        at = visual.origin
+        yield LinkShape(kind, size, at.xyz, at.quaternion, visual.color or _GREY, mesh)

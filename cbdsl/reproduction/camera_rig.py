@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from cbdsl.backends.bullet.backend import BulletBackend
-from cbdsl.backends.bullet.view import View
+from cbdsl.backends.cameras.view import View
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.documents.stage import StageDocument
 from cbdsl.reproduction.barcode import SIZE

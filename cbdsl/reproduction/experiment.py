@@ -32,6 +32,7 @@ class RunSettings:
         trials: how many times it learns from zero; ``None`` for as many as the backend is fast
             enough for, see ``trial_runner``.
         folder: where trials are kept, episode by episode, and gone on with.
+        cameras: kind of the backend's cameras, its own choice when ``None``.
         only: the number of the only trial to run, where others run the others.
     """
 
@@ -41,6 +42,7 @@ class RunSettings:
     backend: str = "kinematic"
     trials: int | None = None
     folder: Path = Path()
+    cameras: str | None = None
     only: int | None = None
 
 

@@ -14,9 +14,10 @@ from typing import Any
 
 import numpy as np
 
-from cbdsl.control.manipulability import Manipulability
-from cbdsl.control.range import Range
-from cbdsl.control.signal import Floats, Signal
+from cbdsl.control.manipulability import of_jacobian
+from cbdsl.control.potential import Potential
+from cbdsl.control.range import between
+from cbdsl.control.signal import Floats
 from cbdsl.documents.stage import StageDocument
 from cbdsl.reproduction.chart import Chart, Line
 from cbdsl.reproduction.experiment import Result, RunSettings
@@ -124,7 +125,7 @@ def _reach(
     record = _Reach()
     columns = lab.kinematics.joints.of(_ARM)
     limits = lab.kinematics.lower[columns], lab.kinematics.upper[columns]
-    range_, manipulability = Range(*limits), Manipulability()
+    range_, manipulability = between(*limits), of_jacobian(3, len(columns))
 
     def note(tick: Tick) -> None:
         if tick.run.action is None or tick.run.action.name != action:
@@ -132,10 +133,10 @@ def _reach(
         reach = next(run for run in tick.run.runs if run.controller.name == _REACH)
         if math.isnan(reach.phi):
             return
-        posture = Signal(_ARM, tick.signals.positions[columns], np.eye(len(columns)))
+        posture = tick.signals.positions[columns]
         record.spring.append(reach.phi)
-        record.range.append(range_.evaluate(posture, None).phi)
-        record.manipulability.append(manipulability.evaluate(_tip(tick, columns), None).phi)
+        record.range.append(_phi(range_, posture))
+        record.manipulability.append(_phi(manipulability, _tip(tick, columns)))
         record.error, record.at_rest = reach.error, reach.predicate == "1"
         record.touched |= lab.backend.truth.touched("table")
 
@@ -143,12 +144,18 @@ def _reach(
     return record
 
 
-def _tip(tick: Tick, columns: Any) -> Signal:
-    """The arm's manipulator Jacobian, in its own joints."""
-    tip = tick.signals.tips.manipulator(_ARM, "position")
-    assert tip.curvature is not None
-    curvature = tip.curvature[:, columns[:, None], columns]
-    return Signal(_ARM, tip.value, tip.jacobian[:, columns], curvature)
+def _phi(potential: Potential, value: Floats) -> float:
+    """A potential without a reference."""
+    return potential.evaluate(value, np.zeros(0), len(value))[0]
+
+
+def _tip(tick: Tick, columns: Any) -> Floats:
+    """The arm's manipulator Jacobian, in its own joints, row by row."""
+    signals = tick.signals
+    names = [signals.joints.names[column] for column in columns]
+    tip = signals.reading(signals.bind_manipulator(_ARM, "position", names))
+    assert tip is not None
+    return tip.value
 
 
 def _quantities(reaches: Mapping[str, Sequence[_Reach]], seed: int) -> Iterator[Quantity]:

@@ -9,15 +9,15 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from cbdsl.control.localizability import Localizability
-from cbdsl.control.signal import Floats, Signal
+from cbdsl.control.localizability import seen_by
+from cbdsl.control.signal import Floats
 from cbdsl.documents.stage import BoxForm
 from cbdsl.reproduction.barcode import Barcode
 from cbdsl.reproduction.simulation_fixture import SimulationFixture, simulation_fixture
 from cbdsl.runtime.episode import Tick
 from cbdsl.sensing.observation import Image
 from cbdsl.sensing.signals import Signals
-from cbdsl.types.resource import Centroid, Headings, NetForces
+from cbdsl.types.resource import Headings, NetForces
 
 #: How many times as many pixels as 640 x 480 the pictures have, each way.
 FINENESS = 4
@@ -147,17 +147,17 @@ def _phi(signals: Signals) -> float:
     headings = signals.sight.headings(Headings(_FEATURE))
     if headings is None:
         return math.nan
-    signal = Signal(f"cameras.{_FEATURE}", headings.value, headings.jacobian)
-    return Localizability(signals.sight.cameras()).evaluate(signal, None).phi
+    return seen_by(signals.sight.cameras()).evaluate(headings.value, np.zeros(0), 4)[0]
 
 
 def _place_in_hands(lab: SimulationFixture, signals: Signals) -> Floats:
     """The box's position relative to the middle between the hands, m."""
-    centroid = signals.tips.centroid(Centroid(_ARMS)).value
+    tips = [signals.tips.point(arm).position for arm in lab.robot.members(_ARMS)]
+    centroid = np.mean(tips, axis=0)
     place: Floats = lab.backend.truth.pose(_BOX).position - centroid
     return place
 
 
 def _forces(signals: Signals) -> Floats:
     """Along each palm's normal, N."""
-    return signals.touch.normal_forces(NetForces("hands")).value
+    return signals.touch.palm_forces(NetForces("hands")).value

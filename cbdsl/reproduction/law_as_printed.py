@@ -8,16 +8,17 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
 from cbdsl.control.law import Law, LawSettings
 from cbdsl.control.level import Level
-from cbdsl.control.manipulability import Manipulability
-from cbdsl.control.potential import Evaluation
-from cbdsl.control.range import Range
-from cbdsl.control.signal import Floats, Signal
-from cbdsl.control.spring import Spring
+from cbdsl.control.manipulability import of_jacobian
+from cbdsl.control.potential import Potential, Rule
+from cbdsl.control.range import between
+from cbdsl.control.signal import Floats
+from cbdsl.control.spring import spring
 from cbdsl.reproduction.chart import Chart, Line
 from cbdsl.reproduction.experiment import Result, RunSettings
 from cbdsl.reproduction.interval import bootstrap_interval
@@ -26,7 +27,6 @@ from cbdsl.reproduction.quantity import Quantity, above, at_least, at_most
 from cbdsl.reproduction.shipped import shipped_robot
 from cbdsl.sensing.kinematics import Kinematics
 from cbdsl.sensing.tips import Tips
-from cbdsl.types.resource_type import POSITION
 
 # A planar arm of three links, m.
 _LINKS = np.array([0.4, 0.3, 0.2])
@@ -67,6 +67,26 @@ def run(settings: RunSettings) -> Result:
     return Result(quantities, (_growth_chart(conditioned), _error_chart(held)), _NOTES)
 
 
+class _Evaluation(NamedTuple):
+    """A potential in k task coordinates: residual (k,), coordinates per joint (k, n), step (k,)."""
+
+    phi: float
+    residual: Floats
+    jacobian: Floats
+    step: Floats
+
+
+def _evaluate(
+    potential: Potential, value: Floats, reference: Floats, jacobian: Floats
+) -> _Evaluation:
+    """A potential of a value, shape (m,), whose Jacobian by the joints has shape (m, n)."""
+    phi, residual, slope = potential.evaluate(value, reference, len(jacobian))
+    rows = slope @ jacobian
+    if potential.rule == Rule.DESCENT:
+        return _Evaluation(phi, residual, rows, -np.square(rows).sum(axis=1))
+    return _Evaluation(phi, residual, rows, residual / 2)
+
+
 @dataclass(frozen=True)
 class _Curves:
     """One start under both laws, step by step."""
@@ -77,11 +97,13 @@ class _Curves:
 
 def _condition(rng: np.random.Generator, starts: int) -> list[_Curves]:
     """Manipulability, m^2, while it alone moves the planar arm."""
-    potential = Manipulability()
+    potential = of_jacobian(2, len(_LINKS))
     law = Law(np.full(3, -np.inf), np.full(3, np.inf), _SETTINGS)
 
-    def evaluate(q: Floats) -> Evaluation:
-        return potential.evaluate(_planar(q), None)
+    def evaluate(q: Floats) -> _Evaluation:
+        jacobian, curvature = _planar(q)
+        rows = curvature.reshape(jacobian.size, len(q))
+        return _evaluate(potential, jacobian.ravel(), np.zeros(0), rows)
 
     def printed(q: Floats) -> Floats:
         evaluation = evaluate(q)
@@ -140,26 +162,28 @@ class _Arm:
         self._columns = self._kinematics.joints.of(_ARM)
         self.lower = self._kinematics.lower[self._columns]
         self.upper = self._kinematics.upper[self._columns]
-        self._spring, self._range = Spring(POSITION), Range(self.lower, self.upper)
+        self._spring, self._range = spring("position", 3), between(self.lower, self.upper)
 
     def hand(self, q: Floats) -> Floats:
         """Position of the tip, m, shape (3,)."""
-        return self._signal(q).value
+        return self._tip(q)[0]
 
-    def reach(self, q: Floats, goal: Floats) -> Evaluation:
+    def reach(self, q: Floats, goal: Floats) -> _Evaluation:
         """The spring between the hand and ``goal``."""
-        return self._spring.evaluate(self._signal(q), goal)
+        position, jacobian = self._tip(q)
+        return _evaluate(self._spring, position, goal, jacobian)
 
-    def centre(self, q: Floats) -> Evaluation:
+    def centre(self, q: Floats) -> _Evaluation:
         """The range potential."""
-        return self._range.evaluate(Signal(_ARM, q, np.eye(len(q))), None)
+        return _evaluate(self._range, q, np.zeros(0), np.eye(len(q)))
 
-    def _signal(self, q: Floats) -> Signal:
+    def _tip(self, q: Floats) -> tuple[Floats, Floats]:
+        """Position of the tip, m, shape (3,), and its Jacobian."""
         positions = np.zeros(len(self._kinematics.joints))
         positions[self._columns] = q
         self._kinematics.update(positions)
-        tip = self._tips.position(_ARM)
-        return Signal(f"{_ARM}.position", tip.value, tip.jacobian[:, self._columns])
+        tip = self._tips.point(_ARM)
+        return tip.position, tip.jacobian[:3, self._columns]
 
 
 def _path(q: Floats, move: Move, steps: int) -> list[Floats]:
@@ -175,8 +199,8 @@ def _inverse(row: Floats) -> Floats:
     return row / square if square > 1e-24 else np.zeros_like(row)
 
 
-def _planar(q: Floats) -> Signal:
-    """The tip of the planar arm, whose joints turn about z."""
+def _planar(q: Floats) -> tuple[Floats, Floats]:
+    """Jacobian of the tip of the planar arm, whose joints turn about z, and its derivative."""
     angles = np.cumsum(q)
     links = _LINKS[:, None] * np.column_stack((np.cos(angles), np.sin(angles)))
     # What each joint carries; joint i moves the tip at right angles to it.
@@ -185,7 +209,7 @@ def _planar(q: Floats) -> Signal:
     # Joint j turns what the outer one of joints i and j carries.
     outer = np.maximum.outer(np.arange(len(q)), np.arange(len(q)))
     curvature = -np.moveaxis(carried[outer], 2, 0)
-    return Signal("tip", carried[0], jacobian, curvature)
+    return jacobian, curvature
 
 
 def _growths(starts: Sequence[_Curves]) -> Iterator[Quantity]:

@@ -37,7 +37,8 @@ def row(quantity: Quantity) -> dict[str, str]:
 
 def data(experiment: Experiment, settings: RunSettings, outcome: Result) -> dict[str, object]:
     """An outcome for scripts; what could not be measured is ``None``."""
-    learned = {"backend": settings.backend, "trials": settings.trials} if experiment.learns else {}
+    keys = ("backend", "cameras", "trials")
+    learned = {key: getattr(settings, key) for key in keys} if experiment.learns else {}
     return {
         "experiment": experiment.name,
         "title": experiment.title,
@@ -87,13 +88,18 @@ def heading(experiment: Experiment, settings: RunSettings) -> str:
 
 def _other_backend(experiment: Experiment, settings: RunSettings) -> str:
     """The backend on which an experiment learned, if that is not the usual one."""
-    return settings.backend if experiment.learns and settings.backend != RunSettings.backend else ""
+    if not experiment.learns:
+        return ""
+    own = "" if settings.backend == RunSettings.backend else settings.backend
+    eyes = "" if settings.cameras is None else f"{settings.cameras} cameras"
+    return " with ".join(filter(None, (own or (eyes and settings.backend), eyes)))
 
 
 def _command(experiment: Experiment, settings: RunSettings) -> str:
     words = ["cb", "reproduce", experiment.name, "--seed", str(settings.seed)]
     if experiment.learns:
         words += ["--backend", settings.backend]
+        words += ["--cameras", settings.cameras] if settings.cameras is not None else []
         words += ["--trials", str(settings.trials)] if settings.trials is not None else []
     return " ".join([*words, "--quick"] if settings.quick else words)
 

@@ -44,10 +44,13 @@ class Series:
         """The actions to choose from."""
         return program.sequential_actions if self.sequential else program.actions
 
-    def command(self, seed: int, trials: int, episodes: int, backend: str) -> str:
+    def command(
+        self, seed: int, trials: int, episodes: int, backend: str, cameras: str | None = None
+    ) -> str:
         """The command line of ``cb learn`` that learns the same."""
         words = ["cb", "learn", self.program, "--out", f"{self.name}.yaml", "--stage", self.stage]
         words += ["--episodes", str(episodes), "--seed", str(seed), "--backend", backend]
+        words += ["--cameras", cameras] if cameras is not None else []
         words += ["--trials", str(trials)] if trials > 1 else []
         words += ["--sequential"] if self.sequential else []
         words += ["--density", self.density] if self.density != "kernel" else []

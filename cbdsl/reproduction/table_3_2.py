@@ -7,8 +7,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from cbdsl.control.localizability import Localizability
-from cbdsl.control.signal import Signal
+from cbdsl.control.localizability import seen_by
 from cbdsl.reproduction.barcode import SIZE, barcodes
 from cbdsl.reproduction.barcode_trial import FOCAL_LENGTH
 from cbdsl.reproduction.camera_rig import FINENESS, CameraRig, Placement, camera_rig
@@ -95,14 +94,13 @@ def measured_period(picture: Image) -> float:
 def localizability(baseline: float, depth: float) -> float:
     """Eq 3.6 for a point at a depth in front of the middle between two parallel cameras.
 
-    In m^2/rad^2, see ``Localizability``.
+    In m^2/rad^2, see ``localizability``.
     """
     places = [np.array([0.0, side * baseline / 2, 0.0]) for side in (1, -1)]
     point = np.array([depth, 0.0, 0.0])
     headings = np.concatenate([heading(point - place) for place in places])
     cameras = tuple(Frame(place, np.eye(3)) for place in places)
-    signal = Signal("cameras", headings, np.eye(4))
-    return Localizability(cameras).evaluate(signal, None).phi
+    return seen_by(cameras).evaluate(headings, np.zeros(0), 4)[0]
 
 
 def _ratio(baseline: float, near_depth: float) -> float:

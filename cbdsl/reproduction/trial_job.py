@@ -47,6 +47,11 @@ class TrialJob:
         """Name of what embodies the robot."""
         return self.settings.backend
 
+    @property
+    def cameras(self) -> str | None:
+        """Kind of the backend's cameras."""
+        return self.settings.cameras
+
     def run(self, body: Backend, kinematics: Kinematics, observer: TrialObserver) -> list[Path]:
         """Run its episodes on a body; see ``Job.run``.
 

@@ -10,7 +10,7 @@ from pathlib import Path
 
 import numpy as np
 
-from cbdsl.backends.backend import Backend, find_backend
+from cbdsl.backends.backend import Backend, embody
 from cbdsl.checking.knowledge.digest import program_digest
 from cbdsl.checking.program import check_program
 from cbdsl.documents.policy import Provenance
@@ -199,9 +199,9 @@ class TrialRunner:
         )
         constants = AccommodateConstants(density=series.density)
         trial = Trial(program, constants, settings.seed, number)
-        command = series.command(
-            settings.seed, trials(settings, series), episodes, settings.backend
-        )
+        count = trials(settings, series)
+        where = settings.backend, settings.cameras
+        command = series.command(settings.seed, count, episodes, *where)
         provenance = provenance_of(trial, setting, episodes, command)
         path = self._path(series, number)
         with open_journal(path, provenance) as journal:
@@ -218,7 +218,8 @@ class TrialRunner:
     def _path(self, series: Series, number: int) -> Path:
         """Where a policy goes: trials that are not comparable have folders of their own."""
         settings = self._settings
-        folder = settings.folder / f"{settings.backend}_{settings.seed}" / series.name
+        eyes = "" if settings.cameras is None else f"_{settings.cameras}"
+        folder = settings.folder / f"{settings.backend}{eyes}_{settings.seed}" / series.name
         folder.mkdir(parents=True, exist_ok=True)
         return folder / f"{series.name}_{number}.yaml"
 
@@ -247,7 +248,7 @@ def trial_runner(settings: RunSettings) -> Iterator[TrialRunner]:
         BackendError: there is no such backend, or it cannot embody the robot.
     """
     robot, urdf = shipped_dexter()
-    body = find_backend(settings.backend)(robot, urdf)
+    body = embody(settings.backend, robot, urdf, cameras=settings.cameras)
     try:
         yield TrialRunner(settings, body, robot, Kinematics(robot, urdf))
     finally:

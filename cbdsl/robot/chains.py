@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from itertools import takewhile
 from typing import NamedTuple
 
-from cbdsl.robot.hindrance import hindrance
+from cbdsl.robot.unsupported_joint import unsupported
 from cbdsl.robot.urdf import UrdfJoint, UrdfModel
 
 
@@ -32,11 +32,11 @@ def root(model: UrdfModel) -> str:
 
 def chains(model: UrdfModel) -> list[Chain]:
     """All chains of a model, from the root outwards; they part where several branches move."""
-    found = list(_chains(_branches(model), root(model), ()))
-    if len(found) == 1 and len(found[0].joints) > 2:
-        return [found[0]._replace(name="arm")]
+    all_chains = list(_chains(_branches(model), root(model), ()))
+    if len(all_chains) == 1 and len(all_chains[0].joints) > 2:
+        return [all_chains[0]._replace(name="arm")]
     named: dict[str, Chain] = {}
-    for chain in found:
+    for chain in all_chains:
         name = _distinct(chain.name, named)
         named[name] = chain._replace(name=name)
     return list(named.values())
@@ -77,7 +77,7 @@ _DEEPEST = 200  # joints in a row: bounds the walk where a model has a loop
 
 
 def _actuated(joint: UrdfJoint) -> bool:
-    return hindrance(joint) is None
+    return unsupported(joint) is None
 
 
 def _moves(branches: _Branches, joint: UrdfJoint, depth: int = 0) -> bool:
@@ -99,7 +99,7 @@ def _end(branches: _Branches, link: str) -> str:
 
 
 def _name(joints: tuple[UrdfJoint, ...]) -> str:
-    """What the names of its joints have in common."""
+    """The common beginning of the names of its joints."""
     names = [joint.name for joint in joints]
     alike = takewhile(lambda letters: len(set(letters)) == 1, zip(*names, strict=False))
     common = "".join(letters[0] for letters in alike)

@@ -3,9 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping
+from contextlib import suppress
 
 from cbdsl.documents.robot import Channels, LoadCell, RobotDocument
+from cbdsl.errors.errors import UsageError
 from cbdsl.robot.channel_names import channel_names
+from cbdsl.robot.source_kind import SOURCES
 from cbdsl.types.resource import (
     Centroid,
     EffectorConfiguration,
@@ -64,10 +67,10 @@ def resources(robot: RobotDocument) -> dict[str, Resource]:
     ``group.net_forces``                      force x members      environment
     ========================================  ===================  ==============
     """
-    found: dict[str, Resource] = {}
-    for some in (_effectors(robot), _loads(robot), _vision(robot), _groups(robot)):
-        found.update((resource.name, resource) for resource in some)
-    return found
+    by_name: dict[str, Resource] = {}
+    for some in (_effectors, _loads, _vision, _groups, _sensors):
+        by_name.update((resource.name, resource) for resource in some(robot))
+    return by_name
 
 
 def _effectors(robot: RobotDocument) -> Iterator[Resource]:
@@ -124,6 +127,13 @@ def _hand_loads(hand: str, cells: Mapping[str, LoadCell]) -> Iterator[Resource]:
         yield Resource(f"{hand}.net.{part}", kind, world, NetLoad(hand, part))
     forces = FORCE.times(len(cells))
     yield Resource(f"{hand}.finger_forces", forces, world, FingerForces(hand))
+
+
+def _sensors(robot: RobotDocument) -> Iterator[Resource]:
+    """Resources of sensors of other packages' kinds; a kind that cannot be used has none."""
+    for name, sensor in robot.sensors.items():
+        with suppress(UsageError):
+            yield from SOURCES.get(sensor.kind).resources(name, sensor, robot)
 
 
 def _vision(robot: RobotDocument) -> Iterator[Resource]:

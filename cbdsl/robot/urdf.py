@@ -1,18 +1,80 @@
-"""What the checker needs of a URDF model: its links, its joints and their limits."""
+"""URDF models: the one reader of their links, joints, limits and shapes."""
 
 import math
 from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass, field
+from functools import cached_property
 from pathlib import Path
 from typing import NamedTuple
 from xml.etree import ElementTree
+
+Numbers = tuple[float, ...]
 
 
 class UrdfError(ValueError):
     """A URDF model cannot be read; the message says why."""
 
 
+class UrdfOrigin(NamedTuple):
+    """A frame in another one.
+
+    Attributes:
+        xyz: position, m.
+        rpy: turns about the fixed x, then y, then z axis, rad.
+    """
+
+    xyz: Numbers = (0.0, 0.0, 0.0)
+    rpy: Numbers = (0.0, 0.0, 0.0)
+
+    @property
+    def quaternion(self) -> Numbers:
+        """The rotation, as (x, y, z, w)."""
+        (cr, sr), (cp, sp), (cy, sy) = ((math.cos(a / 2), math.sin(a / 2)) for a in self.rpy)
+        return (
+            sr * cp * cy - cr * sp * sy,
+            cr * sp * cy + sr * cp * sy,
+            cr * cp * sy - sr * sp * cy,
+            cr * cp * cy + sr * sp * sy,
+        )
+
+
+class UrdfShape(NamedTuple):
+    """A visible or colliding part of a link.
+
+    Attributes:
+        kind: ``ball``, ``box``, ``cylinder``, ``capsule`` or ``mesh``.
+        size: radius; edge lengths; radius and height along z; for a mesh its scale; m.
+        origin: in the link's frame.
+        color: red, green and blue, each from 0 to 1, if the model gives one.
+        file: of a mesh, as the model names it.
+    """
+
+    kind: str
+    size: Numbers
+    origin: UrdfOrigin
+    color: Numbers | None = None
+    file: str = ""
+
+
+class UrdfInertial(NamedTuple):
+    """Mass, kg, and inertia (xx, yy, zz, xy, xz, yz), kg m^2, about the centre of mass."""
+
+    mass: float
+    inertia: Numbers
+    origin: UrdfOrigin
+
+
+class UrdfLink(NamedTuple):
+    """A rigid body of the model."""
+
+    name: str
+    visuals: tuple[UrdfShape, ...]
+    collisions: tuple[UrdfShape, ...]
+    inertial: UrdfInertial | None
+
+
 class Mimic(NamedTuple):
-    """What a passive joint follows: ``ratio`` times the position of another, plus ``offset``."""
+    """Coupling of a passive joint: ``ratio`` times another's position, plus ``offset``."""
 
     joint: str
     ratio: float
@@ -20,11 +82,19 @@ class Mimic(NamedTuple):
 
 
 class UrdfJoint(NamedTuple):
-    """A joint of the model; limits in rad, or m where it slides.
+    """A joint of the model; positions in rad, or m where it is prismatic.
 
-    ``length`` is the distance between the frames of its two links, m, unless it slides.
-
-    Only ``revolute`` joints can be moved: they turn, and between limits.
+    Attributes:
+        name: of the joint.
+        parent, child: the links that it joins.
+        kind: the URDF's type; only ``revolute`` joints can be moved by programs.
+        lower, upper: limits; infinite without them, and where the joint is continuous.
+        limited: whether the model states limits of its position.
+        mimic: the joint that it follows, if any.
+        origin: its frame at zero in the frame of its parent.
+        axis: along or about which it moves, in its own frame.
+        velocity, effort: largest rate, rad/s or m/s, and torque or force, N m or N; infinite
+            without a limit, or with one of 0, which is the format's way to leave it open.
     """
 
     name: str
@@ -35,7 +105,10 @@ class UrdfJoint(NamedTuple):
     upper: float
     limited: bool
     mimic: Mimic | None = None
-    length: float = 0.0
+    origin: UrdfOrigin = UrdfOrigin()
+    axis: Numbers = (1.0, 0.0, 0.0)
+    velocity: float = math.inf
+    effort: float = math.inf
 
     @property
     def revolute(self) -> bool:
@@ -47,8 +120,14 @@ class UrdfJoint(NamedTuple):
         """Whether it only holds two links together."""
         return self.kind == "fixed"
 
+    @property
+    def length(self) -> float:
+        """Distance between the frames of its two links, m, unless it slides."""
+        return math.hypot(*self.origin.xyz)
 
-class UrdfModel(NamedTuple):
+
+@dataclass(frozen=True, eq=False)
+class UrdfModel:
     """The tree of links and joints.
 
     Attributes:
@@ -62,6 +141,21 @@ class UrdfModel(NamedTuple):
     links: frozenset[str]
     joints: Mapping[str, UrdfJoint]
     turning: Mapping[str, tuple[str, ...]]
+    _root: ElementTree.Element = field(repr=False)
+
+    @cached_property
+    def bodies(self) -> Mapping[str, UrdfLink]:
+        """All links by name, read when they are first asked for: the checker never does.
+
+        Raises:
+            UrdfError: a link has something else where numbers should be.
+        """
+        colors = {each.get("name", ""): _color(each) for each in self._root.findall("material")}
+        try:
+            bodies = [_link(element, colors) for element in self._root.findall("link")]
+        except ValueError as error:
+            raise UrdfError(f"{self.path}: {error}") from None
+        return {body.name: body for body in bodies}
 
     @property
     def revolute(self) -> tuple[str, ...]:
@@ -96,15 +190,29 @@ def _way(link: str, parents: Mapping[str, UrdfJoint]) -> tuple[UrdfJoint, ...]:
 
 
 def read_urdf(path: Path) -> UrdfModel:
-    """Read a model's structure; masses, shapes and meshes are left to the simulator.
+    """Read a model; its meshes are left to those who draw them.
 
     Raises:
         UrdfError: there is no such file, or it is no URDF.
     """
     try:
-        root = ElementTree.parse(path).getroot()
+        return parse_urdf(path.read_bytes(), path)
     except OSError as error:
         raise UrdfError(f"{path}: {error.strerror}") from None
+
+
+def parse_urdf(text: bytes | str, path: Path) -> UrdfModel:
+    """Parse the text of a model.
+
+    Args:
+        text: of the model.
+        path: names it in messages.
+
+    Raises:
+        UrdfError: it is no URDF.
+    """
+    try:
+        root = ElementTree.fromstring(text)
     except (ElementTree.ParseError, ValueError, LookupError) as error:
         raise UrdfError(f"{path}: it is no XML, of which URDF is made: {error}") from None
     if any("xacro" in element.tag for element in root.iter()):
@@ -121,11 +229,11 @@ def read_urdf(path: Path) -> UrdfModel:
     parents = {joint.child: joint for joint in joints}
     ways = {link: _way(link, parents) for link in links}
     turning = {link: tuple(j.name for j in way if j.revolute) for link, way in ways.items()}
-    return UrdfModel(path, links, {joint.name: joint for joint in joints}, turning)
+    return UrdfModel(path, links, {joint.name: joint for joint in joints}, turning, root)
 
 
 def _require_distinct(root: ElementTree.Element) -> None:
-    """Whatever reads models insists on names, and on different ones.
+    """Require names, and different ones, as whatever reads models does.
 
     Raises:
         ValueError: something has no name, or that of another.
@@ -167,6 +275,7 @@ def _joint(element: ElementTree.Element, links: frozenset[str]) -> UrdfJoint:
             raise ValueError(f"joint '{name}' joins link '{end.get('link')}', which is not there")
     limit = element.find("limit")
     problem = _problem(kind, limit) or next(_not_numbers(element), None)
+    axis = element.find("axis")
     if problem is not None:
         raise ValueError(f"joint '{name}' {problem}")
     bounded = limit is not None and kind != "continuous"
@@ -180,7 +289,10 @@ def _joint(element: ElementTree.Element, links: frozenset[str]) -> UrdfJoint:
         upper=math.inf if upper is None else upper,
         limited=limit is not None and not {"lower", "upper"}.isdisjoint(limit.keys()),
         mimic=_mimic(element.find("mimic")),
-        length=_length(element.find("origin")),
+        origin=_origin(element),
+        axis=(1.0, 0.0, 0.0) if axis is None else _numbers(axis.get("xyz", "1 0 0")),
+        velocity=_most(limit, "velocity"),
+        effort=_most(limit, "effort"),
     )
 
 
@@ -203,11 +315,13 @@ def _problem(kind: str, limit: ElementTree.Element | None) -> str | None:
 
 _COUNTS = {"xyz": 3, "rpy": 3, "lower": 1, "upper": 1, "effort": 1, "velocity": 1}
 _COUNTS |= {"multiplier": 1, "offset": 1, "damping": 1, "friction": 1}
+_COUNTS |= {"size": 3, "radius": 1, "length": 1, "scale": 3, "value": 1}
+_COUNTS |= {"ixx": 1, "iyy": 1, "izz": 1, "ixy": 1, "ixz": 1, "iyz": 1}
 
 
 def _not_numbers(element: ElementTree.Element) -> Iterator[str]:
-    """What a joint has where one or three numbers should be."""
-    for inner in element:
+    """Complaints about attributes of a joint or link that should be one or three numbers."""
+    for inner in element.iter():
         for key, text in inner.items():
             count = _COUNTS.get(key)
             if count is not None and not _are_numbers(text, count):
@@ -222,9 +336,69 @@ def _are_numbers(text: str, count: int) -> bool:
         return False
 
 
-def _length(origin: ElementTree.Element | None) -> float:
-    """The length of a joint's offset from its parent; numbers are read before."""
-    return 0.0 if origin is None else math.hypot(*map(float, origin.get("xyz", "0 0 0").split()))
+def _numbers(text: str) -> Numbers:
+    return tuple(map(float, text.split()))
+
+
+def _origin(element: ElementTree.Element) -> UrdfOrigin:
+    """The ``<origin>`` of an element; without one, no displacement."""
+    origin = element.find("origin")
+    if origin is None:
+        return UrdfOrigin()
+    return UrdfOrigin(_numbers(origin.get("xyz", "0 0 0")), _numbers(origin.get("rpy", "0 0 0")))
+
+
+def _color(material: ElementTree.Element) -> Numbers | None:
+    color = material.find("color")
+    return None if color is None else _numbers(color.get("rgba", "0.7 0.7 0.7 1"))[:3]
+
+
+def _link(element: ElementTree.Element, colors: Mapping[str, Numbers | None]) -> UrdfLink:
+    name = element.get("name", "")
+    problem = next(_not_numbers(element), None)
+    if problem is not None:
+        raise ValueError(f"link '{name}' {problem}")
+    visuals, collisions = (
+        tuple(_shapes(element.findall(use), colors)) for use in ("visual", "collision")
+    )
+    return UrdfLink(name, visuals, collisions, _inertial(element.find("inertial")))
+
+
+def _shapes(
+    elements: Iterable[ElementTree.Element], colors: Mapping[str, Numbers | None]
+) -> Iterator[UrdfShape]:
+    for element in elements:
+        material, color = element.find("material"), None
+        if material is not None:
+            color = _color(material) or colors.get(material.get("name", ""))
+        for geometry in element.findall("geometry/*"):
+            file = geometry.get("filename", "")
+            if geometry.tag in _SIZES:
+                kind, keys = _SIZES[geometry.tag]
+                size = " ".join(geometry.get(key, unsaid) for key, unsaid in keys.items())
+                yield UrdfShape(kind, _numbers(size), _origin(element), color, file)
+
+
+_SIZES = {
+    "sphere": ("ball", {"radius": "0"}),
+    "box": ("box", {"size": "0 0 0"}),
+    "cylinder": ("cylinder", {"radius": "0", "length": "0"}),
+    "capsule": ("capsule", {"radius": "0", "length": "0"}),
+    "mesh": ("mesh", {"scale": "1 1 1"}),
+}
+
+
+def _inertial(element: ElementTree.Element | None) -> UrdfInertial | None:
+    if element is None:
+        return None
+    mass, inertia = element.find("mass"), element.find("inertia")
+    moments = {} if inertia is None else inertia.attrib
+    keys = ("ixx", "iyy", "izz", "ixy", "ixz", "iyz")
+    return UrdfInertial(
+        0.0 if mass is None else float(mass.get("value", "0")),
+        tuple(float(moments.get(key, "0")) for key in keys),
+        _origin(element),
+    )
 
 
 def _mimic(element: ElementTree.Element | None) -> Mimic | None:
@@ -236,3 +410,8 @@ def _mimic(element: ElementTree.Element | None) -> Mimic | None:
 
 def _limit(limit: ElementTree.Element | None, key: str) -> float | None:
     return None if limit is None else float(limit.get(key, "0"))
+
+
+def _most(limit: ElementTree.Element | None, key: str) -> float:
+    """A limit of velocity or effort; none, or one of 0, is no limit."""
+    return (_limit(limit, key) or math.inf) if limit is not None else math.inf

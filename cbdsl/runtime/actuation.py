@@ -167,7 +167,7 @@ class Actuation:
         names = tuple(dict.fromkeys(joint for run in runs for joint in run.controller.joints))
         joints, limits = signals.joints.pick(names), signals.kinematics
         stack = Stack([(run.controller.name, run.size) for run in runs], len(joints))
-        rows = [row for run in runs for row in (run.reference, run.feedback) if row >= 0]
+        rows = [row for run in runs for row in run.rows]
         return ControllerBatch(
             active,
             runs,

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
+from importlib import import_module
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -19,10 +20,11 @@ from cbdsl.control.rotation import exp
 from cbdsl.control.setting import Setting
 from cbdsl.control.signal import SignalError, require_finite
 from cbdsl.control.tick import reset_slot
-from cbdsl.program.controller import AlongNormals, Ball, Controller, Field, Literal, Seek
+from cbdsl.program.controller import AlongNormals, Ball, Controller, Field, Literal, Modifier, Seek
 from cbdsl.sensing.density import Sampler
 from cbdsl.sensing.reading import Reading, flattened, transform
 from cbdsl.sensing.signals import Signals
+from cbdsl.types.modifier import MODIFIERS
 from cbdsl.types.resource import (
     EffectorConfiguration,
     FingerForces,
@@ -54,6 +56,20 @@ class Evaluation(NamedTuple):
     jacobian: Floats
 
 
+def modifier_of(modifier: Modifier) -> Callable[..., Floats]:
+    """The function that changes a reference.
+
+    Raises:
+        PluginError: its package does not have it.
+    """
+    module, function = MODIFIERS.get(modifier.name).implementation.split(":")
+    try:
+        change: Callable[..., Floats] = getattr(import_module(module), function)
+    except Exception as error:
+        raise MODIFIERS.fault(modifier.name, f"{type(error).__name__}: {error}") from error
+    return change
+
+
 class ControllerRun:
     """A controller's state between its activation and its deactivation.
 
@@ -77,7 +93,13 @@ class ControllerRun:
         reference = controller.reference
         self.samples = isinstance(reference, Resource) and reference.origin is Origin.MODEL
         own = self.own = signals.joints.pick(controller.joints)
-        self.reference = self._bind_reference()
+        self._unmodified = self._bind_reference()
+        self._modify = [(each, modifier_of(each)) for each in controller.modifiers]
+        self.reference = (
+            signals.bind_written(len(signals.table.values(self._unmodified)))
+            if self._modify
+            else self._unmodified
+        )
         self.feedback = self._bind_feedback()
         quiescence, limits = controller.quiescence, signals.kinematics
         is_seen_twice = isinstance(controller.feedback.source, Headings)
@@ -87,6 +109,7 @@ class ControllerRun:
                 limits.lower[own],
                 limits.upper[own],
                 len(signals.table.values(self.feedback)),
+                len(signals.table.rows(self.feedback)),
                 signals.sight.cameras() if is_seen_twice else (),
             ),
         )
@@ -115,7 +138,7 @@ class ControllerRun:
         reset_slot(self._plan.slots, self.slot, self._plan.before)
         self.no_path = ""
         if self.samples:
-            self._signals.table.forget(self.reference)
+            self._signals.table.forget(self._unmodified)
 
     def activate(self) -> None:
         """Start anew where it was idle or at rest on a sample; otherwise go on."""
@@ -134,8 +157,10 @@ class ControllerRun:
         Raises:
             SignalError: the reference is not finite; the message names it.
         """
-        if self.samples and not self._signals.table.is_defined(self.reference):
+        if self.samples and not self._signals.table.is_defined(self._unmodified):
             self._draw()
+        if self._modify:
+            self._change_reference()
         if self._potential.prepare is None:
             return
         self._record["blocked"] = False
@@ -147,7 +172,12 @@ class ControllerRun:
     @property
     def needs_preparation(self) -> bool:
         """Whether there is anything to draw or to solve for."""
-        return self.samples or self._potential.prepare is not None
+        return self.samples or bool(self._modify) or self._potential.prepare is not None
+
+    @property
+    def rows(self) -> tuple[int, ...]:
+        """Numbers of the rows that it reads, the reference first."""
+        return tuple(row for row in (self._unmodified, self.reference, self.feedback) if row >= 0)
 
     @property
     def predicate(self) -> str:
@@ -248,7 +278,26 @@ class ControllerRun:
         assert isinstance(resource, Resource)
         if self._sampler is None:
             self._sampler = self._signals.sampler(resource, self._rng)
-        self._signals.table.write(self.reference, Reading(self._sampler.draw(), None, 0))
+        self._signals.table.write(self._unmodified, Reading(self._sampler.draw(), None, 0))
+
+    def _change_reference(self) -> None:
+        """Write the reference as modifiers change it."""
+        table, signals = self._signals.table, self._signals
+        if not table.is_defined(self._unmodified):
+            table.forget(self.reference)
+            return
+        record = table.records[self._unmodified]
+        value, feedback = table.values(self._unmodified).copy(), table.values(self.feedback).copy()
+        for modifier, change in self._modify:
+            try:
+                value = np.broadcast_to(
+                    change(value, feedback, signals.time, dict(modifier.options)), value.shape
+                )
+            except Exception as error:
+                reason = f"{type(error).__name__}: {error}"
+                raise MODIFIERS.fault(modifier.name, reason) from error
+        # A reference that may move in every tick is as new as the posture.
+        table.write(self.reference, Reading(value, None, signals.tips.stamp, record["radius"]))
 
     def _solve(self) -> None:
         value, goal = self._values()

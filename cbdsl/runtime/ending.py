@@ -1,4 +1,4 @@
-"""Why an episode ended: a sentence from what its controllers read last."""
+"""Ending of an episode: a sentence from the last readings of its controllers."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ _NEAR = 1e-2
 
 
 def describe(run: ProgramRun, seconds: float, at_limits: Sequence[str]) -> str:
-    """A sentence that says how a program ended and what its controllers had to do with it.
+    """Sentence on how a program ended and what its controllers had to do with it.
 
     Args:
         run: the program, at its end.
@@ -40,6 +40,22 @@ def describe(run: ProgramRun, seconds: float, at_limits: Sequence[str]) -> str:
         reasons.append(run.ending)
     because = "; ".join(reason for reason in reasons if reason)
     return f"{verdict} after {seconds:.1f} s in state {run.state}: {because}."
+
+
+def describe_lateness(run: ProgramRun, seconds: float, taken: float, deadline: float) -> str:
+    """Sentence on an episode that ended because a control tick took too long.
+
+    Args:
+        run: the program, where it stopped.
+        seconds: how long it ran.
+        taken: by the tick, wall time, s.
+        deadline: of a tick, s.
+    """
+    return (
+        f"Halted after {seconds:.1f} s in state {run.state}: a control tick took "
+        f"{1000 * taken:.4g} ms, and the backend's deadline is {1000 * deadline:.4g} ms; "
+        "references are frozen at the measured positions."
+    )
 
 
 def _evidence(run: ProgramRun) -> list[str]:
@@ -60,7 +76,7 @@ def _clause(lead: ControllerRun) -> str:
     if lead.no_path:
         return f"{controller.name} had no way: {lead.no_path}"
     if math.isnan(lead.error):
-        return f"{controller.name} had no {_missing(controller)}"
+        return f"{controller.name} had no {_undefined_resource(controller)}"
     verb = "came to rest" if lead.predicate == "1" else "was still"
     if controller.reference is None:
         return f"{controller.name} {verb} at a potential of {lead.phi:.3g}"
@@ -81,7 +97,7 @@ def _goal(controller: Controller) -> str:
     return reference.name
 
 
-def _missing(controller: Controller) -> str:
+def _undefined_resource(controller: Controller) -> str:
     if controller.feedback.origin is Origin.ENVIRONMENT:
         return controller.feedback.name
     return _goal(controller)

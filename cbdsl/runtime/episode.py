@@ -5,6 +5,7 @@ from __future__ import annotations
 import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from itertools import count
 from typing import NamedTuple
 
 import numpy as np
@@ -19,7 +20,7 @@ from cbdsl.errors.errors import UsageError
 from cbdsl.program.checked import CheckedProgram
 from cbdsl.program.transition import Transition
 from cbdsl.runtime.actuation import Actuation
-from cbdsl.runtime.ending import describe
+from cbdsl.runtime.ending import describe, describe_lateness
 from cbdsl.runtime.program_run import ProgramRun
 from cbdsl.sensing.kinematics import Kinematics
 from cbdsl.sensing.observation import Observation
@@ -32,9 +33,21 @@ class EpisodeError(UsageError):
     """An episode cannot go on; the message says which, when and why."""
 
 
+class DeadlineError(EpisodeError):
+    """A control tick took longer than its backend allows.
+
+    Attributes:
+        result: of the episode, whose ending is the message.
+    """
+
+    def __init__(self, result: EpisodeResult) -> None:
+        super().__init__(f"seed {result.seed}: {result.ending}")
+        self.result = result
+
+
 @dataclass(frozen=True)
 class EpisodeResult:
-    """What came of an episode.
+    """Outcome of an episode.
 
     Attributes:
         program, stage, context, seed: what was run.
@@ -62,7 +75,7 @@ class EpisodeResult:
 
 
 class Tick(NamedTuple):
-    """What a recorder may look at after each control tick."""
+    """State of an episode after a control tick, for recorders."""
 
     observation: Observation
     signals: Signals
@@ -83,6 +96,7 @@ class Runner:
         program: what to run.
         backend: where.
         policy: chooses the actions instead of the program's written policy.
+        clock: the wall time that deadlines are held against, s.
     """
 
     def __init__(
@@ -92,8 +106,11 @@ class Runner:
         program: CheckedProgram,
         backend: Backend,
         policy: Policy | None = None,
+        *,
+        clock: Callable[[], float] = time.perf_counter,
     ) -> None:
         self._program = program
+        self._clock = clock
         self._backend = backend
         self._policy = policy
         self.signals = Signals(robot, kinematics, resources_of(program))
@@ -114,12 +131,14 @@ class Runner:
         Raises:
             BackendError: the stage names something that it or the robot does not have.
             EpisodeError: a sensor gave NaN or infinity, or a controller cannot compute with what
-                it was given; nothing is moved any more.
+                it was given.
+            DeadlineError: a tick took longer than the backend allows.
+
+        Whatever is raised, Ctrl-C too, the backend is halted before.
         """
         began = time.perf_counter()
         world_rng, own_rng = (np.random.default_rng([seed, stream]) for stream in (0, 1))
         drawn = self._backend.reset(stage, context, world_rng, self.signals.vision.channels)
-        period = self._backend.control_period
         self.signals.reset()
         passed: list[Transition] = []
 
@@ -128,28 +147,14 @@ class Runner:
                 passed.append(transition)
             on_transition(transition)
 
-        run, actuation = self._run, self._actuation
-        run.begin(own_rng, note, self._policy)
-        ticks = 0
-        while True:
-            observation = self._backend.observe()
-            try:
-                self.signals.update(observation)
-                if ticks == 0:
-                    actuation.reset(observation.positions)
-                    run.activate()
-                actuation.move(run.active())
-                run.advance()
-            except (SensorError, SignalError, ConvergenceError) as error:
-                raise EpisodeError(f"seed {seed}, {observation.time:.2f} s: {error}") from error
-            if on_tick is not None:
-                on_tick(Tick(observation, self.signals, run, actuation))
-            if run.predicate != "0":
-                break
-            ticks += 1
-            self._backend.apply(actuation.reference)
-            self._backend.step()
-        return EpisodeResult(
+        self._run.begin(own_rng, note, self._policy)
+        try:
+            ticks, late = self._control(seed, on_tick)
+        except BaseException:
+            self._backend.halt()
+            raise
+        seconds, run = ticks * self._backend.control_period, self._run
+        result = EpisodeResult(
             program=self._program.name,
             stage=stage.name,
             context=drawn,
@@ -158,22 +163,60 @@ class Runner:
             predicates=("X" * len(self._program.members), *(t.next_state for t in passed)),
             actions=tuple(t.action for t in passed),
             ticks=ticks,
-            sim_seconds=round(ticks * period, 6),
+            sim_seconds=round(seconds, 6),
             wall_seconds=time.perf_counter() - began,
             renderer=self._backend.renderer,
-            ending=describe(run, ticks * period, actuation.at_limits()),
+            ending=late or describe(run, seconds, self._actuation.at_limits()),
         )
+        if late:
+            raise DeadlineError(result)
+        return result
+
+    def _control(self, seed: int, on_tick: TickListener | None) -> tuple[int, str]:
+        """Run the control ticks of an episode.
+
+        Returns:
+            How many there were, and why the episode ends if the last one was late.
+        """
+        run, backend = self._run, self._backend
+        for ticks in count():
+            began = self._clock()
+            observation = backend.observe()
+            self._advance(observation, seed, first=ticks == 0)
+            if on_tick is not None:
+                on_tick(Tick(observation, self.signals, run, self._actuation))
+            if run.predicate != "0":
+                break
+            taken = self._clock() - began
+            if backend.deadline is not None and taken > backend.deadline:
+                backend.halt()
+                return ticks, describe_lateness(run, observation.time, taken, backend.deadline)
+            backend.apply(self._actuation.reference)
+            backend.step()
+        return ticks, ""
+
+    def _advance(self, observation: Observation, seed: int, *, first: bool) -> None:
+        """Take in an observation, and find the next reference and predicates."""
+        try:
+            self.signals.update(observation)
+            if first:
+                self._actuation.reset(observation.positions)
+                self._run.activate()
+            self._actuation.move(self._run.active())
+            self._run.advance()
+        except (SensorError, SignalError, ConvergenceError) as error:
+            raise EpisodeError(f"seed {seed}, {observation.time:.2f} s: {error}") from error
 
 
 def resources_of(program: CheckedProgram) -> Sequence[Resource]:
     """Every resource that a program and the programs it uses can read."""
-    found: dict[Resource, None] = {}
+    resources: dict[Resource, None] = {}
     compositions = [program.background, *(action.composition for action in program.actions)]
     for composition in compositions:
         for primitive in composition.primitives if composition else ():
             for controller in primitive.controllers:
-                found.update(dict.fromkeys(controller.resources))
+                resources.update(dict.fromkeys(controller.resources))
     for action in program.actions:
         if action.program is not None:
-            found.update(dict.fromkeys(resources_of(action.program)))
-    return list(found)
+            resources.update(dict.fromkeys(resources_of(action.program)))
+    return list(resources)

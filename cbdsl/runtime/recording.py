@@ -14,7 +14,7 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from cbdsl.backends.staging.scenery import Part, Scenery
+from cbdsl.backends.staging.world_state import Part, WorldState
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.program.checked import CheckedProgram
 from cbdsl.program.controller import AlongNormals, Controller, Literal
@@ -83,7 +83,7 @@ class Recording:
         program: CheckedProgram,
         robot: RobotDocument,
         urdf: Path,
-        scenery: Callable[[], Scenery] | None = None,
+        scenery: Callable[[], WorldState] | None = None,
     ) -> None:
         self._program, self._robot, self._urdf = program, robot, urdf
         self._joints = Joints(robot).names

@@ -62,7 +62,7 @@ def place_joints(
                 own[9 + i] += value * axes[j, i]
             copy(own[:9], turned, 1.0)
         else:
-            _rotate(axis, value, turn)
+            rotate(axis, value, turn)
             multiply(turned, turn, own)
 
 
@@ -79,7 +79,7 @@ def multiply(left: Floats, right: Floats, product: Floats) -> None:
 
 
 @compiled
-def _rotate(axis: Floats, angle: float, turn: Floats) -> None:
+def rotate(axis: Floats, angle: float, turn: Floats) -> None:
     """The rotation matrix, row by row, of an angle, rad, about a unit axis (Rodrigues)."""
     x, y, z = axis[0], axis[1], axis[2]
     sine, cosine = math.sin(angle), math.cos(angle)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterable, Sequence
 from functools import partial
+from importlib import import_module
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -13,6 +14,7 @@ from numpy.typing import NDArray
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.numeric.compiled import compiled, compiled_once
 from cbdsl.program.controller import Standoff
+from cbdsl.robot.source_kind import SOURCES
 from cbdsl.sensing.density import DensitySampler, Sampler
 from cbdsl.sensing.kinematics import Kinematics
 from cbdsl.sensing.observation import Observation
@@ -45,6 +47,7 @@ from cbdsl.types.resource import (
     NetLoad,
     Posture,
     Resource,
+    SensorSignal,
     Separation,
     StereoPosition,
     Tip,
@@ -84,6 +87,7 @@ class Signals:
         resources: whose channels the cameras look for.
 
     Attributes:
+        robot: the robot's document.
         table: the rows.
         positions: of the actuated joints, rad, shape (n,); each observation writes over them.
         clock: counts the postures, shape (1,).
@@ -93,7 +97,7 @@ class Signals:
     def __init__(
         self, robot: RobotDocument, kinematics: Kinematics, resources: Iterable[Resource]
     ) -> None:
-        self._robot = robot
+        self.robot = robot
         self.kinematics = kinematics
         self.joints = kinematics.joints
         self.positions, self.clock = kinematics.positions, np.zeros(1, dtype=np.int64)
@@ -147,10 +151,10 @@ class Signals:
         self.clock[0] = self.tips.stamp
         self.time = observation.time
         self.kinematics.update(observation.positions)
-        if self._robot.load_cells:
+        if self.robot.load_cells:
             self.touch.update(wrenches)
             self.sight.update()
-        if self._robot.cameras:
+        if self.robot.cameras:
             self.vision.update(observation)
             if self.touch.touching_anything():
                 self.vision.touched()
@@ -188,7 +192,7 @@ class Signals:
             joints: whose columns it has, n of them.
         """
         columns = self.joints.pick(joints).tolist()
-        tips = [self.tips.part(member) for member in self._robot.members(effector)]
+        tips = [self.tips.part(member) for member in self.robot.members(effector)]
         size = len(tips) * (3 if part == "position" else 6) * len(columns)
         form = Form(MANIPULATOR, size, size, tips, columns, angular=part != "position")
         return self._bound(("manipulator", effector, part, *joints), lambda: self.table.bind(form))
@@ -263,6 +267,8 @@ class Signals:
 
     def _bind(self, resource: Resource) -> int:
         source = resource.source
+        if isinstance(source, SensorSignal):
+            return self._bind_read(resource.type.size, self._sensor_reader(source))
         binder = self._binders.get(type(source))
         if binder is not None:
             return binder(source)
@@ -274,6 +280,27 @@ class Signals:
         self._readers[number] = reader
         return number
 
+    def _sensor_reader(self, signal: SensorSignal) -> Reader:
+        """The reader of a sensor of another package's kind, whose faults are the package's."""
+        module, function = SOURCES.get(signal.kind).reader.split(":")
+        failed = partial(SOURCES.fault, signal.kind)
+        try:
+            reader: Reader = getattr(import_module(module), function)(signal, self)
+        except Exception as error:
+            raise failed(f"{type(error).__name__}: {error}") from error
+
+        def read() -> Reading | None:
+            try:
+                reading = reader()
+                finite = reading is None or bool(np.isfinite(reading.value).all())
+            except Exception as error:
+                raise failed(f"{type(error).__name__}: {error}") from error
+            if not finite:
+                raise SensorError(f"the sensor {signal.sensor} is not finite")
+            return reading
+
+        return read
+
     def _bind_configuration(self, source: EffectorConfiguration) -> int:
         columns = self.joints.of(source.effector).tolist()
         number = self.table.bind(Form(CONFIGURATION, len(columns), len(columns), (), columns))
@@ -283,15 +310,15 @@ class Signals:
     def _bind_posture(self, source: Posture) -> int:
         angles = [
             angle
-            for member in self._robot.members(source.effector)
-            for angle in self._robot.effectors[member].postures[source.posture]
+            for member in self.robot.members(source.effector)
+            for angle in self.robot.effectors[member].postures[source.posture]
         ]
         number = self.bind_written(len(angles))
         self.table.write(number, Reading(np.array(angles), None, 0))
         return number
 
     def _bind_tip(self, source: Tip) -> int:
-        members = self._robot.members(source.effector)
+        members = self.robot.members(source.effector)
         if members == (source.effector,):
             return self._bind_point(source, -1, (0.0, 0.0, 0.0))
         return self._bind_mixture(members, [1.0] * len(members), 3)
@@ -309,11 +336,11 @@ class Signals:
         return number
 
     def _bind_centroid(self, source: Centroid) -> int:
-        members = self._robot.members(source.group)
+        members = self.robot.members(source.group)
         return self._bind_mixture(members, [1.0 / len(members)] * len(members), 0)
 
     def _bind_separation(self, source: Separation) -> int:
-        return self._bind_mixture(self._robot.members(source.group), [-1.0, 1.0], 0)
+        return self._bind_mixture(self.robot.members(source.group), [-1.0, 1.0], 0)
 
     def _bind_mixture(self, members: Sequence[str], weights: Sequence[float], shift: int) -> int:
         """A row of weighted positions of tips, each ``shift`` components behind the one before."""
@@ -367,7 +394,7 @@ class Signals:
 
     def _owner(self, joint: str) -> str:
         """A joint, and the resource that it belongs to."""
-        effectors = self._robot.effectors.items()
+        effectors = self.robot.effectors.items()
         return next(f"joint {joint} of {name}" for name, each in effectors if joint in each.joints)
 
 

@@ -46,6 +46,7 @@ class LearningTask:
         episodes: how many.
         command: what learns it again.
         path: the policy's file, at the same place for everybody.
+        cameras: kind of the backend's cameras, its own choice when ``None``.
     """
 
     program: CheckedProgram
@@ -61,6 +62,7 @@ class LearningTask:
     episodes: int
     command: str
     path: Path
+    cameras: str | None = None
 
     @property
     def journal(self) -> Path:

@@ -11,7 +11,7 @@ from typing import Protocol
 from distributed import Worker, get_worker
 from distributed.core import Status
 
-from cbdsl.backends.backend import Backend, find_backend
+from cbdsl.backends.backend import Backend, embody
 from cbdsl.documents.digest import digest
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.errors.errors import UsageError
@@ -23,7 +23,7 @@ from cbdsl.training.trial_loop import TrialObserver
 Workplace = tuple[Backend, Kinematics]
 
 # Building a body takes as long as some episodes. A process has one thread and one robot.
-_kept: dict[tuple[str, str, Path], Workplace] = {}
+_kept: dict[tuple[str, str | None, str, Path], Workplace] = {}
 
 
 class Job(Protocol):
@@ -34,6 +34,7 @@ class Job(Protocol):
         robot: whose body it needs.
         urdf: the robot's model, at the same place for everybody.
         backend: name of what embodies the robot.
+        cameras: kind of its cameras, its own choice when ``None``.
     """
 
     @property
@@ -44,6 +45,8 @@ class Job(Protocol):
     def urdf(self) -> Path: ...
     @property
     def backend(self) -> str: ...
+    @property
+    def cameras(self) -> str | None: ...
 
     def run(self, body: Backend, kinematics: Kinematics, observer: TrialObserver) -> list[Path]:
         """Run it on a body; the observer is told of each finished episode.
@@ -122,9 +125,9 @@ def _require_fit(there: Path, expected: Mapping[str, str]) -> None:
 @contextmanager
 def _workplace(job: Job) -> Iterator[Workplace]:
     """Body for a job, built for the first one of its kind and kept."""
-    key = (job.backend, digest(job.robot), job.urdf)
+    key = (job.backend, job.cameras, digest(job.robot), job.urdf)
     if key not in _kept:
-        body = find_backend(job.backend)(job.robot, job.urdf)
+        body = embody(job.backend, job.robot, job.urdf, cameras=job.cameras)
         _kept[key] = body, Kinematics(job.robot, job.urdf)
     try:
         yield _kept[key]

@@ -1,7 +1,11 @@
 """What the type checker knows of each artificial potential (Omega_phi, Eq 3.7)."""
 
+from collections.abc import Iterator, Mapping
 from enum import Enum
 from typing import NamedTuple
+
+from cbdsl.types.registry import PluginError, Registry
+from cbdsl.types.resource_type import TYPES
 
 
 class Condition(Enum):
@@ -74,83 +78,132 @@ class PotentialType(NamedTuple):
 
 _MET, _ROBOT, _NOT_MET = Condition.MET, Condition.ROBOT, Condition.NOT_MET
 
-POTENTIALS: dict[str, PotentialType] = {
-    potential.name: potential
-    for potential in (
-        PotentialType(
-            "spring",
-            "φ_s",
-            "Eq 3.1",
-            frozenset(
-                {
-                    "configuration",
-                    "position",
-                    "orientation",
-                    "pose",
-                    "heading",
-                    "force",
-                    "torque",
-                    "wrench",
-                }
-            ),
-            reference=True,
-            zero_minimum=True,
-            residual=True,
-            navigation=Navigation(
-                _MET, _MET, _MET, _MET, "bounded errors, turned by less than half a turn"
-            ),
-            implementation="cbdsl.control.spring:build",
+_BUILT_IN = (
+    PotentialType(
+        "spring",
+        "φ_s",
+        "Eq 3.1",
+        frozenset(
+            {
+                "configuration",
+                "position",
+                "orientation",
+                "pose",
+                "heading",
+                "force",
+                "torque",
+                "wrench",
+            }
         ),
-        PotentialType(
-            "range",
-            "φ_r",
-            "Eq 3.3",
-            frozenset({"configuration"}),
-            reference=False,
-            zero_minimum=True,
-            residual=True,
-            navigation=Navigation(_MET, _MET, _MET, _MET, "between the joint limits"),
-            implementation="cbdsl.control.range:build",
+        reference=True,
+        zero_minimum=True,
+        residual=True,
+        navigation=Navigation(
+            _MET, _MET, _MET, _MET, "bounded errors, turned by less than half a turn"
         ),
-        PotentialType(
-            "manipulability",
-            "φ_m",
-            "Eq 3.5",
-            frozenset({"configuration"}),
-            reference=False,
-            zero_minimum=False,
-            residual=False,
-            navigation=Navigation(_MET, _ROBOT, _MET, _ROBOT, "postures that are not singular"),
-            implementation="cbdsl.control.manipulability:build",
+        implementation="cbdsl.control.spring:build",
+    ),
+    PotentialType(
+        "range",
+        "φ_r",
+        "Eq 3.3",
+        frozenset({"configuration"}),
+        reference=False,
+        zero_minimum=True,
+        residual=True,
+        navigation=Navigation(_MET, _MET, _MET, _MET, "between the joint limits"),
+        implementation="cbdsl.control.range:build",
+    ),
+    PotentialType(
+        "manipulability",
+        "φ_m",
+        "Eq 3.5",
+        frozenset({"configuration"}),
+        reference=False,
+        zero_minimum=False,
+        residual=False,
+        navigation=Navigation(_MET, _ROBOT, _MET, _ROBOT, "postures that are not singular"),
+        implementation="cbdsl.control.manipulability:build",
+    ),
+    PotentialType(
+        "localizability",
+        "φ_l",
+        "Eq 3.6",
+        frozenset({"heading"}),
+        reference=False,
+        zero_minimum=True,
+        residual=False,
+        navigation=Navigation(
+            _MET, _NOT_MET, _NOT_MET, _NOT_MET, "lines of sight that meet before the cameras"
         ),
-        PotentialType(
-            "localizability",
-            "φ_l",
-            "Eq 3.6",
-            frozenset({"heading"}),
-            reference=False,
-            zero_minimum=True,
-            residual=False,
-            navigation=Navigation(
-                _MET, _NOT_MET, _NOT_MET, _NOT_MET, "lines of sight that meet before the cameras"
-            ),
-            implementation="cbdsl.control.localizability:build",
-            factors=2,
+        implementation="cbdsl.control.localizability:build",
+        factors=2,
+    ),
+    PotentialType(
+        "harmonic",
+        "φ_h",
+        "Eq 3.2",
+        frozenset({"configuration", "position"}),
+        reference=True,
+        zero_minimum=True,
+        residual=False,
+        navigation=Navigation(
+            _MET, _MET, _NOT_MET, _NOT_MET, "free space that is connected with the goal"
         ),
-        PotentialType(
-            "harmonic",
-            "φ_h",
-            "Eq 3.2",
-            frozenset({"configuration", "position"}),
-            reference=True,
-            zero_minimum=True,
-            residual=False,
-            navigation=Navigation(
-                _MET, _MET, _NOT_MET, _NOT_MET, "free space that is connected with the goal"
-            ),
-            implementation="cbdsl.control.harmonic:build",
-            factors=1,
-            field=True,
-        ),
-    )
-}
+        implementation="cbdsl.control.harmonic:build",
+        factors=1,
+        field=True,
+    ),
+)
+
+
+def _validate(name: str, entry: object) -> PotentialType:
+    """A potential that another package declares.
+
+    Raises:
+        PluginError: it is no ``PotentialType``, or claims what does not fit together.
+    """
+    if not isinstance(entry, PotentialType):
+        raise PluginError(f"is a {type(entry).__name__}, not a PotentialType")
+    if entry.name != name:
+        raise PluginError(f"calls itself '{entry.name}'")
+    unknown = sorted(entry.accepts - TYPES.keys())
+    if unknown or not entry.accepts:
+        raise PluginError(f"accepts {', '.join(unknown) or 'no type'}; types: {', '.join(TYPES)}")
+    if entry.implementation.count(":") != 1:
+        raise PluginError(f"has the implementation '{entry.implementation}', not module:function")
+    return entry
+
+
+class PotentialTable(Mapping[str, PotentialType]):
+    """The potentials by name: built-in ones, and those of packages that can be used.
+
+    Packages are looked at only for a name that is not built in, or to list all potentials.
+    """
+
+    def __init__(self) -> None:
+        self._built_in = {potential.name: potential for potential in _BUILT_IN}
+        places = {name: f"{__name__}:{name}" for name in self._built_in}
+        self.registry: Registry[PotentialType] = Registry(
+            "potential", "cbdsl.potentials", places, _validate
+        )
+
+    def __getitem__(self, name: str) -> PotentialType:
+        built_in = self._built_in.get(name)
+        if built_in is not None:
+            return built_in
+        if name not in self.registry:
+            raise KeyError(name)
+        return self.registry.get(name)
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self.registry.usable_names())
+
+    def __len__(self) -> int:
+        return len(self.registry.usable_names())
+
+    def __contains__(self, name: object) -> bool:
+        return name in self._built_in or name in self.registry
+
+
+POTENTIALS = PotentialTable()

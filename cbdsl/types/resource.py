@@ -91,6 +91,22 @@ class StereoPosition(NamedTuple):
     channel: str
 
 
+class SensorSignal(NamedTuple):
+    """A signal of a sensor of another package's kind, as a robot's document declares it.
+
+    Attributes:
+        sensor: its name in the document.
+        kind: name of the kind.
+        part: which of the sensor's signals.
+        links: of the model, that carry it.
+    """
+
+    sensor: str
+    kind: str
+    part: str
+    links: tuple[str, ...]
+
+
 class Posture(NamedTuple):
     """A named joint posture of the robot file."""
 
@@ -140,6 +156,7 @@ Source = (
     | Heading
     | Headings
     | StereoPosition
+    | SensorSignal
     | Posture
     | UniformSample
     | GaussianSample

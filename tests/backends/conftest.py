@@ -7,6 +7,7 @@ from typing import Any
 
 import pytest
 
+from cbdsl.backends.backend import BackendError
 from cbdsl.backends.bullet.backend import BulletBackend
 from cbdsl.backends.kinematic.backend import KinematicBackend
 from cbdsl.documents.robot import RobotDocument
@@ -70,5 +71,16 @@ def either(make: type[Either], dexter: RobotDocument) -> Iterator[Either]:
 def unseeing(make: type[Either], dexter: RobotDocument) -> Iterator[Either]:
     """Either backend without cameras, and without noise of its load cells."""
     backend = make(sightless(dexter), URDF)
+    yield backend
+    backend.close()
+
+
+@pytest.fixture(scope="module", params=["opengl", "tiny"])
+def rendered(dexter: RobotDocument, request: pytest.FixtureRequest) -> Iterator[BulletBackend]:
+    """A backend with each renderer that works here."""
+    try:
+        backend = BulletBackend(with_vision(dexter, renderer=request.param), URDF)
+    except BackendError as error:
+        pytest.skip(str(error))
     yield backend
     backend.close()

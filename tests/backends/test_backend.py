@@ -52,5 +52,5 @@ def test_a_class_that_is_not_there_is_named(folder: Path) -> None:
 
 def test_a_class_that_is_no_backend_says_what_it_lacks(folder: Path) -> None:
     write_package(folder, "far", {BACKENDS.group: {"tuple": "builtins:tuple"}})
-    with pytest.raises(BackendError, match="reset, observe, apply, step, close"):
+    with pytest.raises(BackendError, match="reset, observe, apply, step, halt, close"):
         find_backend("tuple")

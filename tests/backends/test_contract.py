@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from cbdsl.backends.backend import BackendError
-from cbdsl.backends.staging.scenery import Witness
+from cbdsl.backends.staging.world_state import GroundTruthProvider
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.documents.stage import StageDocument
 from cbdsl.sensing.observation import Observation
@@ -111,7 +111,7 @@ def test_every_context_of_every_shipped_stage_can_begin(make: type[Either], name
     backend = make(robot, ROOT / "robots" / robot.model)
     for context, content in stage.contexts.items():
         assert backend.reset(stage, context, np.random.default_rng(1)) == context
-        assert isinstance(backend, Witness)
+        assert isinstance(backend, GroundTruthProvider)
         shown = set(backend.truth.names()) - set(stage.fixtures)
         assert len(shown) == bool(content.things)
         assert shown <= set(content.things)

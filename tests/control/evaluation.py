@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from cbdsl.control.potential import Potential, Rule
+from cbdsl.control.potential import Potential, Rule, interpreted
 from cbdsl.control.signal import Floats
 from cbdsl.sensing.reading import flattened
 from cbdsl.types.potential import POTENTIALS
@@ -20,7 +20,7 @@ class Signal(NamedTuple):
 
 
 class Evaluation(NamedTuple):
-    """A potential in task coordinates: phi, residual (k,), coordinates per joint (k, n), step (k,)."""
+    """A potential in task coordinates: residual (k,), coordinates per joint (k, n), step (k,)."""
 
     phi: float
     residual: Floats
@@ -33,11 +33,11 @@ def evaluate(
     signal: Signal,
     reference: Floats | None = None,
     *,
-    interpreted: bool = False,
+    in_python: bool = False,
 ) -> Evaluation:
     """A potential by its function alone, compiled or, with bounds checked, interpreted."""
     goal = np.zeros(0) if reference is None else flat(reference)
-    function = potential.function.py_func if interpreted else potential.function
+    function = interpreted(potential.function) if in_python else potential.function
     residual, slope = np.zeros(potential.size), np.zeros((potential.size, len(signal.jacobian)))
     phi = function(flat(signal.value), goal, potential.parameters, residual, slope)
     if potential.identity:
@@ -55,7 +55,8 @@ def gradient(potential: str, evaluation: Evaluation) -> Floats:
     if POTENTIALS[potential].residual:
         slope: Floats = -evaluation.jacobian.T @ evaluation.residual
         return slope
-    return evaluation.jacobian[0]
+    row: Floats = evaluation.jacobian[0]
+    return row
 
 
 def flat(value: Floats) -> Floats:

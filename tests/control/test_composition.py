@@ -81,9 +81,8 @@ def test_rows_half_a_tick_ahead_are_exact_for_parabolas(rng: np.random.Generator
         return found
 
     # The newest of the three may be anywhere in them.
-    found = extrapolate_half_tick(
-        np.stack((rows(-1), rows(0), rows(-2))), 1, np.array([3]), np.array([2])
-    )
+    ticks = np.stack((rows(-1), rows(0), rows(-2)))
+    found = extrapolate_half_tick(ticks, 1, np.array([3]), np.array([2]))
     np.testing.assert_allclose(found, rows(0.5), atol=1e-12)
 
 

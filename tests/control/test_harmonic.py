@@ -114,7 +114,7 @@ def test_two_joints_go_round_a_box_in_their_space() -> None:
             "look", "harmonic", head, None, head, (), (), False, 2.0, None, None,
             Quiescence(1e-3, 0.3), field=Field(None, None, 0.05, 0.5, 0.1, ()),
         ),
-        Setting(np.full(2, -1.5), np.full(2, 1.5), 2),
+        Setting(np.full(2, -1.5), np.full(2, 1.5), 2, 2),
     )  # fmt: skip
     assert law.size == 2
     start, goal = np.array([-1.0, -0.8]), np.array([1.0, -0.7])

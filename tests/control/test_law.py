@@ -16,6 +16,7 @@ from tests.control.evaluation import evaluate
 
 WIDE = LawSettings(joint_step=1e3)
 TICK = 1 / 120
+STACKS = 10_000
 DEXTER = LawSettings(joint_step=1.5 * TICK, limit_margin=0.03)
 
 seeds = st.integers(0, 2**32 - 1)
@@ -75,6 +76,26 @@ def test_lower_levels_do_not_disturb_higher_ones(seed: int, joints: int) -> None
         size = max(1.0, float(np.linalg.norm(upper.displacement)), float(np.linalg.norm(added)))
         assert np.linalg.norm(above @ added) <= 1e-12 * size
         above = np.vstack((above, level.jacobian))
+
+
+def test_no_level_of_ten_thousand_stacks_moves_those_above() -> None:
+    """With dependent rows within a level and among levels, by a tick's velocities."""
+    rng, worst, dependent = np.random.default_rng(17), 0.0, 0
+    for _ in range(STACKS):
+        joints = int(rng.integers(3, 15))
+        law = law_of(joints)
+        levels = [
+            level._replace(velocity=0.01 * level.velocity) for level in random_stack(rng, joints)
+        ]
+        steps = prefixes(law, levels, np.zeros(joints))
+        above = np.zeros((0, joints))
+        for level, upper, lower in zip(levels, steps[:-1], steps[1:], strict=False):
+            above = np.vstack((above, level.jacobian))
+            leak = above @ (lower.displacement - upper.displacement)
+            worst = max(worst, float(np.sqrt(leak @ leak)))
+        dependent += bool((steps[-1].singular_values == 0.0).any())
+    assert worst <= 1e-12
+    assert dependent > STACKS / 2
 
 
 @given(seed=seeds, joints=st.integers(3, 14), limit=st.floats(0.02, 2.0))

@@ -157,7 +157,7 @@ def setting(case: Case) -> Setting:
     ]
     rows = {"position": 3, "pose": 6}.get(case.part, 0)
     components = rows * len(robot.members(case.effector)) * len(robot.joints(case.effector))
-    return Setting(model.lower[own], model.upper[own], components, tuple(relative))
+    return Setting(model.lower[own], model.upper[own], components, components, tuple(relative))
 
 
 @pytest.mark.parametrize("case", CASES, ids=lambda case: "-".join(case))

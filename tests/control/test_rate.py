@@ -52,9 +52,8 @@ def rate(task: Task, residual: Floats, jacobian: Floats | None = None) -> Floats
 
 
 def test_gain_times_newton_step() -> None:
-    moved = rate(
-        task_of(controller(POSITION, gain=8.0)), np.array([0.1, 0.0, -0.2]), np.ones((3, 7))
-    )
+    task, residual = task_of(controller(POSITION, gain=8.0)), np.array([0.1, 0.0, -0.2])
+    moved = rate(task, residual, np.ones((3, 7)))
     np.testing.assert_allclose(moved, 4 * np.array([0.1, 0.0, -0.2]))
 
 

@@ -50,9 +50,10 @@ def made(
     potential: str, kind: ResourceType, joints: int, axis: str | None, rng: np.random.Generator
 ) -> Potential:
     """As the registry builds it for the tip of a chain."""
-    components = 3 * joints if potential == "manipulability" else kind.size
+    rows = 3 * joints if potential == "manipulability" else kind.size
+    components = {"orientation": 9, "pose": 12}.get(kind.name, rows)
     limits = -rng.uniform(2, 3, joints), rng.uniform(2, 3, joints)
-    return build(controller(potential, kind, axis), Setting(*limits, components, CAMERAS))
+    return build(controller(potential, kind, axis), Setting(*limits, components, rows, CAMERAS))
 
 
 def measure(potential: str, kind: ResourceType, chain: Chain, q: Floats, mix: Floats) -> Signal:
@@ -151,10 +152,8 @@ def test_what_is_compiled_is_what_is_written(
     for q, goal in rng.uniform(-1.5, 1.5, (3, 2, 5)):
         here, there = (measure(potential, typed, chain, each, mix) for each in (q, goal))
         reference = there.value if POTENTIALS[potential].reference else None
-        compiled, interpreted = (
-            evaluate(law, here, reference, interpreted=each) for each in (False, True)
-        )
-        for one, other in zip(compiled, interpreted, strict=True):
+        found = (evaluate(law, here, reference, in_python=each) for each in (False, True))
+        for one, other in zip(*found, strict=True):
             np.testing.assert_allclose(one, other, rtol=1e-12, atol=1e-14)
 
 
@@ -178,7 +177,8 @@ def test_small_steps_lower_phi_and_shapes_agree(
         assert here.jacobian.shape == (len(here.residual), len(q))
         assert here.step.shape == here.residual.shape
         downhill = here.jacobian.T @ here.step
-        assert at(q + 1e-4 * downhill).phi < here.phi
+        # At its minimum there is nothing to lower.
+        assert at(q + 1e-4 * downhill).phi < here.phi or here.phi == 0.0
 
 
 @pytest.mark.parametrize(("potential", "kind", "axis"), CASES)

@@ -98,7 +98,7 @@ class Bench:
                     case.funnel,
                     case.search,
                     case.requires,
-                )  # fmt: skip
+                )
             )
         sizes = [(str(i), case.potential.size) for i, case in enumerate(cases)]
         self.stack = Stack(sizes, len(JOINTS))
@@ -242,13 +242,9 @@ def test_where_nothing_acts_nothing_moves(bench: Bench) -> None:
 def test_it_acts_while_what_it_requires_does(rng: np.random.Generator) -> None:
     bench = Bench([CASES[0], CASES[1]._replace(requires=True)], rng)
     bench.draw(rng)
-    for condition, condition_defined, engaged in (
-        (-1, True, False),
-        (0, True, True),
-        (0, False, False),
-    ):
+    for condition, defined, engaged in ((-1, True, False), (0, True, True), (0, False, False)):
         bench.acting[1, 2] = condition
-        if not condition_defined:
+        if not defined:
             bench.table.forget(bench.feedback[0])
         bench.tick()
         assert bool(bench.plan.slots["engaged"][1]) == engaged
@@ -373,9 +369,8 @@ def test_another_potential_runs_without_compiling_the_tick_again(
     bench.draw(rng)
     bench.tick()
     versions = len(tick.overloads)  # type: ignore[attr-defined]
-    own = Bench(
-        [CASES[0]._replace(potential=Potential(towards, 3, parameters=np.array([2.0])))], rng
-    )
+    weighted = Potential(towards, 3, parameters=np.array([2.0]))
+    own = Bench([CASES[0]._replace(potential=weighted)], rng)
     own.draw(rng)
     assert own.tick() == MOVED
     assert len(tick.overloads) == versions  # type: ignore[attr-defined]

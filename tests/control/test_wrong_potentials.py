@@ -1,4 +1,4 @@
-"""Functions that are none of a potential: named when a controller gets its slot, before any tick."""
+"""Functions that are none of a potential are named when a controller gets its slot."""
 
 from __future__ import annotations
 
@@ -10,8 +10,15 @@ import pytest
 from numba import njit
 
 from cbdsl.control.plan import ControllerPlan, SlotForm
-from cbdsl.control.potential import Potential, PotentialError, address_of, potential
+from cbdsl.control.potential import (
+    Potential,
+    PotentialError,
+    address_of,
+    interpreted,
+    potential,
+)
 from cbdsl.control.predicate import settings_of
+from cbdsl.numeric.compiled import compiled
 
 
 def plain(value: Any, reference: Any, parameters: Any, residual: Any, slope: Any) -> float:
@@ -70,3 +77,20 @@ def test_a_plan_takes_none_of_them(name: str) -> None:
         plan.add(form)
     assert len(plan.slots) == 0
     assert plan.version == 0
+
+
+@compiled
+def put(vector: Any, place: int) -> None:
+    vector[place] = 1.0
+
+
+@potential
+def beyond(value: Any, reference: Any, parameters: Any, residual: Any, slope: Any) -> float:
+    put(residual, len(residual))
+    return 0.0
+
+
+def test_interpreted_an_index_beyond_an_array_is_an_error_in_helpers_too() -> None:
+    """Compiled, it would write there."""
+    with pytest.raises(IndexError):
+        interpreted(beyond)(*[np.zeros(2)] * 4, np.zeros((2, 2)))

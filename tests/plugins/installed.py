@@ -13,9 +13,19 @@ from typing import Any
 from cbdsl.backends.backend import BACKENDS
 from cbdsl.documents.kinds import KINDS
 from cbdsl.learning.learner import LEARNERS
+from cbdsl.robot.source_kind import SOURCES
+from cbdsl.types.modifier import MODIFIERS
+from cbdsl.types.potential import POTENTIALS
 from cbdsl.types.registry import Registry
 
-REGISTRIES: tuple[Registry[Any], ...] = (KINDS, LEARNERS, BACKENDS)
+REGISTRIES: tuple[Registry[Any], ...] = (
+    KINDS,
+    LEARNERS,
+    BACKENDS,
+    POTENTIALS.registry,
+    SOURCES,
+    MODIFIERS,
+)
 
 
 def refresh() -> None:

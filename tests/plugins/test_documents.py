@@ -39,7 +39,7 @@ def test_it_is_found_by_its_name_and_has_no_findings(
         ("[posture, reach]", "[posture, posture]", "DEMO101.*'posture' follows itself"),
         ("dexter", "dextre", "CB601.*dextre.*dexter"),
         ("robot: dexter\n", "", "CB203.*robot"),
-        ("programs:", "programms:", "CB202.*programms.*programs"),
+        ("programs:", "program:", "CB202.*program.*programs"),
         ("reach]", "reach]\npause: 3 cm", "CB20.*cm"),
         ("[posture, reach]", "[posture]\nafter: morning", "DEMO100.*morning.*evening"),
         ("kind: playlist", "kind: playlst", "CB206.*playlst.*policy, model, playlist"),

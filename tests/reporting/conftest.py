@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from cbdsl.backends.staging.scenery import Part
+from cbdsl.backends.staging.world_state import Part
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.reporting.recorded import Recorded, read_recording
 from cbdsl.runtime.episode import Tick

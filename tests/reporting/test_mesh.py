@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from cbdsl.backends.bullet import mesh as primitives
+from cbdsl.backends.cameras import mesh as primitives
 from cbdsl.reporting.mesh import Mesh, find_mesh, read_mesh, simplified
 
 

@@ -91,8 +91,10 @@ def test_meshes_are_found_beside_the_model_and_left_out_where_they_have_gone(
 
 def test_a_mimicking_joint_moves_with_the_one_it_follows() -> None:
     text = """<robot name="pair"><link name="a"/><link name="b"/><link name="c"/>
-    <joint name="ab" type="revolute"><parent link="a"/><child link="b"/><axis xyz="0 0 1"/></joint>
+    <joint name="ab" type="revolute"><parent link="a"/><child link="b"/><axis xyz="0 0 1"/>
+      <limit lower="-1" upper="1" effort="1" velocity="1"/></joint>
     <joint name="bc" type="prismatic"><parent link="b"/><child link="c"/><axis xyz="1 0 0"/>
+      <limit effort="1" velocity="1"/>
       <mimic joint="ab" multiplier="-2" offset="0.5"/></joint></robot>"""
     links = read_links({"urdf": text, "folder": ".", "couplings": {}}, ["ab"])
     last = links[-1]

@@ -9,7 +9,7 @@ from pathlib import Path
 import pybullet_data
 import pytest
 
-from cbdsl.robot.urdf import UrdfError, read_urdf
+from cbdsl.robot.urdf import UrdfError, UrdfOrigin, read_urdf
 from cbdsl.yaml_text.library import shipped
 
 LINKS = '<robot name="m"><link name="b"/><link name="c"/>'
@@ -40,6 +40,43 @@ def test_joints_and_limits(tmp_path: Path) -> None:
     assert (model.joints["three"].lower, model.joints["three"].upper) == (-math.inf, math.inf)
     assert list(model.above("d")) == ["one"]
     assert list(model.above("a")) == []
+
+
+def test_a_prismatic_joint_is_described(tmp_path: Path) -> None:
+    inside = '<origin xyz="3 0 4" rpy="0 0 1"/><axis xyz="0 1 0"/><mimic joint="b" offset="2"/>'
+    limit = '<limit lower="-1" upper="2" effort="30" velocity="0"/>'
+    joint = JOINT.format("one", "prismatic", "a", "b", inside + limit)
+    slide = read_urdf(write(tmp_path, '<link name="a"/><link name="b"/>', joint)).joints["one"]
+    assert (slide.kind, slide.axis, slide.origin) == (
+        "prismatic",
+        (0, 1, 0),
+        UrdfOrigin((3, 0, 4), (0, 0, 1)),
+    )
+    assert (slide.lower, slide.upper, slide.effort, slide.velocity) == (-1, 2, 30, math.inf)
+    assert slide.mimic == ("b", 1, 2) and slide.length == 5
+
+
+def test_links_have_shapes_and_inertia(tmp_path: Path) -> None:
+    paint = '<material name="red"><color rgba="1 0 0 1"/></material>'
+    mesh = '<geometry><mesh filename="a.stl" scale="2 2 2"/></geometry>'
+    link = f"""<link name="a">
+    <visual><origin xyz="0 0 1"/>{mesh}<material name="red"/></visual>
+    <collision><geometry><cylinder radius="0.1" length="0.5"/></geometry></collision>
+    <inertial><mass value="2"/><inertia ixx="1" iyy="2" izz="3"/></inertial></link>"""
+    body = read_urdf(write(tmp_path, paint, link)).bodies["a"]
+    (visual,), (collision,) = body.visuals, body.collisions
+    assert (visual.kind, visual.file, visual.size) == ("mesh", "a.stl", (2, 2, 2))
+    assert visual.origin.xyz == (0, 0, 1) and visual.color == (1, 0, 0)
+    assert (collision.kind, collision.size, collision.color) == ("cylinder", (0.1, 0.5), None)
+    assert body.inertial is not None
+    assert (body.inertial.mass, body.inertial.inertia) == (2, (1, 2, 3, 0, 0, 0))
+
+
+def test_a_shape_without_numbers_says_which(tmp_path: Path) -> None:
+    shape = '<visual><geometry><box size="1 2"/></geometry></visual>'
+    path = write(tmp_path, f'<link name="a">{shape}</link>')
+    with pytest.raises(UrdfError, match=r"link 'a' has size=\"1 2\", which should be three"):
+        assert read_urdf(path).bodies
 
 
 def test_a_loop_of_links_ends(tmp_path: Path) -> None:

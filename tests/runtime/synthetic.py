@@ -58,6 +58,7 @@ class SyntheticBackend:
     """
 
     renderer = "numpy"
+    deadline: float | None = None
 
     def __init__(
         self,
@@ -75,6 +76,7 @@ class SyntheticBackend:
         self.control_period = 1 / robot.control.rate
         #: All references of the last episode.
         self.applied: list[Floats] = []
+        self.halts = 0
 
     def reset(
         self,
@@ -120,6 +122,9 @@ class SyntheticBackend:
         self._positions = wanted
         self._tick += 1
         self._direct(self.world, self._tick * self.control_period)
+
+    def halt(self) -> None:
+        self.halts += 1
 
     def close(self) -> None:
         """Nothing is held."""

@@ -333,9 +333,7 @@ def test_what_was_lost_is_approached_from_rest_again(
     """Its speed before the loss says nothing about the robot's now."""
     approach = replace(approach_of(reachtouch), funnel=None, standoff=None)
     memory = signals.vision.memories["sat_10"]
-    started = start(approach)
-    run = started.run
-    rates = []
+    started, rates = start(approach), []
     for tick in range(40):
         signals.update(replace(backend.observe(), images={}))
         memory.position = None if tick == 30 else TABLE_BALL

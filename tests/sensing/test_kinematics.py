@@ -43,9 +43,8 @@ def test_links_and_their_motion_are_those_of_pinocchio(
     model = pinocchio.buildModelFromUrdf(str(urdf))
     data, joints = model.createData(), kinematics.joints
     expansion = np.zeros((model.nv, len(joints)))
-    expansion[[model.joints[model.getJointId(name)].idx_v for name in joints.all]] = (
-        joints.expansion
-    )
+    places = [model.joints[model.getJointId(name)].idx_v for name in joints.all]
+    expansion[places] = joints.expansion
     pinocchio.forwardKinematics(model, data, expansion @ posture)
     pinocchio.updateFramePlacements(model, data)
     number = model.getFrameId(link, pinocchio.FrameType.BODY)
@@ -64,10 +63,8 @@ def test_a_sliding_joint_slides(dexter: RobotDocument, urdf: Path, tmp_path: Pat
     before = re.search(r'<joint name="right_arm_3" type="revolute">', text)
     assert before is not None
     model.write_text(text.replace(before[0], before[0].replace("revolute", "prismatic")), "utf-8")
-    sliding, column = (
-        Kinematics(dexter, model),
-        Kinematics(dexter, model).joints.index["right_arm_3"],
-    )
+    sliding = Kinematics(dexter, model)
+    column = sliding.joints.index["right_arm_3"]
     posture = np.full(len(sliding.lower), 0.3)
     sliding.update(posture)
     point, origin = sliding.point("right_palm", (0.1, 0.2, 0.3)), sliding.frame("right_palm")

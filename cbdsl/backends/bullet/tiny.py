@@ -7,8 +7,9 @@ from collections.abc import Sequence
 import numpy as np
 import pybullet as p
 
-from cbdsl.backends.bullet import light
-from cbdsl.backends.bullet.view import View
+from cbdsl.backends.cameras import light
+from cbdsl.backends.cameras.view import View
+from cbdsl.backends.staging.engine import Engine
 from cbdsl.sensing.observation import Image
 
 _BACKGROUND = 199
@@ -25,11 +26,8 @@ class TinyRenderer:
     def __init__(self, client: int) -> None:
         self._client = client
 
-    def show(self, bodies: Sequence[int]) -> None:
-        """Nothing to do: the simulator shows all of its bodies."""
-
-    def render(self, views: Sequence[View]) -> list[Image]:
-        """The bodies as they are now, from each view; see ``Renderer.render``."""
+    def render(self, engine: Engine, views: Sequence[View]) -> list[Image]:
+        """All bodies of the simulator, from each view; see ``Renderer.render``."""
         return [self._image(view) for view in views]
 
     def _image(self, view: View) -> Image:

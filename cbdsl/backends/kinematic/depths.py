@@ -1,4 +1,4 @@
-"""How deep balls are inside solids."""
+"""Depths of balls inside solids."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from cbdsl.backends.ideal_cameras.solids import BALL, CYLINDER, into
+from cbdsl.backends.staging.solids import BALL, CYLINDER, into
 from cbdsl.numeric.compiled import compiled, compiled_once
 
 Floats = NDArray[np.float64]
@@ -49,16 +49,16 @@ def _outside(solid: Floats, x: float, y: float, z: float) -> tuple[float, float,
 
 @compiled_once
 def depths(
-    solids: Floats, placements: Floats, carriers: Rows, balls: Floats, found: Floats
+    solids: Floats, placements: Floats, carriers: Rows, balls: Floats, contacts: Floats
 ) -> bool:
     """Find how deep balls are inside solids, and which way is in.
 
     Args:
         solids: shape (k, 16).
-        placements: of links, as ``Tree`` has them, shape (links, 12).
+        placements: of links, as ``Engine`` has them, shape (links, 12).
         carriers: rows of the links that carry the balls, shape (n,).
         balls: their centres in these links' frames, m, and their radii, m, shape (n, 4).
-        found: takes depth, m, negative where they do not touch; the ball's deepest point, m, and
+        contacts: takes depth, m, negative where they do not touch; the ball's deepest point, m, and
             the unit normal into the solid there, both in the world frame, shape (n, k, 7).
 
     Returns:
@@ -73,7 +73,7 @@ def depths(
             place[11] + place[6] * ball[0] + place[7] * ball[1] + place[8] * ball[2],
         )
         for j in range(len(solids)):
-            solid, own = solids[j], found[i, j]
+            solid, own = solids[j], contacts[i, j]
             a, b, c = into(solid, x - solid[4], y - solid[5], z - solid[6])
             distance, u, v, w = _outside(solid, a, b, c)
             own[0] = ball[3] - distance

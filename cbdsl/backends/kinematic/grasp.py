@@ -1,4 +1,4 @@
-"""Grasps: what is held between fingertips goes where they go."""
+"""Grasps: an object between fingertips goes where they go."""
 
 from __future__ import annotations
 
@@ -9,10 +9,10 @@ from itertools import combinations
 import numpy as np
 from numpy.typing import NDArray
 
-from cbdsl.backends.kinematic.hands import Contact, Hands
-from cbdsl.backends.kinematic.thing import Thing
+from cbdsl.backends.kinematic.hands import FingertipContact, Hands
+from cbdsl.backends.kinematic.kinematic_object import KinematicObject
 from cbdsl.backends.staging.pose import Pose
-from cbdsl.backends.staging.presentation import GRAVITY
+from cbdsl.backends.staging.scenario import GRAVITY
 
 Floats = NDArray[np.float64]
 
@@ -22,7 +22,7 @@ STIFFNESS = 500.0
 
 
 class Grasp:
-    """Who holds one thing.
+    """Hands that hold one object.
 
     Two fingertips hold it if the way from one to the other lies within both of their friction
     cones, and if the friction of all that belong to them can bear its weight. Those of one hand
@@ -32,7 +32,7 @@ class Grasp:
         holders: names of the one or two hands that hold it; empty while nobody does.
     """
 
-    def __init__(self, thing: Thing, hands: Hands) -> None:
+    def __init__(self, thing: KinematicObject, hands: Hands) -> None:
         self._thing = thing
         self._hands = hands
         self._relative = Pose(np.zeros(3), np.eye(3))
@@ -43,7 +43,7 @@ class Grasp:
         if self.holders:
             self._thing.put(self._hands.carrier_pose(self.holders) @ self._relative)
 
-    def update(self, contacts: Sequence[Contact]) -> None:
+    def update(self, contacts: Sequence[FingertipContact]) -> None:
         """Find out who holds the thing now, and where."""
         if not contacts:
             self.holders = ()
@@ -58,14 +58,14 @@ class Grasp:
                 turned.dot(pose.position - carrier.position), turned.dot(pose.rotation)
             )
 
-    def _holds(self, hands: tuple[str, ...], contacts: Sequence[Contact]) -> bool:
+    def _holds(self, hands: tuple[str, ...], contacts: Sequence[FingertipContact]) -> bool:
         own = [contact for contact in contacts if contact.hand in hands]
         friction = sum(self._friction(each) * STIFFNESS * each.depth for each in own)
         return friction >= self._thing.mass * GRAVITY and any(
             self._opposed(one, other) for one, other in combinations(own, 2)
         )
 
-    def _opposed(self, one: Contact, other: Contact) -> bool:
+    def _opposed(self, one: FingertipContact, other: FingertipContact) -> bool:
         way = other.point - one.point
         distance = math.hypot(*way.tolist())
         return distance > 0.0 and all(
@@ -74,10 +74,10 @@ class Grasp:
             for sign, contact in ((1, one), (-1, other))
         )
 
-    def _friction(self, contact: Contact) -> float:
+    def _friction(self, contact: FingertipContact) -> float:
         return contact.fingertip.friction * self._thing.surface.friction
 
-    def stick(self, contacts: Sequence[Contact]) -> float:
+    def stick(self, contacts: Sequence[FingertipContact]) -> float:
         """The largest sidewise force that the fingertips' friction resists, N."""
         if not self.holders:
             return 0.0

@@ -10,14 +10,15 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from cbdsl.backends.ideal_cameras.links import Links, Solid
-from cbdsl.backends.ideal_cameras.tree import Tree
+from cbdsl.backends.cameras.limbs import solid_shapes
 from cbdsl.backends.kinematic.depths import depths
-from cbdsl.backends.kinematic.thing import Thing
+from cbdsl.backends.kinematic.kinematic_object import KinematicObject
+from cbdsl.backends.kinematic.tree import Tree
 from cbdsl.backends.kinematic.world import World
 from cbdsl.backends.staging.pose import Pose
 from cbdsl.documents.robot import RobotDocument
-from cbdsl.sensing.kinematics import Kinematics
+from cbdsl.robot.joints import Joints
+from cbdsl.robot.urdf import UrdfLink, UrdfModel
 
 Floats = NDArray[np.float64]
 Columns = NDArray[np.intp]
@@ -61,7 +62,7 @@ class Hand:
     fingertips: tuple[Fingertip, ...]
 
 
-class Contact(NamedTuple):
+class FingertipContact(NamedTuple):
     """A fingertip pressed into something.
 
     Attributes:
@@ -75,7 +76,7 @@ class Contact(NamedTuple):
 
     hand: str
     fingertip: Fingertip
-    thing: Thing
+    thing: KinematicObject
     depth: float
     point: Floats
     normal: Floats
@@ -89,13 +90,10 @@ class Hands:
         hands: by name.
     """
 
-    def __init__(
-        self, robot: RobotDocument, kinematics: Kinematics, tree: Tree, links: Links
-    ) -> None:
-        self._robot, self._links, self._tree = robot, links, tree
-        self._kinematics = kinematics
+    def __init__(self, robot: RobotDocument, model: UrdfModel, joints: Joints, tree: Tree) -> None:
+        self._robot, self._model, self._joints, self._tree = robot, model, joints, tree
         self.cells = tuple(
-            (hand, finger) for hand, found in robot.load_cells.items() for finger in found
+            (hand, finger) for hand, fingers in robot.load_cells.items() for finger in fingers
         )
         self.hands = {name: self._hand(name) for name in robot.load_cells}
         self._fingertips = [
@@ -105,7 +103,7 @@ class Hands:
         self._carriers = np.array([tree.rows[tip.link] for tip in tips], np.intp)
         self._balls = np.array([[*tip.centre, tip.radius] for tip in tips]).reshape(len(tips), 4)
         #: Which joints move each fingertip within its hand, shape (fingertips, n).
-        self.moving = np.zeros((len(tips), len(kinematics.joints)), np.bool_)
+        self.moving = np.zeros((len(tips), len(joints)), np.bool_)
         for row, tip in zip(self.moving, tips, strict=True):
             row[tip.joints] = True
 
@@ -117,12 +115,11 @@ class Hands:
         return Hand(name, self._carrier(fingertips[0].link), fingertips)
 
     def _fingertip(self, index: int, hand: str, link: str) -> Fingertip:
-        moving = self._kinematics.moving(link)
+        moving = set(self._model.above(link))
         followed = {self._robot.couplings[j].follows for j in moving if j in self._robot.couplings}
         own = [j for j in self._robot.joints(hand) if j in moving | followed]
-        solid = next(iter(self._links.solids.get(link, ())), None)
-        centre, radius = _ball(solid)
-        joints = self._kinematics.joints.pick(own)
+        centre, radius = _ball(self._model.bodies[link])
+        joints = self._joints.pick(own)
         return Fingertip(index, link, centre, radius, self._friction(link), joints)
 
     def _friction(self, link: str) -> float:
@@ -133,7 +130,7 @@ class Hands:
 
     def _carrier(self, link: str) -> str:
         """The link at the tip of the arm that moves a fingertip; without an arm, the base."""
-        moving = self._kinematics.moving(link)
+        moving = set(self._model.above(link))
         for effector in self._robot.effectors.values():
             if effector.tip is not None and moving.issuperset(effector.joints):
                 return effector.tip.link
@@ -157,33 +154,33 @@ class Hands:
         middle = (one.position + other.position) / 2
         return Pose(middle, np.column_stack((x, y, np.cross(x, y))))
 
-    def touch(self, world: World, found: Floats) -> bool:
+    def touch(self, world: World, contacts: Floats) -> bool:
         """Find how deep all fingertips are in all things and fixtures.
 
         Args:
             world: where these are.
-            found: takes depths, points and normals, as ``depths`` has them, shape (fingertips,
+            contacts: takes depths, points and normals, as ``depths`` has them, shape (fingertips,
                 things, 7).
 
         Returns:
             Whether any fingertip touches anything.
         """
-        return depths(world.solids, self._tree.placements, self._carriers, self._balls, found)
+        return depths(world.solids, self._tree.placements, self._carriers, self._balls, contacts)
 
-    def contact(self, index: int, thing: Thing, found: Floats) -> Contact:
+    def contact(self, index: int, thing: KinematicObject, contacts: Floats) -> FingertipContact:
         """The contact of the fingertip of that index with something.
 
         Args:
             index: among all fingertips.
             thing: that is touched.
-            found: depth, point and normal, shape (7,).
+            contacts: depth, point and normal, shape (7,).
         """
         hand, tip = self._fingertips[index]
-        return Contact(hand, tip, thing, float(found[0]), found[1:4], found[4:])
+        return FingertipContact(hand, tip, thing, float(contacts[0]), contacts[1:4], contacts[4:])
 
 
-def _ball(solid: Solid | None) -> tuple[Floats, float]:
+def _ball(link: UrdfLink) -> tuple[Floats, float]:
     """Centre and radius of the ball that stands for a fingertip's shape."""
-    if solid is None:
-        return np.zeros(3), 0.0
-    return solid.pose.position, min(solid.shape.halves)
+    for shape, pose in solid_shapes(link.collisions):
+        return pose.position, min(shape.halves)
+    return np.zeros(3), 0.0

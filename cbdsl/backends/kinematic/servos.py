@@ -8,10 +8,10 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from cbdsl.backends.ideal_cameras.links import Links
-from cbdsl.backends.ideal_cameras.tree import Booleans, Rows, Tree, place
+from cbdsl.backends.kinematic.tree import Booleans, Rows, Tree, place
 from cbdsl.numeric.compiled import compiled_once
-from cbdsl.sensing.kinematics import Kinematics
+from cbdsl.robot.joints import Joints
+from cbdsl.robot.urdf import UrdfModel
 
 Floats = NDArray[np.float64]
 
@@ -20,17 +20,17 @@ class Servos:
     """The servos of all actuated joints.
 
     Args:
-        kinematics: knows the joints and their limits.
-        links: knows their speed limits.
+        joints: the actuated joints.
+        model: knows their limits.
         tree: of the links that they move.
         period: of a control tick, s.
     """
 
-    def __init__(self, kinematics: Kinematics, links: Links, tree: Tree, period: float) -> None:
+    def __init__(self, joints: Joints, model: UrdfModel, tree: Tree, period: float) -> None:
         self._period = period
-        speeds = np.array([links.speeds[name] for name in kinematics.joints.names])
         self._chain = tree.chain
-        self._limits = np.array((period * speeds, kinematics.lower, kinematics.upper))
+        limits = [model.joints[name] for name in joints.names]
+        self._limits = np.array([(period * j.velocity, j.lower, j.upper) for j in limits]).T.copy()
 
     def follow(self, positions: Floats, reference: Floats) -> tuple[Floats, Floats]:
         """Move to where the joints are a tick later, and take the links along.

@@ -1,4 +1,4 @@
-"""The world besides the robot: what stands, rolls, falls, and goes along with hands."""
+"""The world besides the robot: things that stand, roll, fall, and go along with hands."""
 
 from __future__ import annotations
 
@@ -7,12 +7,9 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from cbdsl.backends.ideal_cameras.solids import WIDTH
-from cbdsl.backends.kinematic.thing import Thing
-from cbdsl.backends.staging.pose import Pose
-from cbdsl.backends.staging.presentation import GRAVITY
-from cbdsl.backends.staging.shape import Shape
-from cbdsl.documents.stage import Surface
+from cbdsl.backends.kinematic.kinematic_object import KinematicObject
+from cbdsl.backends.staging.scenario import GRAVITY, SceneObject
+from cbdsl.backends.staging.solids import WIDTH
 
 Floats = NDArray[np.float64]
 
@@ -26,24 +23,27 @@ class World:
     """Things in one episode, moved without forces: they stay upright where they fall and roll.
 
     Attributes:
-        things: fixtures and things by name.
+        objects: fixtures and things by name, as the stage has them.
+        things: the same, as they move.
         solids: all of them in that order, as ``solids`` has them, shape (k, 16); another array
             when something comes or goes.
     """
 
     def __init__(self) -> None:
-        self.things: dict[str, Thing] = {}
+        self.objects: dict[str, SceneObject] = {}
+        self.things: dict[str, KinematicObject] = {}
         self.solids: Floats = np.empty((0, WIDTH))
 
-    def add(self, name: str, shape: Shape, surface: Surface, mass: float, pose: Pose) -> Thing:
+    def add(self, item: SceneObject) -> KinematicObject:
         """Put something there; without mass it does not move."""
-        thing = self.things[name] = Thing(name, shape, surface, mass, pose)
+        thing = self.things[item.name] = KinematicObject(item)
+        self.objects[item.name] = item
         self._gather()
         return thing
 
     def remove(self, name: str) -> None:
         """Take something out of the world."""
-        del self.things[name]
+        del self.things[name], self.objects[name]
         self._gather()
 
     def _gather(self) -> None:
@@ -53,7 +53,7 @@ class World:
         for thing, solid in zip(self.things.values(), self.solids, strict=True):
             thing.solid = solid
 
-    def let_go(self, thing: Thing, period: float) -> None:
+    def let_go(self, thing: KinematicObject, period: float) -> None:
         """Let something that nobody holds move for ``period``, s."""
         if thing.resting:
             return
@@ -68,20 +68,22 @@ class World:
         thing.velocity[2] -= 0.5 * GRAVITY * period
         self.land(thing, fallen)
 
-    def land(self, thing: Thing, fallen: float = 0.0) -> None:
+    def land(self, thing: KinematicObject, fallen: float = 0.0) -> None:
         """Lift what has sunk into a fixture's top, or fallen through it just now, onto it.
 
         Args:
             thing: what may have landed.
             fallen: how far it has just fallen, m.
         """
-        deepest = _BESIDE + max(fallen, 0.0)
-        sunk = max((top - thing.bottom for top in self._tops(thing, deepest)), default=0.0)
+        bottom, deepest = thing.bottom, _BESIDE + max(fallen, 0.0)
+        tops = [_top(fixture, thing) for fixture in self.things.values()]
+        depths = [top - bottom for top in tops if top is not None]
+        sunk = max((depth for depth in depths if depth < deepest), default=0.0)
         if sunk > 0.0:
             thing.shift(np.array([0.0, 0.0, sunk]))
             thing.velocity[2] = 0.0
 
-    def floor(self, thing: Thing) -> Thing | None:
+    def floor(self, thing: KinematicObject) -> KinematicObject | None:
         """The fixture that something stands on, if any."""
         bottom = thing.bottom
         for fixture in self.things.values():
@@ -90,13 +92,8 @@ class World:
                 return fixture
         return None
 
-    def _tops(self, thing: Thing, deepest: float) -> list[float]:
-        """Heights of the fixtures' tops that something is above, or no deeper than that below."""
-        tops = [_top(fixture, thing) for fixture in self.things.values()]
-        return [top for top in tops if top is not None and top - thing.bottom < deepest]
-
     @staticmethod
-    def _glide(thing: Thing, floor: Thing, period: float) -> None:
+    def _glide(thing: KinematicObject, floor: KinematicObject, period: float) -> None:
         """Roll or slide over a level floor for ``period``, s."""
         thing.velocity[2] = thing.rolling[2] = 0.0
         if not (thing.velocity.any() or thing.rolling.any()):
@@ -111,7 +108,7 @@ class World:
         thing.shift(period * thing.velocity)
 
 
-def _spin(ball: Thing, change: float) -> None:
+def _spin(ball: KinematicObject, change: float) -> None:
     """Let friction slow a sliding ball by at most ``change``, m/s, and spin it, until it rolls."""
     slip = ball.velocity - ball.rolling
     size = math.hypot(*slip.tolist())
@@ -123,7 +120,7 @@ def _spin(ball: Thing, change: float) -> None:
     ball.rolling += 2.5 * lost
 
 
-def _top(fixture: Thing, thing: Thing) -> float | None:
+def _top(fixture: KinematicObject, thing: KinematicObject) -> float | None:
     """Height of a fixture's top under the middle of a thing, m, ``None`` where it is not under."""
     if fixture.mass or fixture is thing:
         return None

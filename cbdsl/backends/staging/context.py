@@ -1,4 +1,4 @@
-"""How an episode begins: in which of a stage's contexts, and with which posture."""
+"""Beginning of an episode: its context and its posture."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ def starting_posture(
     elsewhere: Floats,
     rng: np.random.Generator,
 ) -> Floats:
-    """Where the actuated joints start, rad, shape (n,).
+    """Positions at which the actuated joints start, rad, shape (n,).
 
     Args:
         context: has the first word.

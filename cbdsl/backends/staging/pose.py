@@ -1,4 +1,4 @@
-"""Where something is: a rotation and a translation."""
+"""Poses: rotations and translations."""
 
 from __future__ import annotations
 
@@ -8,7 +8,11 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from cbdsl.robot.urdf import UrdfOrigin
+
 Floats = NDArray[np.float64]
+
+_X, _Y, _Z = np.eye(3)
 
 
 def rotations(quaternions: Floats) -> Floats:
@@ -44,6 +48,13 @@ class Pose:
         """Turned at the origin about a unit ``axis``, shape (3,), by ``angle``, rad."""
         quaternion = np.append(np.sin(angle / 2) * axis, np.cos(angle / 2))
         return cls(np.zeros(3), rotations(quaternion))
+
+    @classmethod
+    def at(cls, origin: UrdfOrigin) -> Pose:
+        """From a URDF's notation."""
+        roll, pitch, yaw = origin.rpy
+        turned = cls.turned(_Z, yaw) @ cls.turned(_Y, pitch) @ cls.turned(_X, roll)
+        return cls(np.array(origin.xyz), turned.rotation)
 
     def __matmul__(self, inner: Pose) -> Pose:
         """The frame ``inner``, given in this one, in the world."""

@@ -16,7 +16,7 @@ Floats = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
-class Shape:
+class SolidShape:
     """A ball, box or cylinder.
 
     Attributes:
@@ -32,17 +32,17 @@ class Shape:
     spot: Spot | None = None
 
     @classmethod
-    def ball(cls, radius: float, spot: Spot | None = None) -> Shape:
+    def ball(cls, radius: float, spot: Spot | None = None) -> SolidShape:
         """A ball of this radius, m."""
         return cls("ball", (radius, radius, radius), spot=spot)
 
     @classmethod
-    def cylinder(cls, radius: float, height: float) -> Shape:
+    def cylinder(cls, radius: float, height: float) -> SolidShape:
         """A cylinder of this radius and height, m."""
         return cls("cylinder", (radius, radius, height / 2))
 
     @classmethod
-    def draw(cls, form: BallForm | BoxForm | CylinderForm, rng: np.random.Generator) -> Shape:
+    def draw(cls, form: BallForm | BoxForm | CylinderForm, rng: np.random.Generator) -> SolidShape:
         """A shape of this form, of a size drawn from its spans."""
         if isinstance(form, BallForm):
             return cls.ball(draw(form.radius, rng), form.spot)
@@ -67,10 +67,10 @@ class Shape:
 
     def depth(self, rotation: Floats) -> float:
         """From its centre to its lowest point with these axes, shape (3, 3), m."""
-        x, y, z = np.abs(rotation[2]).tolist()
         a, b, c = self.halves
         if self.kind == "ball":
             return a
+        x, y, z = np.abs(rotation[2]).tolist()
         if self.kind == "cylinder":
             return float(a * np.hypot(x, y) + c * z)
         return float(a * x + b * y + c * z)

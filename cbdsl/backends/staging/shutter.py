@@ -1,4 +1,4 @@
-"""When the cameras take their images."""
+"""The shutter: times at which the cameras take images."""
 
 from __future__ import annotations
 

@@ -6,6 +6,7 @@ from cbdsl.checking.context import ProgramContext, Steps
 from cbdsl.checking.controller.agreement import Agreement
 from cbdsl.checking.controller.comparison import read_comparison
 from cbdsl.checking.controller.field import ControllerSpec, check_field
+from cbdsl.checking.controller.modifiers import read_modifiers
 from cbdsl.checking.controller.options import MANIPULABILITY, ControllerSettings, settings_of
 from cbdsl.checking.controller.soundness import check_numbers, check_reference, suits_body
 from cbdsl.checking.lookup.scope import Scope
@@ -108,6 +109,7 @@ class _Triple:
             seek=self._seek(),
             requires=self._call(document.requires, "requires"),
             field=self._field(potential, ControllerSpec(feedback, reference, joints)),
+            modifiers=read_modifiers(self._context, self._steps, document, feedback),
         )
 
     def _field(self, potential: PotentialType, wish: ControllerSpec) -> Field | None:

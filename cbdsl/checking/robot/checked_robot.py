@@ -22,6 +22,7 @@ from cbdsl.types.resource import (
     NetLoad,
     Posture,
     Resource,
+    SensorSignal,
     Separation,
     Source,
     StereoPosition,
@@ -68,6 +69,8 @@ class CheckedRobot(NamedTuple):
                 return ("load_cells", hand, finger)
             case NetLoad(hand=hand) | FingerForces(hand=hand):
                 return ("load_cells", hand)
+            case SensorSignal(sensor=sensor):
+                return ("sensors", sensor)
             case Centroid(group=name) | Separation(group=name) | NetForces(group=name):
                 return ("groups", name)
             case Heading(camera=camera) if camera in self.document.cameras:
@@ -181,6 +184,8 @@ class CheckedRobot(NamedTuple):
                 return self._camera_links(source) + self._holding_links()
             case StereoPosition():
                 return self._holding_links()
+            case SensorSignal(links=links):
+                return list(links)
         return []
 
     def _camera_links(self, source: Source) -> list[str]:

@@ -8,7 +8,7 @@ from typing import Any
 from cbdsl.checking.findings import Findings
 from cbdsl.checking.robot.pace import check_gain, check_window
 from cbdsl.documents.robot import RobotDocument
-from cbdsl.robot.hindrance import hindrance
+from cbdsl.robot.unsupported_joint import unsupported
 from cbdsl.robot.urdf import UrdfModel
 from cbdsl.yaml_text.loaded import Loaded
 from cbdsl.yaml_text.source_map import SourceMap, Step
@@ -120,7 +120,7 @@ def check_margins(loaded: Loaded[RobotDocument], model: UrdfModel, findings: Fin
     for name, effector in robot.effectors.items():
         for i, joint in enumerate(effector.joints):
             limits = model.joints.get(joint)
-            if limits is None or hindrance(limits) is not None:
+            if limits is None or unsupported(limits) is not None:
                 continue  # which is reported
             if not limits.lower + margin <= limits.upper - margin:
                 details = {"lower": f"{limits.lower:.4g}", "upper": f"{limits.upper:.4g}"}

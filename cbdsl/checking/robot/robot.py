@@ -18,8 +18,9 @@ from cbdsl.errors.counting import count
 from cbdsl.errors.diagnostic import Place
 from cbdsl.robot.chains import root
 from cbdsl.robot.channel_names import channel_names
-from cbdsl.robot.hindrance import Hindrance, hindrance
 from cbdsl.robot.resources import resources
+from cbdsl.robot.source_kind import SOURCES
+from cbdsl.robot.unsupported_joint import UnsupportedJoint, unsupported
 from cbdsl.robot.urdf import UrdfError, UrdfJoint, UrdfModel, read_urdf
 from cbdsl.types.resource_type import TYPES
 from cbdsl.yaml_text.loaded import Loaded
@@ -81,7 +82,7 @@ def _unclaimed(robot: RobotDocument, model: UrdfModel | None) -> frozenset[str]:
 def _unmovable(model: UrdfModel | None) -> frozenset[str]:
     """Joints that are to be left out of effectors, which is reported for them."""
     joints = {} if model is None else model.joints
-    return frozenset(name for name, joint in joints.items() if hindrance(joint) is not None)
+    return frozenset(name for name, joint in joints.items() if unsupported(joint) is not None)
 
 
 class _RobotCheck:
@@ -115,6 +116,7 @@ class _RobotCheck:
         self._masters()
         self._couplings()
         self._load_cells()
+        self._sensors()
         self._aliases()
         self._tasks()
 
@@ -178,6 +180,16 @@ class _RobotCheck:
                 if cell.joint not in self._unclaimed:
                     self._known(cell.joint, effector.joints, steps, f"joint of '{hand}'")
 
+    def _sensors(self) -> None:
+        for name, sensor in self._robot.sensors.items():
+            if sensor.kind not in SOURCES:
+                place = self._source.place("sensors", name, "kind")
+                self._findings.add("CB320", place, names=list(SOURCES.names()), name=sensor.kind)
+            if sensor.hand is not None and sensor.hand not in self._robot.load_cells:
+                place, names = self._source.place("sensors", name, "hand"), self._robot.load_cells
+                what = "effector with load cells"
+                self._findings.add("CB308", place, names=list(names), name=sensor.hand, what=what)
+
     def _aliases(self) -> None:
         if not self._source.is_whole("vision", "channels"):
             return
@@ -231,8 +243,8 @@ class _ModelCheck:
     def _effector(self, name: str, effector: Effector) -> None:
         steps: Steps = ("effectors", name, "joints")
         places = {joint: self._source.place(*steps, i) for i, joint in enumerate(effector.joints)}
-        movable = [name for name in self._free if hindrance(self._model.joints[name]) is None]
-        self._joints(places, hindrance, movable)
+        movable = [name for name in self._free if unsupported(self._model.joints[name]) is None]
+        self._joints(places, unsupported, movable)
         self._postures(name, effector)
         if effector.tip is not None and name in self._body.idle:
             self._idle_tip(name, effector.tip.link)
@@ -240,16 +252,16 @@ class _ModelCheck:
     def _turning(self, steps: Steps, joints: Iterable[str], names: Sequence[str]) -> None:
         """Joints that are passive, or have a torque, turn."""
         places = {joint: self._source.key(*steps, joint) for joint in joints}
-        self._joints(places, lambda joint: None if joint.revolute else hindrance(joint), names)
+        self._joints(places, lambda joint: None if joint.revolute else unsupported(joint), names)
 
     def _joints(
         self,
         places: Mapping[str, Place],
-        obstacle: Callable[[UrdfJoint], Hindrance | None],
+        obstacle: Callable[[UrdfJoint], UnsupportedJoint | None],
         names: Sequence[str],
     ) -> None:
         """Joints of a list are there and can be moved; what several of them share is told once."""
-        hindered: dict[Hindrance, list[str]] = {}
+        hindered: dict[UnsupportedJoint, list[str]] = {}
         self._links_for_joints({n: at for n, at in places.items() if n in self._movers})
         for name, place in places.items():
             joint = self._model.joints.get(name)
@@ -261,7 +273,7 @@ class _ModelCheck:
         for why, same in hindered.items():
             first, *others = [places[name] for name in same]
             related = [(place, "and here") for place in others]
-            problem = why.told(same, self._model.path.name)
+            problem = why.format_message(same, self._model.path.name)
             self._findings.add("CB317", first, names=names, related=related, problem=problem)
 
     def _links_for_joints(self, places: Mapping[str, Place]) -> None:
@@ -310,6 +322,9 @@ class _ModelCheck:
                 yield ("load_cells", hand, finger, "link"), cell.link
         for name, camera in self._robot.cameras.items():
             yield ("cameras", name, "link"), camera.link
+        for name, sensor in self._robot.sensors.items():
+            if sensor.link is not None:
+                yield ("sensors", name, "link"), sensor.link
 
     def _patterns(self) -> Iterator[tuple[Steps, str]]:
         """Where links are named of which a trailing * matches any ending."""

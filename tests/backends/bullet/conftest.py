@@ -6,10 +6,9 @@ from collections.abc import Iterator
 
 import pytest
 
-from cbdsl.backends.backend import BackendError
 from cbdsl.backends.bullet.backend import BulletBackend
 from cbdsl.documents.robot import RobotDocument
-from tests.backends.conftest import URDF, sightless, with_vision
+from tests.backends.conftest import URDF, sightless
 
 
 @pytest.fixture(scope="session")
@@ -22,16 +21,5 @@ def backend(bullet: BulletBackend) -> BulletBackend:
 def blind(dexter: RobotDocument) -> Iterator[BulletBackend]:
     """A backend that spends no time on images, with load cells that have no noise."""
     backend = BulletBackend(sightless(dexter), URDF)
-    yield backend
-    backend.close()
-
-
-@pytest.fixture(scope="module", params=["opengl", "tiny"])
-def rendered(dexter: RobotDocument, request: pytest.FixtureRequest) -> Iterator[BulletBackend]:
-    """A backend with each renderer that works here."""
-    try:
-        backend = BulletBackend(with_vision(dexter, renderer=request.param), URDF)
-    except BackendError as error:
-        pytest.skip(str(error))
     yield backend
     backend.close()

@@ -2,58 +2,12 @@
 
 from __future__ import annotations
 
-from types import SimpleNamespace
-from typing import Any
-
 import numpy as np
 import pytest
 
 from cbdsl.backends.bullet.backend import BulletBackend
-from cbdsl.backends.bullet.load_cells import LoadCells
-from cbdsl.documents.robot import Contact
 from cbdsl.robot.joints import Joints
 from tests.backends.conftest import made_stage
-
-CELLS = (("hand", "a"), ("hand", "b"))
-
-
-def _cells(wrenches: np.ndarray, seed: int = 0, **contact: float) -> LoadCells:
-    fingertips: Any = SimpleNamespace(cells=CELLS, wrenches=lambda: wrenches)
-    return LoadCells(fingertips, Contact(**contact), 1 / 240, np.random.default_rng(seed))
-
-
-def test_the_filter_passes_two_thirds_after_its_time_constant() -> None:
-    wrenches = np.arange(12.0).reshape(2, 6)
-    cells = _cells(wrenches, noise=0, filter=6 / 240)
-    for _ in range(6):
-        cells.sample()
-    for cell, wrench in zip(CELLS, wrenches, strict=True):
-        assert cells.read()[cell] == pytest.approx((1 - np.exp(-1)) * wrench)
-
-
-def test_without_a_filter_readings_are_immediate() -> None:
-    cells = _cells(np.ones((2, 6)), noise=0, filter=0)
-    cells.sample()
-    assert cells.read()["hand", "b"] == pytest.approx(np.ones(6))
-
-
-def test_noise_has_the_stated_deviation() -> None:
-    cells = _cells(np.zeros((2, 6)), noise=0.05, filter=0)
-    readings = []
-    for _ in range(2000):
-        cells.sample()
-        readings.append(cells.read()["hand", "a"])
-    deviations = np.std(readings, axis=0)
-    assert deviations[:3] == pytest.approx(0.05, rel=0.1)
-    assert (deviations[3:] < 0.05 / 50).all()
-
-
-def test_a_reading_is_not_changed_by_the_next_sample() -> None:
-    cells = _cells(np.ones((2, 6)), noise=0, filter=0.1)
-    before = cells.read()["hand", "a"].copy()
-    reading = cells.read()["hand", "a"]
-    cells.sample()
-    assert (reading == before).all()
 
 
 def _forces(backend: BulletBackend) -> np.ndarray:

@@ -9,7 +9,7 @@ import pybullet as p
 import pytest
 
 from cbdsl.backends.bullet.backend import BulletBackend
-from cbdsl.backends.bullet.view import View
+from cbdsl.backends.cameras.view import View
 from cbdsl.backends.staging.pose import Pose
 from cbdsl.documents.robot import Camera
 from cbdsl.documents.stage import StageDocument
@@ -35,7 +35,8 @@ def _seen(backend: BulletBackend, stage: StageDocument, face: str) -> np.ndarray
     backend.reset(stage, None, np.random.default_rng(0))
     turned = Pose.turned(np.array([0.0, 0.0, 1.0]), TURNS[face])
     away = turned.rotation @ np.array([-DISTANCE - EDGE / 2, 0, 0])
-    (image,) = backend._renderer.render([View(CAMERA, Pose(CENTRE + away, turned.rotation))])
+    view = View(CAMERA, Pose(CENTRE + away, turned.rotation))
+    image = backend.cameras.render({"eye": view})["eye"]
     return image.max(axis=2)
 
 
@@ -81,7 +82,7 @@ def test_a_printed_box_has_the_mass_and_inertia_of_a_plain_one(rendered: BulletB
     dynamics = []
     for stage in (_stage(), _stage(height=0.1, stripes=[0.01] * 9)):
         rendered.reset(stage, None, np.random.default_rng(0))
-        client, body = rendered._client, rendered._scene.bodies["box"]
+        client, body = rendered.truth.client, rendered.truth.bodies["box"]
         dynamics.append(p.getDynamicsInfo(body, -1, physicsClientId=client))
     assert dynamics[0] == dynamics[1]
 
@@ -96,7 +97,7 @@ def test_a_ball_with_a_spot_has_the_mass_and_inertia_of_a_plain_one(
         context = {"things": ["ball"], "place": {"x": x, "y": y, "z": z, "held": True}}
         stage = made_stage(context, things={"ball": {"form": form, "mass": 0.3}})
         rendered.reset(stage, None, np.random.default_rng(0))
-        client, body = rendered._client, rendered._scene.bodies["ball"]
+        client, body = rendered.truth.client, rendered.truth.bodies["ball"]
         dynamics.append(p.getDynamicsInfo(body, -1, physicsClientId=client))
     assert dynamics[0] == dynamics[1]
 
@@ -117,7 +118,8 @@ def test_a_spot_is_round_and_on_its_side_alone(
         rendered.reset(stage, None, np.random.default_rng(0))
         turned = Pose.turned(np.array([0.0, 0.0, 1.0]), TURNS[side])
         away = turned.rotation @ np.array([-DISTANCE - EDGE / 2, 0, 0])
-        (image,) = rendered._renderer.render([View(CAMERA, Pose(CENTRE + away, turned.rotation))])
+        view = View(CAMERA, Pose(CENTRE + away, turned.rotation))
+        image = rendered.cameras.render({"eye": view})["eye"]
         blue = image[..., 2].astype(int) - image[..., 0] > 20
         if side != face:
             # A ball's spot is seen a little from beside it.

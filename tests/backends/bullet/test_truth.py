@@ -8,14 +8,14 @@ import numpy as np
 import pytest
 
 from cbdsl.backends.bullet.backend import BulletBackend
-from cbdsl.backends.staging.scenery import Witness
+from cbdsl.backends.staging.world_state import GroundTruthProvider
 from cbdsl.documents.stage import BoxForm, StageDocument
 
 
 def test_a_fixture_has_its_form_and_color(
     bullet: BulletBackend, stage: Callable[[str], StageDocument]
 ) -> None:
-    assert isinstance(bullet, Witness)
+    assert isinstance(bullet, GroundTruthProvider)
     shown = stage("table_right")
     bullet.reset(shown, "in_view", np.random.default_rng(0))
     for name, fixture in shown.fixtures.items():

@@ -6,14 +6,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cbdsl.backends.staging.pose import Pose
-from cbdsl.backends.staging.shape import Shape
+from cbdsl.backends.staging.shape import SolidShape
 
 Floats = NDArray[np.float64]
 
 SHAPES = {
-    "ball": Shape.ball(0.07),
-    "box": Shape("box", (0.05, 0.08, 0.03)),
-    "cylinder": Shape.cylinder(0.06, 0.14),
+    "ball": SolidShape.ball(0.07),
+    "box": SolidShape("box", (0.05, 0.08, 0.03)),
+    "cylinder": SolidShape.cylinder(0.06, 0.14),
 }
 
 
@@ -22,7 +22,7 @@ def turned(rng: np.random.Generator) -> Floats:
     return Pose.turned(axis / np.linalg.norm(axis), rng.uniform(-3, 3)).rotation
 
 
-def inside(shape: Shape, points: Floats) -> NDArray[np.bool_]:
+def inside(shape: SolidShape, points: Floats) -> NDArray[np.bool_]:
     """Whether points of the shape's frame, shape (n, 3), are inside it."""
     a, _, c = shape.halves
     if shape.kind == "ball":

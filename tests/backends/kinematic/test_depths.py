@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from cbdsl.backends.ideal_cameras.solids import placed
 from cbdsl.backends.kinematic.depths import depths
 from cbdsl.backends.staging.pose import Pose
+from cbdsl.backends.staging.solids import placed
 from tests.backends.kinematic.shapes import SHAPES, inside, turned
 
 Floats = NDArray[np.float64]

@@ -10,11 +10,11 @@ import numpy as np
 import pytest
 
 from cbdsl.backends.kinematic.grasp import STIFFNESS, Grasp
-from cbdsl.backends.kinematic.hands import Contact, Fingertip
-from cbdsl.backends.kinematic.thing import Thing
+from cbdsl.backends.kinematic.hands import Fingertip, FingertipContact
+from cbdsl.backends.kinematic.kinematic_object import KinematicObject
 from cbdsl.backends.staging.pose import Pose
-from cbdsl.backends.staging.presentation import GRAVITY
-from cbdsl.backends.staging.shape import Shape
+from cbdsl.backends.staging.scenario import GRAVITY, SceneObject
+from cbdsl.backends.staging.shape import SolidShape
 from cbdsl.documents.stage import Surface
 
 RADIUS, MASS, FRICTION = 0.05, 0.3, 0.8
@@ -37,25 +37,26 @@ def carriers() -> Carriers:
 
 
 @pytest.fixture
-def thing() -> Thing:
+def thing() -> KinematicObject:
     surface = Surface(friction=FRICTION)
-    return Thing("ball", Shape.ball(RADIUS), surface, MASS, Pose(np.zeros(3), np.eye(3)))
+    pose = Pose(np.zeros(3), np.eye(3))
+    return KinematicObject(SceneObject("ball", SolidShape.ball(RADIUS), surface, MASS, pose))
 
 
 @pytest.fixture
-def grasp(thing: Thing, carriers: Carriers) -> Grasp:
+def grasp(thing: KinematicObject, carriers: Carriers) -> Grasp:
     hands: Any = carriers
     return Grasp(thing, hands)
 
 
-def touch(thing: Thing, hand: str, angle: float, force: float = 3.0) -> Contact:
+def touch(thing: KinematicObject, hand: str, angle: float, force: float = 3.0) -> FingertipContact:
     """A fingertip that presses on the ball's equator, at an angle about z."""
     outward = np.array([math.cos(angle), math.sin(angle), 0.0])
     tip = Fingertip(0, "tip", np.zeros(3), 0.012, 1.0, np.zeros(0, np.intp))
-    return Contact(hand, tip, thing, force / STIFFNESS, RADIUS * outward, -outward)
+    return FingertipContact(hand, tip, thing, force / STIFFNESS, RADIUS * outward, -outward)
 
 
-def test_fingers_hold_what_is_between_them(grasp: Grasp, thing: Thing) -> None:
+def test_fingers_hold_what_is_between_them(grasp: Grasp, thing: KinematicObject) -> None:
     grasp.update([touch(thing, "right", 0.0), touch(thing, "right", math.pi)])
     assert grasp.holders == ("right",)
     grasp.update([touch(thing, "right", 0.0)])
@@ -66,7 +67,7 @@ def test_fingers_hold_what_is_between_them(grasp: Grasp, thing: Thing) -> None:
 
 @pytest.mark.parametrize(("share", "holds"), [(0.95, True), (1.05, False)])
 def test_the_way_between_fingers_is_in_their_friction_cones(
-    grasp: Grasp, thing: Thing, share: float, holds: bool
+    grasp: Grasp, thing: KinematicObject, share: float, holds: bool
 ) -> None:
     """On a ball the way makes the same angle with both normals."""
     slant = 2 * share * math.atan(FRICTION)
@@ -76,19 +77,19 @@ def test_the_way_between_fingers_is_in_their_friction_cones(
 
 @pytest.mark.parametrize(("share", "holds"), [(0.95, False), (1.05, True)])
 def test_friction_has_to_bear_the_weight(
-    grasp: Grasp, thing: Thing, share: float, holds: bool
+    grasp: Grasp, thing: KinematicObject, share: float, holds: bool
 ) -> None:
     force = share * MASS * GRAVITY / FRICTION / 2
     grasp.update([touch(thing, "right", 0.0, force), touch(thing, "right", math.pi, force)])
     assert bool(grasp.holders) == holds
 
 
-def test_two_hands_hold_what_neither_holds_alone(grasp: Grasp, thing: Thing) -> None:
+def test_two_hands_hold_what_neither_holds_alone(grasp: Grasp, thing: KinematicObject) -> None:
     grasp.update([touch(thing, "left", 0.0), touch(thing, "right", math.pi)])
     assert grasp.holders == ("left", "right")
 
 
-def test_who_holds_a_thing_keeps_it_as_long_as_he_can(grasp: Grasp, thing: Thing) -> None:
+def test_who_holds_a_thing_keeps_it_as_long_as_he_can(grasp: Grasp, thing: KinematicObject) -> None:
     """And a hand that takes it has it once the other lets go."""
     right = [touch(thing, "right", 0.0), touch(thing, "right", math.pi)]
     left = [touch(thing, "left", 0.5), touch(thing, "left", 0.5 + math.pi)]
@@ -102,7 +103,7 @@ def test_who_holds_a_thing_keeps_it_as_long_as_he_can(grasp: Grasp, thing: Thing
 
 
 def test_the_thing_goes_along_with_its_carrier(
-    grasp: Grasp, thing: Thing, carriers: Carriers
+    grasp: Grasp, thing: KinematicObject, carriers: Carriers
 ) -> None:
     carriers.poses["right"] = Pose(np.array([0.1, 0.0, 0.0]), np.eye(3))
     grasp.update([touch(thing, "right", 0.0), touch(thing, "right", math.pi)])
@@ -114,7 +115,9 @@ def test_the_thing_goes_along_with_its_carrier(
     assert thing.pose.rotation == pytest.approx(turned)
 
 
-def test_fingers_resist_sidewise_forces_only_while_they_hold(grasp: Grasp, thing: Thing) -> None:
+def test_fingers_resist_sidewise_forces_only_while_they_hold(
+    grasp: Grasp, thing: KinematicObject
+) -> None:
     both = [touch(thing, "right", 0.0), touch(thing, "right", math.pi)]
     assert grasp.stick(both) == 0.0
     grasp.update(both)

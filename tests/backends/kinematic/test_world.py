@@ -5,32 +5,35 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from cbdsl.backends.kinematic.thing import Thing
+from cbdsl.backends.kinematic.kinematic_object import KinematicObject
 from cbdsl.backends.kinematic.world import World
 from cbdsl.backends.staging.pose import Pose
-from cbdsl.backends.staging.presentation import GRAVITY
-from cbdsl.backends.staging.shape import Shape
+from cbdsl.backends.staging.scenario import GRAVITY, SceneObject
+from cbdsl.backends.staging.shape import SolidShape
 from cbdsl.documents.stage import Surface
 
 PERIOD = 1 / 60
 SHAPES = {
-    "ball": Shape.ball(0.05),
-    "box": Shape("box", (0.05, 0.05, 0.05)),
-    "cylinder": Shape.cylinder(0.05, 0.1),
+    "ball": SolidShape.ball(0.05),
+    "box": SolidShape("box", (0.05, 0.05, 0.05)),
+    "cylinder": SolidShape.cylinder(0.05, 0.1),
 }
 
 
-def world_with(shape: Shape, height: float, rolling_friction: float = 0.0) -> tuple[World, Thing]:
+def world_with(
+    shape: SolidShape, height: float, rolling_friction: float = 0.0
+) -> tuple[World, KinematicObject]:
     """A table with its top at 0, two metres wide, and a thing ``height`` above it."""
     world = World()
-    table = Shape("box", (1.0, 1.0, 0.02))
-    world.add("table", table, Surface(friction=0.5), 0.0, Pose(np.array([0, 0, -0.02]), np.eye(3)))
+    table = SolidShape("box", (1.0, 1.0, 0.02))
+    at = Pose(np.array([0, 0, -0.02]), np.eye(3))
+    world.add(SceneObject("table", table, Surface(friction=0.5), 0.0, at))
     pose = Pose(np.array([0, 0, height + shape.half_height]), np.eye(3))
     surface = Surface(friction=0.5, rolling_friction=rolling_friction)
-    return world, world.add("thing", shape, surface, 0.2, pose)
+    return world, world.add(SceneObject("thing", shape, surface, 0.2, pose))
 
 
-def let_go(world: World, thing: Thing, seconds: float) -> None:
+def let_go(world: World, thing: KinematicObject, seconds: float) -> None:
     for _ in range(round(seconds / PERIOD)):
         world.let_go(thing, PERIOD)
 

@@ -7,7 +7,7 @@ import pytest
 from pydantic import TypeAdapter
 
 from cbdsl.backends.staging.pose import Pose
-from cbdsl.backends.staging.shape import Shape
+from cbdsl.backends.staging.shape import SolidShape
 from cbdsl.documents.stage import BallForm, BoxForm, CylinderForm
 
 FORMS = {
@@ -28,7 +28,7 @@ def test_a_shape_is_drawn_within_its_form(kind: str) -> None:
         BallForm | BoxForm | CylinderForm
     ).validate_python(FORMS[kind])
     rng = np.random.default_rng(0)
-    shapes = [Shape.draw(form, rng) for _ in range(20)]
+    shapes = [SolidShape.draw(form, rng) for _ in range(20)]
     assert {shape.kind for shape in shapes} == {kind}
     assert len({shape.half_height for shape in shapes}) == 20
     for shape in shapes:
@@ -37,9 +37,10 @@ def test_a_shape_is_drawn_within_its_form(kind: str) -> None:
 
 
 @pytest.mark.parametrize(
-    "shape", [Shape.ball(0.05), Shape("box", (0.03, 0.05, 0.08)), Shape.cylinder(0.04, 0.1)]
+    "shape",
+    [SolidShape.ball(0.05), SolidShape("box", (0.03, 0.05, 0.08)), SolidShape.cylinder(0.04, 0.1)],
 )
-def test_nothing_of_a_shape_is_deeper_than_its_depth(shape: Shape) -> None:
+def test_nothing_of_a_shape_is_deeper_than_its_depth(shape: SolidShape) -> None:
     rng = np.random.default_rng(0)
     directions = rng.standard_normal((20000, 3))
     for _ in range(5):
@@ -51,7 +52,7 @@ def test_nothing_of_a_shape_is_deeper_than_its_depth(shape: Shape) -> None:
     assert shape.depth(np.eye(3)) == pytest.approx(shape.half_height)
 
 
-def _surface(shape: Shape, directions: np.ndarray) -> np.ndarray:
+def _surface(shape: SolidShape, directions: np.ndarray) -> np.ndarray:
     """Where rays from the centre leave a shape, shape (n, 3)."""
     if shape.kind == "ball":
         sizes = np.linalg.norm(directions, axis=1) / shape.halves[0]

@@ -19,6 +19,7 @@ class IdealBackend:
     """Joints without errors; see ``cbdsl.backends.backend.Backend``."""
 
     renderer = "nothing"
+    deadline = None
 
     def __init__(self, robot: RobotDocument, urdf: Path, gui: bool = False) -> None:
         if gui:
@@ -58,6 +59,9 @@ class IdealBackend:
         self._velocities = (self._reference - self._positions) / self.control_period
         self._positions = self._reference
         self._time += self.control_period
+
+    def halt(self) -> None:
+        self._reference = self._positions
 
     def close(self) -> None:
         """Nothing is held."""

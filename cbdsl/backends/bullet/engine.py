@@ -1,0 +1,279 @@
+"""PyBullet as an engine: the robot, the objects of a stage, and their contacts."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from typing import Any
+
+import numpy as np
+import pybullet as p
+from numpy.typing import NDArray
+
+from cbdsl.backends.bullet.printed import create_printed
+from cbdsl.backends.bullet.robot import BulletRobot
+from cbdsl.backends.staging.engine import Engine
+from cbdsl.backends.staging.load_cells import ContactPoint, sum_wrenches
+from cbdsl.backends.staging.pose import Pose, rotations
+from cbdsl.backends.staging.scenario import GRAVITY, SceneObject
+from cbdsl.backends.staging.shape import SolidShape
+from cbdsl.backends.staging.solids import POSITION, ROTATION, WIDTH, placed
+from cbdsl.documents.robot import RobotDocument
+from cbdsl.robot.urdf import UrdfModel
+
+Floats = NDArray[np.float64]
+Triple = tuple[float, float, float]
+
+_KINDS = {"ball": p.GEOM_SPHERE, "box": p.GEOM_BOX, "cylinder": p.GEOM_CYLINDER}
+# Of the constraint with which the experimenter holds an object, N.
+_HOLDING_FORCE = 1000.0
+# What is put back keeps this far from the robot, m.
+_ROOM = 0.03
+
+
+class BulletEngine(Engine):
+    """A robot in PyBullet; see ``Engine``.
+
+    Every episode starts from an empty world, so that nothing of the one before, not even a cached
+    contact, can reach into it.
+
+    Args:
+        robot: what can be sensed and moved.
+        model: its URDF.
+        timestep: of the physics, s.
+        gui: whether to open a window.
+
+    Attributes:
+        client: the simulator.
+        robot: the simulated robot.
+        bodies: the simulator's number of each object.
+
+    Raises:
+        BackendError: the simulator cannot read the model, or the robot file names links that the
+            model does not have.
+    """
+
+    def __init__(
+        self, robot: RobotDocument, model: UrdfModel, timestep: float, *, gui: bool
+    ) -> None:
+        self._document, self._model, self._timestep = robot, model, timestep
+        self.client: int = p.connect(p.GUI if gui else p.DIRECT)
+        try:
+            self._empty()
+        except Exception:
+            self.close()
+            raise
+        self.rows = {link: number + 1 for link, number in self.robot.links.items()}
+        links = {
+            (hand, finger): self.robot.links[cell.link]
+            for hand, fingers in robot.load_cells.items()
+            for finger, cell in fingers.items()
+        }
+        self.cells = tuple(links)
+        self._fingertips = list(links.values())
+        self._cell_of_link = {link: cell for cell, link in links.items()}
+
+    def _empty(self) -> None:
+        """Leave nothing but the robot in the world."""
+        p.resetSimulation(physicsClientId=self.client)
+        p.setGravity(0, 0, -GRAVITY, physicsClientId=self.client)
+        p.setPhysicsEngineParameter(
+            fixedTimeStep=self._timestep,
+            numSolverIterations=self._document.simulation.solver_iterations,
+            numSubSteps=0,
+            deterministicOverlappingPairs=1,
+            physicsClientId=self.client,
+        )
+        self.robot = BulletRobot(self.client, self._document, self._model, self._timestep)
+        self.objects: dict[str, SceneObject] = {}
+        self.bodies: dict[str, int] = {}
+        self._held: dict[str, tuple[int, Sequence[float]]] = {}
+        self._solids: Floats = np.empty((0, WIDTH))
+
+    def begin(self, positions: Floats) -> None:
+        self._empty()
+        self.robot.place(positions)
+
+    def step(self, targets: Floats) -> None:
+        self.robot.drive(targets)
+        p.stepSimulation(physicsClientId=self.client)
+
+    def read(self) -> tuple[Floats, Floats]:
+        return self.robot.read()
+
+    def efforts(self) -> Floats:
+        return self.robot.efforts()
+
+    def close(self) -> None:
+        p.disconnect(physicsClientId=self.client)
+
+    def add(self, item: SceneObject) -> None:
+        body = self._create(item)
+        self.objects[item.name], self.bodies[item.name] = item, body
+        p.changeDynamics(
+            body,
+            -1,
+            lateralFriction=item.surface.friction,
+            rollingFriction=item.surface.rolling_friction,
+            spinningFriction=item.surface.rolling_friction,
+            linearDamping=0,
+            angularDamping=0,
+            physicsClientId=self.client,
+        )
+        self._gather()
+
+    def _create(self, item: SceneObject) -> int:
+        shape, client = item.shape, self.client
+        if shape.pattern is not None or shape.spot is not None:
+            return create_printed(client, item)
+        kind, color = _KINDS[shape.kind], [*item.surface.color, 1]
+        # The simulator has two words for a cylinder's extent.
+        collision, visual = _size(shape, "height"), _size(shape, "length")
+        return int(
+            p.createMultiBody(
+                item.mass,
+                p.createCollisionShape(kind, physicsClientId=client, **collision),
+                p.createVisualShape(kind, rgbaColor=color, physicsClientId=client, **visual),
+                item.pose.position.tolist(),
+                item.pose.quaternion(),
+                physicsClientId=client,
+            )
+        )
+
+    def _gather(self) -> None:
+        """Take another array for the solids, since other objects are there."""
+        solids = [placed(item.shape, item.pose) for item in self.objects.values()]
+        self._solids = np.array(solids).reshape(len(solids), WIDTH)
+
+    def remove(self, name: str) -> None:
+        del self.objects[name]
+        p.removeBody(self.bodies.pop(name), physicsClientId=self.client)
+        self._gather()
+
+    @property
+    def solids(self) -> Floats:
+        for solid, body in zip(self._solids, self.bodies.values(), strict=True):
+            position, quaternion = p.getBasePositionAndOrientation(
+                body, physicsClientId=self.client
+            )
+            solid[POSITION] = position
+            solid[ROTATION] = rotations(np.array(quaternion)).ravel()
+        return self._solids
+
+    @property
+    def placements(self) -> Floats:
+        return self.robot.placements()
+
+    def pose(self, name: str) -> Pose:
+        return Pose.of(
+            *p.getBasePositionAndOrientation(self.bodies[name], physicsClientId=self.client)
+        )
+
+    def velocity(self, name: str) -> Floats:
+        return np.array(p.getBaseVelocity(self.bodies[name], physicsClientId=self.client)[0])
+
+    def attach(self, name: str) -> None:
+        """See ``Engine``; an object that is held keeps its orientation."""
+        pose = self.pose(name)
+        quaternion = pose.quaternion()
+        constraint = p.createConstraint(
+            self.bodies[name],
+            -1,
+            -1,
+            -1,
+            p.JOINT_FIXED,
+            [0, 0, 0],
+            [0, 0, 0],
+            pose.position.tolist(),
+            childFrameOrientation=quaternion,
+            physicsClientId=self.client,
+        )
+        self._held[name] = constraint, quaternion
+        self.lead(name, pose.position, np.zeros(3))
+
+    def lead(self, name: str, position: Floats, velocity: Floats) -> None:
+        constraint, quaternion = self._held[name]
+        p.changeConstraint(
+            constraint,
+            jointChildPivot=position.tolist(),
+            jointChildFrameOrientation=quaternion,
+            maxForce=_HOLDING_FORCE,
+            physicsClientId=self.client,
+        )
+
+    def release(self, name: str) -> None:
+        if name in self._held:
+            p.removeConstraint(self._held.pop(name)[0], physicsClientId=self.client)
+
+    def launch(self, name: str, velocity: Floats) -> None:
+        p.resetBaseVelocity(
+            self.bodies[name], velocity.tolist(), [0, 0, 0], physicsClientId=self.client
+        )
+
+    def put_back(self, name: str, pose: Pose) -> None:
+        body, before = self.bodies[name], self.pose(name)
+        velocity = p.getBaseVelocity(body, physicsClientId=self.client)
+        self._put(body, pose, ([0, 0, 0], [0, 0, 0]))
+        if p.getClosestPoints(self.robot.id, body, _ROOM, physicsClientId=self.client):
+            self._put(body, before, velocity)
+
+    def _put(self, body: int, pose: Pose, velocity: tuple[list[float], list[float]]) -> None:
+        where = pose.position.tolist(), pose.quaternion()
+        p.resetBasePositionAndOrientation(body, *where, physicsClientId=self.client)
+        p.resetBaseVelocity(body, *velocity, physicsClientId=self.client)
+
+    def touched(self, name: str) -> bool:
+        contacts = p.getContactPoints(
+            bodyA=self.robot.id, bodyB=self.bodies[name], physicsClientId=self.client
+        )
+        return any(contact[9] for contact in contacts)
+
+    def touches(self, name: str | None = None) -> list[ContactPoint]:
+        """Contact points of the fingertips, with everything or with one object."""
+        touches = list(self._touches())
+        if name is None:
+            return touches
+        return [touch for touch in touches if touch.other == self.bodies[name]]
+
+    def _touches(self) -> Iterator[ContactPoint]:
+        own, cells = self.robot.id, self._cell_of_link
+        for contact in p.getContactPoints(bodyA=own, physicsClientId=self.client):
+            body_a, body_b, link_a, link_b = contact[1:5]
+            if not contact[9]:
+                continue
+            if body_a == own and link_a in cells:
+                yield ContactPoint(cells[link_a], body_b, contact[5], *_force(contact, -1.0))
+            if body_b == own and link_b in cells:
+                yield ContactPoint(cells[link_b], body_a, contact[6], *_force(contact, 1.0))
+
+    def wrenches(self) -> Floats:
+        touches = self.touches()
+        if not touches:
+            return np.zeros((len(self.cells), 6))
+        states = p.getLinkStates(self.robot.id, self._fingertips, physicsClientId=self.client)
+        origins = {cell: state[4] for cell, state in zip(self.cells, states, strict=True)}
+        return sum_wrenches(self.cells, touches, origins)
+
+
+def _force(contact: Any, sign: float) -> tuple[Triple, float]:
+    """Force that a fingertip exerts, N, and its share along the contact normal, N.
+
+    ``sign`` is 1 where the fingertip is contact's second body: forces act on the first.
+    """
+    (nx, ny, nz), pressure = contact[7], contact[9]
+    f, (fx, fy, fz) = contact[10], contact[11]
+    g, (gx, gy, gz) = contact[12], contact[13]
+    force = (
+        sign * (pressure * nx + f * fx + g * gx),
+        sign * (pressure * ny + f * fy + g * gy),
+        sign * (pressure * nz + f * fz + g * gz),
+    )
+    return force, pressure
+
+
+def _size(shape: SolidShape, height: str) -> dict[str, Any]:
+    """A shape's size by the simulator's names; ``height`` is that of a cylinder's height."""
+    if shape.kind == "box":
+        return {"halfExtents": shape.halves}
+    if shape.kind == "ball":
+        return {"radius": shape.halves[0]}
+    return {"radius": shape.halves[0], height: 2 * shape.half_height}

@@ -1,0 +1,190 @@
+"""The robot in PyBullet: its joints, links, servos and surfaces."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+from itertools import combinations
+
+import numpy as np
+import pybullet as p
+from numpy.typing import NDArray
+
+from cbdsl.backends.backend import BackendError
+from cbdsl.backends.staging.pose import rotations
+from cbdsl.documents.robot import RobotDocument, Simulation
+from cbdsl.robot.joints import Joints
+from cbdsl.robot.urdf import UrdfModel
+
+Floats = NDArray[np.float64]
+
+# Torque of servos without a limit, N m; the simulator knows no infinite one.
+_STRONGEST = 1e6
+
+_FLAGS = (
+    p.URDF_USE_INERTIA_FROM_FILE
+    | p.URDF_USE_SELF_COLLISION
+    | p.URDF_USE_SELF_COLLISION_EXCLUDE_ALL_PARENTS
+)
+
+
+class BulletRobot:
+    """A robot, loaded with its base at the origin of the world.
+
+    Its servos keep the URDF's limits: a position error drives a joint at a speed in proportion to
+    it, so that errors beyond the one for the largest speed are cut off; torques are bounded by the
+    smaller of the robot file's and the URDF's.
+
+    Args:
+        client: the simulator.
+        robot: names joints and surfaces.
+        model: its URDF.
+        timestep: of the physics, s.
+
+    Attributes:
+        id: the simulator's number for it.
+        links: the simulator's number of every link; the base is -1.
+
+    Raises:
+        BackendError: the model cannot be read, or lacks something that the robot file names.
+    """
+
+    def __init__(
+        self, client: int, robot: RobotDocument, model: UrdfModel, timestep: float
+    ) -> None:
+        self._client, self._name, self._file = client, robot.name, model.path
+        self._joints = joints = Joints(robot)
+        try:
+            self.id: int = p.loadURDF(
+                str(model.path), useFixedBase=True, flags=_FLAGS, physicsClientId=client
+            )
+        except p.error as error:
+            raise BackendError(
+                f"the simulator cannot read the model {model.path}: {error}"
+            ) from error
+        count = p.getNumJoints(self.id, physicsClientId=client)
+        rows = [p.getJointInfo(self.id, index, physicsClientId=client) for index in range(count)]
+        self.links = {robot.base: -1} | {row[12].decode(): row[0] for row in rows}
+        numbers = {row[1].decode(): row[0] for row in rows}
+        self._indices = [numbers[name] for name in joints.all]
+        self._actuated = self._indices[: len(joints)]
+        self._follows = [joints.index[each.follows] for each in robot.couplings.values()]
+        self._ratios = np.array([each.ratio for each in robot.couplings.values()])
+        simulation = robot.simulation
+        limits = [model.joints[name] for name in joints.all]
+        self._efforts = [
+            min(simulation.efforts.get(joint.name, _STRONGEST), joint.effort, _STRONGEST)
+            for joint in limits
+        ]
+        fastest = timestep * np.array([joint.velocity for joint in limits])
+        self._largest_error = fastest / max(simulation.position_gain, 1e-9)
+        self._gains = simulation.position_gain, simulation.velocity_gain
+        self._soften(count, simulation)
+        self._ignore_contacts(simulation.no_contact)
+
+    def link(self, name: str) -> int:
+        """The simulator's number of a link.
+
+        Raises:
+            BackendError: the model has no such link.
+        """
+        if name not in self.links:
+            raise BackendError(
+                f"{self._file.name} has no link '{name}', which robot '{self._name}' names"
+            )
+        number: int = self.links[name]
+        return number
+
+    def _matching(self, patterns: Iterable[str]) -> Iterator[int]:
+        for pattern in patterns:
+            if not pattern.endswith("*"):
+                yield self.link(pattern)
+                continue
+            start = pattern.removesuffix("*")
+            matching = [index for name, index in self.links.items() if name.startswith(start)]
+            if not matching:
+                raise BackendError(
+                    f"{self._file.name} has no link that matches '{pattern}', "
+                    f"as robot '{self._name}' expects"
+                )
+            yield from matching
+
+    def _soften(self, count: int, simulation: Simulation) -> None:
+        """No damping but the servos', and the surfaces of the robot file."""
+        for link in range(-1, count):
+            p.changeDynamics(
+                self.id,
+                link,
+                linearDamping=0,
+                angularDamping=0,
+                jointDamping=0,
+                physicsClientId=self._client,
+            )
+        for surface in simulation.surfaces:
+            given = {"contactStiffness": surface.stiffness, "contactDamping": surface.damping}
+            options = {key: value for key, value in given.items() if value is not None}
+            for link in self._matching(surface.links):
+                p.changeDynamics(
+                    self.id,
+                    link,
+                    lateralFriction=surface.friction,
+                    physicsClientId=self._client,
+                    **options,
+                )
+
+    def _ignore_contacts(self, groups: Iterable[Iterable[str]]) -> None:
+        for group in groups:
+            for first, second in combinations(sorted(set(self._matching(group))), 2):
+                p.setCollisionFilterPair(
+                    self.id, self.id, first, second, 0, physicsClientId=self._client
+                )
+
+    def place(self, positions: Floats) -> None:
+        """Put the actuated joints at ``positions``, rad, shape (n,), at rest; couplings follow."""
+        for index, angle in zip(self._indices, self._joints.expand(positions), strict=True):
+            p.resetJointState(self.id, index, float(angle), 0.0, physicsClientId=self._client)
+
+    def drive(self, targets: Floats) -> None:
+        """Give the servos their targets, rad, shape (n,).
+
+        A passive joint's target is its ratio of where the joint it follows is, not of where that
+        one should be: a fingertip that is held back must not bend the joint behind it.
+        """
+        states = p.getJointStates(self.id, self._indices, physicsClientId=self._client)
+        positions = np.array([state[0] for state in states])
+        wanted = np.concatenate((targets, self._ratios * positions[self._follows]))
+        least, most = positions - self._largest_error, positions + self._largest_error
+        ones = [1.0] * len(wanted)
+        p.setJointMotorControlArray(
+            self.id,
+            self._indices,
+            p.POSITION_CONTROL,
+            targetPositions=np.minimum(np.maximum(wanted, least), most).tolist(),
+            positionGains=[self._gains[0] * one for one in ones],
+            velocityGains=[self._gains[1] * one for one in ones],
+            forces=self._efforts,
+            physicsClientId=self._client,
+        )
+
+    def read(self) -> tuple[Floats, Floats]:
+        """Positions and velocities of the actuated joints, rad and rad/s, shape (n,) each."""
+        states = p.getJointStates(self.id, self._actuated, physicsClientId=self._client)
+        return np.array([state[0] for state in states]), np.array([state[1] for state in states])
+
+    def efforts(self) -> Floats:
+        """Torques of the actuated joints' servos in the last step, N m, shape (n,)."""
+        states = p.getJointStates(self.id, self._actuated, physicsClientId=self._client)
+        return np.array([state[3] for state in states])
+
+    def placements(self) -> Floats:
+        """Rotation, row by row, then position, m, of all links, the base first, shape (k, 12)."""
+        numbers = range(len(self.links) - 1)
+        states = p.getLinkStates(
+            self.id, list(numbers), computeForwardKinematics=1, physicsClientId=self._client
+        )
+        placements = np.zeros((len(self.links), 12))
+        placements[0, [0, 4, 8]] = 1.0  # the base is the world
+        if states:
+            quaternions = np.array([state[5] for state in states])
+            placements[1:, :9] = rotations(quaternions).reshape(-1, 9)
+            placements[1:, 9:] = [state[4] for state in states]
+        return placements

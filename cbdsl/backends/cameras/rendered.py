@@ -1,0 +1,73 @@
+"""Rendered cameras: images with the noise of their sensors."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Mapping
+
+import numpy as np
+
+from cbdsl.backends.cameras.camera_system import CameraSystem, Chance, Exposure
+from cbdsl.backends.cameras.renderer import Renderer
+from cbdsl.backends.cameras.view import View
+from cbdsl.backends.staging.engine import Engine
+from cbdsl.documents.robot import RobotDocument
+from cbdsl.documents.stage import Disturbance
+from cbdsl.sensing.observation import Image
+
+
+class RenderedCameras(CameraSystem):
+    """Cameras whose images a renderer makes; see ``CameraSystem``.
+
+    Args:
+        robot: names the cameras and their links.
+        renderer: makes the images.
+    """
+
+    def __init__(self, robot: RobotDocument, renderer: Renderer) -> None:
+        super().__init__(robot, renderer.name)
+        self._renderer = renderer
+
+    def begin(
+        self,
+        engine: Engine,
+        disturbance: Disturbance,
+        channels: Collection[str] | None,
+        chance: Chance,
+    ) -> None:
+        """Begin an episode; images hold all channels."""
+        super().begin(engine, disturbance, channels, chance)
+        self._deviation, self._noise = disturbance.image_noise, chance.noise
+
+    def views(self) -> dict[str, View]:
+        """True views of all cameras, errors included."""
+        views = {}
+        for name, camera in self._cameras.items():
+            pose, error = self._engine.link_pose(camera.link), self._errors.get(name)
+            views[name] = View(camera, pose if error is None else pose @ error)
+        return views
+
+    def take(self) -> Exposure:
+        """An image by every camera."""
+        images = self.render(self.views())
+        return Exposure({name: self._disturbed(image) for name, image in images.items()})
+
+    def resolve(self, times: int) -> Mapping[str, Image]:
+        """Noiseless images of ``times`` as many pixels each way, for a sensor of one's own."""
+        return self.render({name: view.resolved(times) for name, view in self.views().items()})
+
+    def render(self, views: Mapping[str, View]) -> dict[str, Image]:
+        """Noiseless images from any views."""
+        images = self._renderer.render(self._engine, list(views.values()))
+        return dict(zip(views, images, strict=True))
+
+    def _disturbed(self, image: Image) -> Image:
+        if not self._deviation:
+            return image
+        values = self._noise.standard_normal(image.shape, dtype=np.float32)
+        values *= self._deviation
+        values += image
+        return np.clip(np.rint(values, out=values), 0, 255, out=values).astype(np.uint8)
+
+    def close(self) -> None:
+        """Free the renderer."""
+        self._renderer.close()

@@ -1,0 +1,35 @@
+"""Selection of a camera system, apart from the engine."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+from cbdsl.backends.cameras.camera_system import CameraSystem
+from cbdsl.backends.cameras.ideal import IdealCameras
+from cbdsl.backends.cameras.rendered import RenderedCameras
+from cbdsl.backends.cameras.renderer import NoRenderer, Renderer, make_renderer
+from cbdsl.documents.robot import RobotDocument
+from cbdsl.robot.urdf import UrdfModel
+
+
+def make_cameras(
+    kind: str,
+    robot: RobotDocument,
+    model: UrdfModel,
+    tiny: Callable[[], Renderer] | None = None,
+) -> CameraSystem:
+    """The camera system of a robot.
+
+    Args:
+        kind: ``rendered`` or ``ideal``.
+        robot: names the cameras.
+        model: of the robot.
+        tiny: makes the engine's own renderer, if it has one.
+
+    Raises:
+        BackendError: nothing can render here.
+    """
+    if kind == "ideal":
+        return IdealCameras(robot, model)
+    renderer = make_renderer(robot.vision.renderer, model, tiny) if robot.cameras else NoRenderer()
+    return RenderedCameras(robot, renderer)

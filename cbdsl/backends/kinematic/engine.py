@@ -1,0 +1,128 @@
+"""An engine without physics: joints are moved, and the world gives way."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cbdsl.backends.kinematic.hands import FingertipContact, Hands
+from cbdsl.backends.kinematic.manipulation import Manipulation
+from cbdsl.backends.kinematic.servos import Servos
+from cbdsl.backends.kinematic.tree import Tree
+from cbdsl.backends.kinematic.world import World
+from cbdsl.backends.staging.engine import Engine
+from cbdsl.backends.staging.pose import Pose
+from cbdsl.backends.staging.scenario import SceneObject
+from cbdsl.documents.robot import RobotDocument
+from cbdsl.robot.joints import Joints
+from cbdsl.robot.urdf import UrdfModel
+
+Floats = NDArray[np.float64]
+
+
+class KinematicEngine(Engine):
+    """A robot that is moved, in a world that gives way; see ``Engine``.
+
+    Args:
+        robot: what is moved.
+        model: its URDF.
+        period: of a step, s.
+    """
+
+    def __init__(self, robot: RobotDocument, model: UrdfModel, period: float) -> None:
+        joints = Joints(robot)
+        self._period = period
+        self._tree = Tree(model, joints, robot.base)
+        self._servos = Servos(joints, model, self._tree, period)
+        self._hands = Hands(robot, model, joints, self._tree)
+        self.rows, self.cells = self._tree.rows, self._hands.cells
+
+    def begin(self, positions: Floats) -> None:
+        self._positions, self._velocities = positions, np.zeros_like(positions)
+        self._tree.update(positions)
+        self._world = World()
+        self.objects = self._world.objects
+        self._manipulation = Manipulation(self._world, self._hands)
+
+    def step(self, targets: Floats) -> None:
+        before = self._positions
+        self._positions, self._velocities = self._servos.follow(before, targets)
+        self._manipulation.move(self._period)
+        if self._manipulation.touch():
+            self._hold_back(before)
+        self._wrenches = self._manipulation.press()
+
+    def _hold_back(self, before: Floats) -> None:
+        """Hold back the joints of fingertips that push what they cannot push away.
+
+        They go half of their way, or half of that. Without a joint that is held back, and that
+        fingers share, another one may go deeper: all are asked again until nobody does.
+        """
+        wanted, share = self._positions, np.ones(len(before))
+        while self._manipulation.hold_back(share):
+            self._positions = before + share * (wanted - before)
+            self._velocities = (self._positions - before) / self._period
+            self._tree.update(self._positions)
+            self._manipulation.touch()
+
+    def read(self) -> tuple[Floats, Floats]:
+        return self._positions, self._velocities
+
+    def wrenches(self) -> Floats:
+        return self._wrenches
+
+    def efforts(self) -> None:
+        """``None``: joints are where their references are, without forces."""
+
+    def close(self) -> None:
+        """Nothing is held."""
+
+    @property
+    def solids(self) -> Floats:
+        return self._world.solids
+
+    @property
+    def placements(self) -> Floats:
+        return self._tree.placements
+
+    @property
+    def contacts(self) -> list[FingertipContact]:
+        """Contacts of all fingertips, as of the last step."""
+        return self._manipulation.contacts
+
+    def pose(self, name: str) -> Pose:
+        return self._world.things[name].pose
+
+    def velocity(self, name: str) -> Floats:
+        return self._world.things[name].velocity.copy()
+
+    def touched(self, name: str) -> bool:
+        """Whether any fingertip touches an object, as of the last step."""
+        return self._manipulation.touches(name)
+
+    def add(self, item: SceneObject) -> None:
+        self._world.add(item)
+
+    def remove(self, name: str) -> None:
+        self._world.remove(name)
+
+    def attach(self, name: str) -> None:
+        self._world.things[name].gripped = True
+
+    def lead(self, name: str, position: Floats, velocity: Floats) -> None:
+        """See ``Engine``; a step takes it on by its velocity."""
+        self._world.things[name].launch(velocity)
+
+    def release(self, name: str) -> None:
+        self._world.things[name].gripped = False
+        self.launch(name, np.zeros(3))
+
+    def launch(self, name: str, velocity: Floats) -> None:
+        self._world.things[name].launch(velocity)
+
+    def put_back(self, name: str, pose: Pose) -> None:
+        """See ``Engine``; no part of the robot but its fingertips is ever in the way."""
+        thing = self._world.things[name]
+        thing.put(pose)
+        thing.launch(np.zeros(3))
+        thing.rolling[:] = 0.0

@@ -1,0 +1,216 @@
+"""Manipulation: how hands move the object on show, and the contacts of their fingertips."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cbdsl.backends.kinematic.grasp import STIFFNESS, Grasp
+from cbdsl.backends.kinematic.hands import FingertipContact, Hands
+from cbdsl.backends.kinematic.kinematic_object import KinematicObject
+from cbdsl.backends.kinematic.world import World
+from cbdsl.backends.staging.scenario import GRAVITY
+from cbdsl.numeric.compiled import compiled_once
+
+Floats = NDArray[np.float64]
+Booleans = NDArray[np.bool_]
+
+# A fingertip that is pressed in further holds back the joints of its finger, m.
+_DEEPEST = 0.02
+# Of its way in a tick; what is held back from less than that stays where it was.
+_LEAST_SHARE = 0.1
+
+
+class Manipulation:
+    """Hands and the one thing that can be moved, in one episode.
+
+    Attributes:
+        contacts: of all fingertips, as of the last step.
+    """
+
+    def __init__(self, world: World, hands: Hands) -> None:
+        self._world = world
+        self._hands = hands
+        self._thing: KinematicObject | None = None
+        self._grasp: Grasp | None = None
+        self._touching = False
+        self._names: tuple[str, ...] = ()
+        self._solids = world.solids
+        # What ``Hands.touch`` finds, now and a tick ago.
+        self._contacts, self._before = np.zeros((2, len(hands.cells), 0, 7))
+        self._wrenches, self._nothing = np.zeros((2, len(hands.cells), 6))
+
+    @property
+    def contacts(self) -> list[FingertipContact]:
+        """Contacts of all fingertips, as of the last step."""
+        things = list(self._world.things.values())
+        return [
+            self._hands.contact(tip, things[which], self._contacts[tip, which].copy())
+            for tip, which in np.argwhere(self._contacts[:, :, 0] > 0.0)
+        ]
+
+    def touches(self, name: str) -> bool:
+        """Whether a fingertip touches something, as of the last step."""
+        touched = self._touching and name in self._names
+        return touched and bool((self._contacts[:, self._names.index(name), 0] > 0.0).any())
+
+    def move(self, period: float) -> None:
+        """Let the thing go along with whoever holds it, or by itself, for ``period``, s."""
+        if self._solids is not self._world.solids:
+            self._match()
+        self._contacts, self._before = self._before, self._contacts
+        thing, grasp = self._thing, self._grasp
+        if thing is None or grasp is None or thing.name not in self._world.things:
+            return
+        if thing.gripped:
+            thing.shift(period * thing.velocity)
+        elif grasp.holders:
+            thing.velocity[:] = 0.0
+            grasp.follow()
+            self._world.land(thing)
+        else:
+            self._world.let_go(thing, period)
+
+    def touch(self) -> bool:
+        """Find the contacts of where everything is now.
+
+        Returns:
+            Whether there are any.
+        """
+        self._touching = self._hands.touch(self._world, self._contacts)
+        return self._touching
+
+    def _match(self) -> None:
+        """Something came or went; the others were where they were."""
+        names = tuple(self._world.things)
+        kept = [name for name in names if name in self._names]
+        old = [self._names.index(name) for name in kept]
+        new = [names.index(name) for name in kept]
+        for which in ("_contacts", "_before"):
+            depths = np.zeros((len(self._hands.cells), len(names), 7))
+            depths[:, new] = getattr(self, which)[:, old]
+            setattr(self, which, depths)
+        added = [self._world.things[name] for name in names if name not in self._names]
+        for thing in added:
+            if thing.mass:
+                self._thing, self._grasp = thing, Grasp(thing, self._hands)
+        self._names, self._solids = names, self._world.solids
+
+    def hold_back(self, share: Floats) -> bool:
+        """Let the joints of fingertips that are too deep and going deeper go less of their way.
+
+        Args:
+            share: of its way that each joint goes; halved where it is held back, shape (n,).
+
+        Returns:
+            Whether any joint goes less far than before.
+        """
+        return _held_back(self._contacts, self._before, self._hands.moving, share)
+
+    def press(self) -> Floats:
+        """Let the fingertips press on what they touch.
+
+        Returns:
+            Force, N, and torque about the fingertip's origin, N m, that each exerts on the world,
+            world frame, shape (cells, 6); until the next step.
+        """
+        wrenches, thing, grasp = self._wrenches, self._thing, self._grasp
+        if not self._touching and (grasp is None or not grasp.holders):
+            return self._nothing
+        wrenches.fill(0.0)
+        if self._touching:
+            _press(self._contacts, STIFFNESS, wrenches)
+        if thing is not None and grasp is not None:
+            own = self._of(thing) if self._touching else []
+            if own and not thing.gripped:
+                self._push(thing, own, grasp)
+            if own or grasp.holders:
+                grasp.update(own)
+                self._bear(thing, grasp, own, wrenches)
+        return wrenches
+
+    def _of(self, thing: KinematicObject) -> list[FingertipContact]:
+        """The contacts with a thing that may have been taken away."""
+        if thing.name not in self._names:
+            return []
+        contacts = self._contacts[:, self._names.index(thing.name)]
+        return [
+            self._hands.contact(tip, thing, contacts[tip])
+            for tip, depth in enumerate(contacts[:, 0].tolist())
+            if depth > 0.0
+        ]
+
+    def _push(self, thing: KinematicObject, contacts: list[FingertipContact], grasp: Grasp) -> None:
+        """Move the thing sidewise until the fingertips' forces are what friction can balance."""
+        force = sum((STIFFNESS * each.depth * each.normal for each in contacts), np.zeros(3))
+        force[2] = 0.0
+        size = math.hypot(*force.tolist())
+        floor = self._world.floor(thing)
+        rest = 0.0 if floor is None else thing.mass * thing.resistance(floor)
+        excess = size - rest - grasp.stick(contacts)
+        if excess <= 0.0:
+            return
+        along = force / size
+        stiffness = STIFFNESS * sum(float(each.normal @ along) ** 2 for each in contacts)
+        thing.shift(excess / stiffness * along)
+
+    def _bear(
+        self,
+        thing: KinematicObject,
+        grasp: Grasp,
+        contacts: list[FingertipContact],
+        wrenches: Floats,
+    ) -> None:
+        """Add the weight of what is held in the air, shared evenly by the fingertips."""
+        if thing.gripped or not grasp.holders or self._world.floor(thing) is not None:
+            return
+        holding = [contact for contact in contacts if contact.hand in grasp.holders]
+        share = thing.mass * GRAVITY / len(holding)
+        for contact in holding:
+            x, y, _ = (contact.fingertip.radius * contact.normal).tolist()
+            wrenches[contact.fingertip.cell, 2] += share
+            # The vertical force acts at the end of this lever.
+            wrenches[contact.fingertip.cell, 3] += y * share
+            wrenches[contact.fingertip.cell, 4] -= x * share
+
+
+@compiled_once
+def _held_back(contacts: Floats, before: Floats, moving: Booleans, share: Floats) -> bool:
+    """Lessen the shares, shape (n,), of joints whose fingertips are too deep and go deeper.
+
+    Args:
+        contacts: depths, m, of fingertips in things, first of each row, shape (tips, things, 7).
+        before: the same, a tick ago.
+        moving: the joints of each fingertip, shape (tips, n).
+        share: as ``Manipulation.hold_back`` has it.
+    """
+    blocked = np.zeros(len(share), np.bool_)
+    for tip in range(contacts.shape[0]):
+        for thing in range(contacts.shape[1]):
+            if contacts[tip, thing, 0] > max(_DEEPEST, before[tip, thing, 0]):
+                blocked |= moving[tip]
+    less = False
+    for joint in range(len(share)):
+        if blocked[joint] and share[joint] > 0.0:
+            less = True
+            share[joint] = 0.5 * share[joint] if share[joint] > _LEAST_SHARE else 0.0
+    return less
+
+
+@compiled_once
+def _press(contacts: Floats, stiffness: float, wrenches: Floats) -> None:
+    """Add the force, N, of each fingertip on all that it touches, shape (tips, 6).
+
+    Args:
+        contacts: depth, point and inward normal by fingertip and thing, shape (tips, things, 7).
+        stiffness: of the fingertips, N/m.
+        wrenches: takes the forces.
+    """
+    for tip in range(contacts.shape[0]):
+        for thing in range(contacts.shape[1]):
+            depth = contacts[tip, thing, 0]
+            if depth > 0.0:
+                for i in range(3):
+                    wrenches[tip, i] += stiffness * depth * contacts[tip, thing, 4 + i]

@@ -1,0 +1,161 @@
+"""The backend of a simulated robot: all that engines share."""
+
+from __future__ import annotations
+
+from collections.abc import Collection
+from typing import Generic, TypeVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cbdsl.backends.backend import BackendError
+from cbdsl.backends.cameras.camera_system import CameraSystem, Chance
+from cbdsl.backends.cameras.rendered import RenderedCameras
+from cbdsl.backends.staging.context import choose_context, starting_posture
+from cbdsl.backends.staging.engine import Engine
+from cbdsl.backends.staging.experimenter import Experimenter
+from cbdsl.backends.staging.load_cells import LoadCells
+from cbdsl.backends.staging.scenario import ScenarioSampler
+from cbdsl.backends.staging.shutter import Shutter
+from cbdsl.documents.robot import RobotDocument
+from cbdsl.documents.stage import StageDocument
+from cbdsl.robot.joints import Joints
+from cbdsl.robot.urdf import UrdfModel
+from cbdsl.sensing.observation import Observation
+
+Floats = NDArray[np.float64]
+SomeEngine = TypeVar("SomeEngine", bound=Engine)
+
+# For how many ticks the noise of load cells is drawn at once where nothing else draws from it.
+_AHEAD = 64
+
+
+class SimulatedBackend(Generic[SomeEngine]):
+    """A robot in an engine; see ``Backend``.
+
+    Args:
+        robot: what can be sensed and moved.
+        model: its URDF.
+        engine: moves it.
+        cameras: its eyes.
+        rate: of control, Hz.
+        substeps: of the engine per control period.
+
+    Attributes:
+        renderer: what makes the images, for people.
+        control_period: simulated time of one step, s.
+        deadline: none, as a simulated world waits.
+        truth: what only the engine knows, for the experimenter, recordings and tests.
+    """
+
+    deadline: float | None = None
+
+    def __init__(
+        self,
+        robot: RobotDocument,
+        model: UrdfModel,
+        engine: SomeEngine,
+        cameras: CameraSystem,
+        rate: float,
+        substeps: int = 1,
+    ) -> None:
+        self._robot, self.truth, self._cameras = robot, engine, cameras
+        self._joints = Joints(robot)
+        limits = [model.joints[name] for name in self._joints.names]
+        self._nearest_to_zero = np.array([min(max(0.0, j.lower), j.upper) for j in limits])
+        self._substeps = substeps
+        self.control_period = 1 / rate
+        self.renderer = cameras.renderer
+        self._shutter = Shutter(robot.vision.rate, self.control_period)
+
+    @property
+    def cameras(self) -> RenderedCameras:
+        """The cameras that make images.
+
+        Raises:
+            BackendError: they are ideal and make none.
+        """
+        if not isinstance(self._cameras, RenderedCameras):
+            raise BackendError("ideal cameras make no images; 'rendered' ones do")
+        return self._cameras
+
+    def reset(
+        self,
+        stage: StageDocument,
+        context: str | None,
+        rng: np.random.Generator,
+        channels: Collection[str] | None = None,
+    ) -> str:
+        """Begin an episode; see ``Backend.reset``."""
+        name = choose_context(stage, context, rng)
+        chosen = stage.contexts[name]
+        # The sensors' noise has a stream of its own: who else draws from rng cannot change it.
+        noise = np.random.default_rng(rng.integers(2**63))
+        self._tick = 0
+        self._reference = starting_posture(
+            chosen, self._robot, self._joints, self._nearest_to_zero, rng
+        )
+        self._reached = self._reference
+        self.truth.begin(self._reference)
+        self._cells = self._load_cells(noise)
+        sampler = ScenarioSampler(stage, self._robot, self.truth.link_pose, rng)
+        self._experimenter = Experimenter(sampler.sample(chosen), self.truth)
+        self._cameras.begin(self.truth, stage.disturbance, channels, Chance(rng, noise))
+        self._observation = self._sense()
+        return name
+
+    def _load_cells(self, noise: np.random.Generator) -> LoadCells:
+        own = self.control_period / self._substeps
+        # Of cells whose engine makes fewer steps than the robot file asks for.
+        physical = own if self._substeps > 1 else 1 / self._robot.simulation.physics_rate
+        ahead = 1 if isinstance(self._cameras, RenderedCameras) else _AHEAD
+        return LoadCells(self.truth.cells, self._robot.contact, (own, physical), noise, ahead)
+
+    def observe(self) -> Observation:
+        """The sensors now."""
+        return self._observation
+
+    def _sense(self) -> Observation:
+        positions, velocities = self.truth.read()
+        exposure = self._cameras.take() if self._shutter.opens(self._tick) else None
+        return Observation(
+            time=self._tick * self.control_period,
+            positions=positions,
+            velocities=velocities,
+            loads=self._cells.read(),
+            images=exposure.images if exposure else {},
+            regions=exposure.regions if exposure else {},
+        )
+
+    def apply(self, reference: Floats) -> None:
+        """Set the references of the actuated joints, rad, shape (n,), for the end of the step."""
+        self._reference = np.array(reference, dtype=np.float64)
+
+    def step(self) -> None:
+        """Let one control period pass.
+
+        Joint references move evenly over its physics steps: a jump per control period would shake
+        what is held out of the hand.
+        """
+        count = self._substeps
+        for substep in range(1, count + 1):
+            begun = self._tick + (substep - 1) / count
+            self._experimenter.act(begun * self.control_period)
+            self.truth.step(self._reference if count == 1 else self._between(substep / count))
+            self._cells.sample(self.truth.wrenches())
+        self._reached = self._reference
+        self._tick += 1
+        self._observation = self._sense()
+
+    def _between(self, share: float) -> Floats:
+        """References after a share of the control period."""
+        return self._reached + (self._reference - self._reached) * share
+
+    def halt(self) -> None:
+        """Freeze the references at the measured positions."""
+        self._reference = self._reached = self._observation.positions
+
+    def close(self) -> None:
+        """Leave the engine and free the renderer."""
+        self._cameras.close()
+        self.truth.close()

@@ -1,0 +1,69 @@
+"""Appearance of scene objects: their shape, and what is printed or painted on a side."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+
+import numpy as np
+
+from cbdsl.backends.staging.scenario import SceneObject
+from cbdsl.backends.staging.shape import SolidShape
+from cbdsl.backends.staging.world_state import Part
+from cbdsl.documents.stage import Pattern, Spot
+from cbdsl.robot.urdf import UrdfOrigin
+
+# How far a print stands out of its side, so that what is in front of what stays clear, m.
+_THICKNESS = 1e-4
+# A ball's spot is part of a larger curvature: this share of the radius nearer to the side.
+_RAISED = 0.05
+_BLACK = (0.0, 0.0, 0.0)
+_CENTRE, _UNTURNED = (0.0, 0.0, 0.0), (0.0, 0.0, 0.0, 1.0)
+_NORMALS = {"-x": (-1, 0, 0), "+x": (1, 0, 0), "-y": (0, -1, 0), "+y": (0, 1, 0)}
+#: Turns that lay a cylinder, which stands along z, along x or y.
+LYING = {
+    "x": UrdfOrigin(rpy=(0.0, math.pi / 2, 0.0)),
+    "y": UrdfOrigin(rpy=(math.pi / 2, 0.0, 0.0)),
+}
+
+
+def parts_of(item: SceneObject) -> list[Part]:
+    """The visible parts of an object: its shape first, then its print or its spot."""
+    shape = item.shape
+    parts = [Part(shape.kind, _size(shape), _CENTRE, _UNTURNED, tuple(item.surface.color))]
+    if shape.pattern is not None:
+        parts += _bars(shape.halves, shape.pattern)
+    if shape.spot is not None:
+        parts.append(_spot(shape, shape.spot))
+    return parts
+
+
+def _size(shape: SolidShape) -> tuple[float, ...]:
+    """The size of a shape as ``Part`` has it."""
+    a, b, c = shape.halves
+    if shape.kind == "ball":
+        return (a,)
+    return (2 * a, 2 * b, 2 * c) if shape.kind == "box" else (a, 2 * c)
+
+
+def _spot(shape: SolidShape, spot: Spot) -> Part:
+    """A spot: of a ball the part of another ball that stands out of it, of a box a disc."""
+    normal, height = np.array(_NORMALS[spot.face], dtype=np.float64), shape.spot_height()
+    if shape.kind == "ball":
+        raised = _RAISED * shape.halves[0]
+        size, centre = math.hypot(spot.radius, height - raised), raised * normal
+        return Part("ball", (size,), tuple(centre.tolist()), _UNTURNED, spot.color)
+    turned, centre = LYING[spot.face[1]].quaternion, height * normal
+    size = 2 * _THICKNESS
+    return Part("cylinder", (spot.radius, size), tuple(centre.tolist()), turned, spot.color)
+
+
+def _bars(halves: Sequence[float], pattern: Pattern) -> Iterator[Part]:
+    normal = np.array(_NORMALS[pattern.face], dtype=np.float64)
+    right = np.cross([0.0, 0.0, 1.0], normal)
+    edges = np.cumsum([0.0, *pattern.stripes]) - sum(pattern.stripes) / 2
+    for left, width in zip(edges[:-1:2], pattern.stripes[::2], strict=True):
+        centre = np.abs(normal) @ np.array(halves) * normal + (left + width / 2) * right
+        level = 2 * _THICKNESS * np.abs(normal) + width * np.abs(right)
+        size = (*level.tolist()[:2], pattern.height)
+        yield Part("box", size, tuple(centre.tolist()), _UNTURNED, _BLACK)

@@ -1,0 +1,49 @@
+"""Fit of a robot file to its URDF model."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from pathlib import Path
+
+from cbdsl.backends.backend import BackendError
+from cbdsl.documents.robot import RobotDocument
+from cbdsl.robot.chains import root
+from cbdsl.robot.urdf import UrdfError, UrdfModel, read_urdf
+
+
+def read_fitting(robot: RobotDocument, urdf: Path) -> UrdfModel:
+    """Read the model of a robot.
+
+    Raises:
+        BackendError: it cannot be read, or lacks something that the robot file names.
+    """
+    try:
+        model = read_urdf(urdf)
+    except UrdfError as error:
+        raise BackendError(f"the model cannot be read: {error}") from error
+    base = root(model)
+    if base != robot.base:
+        raise BackendError(
+            f"robot '{robot.name}' has the base '{robot.base}', "
+            f"but the root link of {urdf.name} is '{base}'"
+        )
+    joints = [joint for effector in robot.effectors.values() for joint in effector.joints]
+    missing = set(joints + list(robot.couplings)) - set(model.revolute)
+    if missing:
+        raise BackendError(
+            f"{urdf.name} has no revolute joint {', '.join(map(repr, sorted(missing)))}, "
+            f"which robot '{robot.name}' names"
+        )
+    for link in _links(robot):
+        if link not in model.links:
+            raise BackendError(
+                f"{urdf.name} has no link '{link}', which robot '{robot.name}' names"
+            )
+    return model
+
+
+def _links(robot: RobotDocument) -> Iterator[str]:
+    """Links that a robot file names for its sensors and tips."""
+    yield from (camera.link for camera in robot.cameras.values())
+    yield from (cell.link for cells in robot.load_cells.values() for cell in cells.values())
+    yield from (each.tip.link for each in robot.effectors.values() if each.tip is not None)

@@ -1,0 +1,92 @@
+"""Scripted actions: what the experimenter does with an object while an episode runs."""
+
+from __future__ import annotations
+
+from typing import Protocol
+
+import numpy as np
+
+from cbdsl.backends.staging.engine import Engine
+from cbdsl.backends.staging.fall import Fall
+from cbdsl.backends.staging.scenario import Movement
+
+
+class ScriptedAction(Protocol):
+    """An action that goes on in every physics step until it is finished."""
+
+    def act(self, time: float) -> bool:
+        """Act at this time since the episode began, s.
+
+        Returns:
+            Whether it is finished.
+        """
+        ...
+
+
+class HoldAction:
+    """Hold an object still, whatever presses against it, until a time, s."""
+
+    def __init__(self, engine: Engine, name: str, until: float) -> None:
+        self._engine, self._name, self._until = engine, name, until
+        engine.attach(name)
+
+    def act(self, time: float) -> bool:
+        """Let go when it is time."""
+        over = time >= self._until
+        if over:
+            self._engine.release(self._name)
+        return over
+
+
+class CarryAction:
+    """Carry an object along at a constant horizontal velocity until the robot touches it."""
+
+    def __init__(self, engine: Engine, name: str, movement: Movement) -> None:
+        self._engine, self._name = engine, name
+        self._velocity, self._start = movement.velocity, movement.start
+        self._carries = False
+
+    def act(self, time: float) -> bool:
+        """Lead it on, or leave it to the hand that touches it."""
+        if self._engine.touched(self._name):
+            self._engine.release(self._name)
+            return True
+        if not self._carries and time >= self._start:
+            self._engine.attach(self._name)
+            self._carries = True
+            self._origin, self._start = self._engine.pose(self._name).position, time
+        if self._carries:
+            position = self._origin + (time - self._start) * self._velocity
+            self._engine.lead(self._name, position, self._velocity)
+        return False
+
+
+class ThrowAction:
+    """Give an object a velocity once."""
+
+    def __init__(self, engine: Engine, name: str, movement: Movement) -> None:
+        self._engine, self._name, self._movement = engine, name, movement
+
+    def act(self, time: float) -> bool:
+        """Throw it, once its time has come."""
+        due = time >= self._movement.start
+        if due:
+            self._engine.launch(self._name, np.array(self._movement.velocity))
+        return due
+
+
+class ReturnAction:
+    """Put an object back where it was shown, a while after it fell from there."""
+
+    def __init__(self, engine: Engine, name: str, delay: float) -> None:
+        self._engine, self._name = engine, name
+        self._place = engine.pose(name)
+        self._fall = Fall(float(self._place.position[2]), delay)
+
+    def act(self, time: float) -> bool:
+        """Put it back when it is time, as soon as the robot is not in the way."""
+        touched = self._engine.touched(self._name)
+        height = float(self._engine.pose(self._name).position[2])
+        if self._fall.is_due(height, time, touched=touched):
+            self._engine.put_back(self._name, self._place)
+        return False

@@ -1,0 +1,65 @@
+"""Balls, boxes and cylinders as rows of one array.
+
+A row holds the shape's number, half its extents along its own axes, m, its position, m, and its
+axes as columns of a rotation, row by row; all in the world frame. Cylinders stand along their z.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cbdsl.backends.staging.pose import Pose
+from cbdsl.backends.staging.shape import SolidShape
+from cbdsl.numeric.compiled import compiled
+
+Floats = NDArray[np.float64]
+Rows = NDArray[np.intp]
+
+BALL, BOX, CYLINDER = 0.0, 1.0, 2.0
+_NUMBERS = {"ball": BALL, "box": BOX, "cylinder": CYLINDER}
+WIDTH = 16
+HALVES, POSITION, ROTATION = slice(1, 4), slice(4, 7), slice(7, 16)
+
+
+def placed(shape: SolidShape, pose: Pose) -> Floats:
+    """Row of a shape at a pose, shape (16,)."""
+    solid = np.empty(WIDTH)
+    solid[0], solid[HALVES] = _NUMBERS[shape.kind], shape.halves
+    solid[POSITION], solid[ROTATION] = pose.position, pose.rotation.ravel()
+    return solid
+
+
+@compiled
+def into(solid: Floats, x: float, y: float, z: float) -> tuple[float, float, float]:
+    """A vector of the world frame in the solid's axes."""
+    return (
+        solid[7] * x + solid[10] * y + solid[13] * z,
+        solid[8] * x + solid[11] * y + solid[14] * z,
+        solid[9] * x + solid[12] * y + solid[15] * z,
+    )
+
+
+@compiled
+def attach(parts: Floats, placements: Floats, carriers: Rows, solids: Floats) -> None:
+    """Solids that are given in their links' frames, shape (k, 16), in the world frame.
+
+    Args:
+        parts: shape (k, 16).
+        placements: of links, as ``Engine`` has them, shape (links, 12).
+        carriers: rows of the links that carry them, shape (k,).
+        solids: takes them, shape (k, 16).
+    """
+    for index in range(len(parts)):
+        part, own, place = parts[index], solids[index], placements[carriers[index]]
+        for i in range(4):
+            own[i] = part[i]
+        for i in range(3):
+            own[4 + i] = place[9 + i]
+            for k in range(3):
+                own[4 + i] += place[3 * i + k] * part[4 + k]
+                own[7 + 3 * i + k] = (
+                    place[3 * i] * part[7 + k]
+                    + place[3 * i + 1] * part[10 + k]
+                    + place[3 * i + 2] * part[13 + k]
+                )

@@ -1,0 +1,59 @@
+"""The modifiers of a controller: whether their kinds are known, and fit its feedback."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from cbdsl.checking.context import ProgramContext, Steps
+from cbdsl.documents import program as written
+from cbdsl.errors.errors import UsageError
+from cbdsl.program.controller import Modifier
+from cbdsl.types.modifier import MODIFIERS, ModifierType
+from cbdsl.types.resource import Resource
+from cbdsl.types.unit import QuantityError, read_quantity
+
+
+def read_modifiers(
+    context: ProgramContext, steps: Steps, document: written.ControllerSection, feedback: Resource
+) -> tuple[Modifier, ...]:
+    """The modifiers of a controller, without those that have faults, which are reported."""
+    modifiers = []
+    for name, options in document.modifiers.items():
+        own: Steps = (*steps, "modifiers", name)
+        problem = _problem(name, options, document, feedback)
+        if isinstance(problem, str):
+            names = list(MODIFIERS.names())
+            context.add("CB531", context.source.key(*own), names=names, name=name, problem=problem)
+        else:
+            modifiers.append(Modifier(name, tuple(problem.items())))
+    return tuple(modifiers)
+
+
+def _problem(
+    name: str,
+    options: Mapping[str, str | float],
+    document: written.ControllerSection,
+    feedback: Resource,
+) -> str | dict[str, float]:
+    """The options in SI, or what is wrong with a modifier, as a clause."""
+    if name not in MODIFIERS:
+        return f"there is no modifier '{name}'"
+    try:
+        kind = MODIFIERS.get(name)
+    except UsageError as error:
+        return str(error)
+    if document.reference is None or feedback.type.name not in kind.accepts:
+        return f"it changes references of type {' or '.join(sorted(kind.accepts))}"
+    return _read_options(kind, options)
+
+
+def _read_options(kind: ModifierType, options: Mapping[str, str | float]) -> str | dict[str, float]:
+    if options.keys() != kind.options.keys():
+        return f"its options are {', '.join(kind.options) or 'none'}"
+    try:
+        return {
+            name: read_quantity(options[name], (dimension,) if dimension else ())
+            for name, dimension in kind.options.items()
+        }
+    except QuantityError as error:
+        return str(error)

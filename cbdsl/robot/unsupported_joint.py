@@ -1,0 +1,79 @@
+"""Why programs cannot move a joint of a model, and what helps."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from typing import NamedTuple
+
+from cbdsl.robot.urdf import UrdfJoint
+
+_LIMIT = '<limit lower="-3.14" upper="3.14" effort="10" velocity="2"/>'
+_MOST_NAMES = 4
+
+
+class UnsupportedJoint(NamedTuple):
+    """Reason why programs cannot move some joints.
+
+    Attributes:
+        trait: of the joint, after "is" or "are".
+        cure: change of the model or robot file so that it can be moved, if anything helps.
+    """
+
+    trait: str
+    cure: str = ""
+
+    def format_message(self, names: Sequence[str], model: str) -> str:
+        """Sentence about the joints of a model that share the reason."""
+        shown = [f"'{name}'" for name in names[:_MOST_NAMES]]
+        more = len(names) - len(shown)
+        last = f"{more} more" if more else shown.pop()
+        listed = f"{', '.join(shown)} and {last}" if shown else last
+        they_are, them = ("it is", "it") if len(names) == 1 else ("they are", "them")
+        cure = f", or {self.cure}" if self.cure else ""
+        return (
+            f"{listed} cannot be moved: in {model} {they_are} {self.trait}; leave {them} out{cure}"
+        )
+
+
+_FIXED = UnsupportedJoint("fixed")
+_CONTINUOUS = UnsupportedJoint(
+    "continuous, and programs move only between limits",
+    f'write type="revolute" and {_LIMIT} in the model, with limits in rad',
+)
+_LIMITLESS = UnsupportedJoint(
+    "revolute without lower and upper limits",
+    f"write limits in the model, in rad, such as {_LIMIT}",
+)
+_NO_ROOM = UnsupportedJoint(
+    "revolute, with a lower limit that is not below the upper", "mend the limits in the model"
+)
+
+
+def unsupported(joint: UrdfJoint) -> UnsupportedJoint | None:
+    """Reason why an effector cannot move a joint, or ``None``."""
+    if joint.kind == "fixed":
+        return _FIXED
+    if joint.kind == "continuous":
+        return _CONTINUOUS
+    if not joint.revolute:
+        trait = f"{joint.kind}, and programs move only joints that turn about one axis"
+        return UnsupportedJoint(trait)
+    if joint.mimic is not None:
+        master, ratio = joint.mimic.joint, joint.mimic.ratio
+        trait = f"made to mimic '{master}'"
+        return UnsupportedJoint(
+            trait, f"write in couplings that it follows {master}, at ratio {ratio:g}"
+        )
+    if not joint.limited:
+        return _LIMITLESS
+    return None if joint.lower < joint.upper else _NO_ROOM
+
+
+def unsupported_joints(joints: Iterable[UrdfJoint]) -> dict[UnsupportedJoint, list[UrdfJoint]]:
+    """The joints that cannot be moved, by what keeps them from it."""
+    by_reason: dict[UnsupportedJoint, list[UrdfJoint]] = {}
+    for joint in joints:
+        why = unsupported(joint)
+        if why is not None:
+            by_reason.setdefault(why, []).append(joint)
+    return by_reason

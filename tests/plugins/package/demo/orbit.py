@@ -1,0 +1,26 @@
+"""A modifier that leads a position around its reference, on a level circle."""
+
+import math
+from collections.abc import Mapping
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cbdsl.types.modifier import ModifierType
+
+ORBIT = ModifierType(
+    name="orbit",
+    summary="a level circle around the reference",
+    accepts=frozenset({"position"}),
+    options={"radius": "length", "period": "time"},
+    implementation="demo.orbit:orbit",
+)
+
+Floats = NDArray[np.float64]
+
+
+def orbit(reference: Floats, feedback: Floats, time: float, options: Mapping[str, float]) -> Floats:
+    """The point of the circle at a time."""
+    angle = 2.0 * math.pi * time / options["period"]
+    turned = np.array([math.cos(angle), math.sin(angle), 0.0])
+    return reference + options["radius"] * turned

@@ -1,0 +1,48 @@
+"""A force-torque sensor at a wrist, which carries a hand with load cells."""
+
+from collections.abc import Callable, Iterator
+
+import numpy as np
+
+from cbdsl.documents.robot import RobotDocument, Sensor
+from cbdsl.robot.source_kind import SourceKind
+from cbdsl.sensing.reading import Reading
+from cbdsl.sensing.signals import Signals
+from cbdsl.types.resource import Origin, Resource, SensorSignal
+from cbdsl.types.resource_type import FORCE, TORQUE
+
+
+def resources(name: str, sensor: Sensor, robot: RobotDocument) -> Iterator[Resource]:
+    """Force and torque of one sensor; none where its document lacks the link or the hand."""
+    if sensor.link is None or sensor.hand not in robot.load_cells:
+        return
+    for part, kind in (("force", FORCE), ("torque", TORQUE)):
+        source = SensorSignal(name, "wrist_force_torque", part, (sensor.link,))
+        yield Resource(f"{name}.{part}", kind, Origin.ENVIRONMENT, source)
+
+
+def reader(signal: SensorSignal, signals: Signals) -> Callable[[], Reading | None]:
+    """Reads the sum over the hand's load cells, with the levers from the wrist."""
+    robot, (wrist,) = signals.robot, signal.links
+    hand = robot.sensors[signal.sensor].hand
+    first, last = signals.touch.span(hand)
+    links = [cell.link for cell in robot.load_cells[hand].values()]
+
+    def read() -> Reading | None:
+        if not signals.touch.touching(hand):
+            return None
+        kinematics, loads = signals.kinematics, signals.touch.loads[first:last]
+        origin, jacobian = kinematics.point(wrist, (0.0, 0.0, 0.0))
+        if signal.part == "force":
+            value = loads[:, :3].sum(axis=0)
+            return Reading(value, robot.control.contact_stiffness * jacobian[:3], signals.clock[0])
+        levers = [kinematics.frame(link).position - origin for link in links]
+        value = loads[:, 3:].sum(axis=0) + np.cross(levers, loads[:, :3]).sum(axis=0)
+        return Reading(value, robot.control.contact_torsion * jacobian[3:], signals.clock[0])
+
+    return read
+
+
+WRIST = SourceKind(
+    "wrist_force_torque", "force and torque at a wrist", resources, "demo.wrist:reader"
+)

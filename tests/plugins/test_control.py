@@ -1,0 +1,196 @@
+"""A potential, a sensor and a modifier of another package: declared, checked, run and listed."""
+
+from __future__ import annotations
+
+import json
+import shutil
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from cbdsl.types.potential import POTENTIALS
+from docs.make_reference import page
+from tests.cli.test_main import cb
+from tests.conftest import ROOT
+from tests.plugins.generic import run_generic
+from tests.plugins.installed import write_package
+
+HEAD = "cbdsl: 1\nkind: program\nname: own\nrobot: dexter\nstage: table_right\n"
+OWN = """controllers:
+  out:
+    {potential: keep_out, reference: right_arm.position, feedback: left_arm.position,
+     effector: left_arm, gain: 2 /s, quiescence: {rate: 1e-4, window: 0.3 s}}
+  circle:
+    {potential: spring, reference: [0.35 m, -0.3 m, 0.1 m], feedback: right_arm.position,
+     effector: right_arm.position, modifiers: {orbit: {radius: 5 cm, period: 4 s}}}
+actions: [circle, out, circle ◁ out]
+policy: {"**": circle ◁ out}
+limits: {transitions: 40, transition_time: 6 s}
+"""
+
+
+@pytest.fixture
+def here(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "own.yaml").write_text(HEAD + OWN, "utf-8")
+    return tmp_path
+
+
+def recorded(folder: Path) -> dict[str, np.ndarray]:
+    (file,) = folder.glob("*.npz")
+    with np.load(file) as arrays:
+        return dict(arrays)
+
+
+def test_a_program_with_them_runs(here: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    assert cb(monkeypatch, "validate", "own.yaml") == 0
+    words = ("run", "own.yaml", "--backend", "kinematic", "--record", "kept")
+    assert cb(monkeypatch, *words) in (0, 1)
+    palm = recorded(here / "kept")["signal_right_arm.position"]
+    centre = np.array([0.35, -0.3, 0.1])
+    rest = palm[len(palm) // 2 :] - centre
+    assert np.linalg.norm(rest[:, :2], axis=1) == pytest.approx(0.05, abs=0.02)
+    assert np.ptp(np.unwrap(np.arctan2(rest[:, 1], rest[:, 0]))) > 1.0
+    assert abs(rest[:, 2]).max() < 0.02
+
+
+@pytest.mark.parametrize(
+    ("given", "wanted", "told"),
+    [
+        ("keep_out", "keep_oot", "keep_out"),
+        ("orbit: {radius", "orbt: {radius", "there is no modifier 'orbt'"),
+        ("period: 4 s", "period: 4 cm", "expected time"),
+        (", period: 4 s", "", "its options are radius, period"),
+        ("[0.35 m, -0.3 m, 0.1 m], feedback: right_arm.position,\n     effector: "
+         "right_arm.position",
+         "0, feedback: right_arm,\n     effector: right_arm", "references of type position"),
+    ],
+)  # fmt: skip
+def test_wrong_words_are_findings(
+    here: Path,
+    given: str,
+    wanted: str,
+    told: str,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    (here / "own.yaml").write_text(HEAD + OWN.replace(given, wanted), "utf-8")
+    assert cb(monkeypatch, "validate", "own.yaml") == 1
+    assert told in capsys.readouterr().out
+
+
+@pytest.mark.parametrize(
+    ("what", "name"),
+    [("potentials", "keep_out"), ("sources", "wrist_force_torque"), ("modifiers", "orbit")],
+)
+def test_they_are_listed(
+    what: str, name: str, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert cb(monkeypatch, "show", what, "--json") == 0
+    assert name in [next(iter(row.values())) for row in json.loads(capsys.readouterr().out)]
+
+
+def test_the_reference_has_the_potential() -> None:
+    assert "`keep_out`" in page()
+
+
+def test_the_potential_enters_the_generic_tests(site: Path) -> None:
+    run_generic("control/test_registry.py", "keep_out", site)
+
+
+def test_a_sensor_is_read(here: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    (here / "robots").mkdir()
+    for file in (ROOT / "robots").glob("dexter.*"):
+        shutil.copy(file, here / "robots")
+    robot = here / "robots" / "dexter.yaml"
+    sensor = "\nsensors:\n  wrist: {kind: wrist_force_torque, link: right_palm, hand: right_hand}\n"
+    robot.write_text(robot.read_text("utf-8") + sensor, "utf-8")
+    program = (ROOT / "programs" / "tactileprobe.yaml").read_text("utf-8")
+    watched = (
+        "  yield:\n    {potential: spring, reference: [0 N, 0 N, 0 N], feedback: wrist.force,\n"
+    )
+    watched += "     effector: right_arm}\n"
+    (here / "own.yaml").write_text(
+        program.replace("name: tactileprobe", "name: own")
+        .replace("controllers:\n", "controllers:\n" + watched)
+        .replace("actions: [", "actions: [yield, ", 1)
+        .replace('"**":', '"***":'),
+        "utf-8",
+    )
+    assert cb(monkeypatch, "validate", "own.yaml") == 0
+    words = (
+        "run",
+        "own.yaml",
+        "--backend",
+        "kinematic",
+        "--stage",
+        "held_right",
+        "--record",
+        "kept",
+    )
+    assert cb(monkeypatch, *words) in (0, 1)
+    arrays = recorded(here / "kept")
+    force, loads = arrays["signal_wrist.force"], arrays["loads"]
+    felt = np.isfinite(force).all(axis=1)
+    assert felt.any() and not felt.all()
+    assert force[felt] == pytest.approx(
+        (loads - loads[0])[:, :3, :3].sum(axis=1)[felt], abs=1e-9
+    ) or force[felt] == pytest.approx((loads - loads[0])[:, 3:, :3].sum(axis=1)[felt], abs=1e-9)
+
+
+FAULTY = {
+    "of a wrong name": ("POTENTIAL = KEEP_OUT", "calls itself 'keep_out'"),
+    "without claims": ("POTENTIAL = 3", "is a int, not a PotentialType"),
+    "of no type": (
+        "POTENTIAL = KEEP_OUT._replace(name='faulty', accepts=frozenset({'smell'}))",
+        "accepts smell",
+    ),
+    "that raises": ("raise RuntimeError('no licence')", "no licence"),
+}
+
+
+@pytest.mark.parametrize("fault", FAULTY)
+def test_faulty_potentials_take_nothing_else_down(
+    fault: str, folder: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    text, told = FAULTY[fault]
+    module = f"from demo.keep_out import KEEP_OUT\n{text}\n"
+    write_package(folder, "bad", {"cbdsl.potentials": {"faulty": "bad_potential:POTENTIAL"}},
+                  bad_potential=module)  # fmt: skip
+    POTENTIALS.registry.refresh()
+    assert cb(monkeypatch, "show", "potentials") == 0
+    shown = capsys.readouterr()
+    assert told in shown.err and "bad 1.0" in shown.err and "keep_out" in shown.out
+
+
+@pytest.mark.parametrize(
+    ("body", "told"),
+    [
+        ("residual[7] = 0.0\n    return 0.0", "IndexError"),
+        ("return 1", "not a float"),
+        ("if value[0] > -9.0:\n        raise ValueError('broken')\n    return 0.0", "broken"),
+    ],
+)
+def test_a_potential_that_breaks_its_contract_is_named_before_anything_moves(
+    body: str,
+    told: str,
+    here: Path,
+    folder: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    module = (
+        "from cbdsl.control.potential import Potential, potential\n"
+        "from demo.keep_out import KEEP_OUT\n"
+        "POTENTIAL = KEEP_OUT._replace(name='faulty', implementation='bad_kernel:build')\n"
+        "def build(controller, setting):\n    return Potential(wrong, 1)\n"
+        f"@potential\ndef wrong(value, reference, parameters, residual, slope):\n    {body}\n"
+    )
+    write_package(folder, "bad", {"cbdsl.potentials": {"faulty": "bad_kernel:POTENTIAL"}},
+                  bad_kernel=module)  # fmt: skip
+    POTENTIALS.registry.refresh()
+    (here / "own.yaml").write_text(HEAD + OWN.replace("keep_out", "faulty"), "utf-8")
+    assert cb(monkeypatch, "run", "own.yaml", "--backend", "kinematic") == 2
+    error = capsys.readouterr().err
+    assert told in error and "faulty" in error and "bad 1.0" in error and "Traceback" not in error
