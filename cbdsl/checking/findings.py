@@ -26,7 +26,7 @@ class Findings:
     """All findings so far, each once, in the order of discovery."""
 
     def __init__(self) -> None:
-        self._found: dict[Diagnostic, None] = {}
+        self._diagnostics: dict[Diagnostic, None] = {}
 
     def add(self, code: str | Entry, place: Place, **details: Any) -> None:
         """Add a finding in the catalogue's words; see ``diagnostic``."""
@@ -34,22 +34,22 @@ class Findings:
 
     def extend(self, diagnostics: Iterable[Diagnostic]) -> None:
         """Add findings made elsewhere."""
-        self._found.update(dict.fromkeys(diagnostics))
+        self._diagnostics.update(dict.fromkeys(diagnostics))
 
     @property
     def failed(self) -> bool:
         """Whether there is an error among them."""
-        return any(finding.is_error for finding in self._found)
+        return any(finding.is_error for finding in self._diagnostics)
 
     def holds(self, codes: Collection[str]) -> bool:
         """Whether there is one of some codes among them."""
-        return any(finding.code in codes for finding in self._found)
+        return any(finding.code in codes for finding in self._diagnostics)
 
     def sorted(self) -> tuple[Diagnostic, ...]:
         """All of them by place, and what shows in several places once."""
         firsts: dict[tuple[str, str, str], Diagnostic] = {}
         places: dict[Diagnostic, list[Place]] = {}
-        for finding in sorted(self._found, key=lambda finding: (finding.place, finding.code)):
+        for finding in sorted(self._diagnostics, key=lambda finding: (finding.place, finding.code)):
             # Of resources, all that begin with the same unknown name are missed for one cause.
             what = finding.given if finding.code == "CB501" else finding.message
             key = (finding.place.file, finding.code, what)

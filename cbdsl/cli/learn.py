@@ -214,9 +214,9 @@ def _tell_of_no_reward(request: RunRequest) -> None:
     from cbdsl.checking.reward import check_rewarded
     from cbdsl.cli.terminal import print_diagnostics
 
-    found = check_rewarded(request.program, request.program_file, request.library)
-    if found:
-        print_diagnostics(found)
+    diagnostics = check_rewarded(request.program, request.program_file, request.library)
+    if diagnostics:
+        print_diagnostics(diagnostics)
 
 
 def _require_name(out: Path) -> None:
@@ -301,8 +301,8 @@ def _require_ready(tasks: Sequence[LearningTask], resume: bool) -> None:
             task.require_ready(resume=resume)
         except OSError as error:
             where = f" ({error.filename})" if error.filename else ""
-            told = f"--out {task.path}: {reason(error)}{where}"
-            raise UsageError(told) from error
+            problem = f"--out {task.path}: {reason(error)}{where}"
+            raise UsageError(problem) from error
     if resume:
         _tell_what_is_there(tasks)
 

@@ -40,7 +40,7 @@ class LearningProgress:
         last_ten = partial[deque["Experience"]](deque, maxlen=_RECENT)
         self._recent: dict[int, deque[Experience]] = defaultdict(last_ten)
         self._seconds: deque[float] = deque(maxlen=_RECENT * at_once)
-        self._told = -_PAUSE
+        self._printed = -_PAUSE
         self._bar: tuple[Progress, TaskID] | None = None
 
     def __enter__(self) -> LearningProgress:
@@ -68,8 +68,8 @@ class LearningProgress:
         self._over[number] = len(finished)
         self._recent[number].extend(finished[-_RECENT:])
         if finished:
-            told = f"{len(finished)} of {self._episodes} episodes are over"
-            print(f"{self._name(number, ': ')}{told}", flush=True)
+            status = f"{len(finished)} of {self._episodes} episodes are over"
+            print(f"{self._name(number, ': ')}{status}", flush=True)
         if sys.stdout.isatty() and self._bar is None:
             # Everything has room on a line of eighty characters.
             self._bar = _bar(self.total, width=16 if self._trials == 1 else 8)
@@ -84,10 +84,10 @@ class LearningProgress:
         self._seconds.append(seconds)
         if self._bar is not None:
             bar, task = self._bar
-            told = f"{self._name(number, ', ')}{self._lately(number)}"
-            bar.update(task, completed=self.over, told=told)
-        elif time.monotonic() >= self._told + _PAUSE or self._over[number] == self._episodes:
-            self._told = time.monotonic()
+            status = f"{self._name(number, ', ')}{self._lately(number)}"
+            bar.update(task, completed=self.over, status=status)
+        elif time.monotonic() >= self._printed + _PAUSE or self._over[number] == self._episodes:
+            self._printed = time.monotonic()
             print(self._line(number, experience), flush=True)
 
     def _line(self, number: int, last: Experience) -> str:
@@ -119,7 +119,7 @@ def _bar(total: int, width: int) -> tuple[Progress, TaskID]:
     from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn
     from rich.progress import TimeRemainingColumn as Left
 
-    told = TextColumn("{task.fields[told]}")
-    columns = (MofNCompleteColumn(), BarColumn(bar_width=width), Left(), told)
+    status = TextColumn("{task.fields[status]}")
+    columns = (MofNCompleteColumn(), BarColumn(bar_width=width), Left(), status)
     bar = Progress(*columns, refresh_per_second=2)  # drawing it takes time of the episodes
-    return bar, bar.add_task("", total=total, told="")
+    return bar, bar.add_task("", total=total, status="")

@@ -187,7 +187,7 @@ class HarmonicField:
         return vertex
 
     def _enclosure(self, vertex: Vertex) -> str:
-        """What separates a free vertex from the goal."""
+        """Barriers that separate a free vertex from the goal."""
         own = self.grid.connected(self._owners == FREE, vertex)
         if self._reached[vertex]:
             return "the way to the goal is too long and narrow for this spacing"

@@ -67,7 +67,7 @@ class Grid:
         return bool(marked[tuple(index.T)].all())
 
     def owners(self, obstacles: Sequence[Obstacle]) -> Owners:
-        """What blocks each vertex: the first obstacle that its cell touches.
+        """Blocker of each vertex: the first obstacle that its cell touches.
 
         Returns:
             an obstacle's index, ``BORDER``, or ``FREE``, of the grid's shape.
@@ -97,13 +97,13 @@ class Grid:
 
         The border must not be free.
         """
-        left, found = free.ravel().copy(), np.zeros(free.size, bool)
+        left, joined = free.ravel().copy(), np.zeros(free.size, bool)
         last = np.empty(free.size, np.intp)
         front = np.array([np.ravel_multi_index(start, self.shape)])
         left[front] = False
         steps = np.array([step for stride in self.strides() for step in (-stride, stride)])
         while len(front):
-            found[front] = True
+            joined[front] = True
             near = (front[:, None] + steps).ravel()
             near = near[left[near]]
             left[near] = False
@@ -111,7 +111,7 @@ class Grid:
             order = np.arange(len(near))
             last[near] = order
             front = near[last[near] == order]
-        return found.reshape(self.shape)
+        return joined.reshape(self.shape)
 
     def strides(self) -> Iterator[int]:
         """How far apart neighbours along each axis are in the flattened grid."""

@@ -77,16 +77,16 @@ class Step:
 
     @property
     def levels(self) -> tuple[Level, ...]:
-        """What acted, highest priority first, with the Jacobians that the law went by."""
-        return self.stack.midway()
+        """Levels that acted, highest priority first, with the Jacobians that the law went by."""
+        return self.stack.extrapolated()
 
     @property
     def reports(self) -> tuple[LevelReport, ...]:
         """Explains each level, highest priority first."""
         values = self.stack.split(self.singular_values)
         return tuple(
-            self._report(level, found[found > 0.0])
-            for level, found in zip(self.levels, values, strict=True)
+            self._report(level, singular[singular > 0.0])
+            for level, singular in zip(self.levels, values, strict=True)
         )
 
     def require_sound(self, q: Floats) -> None:

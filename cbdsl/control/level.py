@@ -8,7 +8,7 @@ from cbdsl.control.signal import Floats
 
 
 class Level(NamedTuple):
-    """What one controller wants in this tick.
+    """Displacement that one controller wants in this tick, and its Jacobian.
 
     Attributes:
         name: the controller, for messages and explanations.

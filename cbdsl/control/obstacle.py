@@ -1,4 +1,4 @@
-"""What a motion has to keep away from."""
+"""Obstacles that a motion keeps away from."""
 
 from __future__ import annotations
 

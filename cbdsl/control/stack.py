@@ -79,7 +79,7 @@ class Stack:
         """Forget the ticks before: something else has acted since."""
         self.ages[:] = 0
 
-    def midway(self) -> tuple[Level, ...]:
+    def extrapolated(self) -> tuple[Level, ...]:
         """The levels that act, with their Jacobians half a tick ahead."""
         rows = extrapolate_half_tick(self.rows, self.newest, self.ages, self.ends)
         names = [name for name, age in zip(self.names, self.ages, strict=True) if age]
@@ -87,6 +87,6 @@ class Stack:
         return tuple(Level(name, jacobian, velocity) for name, jacobian, velocity in parts)
 
     def split(self, values: Floats) -> list[Floats]:
-        """What each level that acts has of values (k, ...)."""
+        """Values (k, ...) of each level that acts."""
         spans = zip(self.starts, self.ends, self.ages, strict=True)
         return [values[start:end] for start, end, age in spans if age]

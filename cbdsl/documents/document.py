@@ -89,7 +89,7 @@ AnyAcceleration = Annotated[float, quantity("acceleration", "angular acceleratio
 Coordinate = Annotated[float, quantity("length", "angle")]
 Extent = Annotated[float, quantity("length", "angle", gt=0)]
 Distance = Annotated[float, quantity("length", "angle", ge=0)]
-Share = Annotated[float, quantity(ge=0)]
+NonNegative = Annotated[float, quantity(ge=0)]
 Pixels = Annotated[float, quantity("pixels", gt=0)]
 
 LengthSpan = Annotated[tuple[float, float], _span(_LENGTH)]

@@ -49,8 +49,8 @@ def meaning(value: Mapping[str, Any]) -> tuple[str, str]:
 
 def properties(model: type[BaseModel]) -> dict[str, dict[str, Any]]:
     """Schemas of the keys of a section."""
-    found: dict[str, dict[str, Any]] = model.model_json_schema(schema_generator=_Generator)
-    return found.get("properties", {})
+    schema: dict[str, dict[str, Any]] = model.model_json_schema(schema_generator=_Generator)
+    return schema.get("properties", {})
 
 
 def json_text(schema: Mapping[str, Any]) -> str:
@@ -120,8 +120,8 @@ class _Generator(GenerateJsonSchema):
         plain = super().str_schema(schema)
         if schema.get("pattern") != NAME_PATTERN:
             return plain
-        said = "A letter, then letters, digits and underscores."
-        return self._shared("Name", {"description": said, **plain})
+        description = "A letter, then letters, digits and underscores."
+        return self._shared("Name", {"description": description, **plain})
 
     def tagged_union_schema(self, schema: Any) -> JsonSchemaValue:
         result = super().tagged_union_schema(schema)
@@ -157,8 +157,8 @@ class _Generator(GenerateJsonSchema):
         text = {"type": "string", "pattern": _pattern(sign, dimensions)}
         words = "Or".join(_camel(dimension) for dimension in dimensions)
         unit = _wording(dimensions)
-        said = {"description": unit, "anyOf": [plain, text], "examples": _examples(dimensions)}
-        shared = self._shared(_SIGNS[sign] + words, said)
+        schema = {"description": unit, "anyOf": [plain, text], "examples": _examples(dimensions)}
+        shared = self._shared(_SIGNS[sign] + words, schema)
         self._units[shared["$ref"]] = unit
         return shared
 

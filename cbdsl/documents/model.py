@@ -4,7 +4,7 @@ from typing import Annotated, Literal
 
 from pydantic import Field
 
-from cbdsl.documents.document import Coordinate, Document, Extent, Name, Section, Share
+from cbdsl.documents.document import Coordinate, Document, Extent, Name, NonNegative, Section
 
 
 class Gaussian(Section):
@@ -16,7 +16,7 @@ class Gaussian(Section):
     """Mean angle of each joint."""
     deviation: Annotated[tuple[Extent, ...], Field(min_length=1)]
     """Standard deviation of each joint."""
-    uniform: Share = 0.0
+    uniform: NonNegative = 0.0
     """Share of the draws that are uniform between the joint limits instead."""
 
 
@@ -29,7 +29,7 @@ class Kernel(Section):
     """The configurations, each with one angle a joint."""
     bandwidth: Annotated[tuple[Extent, ...], Field(min_length=1)]
     """Standard deviation of the kernels along each joint."""
-    uniform: Share = 0.0
+    uniform: NonNegative = 0.0
     """Share of the draws that are uniform between the joint limits instead."""
 
 

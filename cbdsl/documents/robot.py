@@ -17,6 +17,7 @@ from cbdsl.documents.document import (
     Length,
     LinkName,
     Name,
+    NonNegative,
     Number,
     Pixels,
     Point,
@@ -24,7 +25,6 @@ from cbdsl.documents.document import (
     PositiveCount,
     Rate,
     Section,
-    Share,
     Time,
     Tolerance,
     Torque,
@@ -126,9 +126,9 @@ class Channels(Section):
     """Number of equal intensity bins, numbered from 1."""
     motion: bool = True
     """Whether there is a channel for pixels that changed since the image before."""
-    least_intensity: Share = 0.16
+    least_intensity: NonNegative = 0.16
     """Darker pixels have neither hue nor saturation."""
-    least_saturation: Share = 0.3
+    least_saturation: NonNegative = 0.3
     """Paler pixels have no hue."""
     aliases: dict[Name, str] = {}
     """Further names of channels, such as ``green: hue_4``."""
@@ -143,7 +143,7 @@ class Regions(Section):
     """Largest distance between the two lines of sight at their crossing."""
     farthest: Length = 2.5
     """Farthest position that is believed."""
-    least_visible: Share = 0.98
+    least_visible: NonNegative = 0.98
     """Share of the largest apparent size below which a region counts as hidden in part."""
     linger: Time = 0.25
     """How long a heading outlives its region."""
@@ -153,7 +153,7 @@ class Regions(Section):
     """A hand this near to the line of sight explains that a region is hidden."""
     prediction: Time = 3.0
     """How long a moving region is predicted while hidden."""
-    gains: tuple[Share, Share] = (0.5, 0.12)
+    gains: tuple[NonNegative, NonNegative] = (0.5, 0.12)
     """Gains of the alpha-beta filter on positions."""
     least_speed: AnySpeed = 0.008
     """Slower regions are taken to stand still."""
@@ -236,7 +236,7 @@ class TipSurface(Section):
 
     links: tuple[LinkName, ...] = ()
     """Links of the URDF; a trailing * matches any ending."""
-    friction: Share = 1.0
+    friction: NonNegative = 1.0
     """Coefficient of lateral friction."""
     stiffness: Number | None = None
     """Contact stiffness, N/m; rigid without it."""
@@ -251,9 +251,9 @@ class Simulation(Section):
     """Physics steps per second."""
     solver_iterations: PositiveCount = 20
     """Iterations of the contact solver per physics step."""
-    position_gain: Share = 0.3
+    position_gain: NonNegative = 0.3
     """Gain of the simulated servos on a joint's position error."""
-    velocity_gain: Share = 1.0
+    velocity_gain: NonNegative = 1.0
     """Gain of the simulated servos on a joint's velocity error."""
     efforts: dict[str, Torque] = {}
     """Joint torques that replace the URDF's."""

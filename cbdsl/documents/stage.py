@@ -13,10 +13,10 @@ from cbdsl.documents.document import (
     LengthSpan,
     MassSpan,
     Name,
+    NonNegative,
     Point,
     Positive,
     Section,
-    Share,
     Size,
     SizeSpan,
     SpeedSpan,
@@ -124,9 +124,9 @@ class Surface(Section):
 
     color: Color = (1.0, 0.0, 0.0)
     """Red, green and blue, each from 0 to 1."""
-    friction: Share = 0.8
+    friction: NonNegative = 0.8
     """Coefficient of lateral friction."""
-    rolling_friction: Share = 0.002
+    rolling_friction: NonNegative = 0.002
     """Coefficient of rolling friction."""
 
 
@@ -219,7 +219,7 @@ class Context(Section):
 class Disturbance(Section):
     """Imperfections of the sensors in this context."""
 
-    image_noise: Share = 0.0
+    image_noise: NonNegative = 0.0
     """Standard deviation of pixel values, of 255."""
     camera_position: Length = 0.0
     """Distance of each camera from where the robot believes it to be."""

@@ -104,18 +104,18 @@ def first_line(learner: LearnerClass) -> str:
 _METHODS = ("see", "remember", "policy", "greedy", "densities", "documents")
 
 
-def _learner_class(_: str, found: Any) -> LearnerClass:
+def _learner_class(_: str, offered: Any) -> LearnerClass:
     """Class with all methods of ``Learner`` and constants that have defaults."""
-    lacking = [method for method in _METHODS if not callable(getattr(found, method, None))]
+    lacking = [method for method in _METHODS if not callable(getattr(offered, method, None))]
     if lacking:
         raise PluginError(f"lacks the methods {', '.join(lacking)}")
-    constants = getattr(found, "Constants", None)
+    constants = getattr(offered, "Constants", None)
     if not (isinstance(constants, type) and issubclass(constants, Section)):
         raise PluginError("lacks Constants, a subclass of cbdsl.documents.document.Section")
     needed = [name for name, field in constants.model_fields.items() if field.is_required()]
     if needed:
         raise PluginError(f"its constants have no default: {', '.join(needed)}")
-    checked: LearnerClass = found
+    checked: LearnerClass = offered
     return checked
 
 

@@ -20,14 +20,14 @@ def density_source(effector: str, density: Gaussian | Kernel) -> GaussianSample 
 
 def internal_models(program: CheckedProgram) -> dict[str, Resource]:
     """The internal models that a program's own actions draw references from, by name."""
-    found = {}
+    models = {}
     for action in program.actions:
         for primitive in action.composition.primitives if action.composition else ():
             for controller in primitive.controllers:
                 reference = controller.reference
                 if isinstance(reference, Resource) and reference.origin is Origin.MODEL:
-                    found[reference.name] = reference
-    return found
+                    models[reference.name] = reference
+    return models
 
 
 def bind(program: CheckedProgram, sources: Mapping[str, Source]) -> CheckedProgram:

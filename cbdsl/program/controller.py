@@ -159,7 +159,7 @@ class Controller:
 
     @property
     def resources(self) -> tuple[Resource, ...]:
-        """What it reads."""
+        """Resources that it reads."""
         obstacles = self.field.obstacles if self.field is not None else ()
         reference = (self.reference,) if isinstance(self.reference, Resource) else ()
         balls = tuple(o.resource for o in obstacles if isinstance(o, Ball))
@@ -167,7 +167,7 @@ class Controller:
 
 
 class Primitive(NamedTuple):
-    """What a state has one predicate for: one controller, or several composed into one.
+    """Members of a state with one predicate: one controller, or several composed into one.
 
     Attributes:
         name: as the program calls it, with its arguments.

@@ -75,18 +75,18 @@ def controllers(program: CheckedProgram) -> tuple[Controller, ...]:
     stacks = [action.composition for action in program.actions if action.composition is not None]
     if program.background is not None:
         stacks.append(program.background)
-    found = (c for stack in stacks for primitive in stack.primitives for c in primitive.controllers)
-    return tuple(dict.fromkeys(found))
+    primitives = (primitive for stack in stacks for primitive in stack.primitives)
+    return tuple(dict.fromkeys(each for members in primitives for each in members.controllers))
 
 
 def resources(program: CheckedProgram) -> tuple[Resource, ...]:
     """All resources that a program's controllers are bound to, each once."""
-    found: dict[str, Resource] = {}
+    bindings: dict[str, Resource] = {}
     for controller in controllers(program):
         for bound in (controller.feedback, controller.reference, controller.effector):
             if isinstance(bound, Resource):
-                found[bound.name] = bound
-    return tuple(found.values())
+                bindings[bound.name] = bound
+    return tuple(bindings.values())
 
 
 def rewarding(action: Action) -> tuple[str, ...]:

@@ -35,7 +35,7 @@ class LinkShape(NamedTuple):
     mesh: Mesh | None = None
 
 
-class Link(NamedTuple):
+class DrawnLink(NamedTuple):
     """A link, and the joint that it hangs on.
 
     Attributes:
@@ -62,7 +62,7 @@ class Link(NamedTuple):
     shapes: tuple[LinkShape, ...]
 
 
-def read_links(robot: Mapping[str, Any], joints: Sequence[str]) -> list[Link]:
+def read_links(robot: Mapping[str, Any], joints: Sequence[str]) -> list[DrawnLink]:
     """The links of a recorded robot, each behind the one that it hangs on.
 
     Args:
@@ -73,7 +73,7 @@ def read_links(robot: Mapping[str, Any], joints: Sequence[str]) -> list[Link]:
     folder = Path(robot["folder"])
     model = parse_urdf(robot["urdf"], folder / "model.urdf")
     above = {joint.child: joint for joint in model.joints.values()}
-    links: list[Link] = []
+    links: list[DrawnLink] = []
     places: dict[str, int] = {}
     for name in _outwards(model, above):
         shapes = tuple(_shapes(model.bodies[name].visuals, folder))
@@ -82,10 +82,10 @@ def read_links(robot: Mapping[str, Any], joints: Sequence[str]) -> list[Link]:
         if joint is None:
             root = UrdfOrigin()
             fixed = ("fixed", (0, 0, 1), -1, 1.0, 0.0)
-            links.append(Link(name, -1, root.xyz, root.quaternion, *fixed, shapes))
+            links.append(DrawnLink(name, -1, root.xyz, root.quaternion, *fixed, shapes))
             continue
         links.append(
-            Link(
+            DrawnLink(
                 name,
                 places[joint.parent],
                 joint.origin.xyz,

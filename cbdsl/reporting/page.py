@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cbdsl.reporting.bundle import Bundle
-from cbdsl.reporting.model import Link, LinkShape, read_links
+from cbdsl.reporting.model import DrawnLink, LinkShape, read_links
 from cbdsl.reporting.reasons import reasons
 from cbdsl.reporting.recorded import Recorded
 from cbdsl.reporting.template import filled
@@ -84,7 +84,7 @@ def _cameras(recorded: Recorded, bundle: Bundle) -> dict[str, Any]:
     return tracks
 
 
-def _link(link: Link, bundle: Bundle) -> dict[str, object]:
+def _link(link: DrawnLink, bundle: Bundle) -> dict[str, object]:
     return {**link._asdict(), "shapes": [_shape(shape, bundle) for shape in link.shapes]}
 
 

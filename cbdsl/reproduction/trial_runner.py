@@ -27,7 +27,7 @@ from cbdsl.reproduction.shipped import shipped_file, shipped_robot
 from cbdsl.sensing.kinematics import Kinematics
 from cbdsl.training.episode_runner import BackendEpisodeRunner
 from cbdsl.training.journal import Journal
-from cbdsl.training.provenance import Setting, provenance_of
+from cbdsl.training.provenance import TrialSetting, provenance_of
 from cbdsl.training.trial import Trial
 from cbdsl.training.trial_loop import (
     NullObserver,
@@ -190,7 +190,7 @@ class TrialRunner:
         """One trial, from its beginning or from where it was interrupted."""
         settings, episodes = self._settings, self.episodes(series)
         stage = self._stage(series)
-        setting = Setting(
+        setting = TrialSetting(
             program_sha256=program_digest(self._file(series), self._library),
             robot=self._robot,
             stage=stage,

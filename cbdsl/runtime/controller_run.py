@@ -245,8 +245,8 @@ class ControllerRun:
         except SignalError as error:
             return error
         reason = self._potential.refuse
-        told = f": {reason(value, reference)}" if reason else ""
-        return SignalError(f"the {self.controller.potential} of {name} cannot be computed{told}")
+        why = f": {reason(value, reference)}" if reason else ""
+        return SignalError(f"the {self.controller.potential} of {name} cannot be computed{why}")
 
     @property
     def _record(self) -> Any:

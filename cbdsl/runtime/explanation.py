@@ -23,7 +23,7 @@ LIMITS = "joint limits"
 
 # A level that achieves less of what it wants is asked who took the rest.
 _SMALL_SHARE = 0.5
-# Whoever responds to less of a level's wish than this did not take it.
+# Whoever responds to less of a level's velocity than this did not take it.
 _TAKEN = 0.1
 
 
@@ -54,7 +54,7 @@ class LevelExplanation:
 
 @dataclass(frozen=True)
 class TickExplanation:
-    """What acted in a tick.
+    """Levels that acted in a tick.
 
     Attributes:
         levels: highest priority first.
@@ -77,16 +77,16 @@ class Explanation:
         if step is None:
             self._before = {}
             return TickExplanation((), ())
-        found = [_run(tick.run, level.name) for level in step.levels]
-        names = [name for name, _ in found]
+        runs = [_run(tick.run, level.name) for level in step.levels]
+        names = [name for name, _ in runs]
         holders = [_holder(step, place, names) for place in range(len(names))]
         levels = tuple(
             self._level(name, run, report, holder)
-            for (name, run), report, holder in zip(found, step.reports, holders, strict=True)
+            for (name, run), report, holder in zip(runs, step.reports, holders, strict=True)
         )
         self._before = {
             name: (run.phi, _change(run, level, step.displacement))
-            for (name, run), level in zip(found, step.levels, strict=True)
+            for (name, run), level in zip(runs, step.levels, strict=True)
         }
         return TickExplanation(levels, tick.actuation.at_limits())
 
@@ -116,8 +116,8 @@ def named_runs(run: ProgramRun, prefix: str = "") -> Iterator[tuple[str, Control
 
 def _run(program: ProgramRun, name: str) -> tuple[str, ControllerRun]:
     """The controller that a level belongs to: of several with its name, one that is active."""
-    found = [each for each in named_runs(program) if each[1].controller.name == name]
-    return next((each for each in found if each[1].predicate != "X"), found[0])
+    namesakes = [each for each in named_runs(program) if each[1].controller.name == name]
+    return next((each for each in namesakes if each[1].predicate != "X"), namesakes[0])
 
 
 def _change(run: ControllerRun, level: Level, displacement: Floats) -> float:

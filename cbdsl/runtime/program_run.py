@@ -44,11 +44,11 @@ class _Lead(NamedTuple):
     @property
     def predicate(self) -> str:
         """The leading controller's; at rest only when what is optimised below it is, too."""
-        found = self.run.predicate
+        leading = self.run.predicate
         for run in self.optimising:
-            if found == "1" and run.predicate == "0":
+            if leading == "1" and run.predicate == "0":
                 return "0"
-        return found
+        return leading
 
 
 class ProgramRun:
@@ -161,7 +161,7 @@ class ProgramRun:
         return self._action
 
     def active(self) -> Sequence[Active]:
-        """What acts now, highest priority first, down to the background.
+        """Levels that act now, highest priority first, down to the background.
 
         The same object as before while the same acts.
         """
@@ -344,7 +344,7 @@ class _ControllerRuns:
     def waiting(
         self, composition: Composition
     ) -> Iterator[tuple[ControllerRun, Sequence[ControllerRun]]]:
-        """What seeks once another controller has arrived, and what waits there meanwhile.
+        """Controllers that seek once another has arrived, and those that wait meanwhile.
 
         That is the whole primitive that the other is a part of. Whether it has come to rest is
         judged from the end of the search, since what is found may set it in motion again.
@@ -356,7 +356,7 @@ class _ControllerRuns:
                     yield seeker, [self.run(each) for each in primitive.controllers]
 
     def lead(self, primitive: Primitive, place: int) -> _Lead:
-        """What gives the predicate of a primitive at this place of the state."""
+        """Controllers that give the predicate of a primitive at this place of the state."""
         optimising = [each for each in primitive.controllers[:-1] if each.reference is None]
         others = tuple(self.run(controller) for controller in optimising)
         return _Lead(place, self.run(primitive.lead), others, primitive.rewarded)

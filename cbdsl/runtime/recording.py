@@ -230,27 +230,27 @@ def _numbers(priority: int, level: LevelExplanation, names: list[str]) -> tuple[
 
 
 def _members(program: CheckedProgram) -> dict[str, tuple[str, ...]]:
-    """What the letters of the states are, by program."""
-    found = {program.name: program.members}
+    """Members that the letters of the states stand for, by program."""
+    members = {program.name: program.members}
     for action in program.actions:
         if action.program is not None:
-            found |= _members(action.program)
-    return found
+            members |= _members(action.program)
+    return members
 
 
 def _triple(controller: Controller) -> dict[str, object]:
-    """What a controller is, for people; the unit is that of its error."""
+    """Typed triple of a controller, for people; the unit is that of its error."""
     reference = controller.reference
     if isinstance(reference, Literal):
-        told = ", ".join(f"{value:g}" for value in reference.values)
+        shown = ", ".join(f"{value:g}" for value in reference.values)
     elif isinstance(reference, AlongNormals):
-        told = f"{reference.force:g} N along normals"
+        shown = f"{reference.force:g} N along normals"
     else:
-        told = "" if reference is None else reference.name
+        shown = "" if reference is None else reference.name
     return {
         "potential": controller.potential,
         "feedback": controller.feedback.name,
-        "reference": told,
+        "reference": shown,
         "effector": controller.effector.name,
         "unit": controller.feedback.type.unit,
     }

@@ -57,14 +57,14 @@ class ChannelFilter:
             image: RGB, shape (height, width, 3), top row first.
         """
         hue, saturation, intensity = cv2.split(cv2.cvtColor(image, cv2.COLOR_RGB2HSV_FULL))
-        found: dict[str, Region] = {}
+        regions: dict[str, Region] = {}
         for name in self._wanted:
             mask = self._mask(name, image, hue, saturation, intensity)
             region = None if mask is None else largest_region(mask, self._least_area)
             if region is not None:
-                found[name] = region
+                regions[name] = region
         self._before = image
-        return found
+        return regions
 
     def _mask(
         self, name: str, image: Image, hue: Image, saturation: Image, intensity: Image

@@ -1,4 +1,4 @@
-"""What a robot senses in one tick: the only thing that controllers ever see of the world."""
+"""Observation of a robot in one tick: the only thing that controllers ever see of the world."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ Cell = tuple[str, str]
 
 
 class Loads(Mapping[Cell, Floats]):
-    """What load cells read, by (hand, finger).
+    """Wrenches that load cells measure, by (hand, finger).
 
     Attributes:
         cells: in order.

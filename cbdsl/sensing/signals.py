@@ -28,12 +28,12 @@ from cbdsl.sensing.refresh import (
     WRITTEN,
     refresh,
 )
-from cbdsl.sensing.sight import Sight
-from cbdsl.sensing.table import Form, Part, SignalTable
+from cbdsl.sensing.table import Form, RowPart, SignalTable
 from cbdsl.sensing.tips import Tips
 from cbdsl.sensing.touch import Touch
 from cbdsl.sensing.uniform import UniformSampler
 from cbdsl.sensing.vision import Vision
+from cbdsl.sensing.visual_signals import VisualSignals
 from cbdsl.types.resource import (
     Centroid,
     EffectorConfiguration,
@@ -113,7 +113,7 @@ class Signals:
         self.vision = Vision(robot, kinematics, channels)
         self.tips = Tips(robot, kinematics)
         self.touch = Touch(robot, kinematics, self.tips)
-        self.sight = Sight(robot, kinematics, self.vision, self.tips, self.touch)
+        self.sight = VisualSignals(robot, kinematics, self.vision, self.tips, self.touch)
         self._binders: dict[type, Callable[[Any], int]] = {
             EffectorConfiguration: self._bind_configuration,
             Posture: self._bind_posture,
@@ -237,7 +237,7 @@ class Signals:
 
     @property
     def arrays(self) -> tuple[Any, ...]:
-        """What ``refresh`` reads and writes, behind the stamp."""
+        """Arrays that ``refresh`` reads and writes, behind the stamp."""
         table, touch, kinematics = self.table, self.touch, self.kinematics
         return (
             self.positions, touch.loads, touch.feeling,
@@ -349,7 +349,7 @@ class Signals:
             for m in members
         ]
         parts = [
-            Part(source=tip, weight=weight, shift=shift * place)
+            RowPart(source=tip, weight=weight, shift=shift * place)
             for place, (tip, weight) in enumerate(zip(tips, weights, strict=True))
         ]
         size = 3 + shift * (len(members) - 1)

@@ -15,7 +15,7 @@ Floats = NDArray[np.float64]
 Integers = NDArray[np.int64]
 
 
-class Part(NamedTuple):
+class RowPart(NamedTuple):
     """One part of a row, as ``refresh.PART`` has it."""
 
     frame: int = 0
@@ -46,7 +46,7 @@ class Form(NamedTuple):
     kind: int
     size: int
     rows: int
-    parts: Sequence[Part] = ()
+    parts: Sequence[RowPart] = ()
     columns: Sequence[int] = ()
     linear: bool = True
     angular: bool = False
@@ -54,7 +54,7 @@ class Form(NamedTuple):
     standoff: Sequence[float] = (0.0, 0.0, 0.0)
 
 
-def records_of(parts: Sequence[Part]) -> NDArray[Any]:
+def records_of(parts: Sequence[RowPart]) -> NDArray[Any]:
     """Parts as ``refresh`` takes them; where their support is listed is for the table to say."""
     return np.array([(*each[:3], 0, len(each.support), *each[4:]) for each in parts], PART)
 

@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.sensing.kinematics import Frame, Kinematics, Point
-from cbdsl.sensing.table import Part
+from cbdsl.sensing.table import RowPart
 
 Floats = NDArray[np.float64]
 
@@ -40,9 +40,9 @@ class Tips:
         """The +z axis of a tip, the direction in which a palm faces, world frame, shape (3,)."""
         return self.frame(effector).rotation[:, 2]
 
-    def part(self, effector: str) -> Part:
+    def part(self, effector: str) -> RowPart:
         """An effector's control point as a part of a row of the signal table."""
         name, offset = self._tips[effector]
         link = self._kinematics.link(name)
         origin = link.position + link.rotation.dot(np.array(offset))
-        return Part(link.frame, origin, link.rotation.ravel(), link.support)
+        return RowPart(link.frame, origin, link.rotation.ravel(), link.support)

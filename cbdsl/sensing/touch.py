@@ -13,7 +13,7 @@ from cbdsl.numeric.compiled import compiled_once
 from cbdsl.sensing.kinematics import Kinematics
 from cbdsl.sensing.observation import Cell, Loads
 from cbdsl.sensing.reading import Reading, jacobian_of, stacked
-from cbdsl.sensing.table import Part
+from cbdsl.sensing.table import RowPart
 from cbdsl.sensing.tips import Tips
 from cbdsl.types.resource import FingerForces, FingerLoad, NetForces, NetLoad
 
@@ -85,7 +85,9 @@ class Touch:
         if self._tare is None:
             self._tare = wrenches.copy()
         before = self._touching
-        self._touching = _feel(wrenches, self._tare, self._threshold, self.loads, self.feeling)
+        self._touching = _set_feedback(
+            wrenches, self._tare, self._threshold, self.loads, self.feeling
+        )
         if before or self._touching:
             self._in_contact = self.feeling.tolist()
 
@@ -140,7 +142,7 @@ class Touch:
         rows = [np.outer(n, row) for n, row in zip(normals, flexions, strict=True)]
         return Reading(forces.ravel(), np.vstack(rows), self._tips.stamp)
 
-    def pads(self, hand: str) -> tuple[Sequence[Part], Floats]:
+    def pads(self, hand: str) -> tuple[Sequence[RowPart], Floats]:
         """Parts and Jacobian of a row of the forces along the normals of a hand's load cells.
 
         Such forces are defined without contact too, as a measured zero, so that a hand can close on
@@ -150,7 +152,7 @@ class Touch:
         for place, cell in enumerate(self._fingers(hand).values(), self._own[hand].start):
             link = self._kinematics.link(cell.link)
             normal = link.rotation.dot(self._normals[cell.link])
-            parts.append(Part(link.frame, cell=place, normal=normal))
+            parts.append(RowPart(link.frame, cell=place, normal=normal))
         return parts, self._flexions[hand]
 
     def palm_forces(self, source: NetForces) -> Reading:
@@ -201,7 +203,7 @@ class Touch:
 
 
 @compiled_once
-def _feel(
+def _set_feedback(
     wrenches: Floats, tare: Floats, threshold: float, loads: Floats, feeling: Booleans
 ) -> bool:
     """Find the loads, and which cells feel more than a threshold.

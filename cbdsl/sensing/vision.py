@@ -159,21 +159,21 @@ class Vision:
         A head that turns while it searches overshoots what it sees first at an image's edge, and
         would otherwise search on and never get hold of it.
         """
-        found = self.headings.get((camera, channel))
-        if found is None and self._sights and camera in self._looking:
+        sighting = self.headings.get((camera, channel))
+        if sighting is None and self._sights and camera in self._looking:
             seen = self._sights.get((camera, channel))
             if seen is not None:
                 angles = heading(self._frames[camera].rotation.T.dot(seen.ray.direction))
-                found = self.headings[camera, channel] = SeenHeading(angles, seen.image)
-        return found
+                sighting = self.headings[camera, channel] = SeenHeading(angles, seen.image)
+        return sighting
 
     def _seen(self, observation: Observation) -> Mapping[str, Sequence[tuple[str, Region]]]:
         """The region of each wanted channel that has one, by camera."""
-        found = observation.regions or {
+        by_camera = observation.regions or {
             name: self._filters[name].regions(image) for name, image in observation.images.items()
         }
-        if not any(found.values()):
-            return dict.fromkeys(found, ())
+        if not any(by_camera.values()):
+            return dict.fromkeys(by_camera, ())
         least = self._settings.least_area
         return {
             name: [
@@ -181,7 +181,7 @@ class Vision:
                 for channel in self.channels
                 if (region := regions.get(channel)) is not None and region.area >= least
             ]
-            for name, regions in found.items()
+            for name, regions in by_camera.items()
         }
 
     def _knows(self) -> bool:

@@ -163,32 +163,31 @@ def require_usable(path: Path, identity: Mapping[str, Any]) -> None:
         _require_same(path, known, identity)
 
 
-def _require_same(path: Path, found: Mapping[str, Any], wanted: Mapping[str, Any]) -> None:
-    differing = _differences(found, wanted)
-    if differing:
-        told = "; ".join(differing)
+def _require_same(path: Path, known: Mapping[str, Any], wanted: Mapping[str, Any]) -> None:
+    if differences := "; ".join(_differences(known, wanted)):
         raise JournalError(
-            f"{path} belongs to another trial: {told}; ask for the same, or choose another --out"
+            f"{path} belongs to another trial: {differences}; "
+            "ask for the same, or choose another --out"
         )
 
 
-def _differences(found: Mapping[str, Any], wanted: Mapping[str, Any]) -> list[str]:
+def _differences(known: Mapping[str, Any], wanted: Mapping[str, Any]) -> list[str]:
     """Differences between two identities, in words."""
-    told = []
-    for key in {**found, **wanted}:
-        old, new = found.get(key), wanted.get(key)
+    differences = []
+    for key in {**known, **wanted}:
+        old, new = known.get(key), wanted.get(key)
         if old == new:
             continue
         if isinstance(old, dict) and isinstance(new, dict):
             if old.get("name") != new.get("name"):
-                told.append(f"{key} was {old.get('name')}, is {new.get('name')}")
+                differences.append(f"{key} was {old.get('name')}, is {new.get('name')}")
             elif "sha256" in old:
-                told.append(f"{key} '{old.get('name')}' has changed since")
+                differences.append(f"{key} '{old.get('name')}' has changed since")
             else:
-                told += _differences(old, new)
+                differences += _differences(old, new)
         else:
-            told.append(f"{key} was {_shown(old)}, is {_shown(new)}")
-    return told
+            differences.append(f"{key} was {_shown(old)}, is {_shown(new)}")
+    return differences
 
 
 def _shown(value: object) -> str:

@@ -14,7 +14,7 @@ from cbdsl.program.checked import CheckedProgram
 from cbdsl.sensing.kinematics import Kinematics
 from cbdsl.training.episode_runner import BackendEpisodeRunner
 from cbdsl.training.journal import require_usable
-from cbdsl.training.provenance import Setting, provenance_of
+from cbdsl.training.provenance import TrialSetting, provenance_of
 from cbdsl.training.trial import Trial
 from cbdsl.training.trial_loop import (
     NullObserver,
@@ -109,5 +109,5 @@ class LearningTask:
         return Trial(self.program, self.constants, self.seed, self.number, self.learner)
 
     def _provenance(self, trial: Trial, renderer: str) -> Provenance:
-        setting = Setting(self.program_sha256, self.robot, self.stage, self.backend, renderer)
+        setting = TrialSetting(self.program_sha256, self.robot, self.stage, self.backend, renderer)
         return provenance_of(trial, setting, self.episodes, self.command)

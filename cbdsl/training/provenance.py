@@ -22,7 +22,7 @@ _PACKAGES = ("cbdsl", "moderngl", "numba", "numpy", "opencv-python-headless", "p
 
 
 @dataclass(frozen=True)
-class Setting:
+class TrialSetting:
     """Surroundings of a trial that its outcome depends on.
 
     Attributes:
@@ -40,7 +40,7 @@ class Setting:
     renderer: str
 
 
-def provenance_of(trial: Trial, setting: Setting, episodes: int, command: str) -> Provenance:
+def provenance_of(trial: Trial, setting: TrialSetting, episodes: int, command: str) -> Provenance:
     """Provenance of a trial.
 
     Args:
@@ -90,10 +90,10 @@ def plugin_versions(learner: str, backend: str) -> dict[str, str]:
 
 def versions() -> dict[str, str]:
     """Versions of the installed packages that an outcome depends on."""
-    found = {"python": platform.python_version()}
+    installed = {"python": platform.python_version()}
     for package in _PACKAGES:
         try:
-            found[package] = version(package)
+            installed[package] = version(package)
         except PackageNotFoundError:
             continue
-    return found
+    return installed

@@ -102,7 +102,7 @@ class CancellationCheck:
 
 
 def _require_fit(there: Path, expected: Mapping[str, str]) -> None:
-    worker, found = get_worker(), versions()
+    worker, installed = get_worker(), versions()
     if worker.state.nthreads != 1:
         raise UsageError(
             f"worker {worker.address} has {worker.state.nthreads} threads, which share what a "
@@ -113,8 +113,8 @@ def _require_fit(there: Path, expected: Mapping[str, str]) -> None:
             f"worker {worker.address} does not see the files in {there.parent}: what it learned "
             "would be elsewhere"
         )
-    for package in {**found, **expected}:
-        theirs, ours = found.get(package, "none"), expected.get(package, "none")
+    for package in {**installed, **expected}:
+        theirs, ours = installed.get(package, "none"), expected.get(package, "none")
         if theirs != ours:
             raise UsageError(
                 f"worker {worker.address} has {package} {theirs}, not {ours}: it might learn "

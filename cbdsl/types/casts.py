@@ -74,15 +74,15 @@ def chains(start: ResourceType, goal: ResourceType) -> list[tuple[Cast, ...]]:
     Returns:
         All chains of the least length: ``[()]`` for equal types, ``[]`` where there is none.
     """
-    found: list[tuple[Cast, ...]] = []
+    shortest: list[tuple[Cast, ...]] = []
     waiting: deque[tuple[Cast, ...]] = deque([()])
     while waiting:
         chain = waiting.popleft()
-        if found and len(chain) > len(found[0]):
+        if shortest and len(chain) > len(shortest[0]):
             break
         at = chain[-1].target if chain else start.name
         if at == goal.name:
-            found.append(chain)
+            shortest.append(chain)
             continue
         seen = {start.name, *(cast.target for cast in chain)}
         waiting.extend(
@@ -92,4 +92,4 @@ def chains(start: ResourceType, goal: ResourceType) -> list[tuple[Cast, ...]]:
             and cast.target not in seen
             and (cast.factors == 1 or (not chain and cast.factors == start.factors))
         )
-    return found
+    return shortest

@@ -1,4 +1,4 @@
-"""What the type checker knows of each artificial potential (Omega_phi, Eq 3.7)."""
+"""Properties of each artificial potential that the type checker knows (Omega_phi, Eq 3.7)."""
 
 from collections.abc import Iterator, Mapping
 from enum import Enum

@@ -1,4 +1,4 @@
-"""What somebody meant who wrote a quantity that is none, and how to write it."""
+"""Slips in written quantities, and how to mend them."""
 
 from __future__ import annotations
 
@@ -48,12 +48,12 @@ _OTHER_NAMES = {
 
 
 def slip_in(value: object) -> str | None:
-    """What is wrong with what should be a quantity, and what to write, as a clause."""
+    """Fault of a value that should be a quantity, and its remedy, as a clause."""
     if isinstance(value, str):
         if len(value) > _LONGEST:
             return None
-        found = (explain(value) for explain in _EXPLANATIONS)
-        return next((clause for clause in found if clause is not None), None)
+        clauses = (explain(value) for explain in _EXPLANATIONS)
+        return next((clause for clause in clauses if clause is not None), None)
     parts = _parts(value)
     if not parts:
         return None
@@ -65,13 +65,13 @@ def slip_in(value: object) -> str | None:
     return None
 
 
-def told(value: object, error: QuantityError) -> str:
-    """What is to be said of a value that is no quantity: what to write, or what is wanted.
+def quantity_problem(value: object, error: QuantityError) -> str:
+    """Message on a value that is no quantity: its remedy, or the unit that is wanted.
 
     It is no part of the error's own message, which is made for values that may be text as well.
     """
-    said = str(error)
-    return said.partition("; expected")[0] if "; write" in said else slip_in(value) or said
+    message = str(error)
+    return message.partition("; expected")[0] if "; write" in message else slip_in(value) or message
 
 
 def quantities_in(text: str) -> list[str]:

@@ -84,7 +84,7 @@ class Registry(Generic[Entry]):
 
     def faults(self) -> tuple[PluginError, ...]:
         """Plug-ins that cannot be used, each with its name, group, package and fault."""
-        found = [
+        faults = [
             self._fault(point, "this name is built in")
             for name, points in self._offered().items()
             for point in points
@@ -94,8 +94,8 @@ class Registry(Generic[Entry]):
             try:
                 self.get(name)
             except PluginError as error:
-                found.append(error)
-        return tuple(found)
+                faults.append(error)
+        return tuple(faults)
 
     @property
     def met_faults(self) -> tuple[PluginError, ...]:

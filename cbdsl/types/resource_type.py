@@ -4,7 +4,7 @@ from typing import NamedTuple, Self
 
 
 class ResourceType(NamedTuple):
-    """What kind of quantity a resource carries.
+    """Type of the quantity that a resource carries.
 
     Types are nominal: a force is not a position although both live in R^3.
 

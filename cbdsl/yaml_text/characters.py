@@ -88,17 +88,17 @@ def plain(text: str) -> str:
 
 def suggested_value(text: str) -> str | None:
     """The quantity or the name that a text only looks like; ``None`` where it is a text."""
-    meant = plain(text)
-    if meant == text:
+    suggestion = plain(text)
+    if suggestion == text:
         return None
-    is_word = re.fullmatch(_WORD, meant) and re.search(r"[A-Za-z]", text)
-    return meant if is_word or is_quantity(meant) else None
+    is_word = re.fullmatch(_WORD, suggestion) and re.search(r"[A-Za-z]", text)
+    return suggestion if is_word or is_quantity(suggestion) else None
 
 
 def suggested_key(key: str) -> str | None:
     """The key that a text only looks like, or ``None``; a typographic quote is left out."""
-    meant = plain(key).strip(' "')
-    return meant if meant.isascii() and not key.isascii() else None
+    suggestion = plain(key).strip(' "')
+    return suggestion if suggestion.isascii() and not key.isascii() else None
 
 
 def suggested_line(line: str) -> str | None:
@@ -113,10 +113,10 @@ def first_look_alike(text: str) -> int:
     return next(index for index, character in enumerate(text) if plain(character) != character)
 
 
-def look_alike_message(text: str, meant: str) -> str:
+def look_alike_message(text: str, suggestion: str) -> str:
     """Message about a text with such a character."""
     character = spelled(text[first_look_alike(text)])
-    return f"{character} is not the character that is meant; write '{' '.join(meant.split())}'"
+    return f"{character} is not the character that is meant; write '{' '.join(suggestion.split())}'"
 
 
 def spelled(character: str) -> str:

@@ -43,7 +43,7 @@ class Library:
         self.here = here or Path.cwd()
         self._given = {path.resolve(): data for path, data in (given or {}).items()}
         self._read: dict[Path, Loaded[Any]] = {}
-        self._found: dict[tuple[type[Document], str, Path | None], Path] = {}
+        self._files_by_name: dict[tuple[type[Document], str, Path | None], Path] = {}
         self._named: dict[Path, set[Path]] = {}
         self._real: dict[Path, Path] = {}
 
@@ -62,14 +62,14 @@ class Library:
             beside: a file whose folder and the folders above are searched first.
         """
         key = (kind, name, beside and beside.parent)
-        if key not in self._found:
+        if key not in self._files_by_name:
             path = self._search(kind, name, beside)
             if path is None:
                 return None
-            self._found[key] = path
+            self._files_by_name[key] = path
         if beside is not None:
-            self._named.setdefault(self.real(beside), set()).add(self._found[key])
-        return self._found[key]
+            self._named.setdefault(self.real(beside), set()).add(self._files_by_name[key])
+        return self._files_by_name[key]
 
     def named_in(self, path: Path) -> set[Path]:
         """The files that a document names, as far as they were looked for and found."""
@@ -89,11 +89,11 @@ class Library:
     def names(self, kind: type[Document], beside: Path | None = None) -> list[str]:
         """Names of all documents of a kind that ``find`` would find."""
         folders = (root / kind_of(kind).folder for root in self._roots(beside))
-        found = {path.stem for folder in folders for path in folder.glob("*.yaml")}
+        names = {path.stem for folder in folders for path in folder.glob("*.yaml")}
         if beside is not None:
             siblings = beside.parent.glob("*.yaml")
-            found |= {path.stem for path in siblings if is_of(kind, path)}
-        return sorted(found)
+            names |= {path.stem for path in siblings if is_of(kind, path)}
+        return sorted(names)
 
     def text(self, path: Path) -> str:
         """The text of a file.
@@ -134,10 +134,10 @@ class Library:
         # A folder may well have the name of a document, such as that of a robot's model.
         if path.suffix or len(path.parts) > 1 or path.is_file():
             return path
-        found = self.find(kind, str(name), self.here / path)
-        if found is None:
+        file = self.find(kind, str(name), self.here / path)
+        if file is None:
             raise UsageError.unknown(kind_name(kind), str(name), self.names(kind, self.here / path))
-        return found
+        return file
 
     def locate_any(self, word: str) -> list[Path]:
         """The files that a user means by a path, or by a name whatever kinds of documents have it.
@@ -158,8 +158,8 @@ class Library:
         return list(dict.fromkeys(files))
 
     def _files(self, name: str, kinds: Iterable[type[Document]]) -> list[Path]:
-        found = (self.find(kind, name, self.here / name) for kind in kinds)
-        return [file for file in found if file is not None]
+        files = (self.find(kind, name, self.here / name) for kind in kinds)
+        return [file for file in files if file is not None]
 
     def _nothing_found(self, name: str) -> str:
         *kinds, last = known = models()

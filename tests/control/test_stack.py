@@ -14,9 +14,9 @@ def level(name: str, number: float, rows: int) -> Level:
 
 def test_levels_that_act_are_those_that_are_seen() -> None:
     stack = Stack([("high", 2), ("low", 1)], 3)
-    assert stack.midway() == ()
+    assert stack.extrapolated() == ()
     stack.put(1, level("low", 4.0, 1))
-    (seen,) = stack.midway()
+    (seen,) = stack.extrapolated()
     assert seen.name == "low"
     np.testing.assert_array_equal(seen.jacobian, np.full((1, 3), 4.0))
     np.testing.assert_array_equal(seen.velocity, [-4.0])
@@ -34,11 +34,11 @@ def test_what_rested_begins_anew() -> None:
         else:
             stack.put(1, level("low", float(tick * tick), 1))
     assert stack.ages.tolist() == [3, 1]
-    high, low = stack.midway()
+    high, low = stack.extrapolated()
     np.testing.assert_allclose(high.jacobian, 4.5)  # along the line, half a tick ahead
     np.testing.assert_allclose(low.jacobian, 16.0)  # as it is
     stack.forget()
-    assert stack.midway() == ()
+    assert stack.extrapolated() == ()
 
 
 def test_values_are_split_by_the_levels_that_act() -> None:

@@ -10,7 +10,7 @@ import pytest
 
 from cbdsl.backends.staging.pose import rotations
 from cbdsl.documents.robot import RobotDocument
-from cbdsl.reporting.model import Link, read_links
+from cbdsl.reporting.model import DrawnLink, read_links
 from cbdsl.sensing.kinematics import Kinematics
 from cbdsl.yaml_text.library import Library
 from tests.conftest import ROOT
@@ -29,7 +29,7 @@ def told(robot: RobotDocument, urdf: Path) -> dict[str, object]:
     return {"urdf": text, "folder": str(urdf.parent), "couplings": couplings}
 
 
-def placed(links: list[Link], angles: np.ndarray) -> dict[str, np.ndarray]:
+def placed(links: list[DrawnLink], angles: np.ndarray) -> dict[str, np.ndarray]:
     """The links' frames in the world, shape (4, 4) each, as the page's script moves them."""
     frames: list[np.ndarray] = []
     for link in links:

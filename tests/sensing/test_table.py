@@ -11,7 +11,7 @@ from cbdsl.sensing.kinematics import Kinematics
 from cbdsl.sensing.reading import Reading
 from cbdsl.sensing.refresh import WRITTEN
 from cbdsl.sensing.signals import Signals
-from cbdsl.sensing.table import Form, Part, SignalTable
+from cbdsl.sensing.table import Form, RowPart, SignalTable
 from cbdsl.types.resource import Origin
 
 JOINTS = 5
@@ -26,7 +26,7 @@ def rng() -> np.random.Generator:
 def drawn_form(rng: np.random.Generator) -> Form:
     """Of any size, with parts that any number of joints support."""
     parts = [
-        Part(support=rng.integers(JOINTS, size=rng.integers(6))) for _ in range(rng.integers(4))
+        RowPart(support=rng.integers(JOINTS, size=rng.integers(6))) for _ in range(rng.integers(4))
     ]
     columns = rng.integers(JOINTS, size=rng.integers(5)).tolist()
     return Form(WRITTEN, int(rng.integers(1, 40)), int(rng.integers(40)), parts, columns)

@@ -20,7 +20,7 @@ from cbdsl.learning.constants import AccommodateConstants
 from cbdsl.learning.experience import Experience
 from cbdsl.program.checked import CheckedProgram
 from cbdsl.program.transition import Transition
-from cbdsl.training.provenance import Setting, provenance_of
+from cbdsl.training.provenance import TrialSetting, provenance_of
 from cbdsl.training.trial import Trial
 from cbdsl.training.trial_loop import (
     NullObserver,
@@ -99,7 +99,7 @@ def toy_provenance(trial: Trial, episodes: int) -> Provenance:
             (StageDocument, "searchtrack_training"),
         )
     )
-    setting = Setting(
+    setting = TrialSetting(
         program_digest(program, library),
         library.read(robot, RobotDocument).document,
         library.read(stage, StageDocument).document,

@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from cbdsl.types.quantity_slip import is_quantity, quantities_in, slip_in, told
+from cbdsl.types.quantity_slip import is_quantity, quantities_in, quantity_problem, slip_in
 from cbdsl.types.unit import UNITS, QuantityError, read_quantity
 
 NUMBERS = st.decimals(-999, 999, places=2).map(str)
@@ -41,7 +41,7 @@ PHYSICAL = ("length", "angle", "time")
 def test_a_slip_says_what_to_write(value: object, written: str) -> None:
     with pytest.raises(QuantityError) as error:
         read_quantity(value, PHYSICAL)
-    assert f"write '{written}'" in told(value, error.value)
+    assert f"write '{written}'" in quantity_problem(value, error.value)
     assert is_quantity(written.partition(" #")[0])
 
 

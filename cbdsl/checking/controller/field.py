@@ -42,7 +42,7 @@ def check_field(
     steps: Steps,
     potential: PotentialType,
     field: written.FieldSection | None,
-    wish: ControllerSpec,
+    spec: ControllerSpec,
     scope: Scope,
 ) -> Field | None:
     """Check the field of one controller.
@@ -52,7 +52,7 @@ def check_field(
         steps: path of the controller.
         potential: may need a field.
         field: what the controller says of it.
-        wish: the rest of the controller.
+        spec: the rest of the controller.
         scope: values of the program's and the controller's parameters.
 
     Returns:
@@ -67,14 +67,14 @@ def check_field(
     if not potential.field:
         context.add("CB521", source.key(*steps), potential=potential.name, setting="field")
         return None
-    kind = wish.feedback.type
+    kind = spec.feedback.type
     if kind.name not in potential.accepts or kind.factors != potential.factors:
         return None  # which has been reported
     if kind.size > _MOST_DIMENSIONS:
-        details = {"name": wish.feedback.name, "size": count(kind.size, "dimension")}
+        details = {"name": spec.feedback.name, "size": count(kind.size, "dimension")}
         context.add("CB529", source.key(*steps), **details)
         return None
-    return _Field(context, steps, field, wish, scope).check()
+    return _Field(context, steps, field, spec, scope).check()
 
 
 class _Field:
@@ -83,15 +83,15 @@ class _Field:
         context: ProgramContext,
         steps: Steps,
         field: written.FieldSection,
-        wish: ControllerSpec,
+        spec: ControllerSpec,
         scope: Scope,
     ) -> None:
         self._context = context
         self._steps = steps
         self._field = field
-        self._wish = wish
+        self._wish = spec
         self._scope = scope
-        self._size = wish.feedback.type.size
+        self._size = spec.feedback.type.size
 
     def check(self) -> Field:
         field = self._field

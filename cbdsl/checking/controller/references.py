@@ -93,9 +93,9 @@ def _quantity(value: str | float, dimensions: tuple[str, ...], item: int | None)
     try:
         return read_quantity(value, dimensions)
     except QuantityError as error:
-        from cbdsl.types.quantity_slip import told  # only a fault needs it
+        from cbdsl.types.quantity_slip import quantity_problem  # only a fault needs it
 
-        raise LiteralError("CB506", {"problem": told(value, error)}, item) from None
+        raise LiteralError("CB506", {"problem": quantity_problem(value, error)}, item) from None
 
 
 def _wrong_count(number: int, feedback: Resource) -> LiteralError:

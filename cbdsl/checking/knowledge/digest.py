@@ -34,7 +34,9 @@ def _parts(document: ProgramDocument, path: Path, library: Library) -> str:
     used = sorted({(use.program, use.policy or "") for use in document.use.values()})
     programs = (_whole(program, policy, path, library) for program, policy in used)
     models = (
-        digest(library.read(_found(ModelDocument, name, path, library), ModelDocument).document)
+        digest(
+            library.read(_document_file(ModelDocument, name, path, library), ModelDocument).document
+        )
         for name in sorted(set(document.models.values()))
     )
     return "".join((*programs, *models))
@@ -42,7 +44,7 @@ def _parts(document: ProgramDocument, path: Path, library: Library) -> str:
 
 def _whole(program: str, policy: str, beside: Path, library: Library) -> str:
     """Digest of a used program with its policy, its own or another, which matters here."""
-    path = _found(ProgramDocument, program, beside, library)
+    path = _document_file(ProgramDocument, program, beside, library)
     document = library.read(path, ProgramDocument).document
     own = digest(document, _BESIDE_THE_POINT if policy else ("stage",))
     return (
@@ -54,16 +56,16 @@ def _whole(program: str, policy: str, beside: Path, library: Library) -> str:
 
 def _learned(name: str, beside: Path, library: Library) -> str:
     """Digest of a policy with the models that belong to it."""
-    path = _found(PolicyDocument, name, beside, library)
+    path = _document_file(PolicyDocument, name, beside, library)
     document = library.read(path, PolicyDocument).document
     models = (
-        library.read(_found(ModelDocument, model, path, library), ModelDocument)
+        library.read(_document_file(ModelDocument, model, path, library), ModelDocument)
         for _, model in sorted(document.models.items())
     )
     return "".join((digest(document, _HISTORY), *(digest(each.document) for each in models)))
 
 
-def _found(kind: type[Document], name: str, beside: Path, library: Library) -> Path:
+def _document_file(kind: type[Document], name: str, beside: Path, library: Library) -> Path:
     path = library.find(kind, name, beside)
     assert path is not None, "a program without findings names documents that are there"
     return path

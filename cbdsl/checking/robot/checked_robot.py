@@ -203,7 +203,7 @@ class CheckedRobot(NamedTuple):
 
     def _holding_links(self) -> list[str]:
         """Links of the tips whose hands feel that they hold what is seen, which moves with them."""
-        felt = {
+        sensed = {
             joint
             for link in self._cell_links(self.document.load_cells)
             for joint in self._above(link)
@@ -211,7 +211,7 @@ class CheckedRobot(NamedTuple):
         return [
             effector.tip.link
             for effector in self.document.effectors.values()
-            if effector.tip is not None and felt.issuperset(effector.joints)
+            if effector.tip is not None and sensed.issuperset(effector.joints)
         ]
 
     def _above(self, link: str) -> list[str]:

@@ -10,7 +10,7 @@ from pydantic_core import ErrorDetails
 from cbdsl.errors.counting import count
 from cbdsl.errors.diagnostic import Diagnostic
 from cbdsl.errors.wording import diagnostic
-from cbdsl.types.quantity_slip import told
+from cbdsl.types.quantity_slip import quantity_problem
 from cbdsl.types.unit import QuantityError
 from cbdsl.yaml_text.comma import decimal_comma
 from cbdsl.yaml_text.repair.entry_slip import left_out, named_instead, slip_in_key, slip_in_text
@@ -122,10 +122,10 @@ def _too_few(path: tuple[Step, ...], same: list[Fault], source: SourceMap) -> Di
     missing = [fault.error["loc"][-1] for fault in same if fault.error["type"] == "missing"]
     wanted = max(index for index in missing if isinstance(index, int)) + 1
     given = source.node(path)
-    found = count(len(given.value) if isinstance(given.value, list) else 1, "value")
+    given_values = count(len(given.value) if isinstance(given.value, list) else 1, "value")
     parts = _PARTS.get(str(path[-1]))
     names = f": {parts}" if parts else ""
-    problem = f"{found} where {wanted} are wanted{names}"
+    problem = f"{given_values} where {wanted} are wanted{names}"
     return diagnostic("CB208", given.place, problem=problem)
 
 
@@ -171,7 +171,7 @@ def _special(
 
 
 def _problem(error: ValueError, value: object) -> str:
-    return told(value, error) if isinstance(error, QuantityError) else str(error)
+    return quantity_problem(value, error) if isinstance(error, QuantityError) else str(error)
 
 
 def _documentation(path: tuple[Step, ...], model: type[BaseModel]) -> set[str]:

@@ -38,7 +38,7 @@ class Row(NamedTuple):
         return f"'{self.name}' in line {self.line}"
 
 
-class Shift(NamedTuple):
+class Realignment(NamedTuple):
     """Remedy for a line that is out of line.
 
     Attributes:
@@ -54,7 +54,7 @@ class Shift(NamedTuple):
     lines: Mapping[int, str] = {}
 
 
-def find_shift(lines: Sequence[str], line: int) -> Shift | None:
+def find_shift(lines: Sequence[str], line: int) -> Realignment | None:
     """The line that is out of line, where YAML stops making sense at a line because of it."""
     rows = list(_rows(lines))
     index = next((i for i, row in enumerate(rows) if row.line == line), 0)
@@ -101,7 +101,7 @@ class _Outline:
         self._row = rows[index]
         self._before = rows[index - 1]
 
-    def children(self) -> Shift | None:
+    def children(self) -> Realignment | None:
         """Rows that stand at the level of the key that they belong to."""
         row = self._row
         for parent, child in list(pairwise(self._rows[: self._index]))[::-1]:
@@ -112,10 +112,10 @@ class _Outline:
                 moved = {number: " " * by + self._lines[number - 1] for number in numbers}
                 what = f"it belongs to {parent}, as the lines below do"
                 problem = f"{what}; indent them by {_spaces(by)} more"
-                return Shift(problem, child.line, child.indent + 1, moved)
+                return Realignment(problem, child.line, child.indent + 1, moved)
         return None
 
-    def dash(self) -> Shift | None:
+    def dash(self) -> Realignment | None:
         """A row with ``-`` among rows without it, or the other way round."""
         row, level = self._row, self._level()
         sibling = next((other for other in level if other.is_item != row.is_item), None)
@@ -126,13 +126,13 @@ class _Outline:
         begin = row.indent + 1
         if row.is_item:
             problem = f"it begins with '-', and {sibling} does not; leave the '-' out"
-            return Shift(problem, row.line, begin)
+            return Realignment(problem, row.line, begin)
         section = self._opening(row.indent)
         other = f", or indent it by {_spaces(section.indent)}, like {section}" if section else ""
         problem = f"items of a list begin with '- ', like {sibling}; begin it with '- '{other}"
-        return Shift(problem, row.line, begin)
+        return Realignment(problem, row.line, begin)
 
-    def odd_one(self) -> Shift | None:
+    def odd_one(self) -> Realignment | None:
         """The row that is indented unlike the rows around it."""
         row, before = self._row, self._before
         earlier = self._rows[self._index - 2] if self._index > 1 else None
@@ -155,14 +155,14 @@ class _Outline:
         agreed = [other for other in levels if following and other.indent == following[0].indent]
         return agreed or levels
 
-    def _shift(self, row: Row, neighbours: list[Row]) -> Shift:
+    def _shift(self, row: Row, neighbours: list[Row]) -> Realignment:
         levels = {other.indent: other for other in neighbours}
         ways = [f"by {_spaces(indent)}, like {other}" for indent, other in levels.items()]
         problem = f"it is indented by {_spaces(row.indent)}; indent it {' or '.join(ways)}"
         line = self._lines[row.line - 1]
         is_certain = len(levels) == 1 and not row.opens
         moved = {row.line: " " * next(iter(levels)) + line.lstrip(" ")} if is_certain else {}
-        return Shift(problem, row.line, row.indent + 1, moved)
+        return Realignment(problem, row.line, row.indent + 1, moved)
 
     def _level(self) -> list[Row]:
         """Rows above the one in question with its indentation, in the same section."""

@@ -1,4 +1,4 @@
-"""Sight: headings to what the cameras see, and where it is (Eq 3.10, 3.14 and 3.15)."""
+"""Visual signals: headings to what the cameras see, and where it is (Eq 3.10, 3.14 and 3.15)."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ from cbdsl.types.resource import Heading, Headings, StereoPosition
 Floats = NDArray[np.float64]
 
 
-class Sight:
+class VisualSignals:
     """Reads headings and positions; what a hand holds moves with the hand, all else stands still.
 
     A seen thing counts as held while all fingers of a hand feel contact, or several hands do, and
@@ -85,9 +85,9 @@ class Sight:
         names = self._robot.cameras if source.camera == CYCLOPEAN else (source.camera,)
         channel, seen = source.channel, []
         for name in names:
-            found = self._vision.heading(name, channel)
-            if found is not None:
-                seen.append(self._moving_heading(name, channel, found))
+            seen_heading = self._vision.heading(name, channel)
+            if seen_heading is not None:
+                seen.append(self._moving_heading(name, channel, seen_heading))
         return mean(seen) if seen else None
 
     def headings(self, source: Headings) -> Reading | None:
@@ -95,7 +95,7 @@ class Sight:
 
         Where the arm that holds a thing hides it from a camera, the heading to where it is held.
         """
-        found = []
+        headings = []
         for camera in self._robot.cameras:
             region = self._vision.regions.get((camera, source.channel))
             seen = self._vision.heading(camera, source.channel)
@@ -103,8 +103,8 @@ class Sight:
                 seen = self._hidden_heading(camera, source.channel)
             if seen is None or (region is not None and region.clipped):
                 return None
-            found.append(self._moving_heading(camera, source.channel, seen))
-        return stacked(found) if self._meet(found) else None
+            headings.append(self._moving_heading(camera, source.channel, seen))
+        return stacked(headings) if self._meet(headings) else None
 
     def position(self, source: StereoPosition) -> Reading | None:
         """The remembered position of a channel's region."""
