@@ -1,154 +1,138 @@
-"""The backends' contract: the same seed gives the same episode, and only sensors are seen."""
+"""The contract of every backend that can be used: observations, limits of time, and the halt."""
 
 from __future__ import annotations
 
 import dataclasses
+from collections.abc import Iterator
+from itertools import count
 from pathlib import Path
 
 import numpy as np
 import pytest
 
-from cbdsl.backends.backend import BackendError
-from cbdsl.backends.staging.world_state import GroundTruthProvider
+from cbdsl.backends.backend import BACKENDS, Backend, embody
 from cbdsl.documents.robot import RobotDocument
-from cbdsl.documents.stage import StageDocument
+from cbdsl.robot.joints import Joints
+from cbdsl.runtime.episode import DeadlineError, Runner
+from cbdsl.sensing.kinematics import Kinematics
 from cbdsl.sensing.observation import Observation
-from tests.backends.conftest import (
-    LIBRARY,
-    URDF,
-    Either,
-    robot_named,
-    stage_named,
-    with_vision,
-)
-from tests.conftest import ROOT
-
-STAGES = LIBRARY.names(StageDocument)
+from tests.backends.conftest import sightless, stage_named
+from tests.conftest import Checked
 
 
-def _episode(backend: Either, seed: int, steps: int = 24) -> list[bytes]:
+@pytest.fixture(scope="module", params=BACKENDS.usable_names())
+def name(request: pytest.FixtureRequest) -> str:
+    return str(request.param)
+
+
+@pytest.fixture(scope="module")
+def backend(name: str, dexter: RobotDocument, urdf: Path) -> Iterator[Backend]:
+    backend = embody(name, dexter, urdf)
+    yield backend
+    backend.close()
+
+
+def episode(backend: Backend, seed: int, steps: int = 24) -> list[bytes]:
     """All that is observed of an episode in which the arms move towards the table."""
     backend.reset(stage_named("noisy_right"), None, np.random.default_rng(seed))
-    seen = []
+    observed = []
     reference = backend.observe().positions
     for _ in range(steps):
-        seen.append(_bytes(backend.observe()))
+        observed.append(as_bytes(backend.observe()))
         reference = reference + 0.01
         backend.apply(reference)
         backend.step()
-    return seen
+    return observed
 
 
-def _bytes(observation: Observation) -> bytes:
+def as_bytes(observation: Observation) -> bytes:
     arrays = [observation.positions, observation.velocities]
     arrays += [*observation.loads.values(), *observation.images.values()]
-    regions = repr({camera: dict(found) for camera, found in observation.regions.items()})
+    regions = repr({camera: dict(seen) for camera, seen in observation.regions.items()})
     return b"".join(np.ascontiguousarray(array).tobytes() for array in arrays) + regions.encode()
 
 
+def begin(backend: Backend, stage: str = "table_right") -> Observation:
+    backend.reset(stage_named(stage), None, np.random.default_rng(0))
+    return backend.observe()
+
+
 def test_same_seed_same_bytes_whatever_ran_before(
-    either: Either, make: type[Either], dexter: RobotDocument
+    name: str, backend: Backend, dexter: RobotDocument, urdf: Path
 ) -> None:
-    first = _episode(either, 3)
-    assert _episode(either, 4) != first
-    assert _episode(either, 3) == first
-    other = make(dexter, URDF)
-    assert _episode(other, 3) == first
+    first = episode(backend, 3)
+    episode(backend, 4)
+    assert episode(backend, 3) == first
+    other = embody(name, dexter, urdf)
+    assert episode(other, 3) == first
     other.close()
 
 
-def test_sensor_noise_does_not_depend_on_who_else_draws(either: Either) -> None:
-    rng = np.random.default_rng(0)
-    either.reset(stage_named("absent"), None, rng)
-    state = rng.bit_generator.state
-    either.step()
-    assert rng.bit_generator.state == state
+def test_it_resets_to_a_context_of_the_stage(backend: Backend) -> None:
+    stage = stage_named("table_right")
+    for context in stage.contexts:
+        assert backend.reset(stage, context, np.random.default_rng(0)) == context
+    assert backend.reset(stage, None, np.random.default_rng(0)) in stage.contexts
 
 
-def test_an_observation_holds_sensors_only(either: Either) -> None:
-    either.reset(stage_named("table_right"), None, np.random.default_rng(0))
-    fields = {field.name for field in dataclasses.fields(either.observe())}
+def test_an_observation_holds_sensors_only(backend: Backend, dexter: RobotDocument) -> None:
+    observation = begin(backend)
+    fields = {field.name for field in dataclasses.fields(observation)}
     assert fields == {"time", "positions", "velocities", "loads", "images", "regions"}
+    joints = len(Joints(dexter).names)
+    assert observation.time == 0.0
+    assert observation.positions.shape == observation.velocities.shape == (joints,)
+    hands = dexter.load_cells.items()
+    assert list(observation.loads) == [(hand, cell) for hand, cells in hands for cell in cells]
+    assert {wrench.shape for wrench in observation.loads.values()} == {(6,)}
 
 
-def test_asking_twice_changes_nothing(either: Either) -> None:
-    either.reset(stage_named("noisy_right"), None, np.random.default_rng(0))
-    assert _bytes(either.observe()) == _bytes(either.observe())
+def test_asking_twice_changes_nothing(backend: Backend) -> None:
+    assert as_bytes(begin(backend, "noisy_right")) == as_bytes(backend.observe())
 
 
-def test_an_observation_does_not_change_with_the_next_step(either: Either) -> None:
-    either.reset(stage_named("table_right"), None, np.random.default_rng(0))
-    before = either.observe()
-    kept = _bytes(before)
-    either.apply(before.positions + 0.05)
-    either.step()
-    assert _bytes(before) == kept
-    assert _bytes(either.observe()) != kept
+def test_an_observation_does_not_change_with_the_next_step(backend: Backend) -> None:
+    before = begin(backend)
+    kept = as_bytes(before)
+    backend.apply(before.positions + 0.05)
+    backend.step()
+    assert as_bytes(before) == kept
+    assert as_bytes(backend.observe()) != kept
+    assert backend.observe().time == pytest.approx(backend.control_period)
 
 
-@pytest.mark.parametrize("rate", [30.0, 25.0, 15.0, 7.0])
-def test_cameras_look_at_their_rate(make: type[Either], dexter: RobotDocument, rate: float) -> None:
-    backend = make(with_vision(dexter, rate=rate), URDF)
-    backend.reset(stage_named("absent"), None, np.random.default_rng(0))
-    times = []
-    for _ in range(round(1.0 / backend.control_period)):
-        observation = backend.observe()
-        assert not (observation.images and observation.regions)
-        if seen := observation.images or observation.regions:
-            assert set(seen) == set(dexter.cameras)
-            times.append(observation.time)
+def test_a_halted_robot_stays_where_it_is(name: str, dexter: RobotDocument, urdf: Path) -> None:
+    backend = embody(name, sightless(dexter), urdf)
+    before = begin(backend, "absent").positions
+    backend.apply(before + 0.5)
+    backend.step()
+    backend.halt()
+    halted = backend.observe().positions
+    assert abs(halted - before).max() > 1e-3
+    for _ in range(round(0.5 / backend.control_period)):
         backend.step()
-    backend.close()
-    assert times[0] == 0
-    assert len(times) == rate
-    assert np.diff(times) == pytest.approx(1 / rate, abs=backend.control_period + 1e-9)
-
-
-@pytest.mark.parametrize("name", STAGES)
-def test_every_context_of_every_shipped_stage_can_begin(make: type[Either], name: str) -> None:
-    stage = stage_named(name)
-    robot = robot_named(stage.robot)
-    backend = make(robot, ROOT / "robots" / robot.model)
-    for context, content in stage.contexts.items():
-        assert backend.reset(stage, context, np.random.default_rng(1)) == context
-        assert isinstance(backend, GroundTruthProvider)
-        shown = set(backend.truth.names()) - set(stage.fixtures)
-        assert len(shown) == bool(content.things)
-        assert shown <= set(content.things)
-        assert all(backend.truth.parts(thing) for thing in backend.truth.names())
-        backend.step()
-        assert not any(backend.truth.touched(thing) for thing in shown)
+    assert backend.observe().positions == pytest.approx(halted, abs=0.03)
     backend.close()
 
 
-@pytest.mark.parametrize(
-    ("written", "instead", "complaint"),
-    [
-        ('name="pan"', 'name="neck"', "no revolute joint 'pan'"),
-        ('name="right_finger_2_distal" type', 'name="x" type', "'right_finger_2_distal'"),
-        ('"left_camera"', '"x"', "no link 'left_camera'"),
-        ('"torso"', '"trunk"', "base 'torso'.*'trunk'"),
-        ("</robot>", "", "cannot (be )?read"),
-    ],
-)
-def test_a_model_that_does_not_fit_is_refused(
-    make: type[Either],
+def test_a_late_tick_freezes_its_references(
+    name: str,
     dexter: RobotDocument,
-    tmp_path: Path,
-    written: str,
-    instead: str,
-    complaint: str,
+    urdf: Path,
+    kinematics: Kinematics,
+    checked: Checked,
+    monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    text = URDF.read_text()
-    assert written in text
-    urdf = tmp_path / "broken.urdf"
-    urdf.write_text(text.replace(written, instead))
-    with pytest.raises(BackendError, match=complaint):
-        make(dexter, urdf)
-
-
-def test_a_model_that_is_not_there_is_refused(
-    make: type[Either], dexter: RobotDocument, tmp_path: Path
-) -> None:
-    with pytest.raises(BackendError, match=r"none\.urdf"):
-        make(dexter, tmp_path / "none.urdf")
+    backend = embody(name, sightless(dexter), urdf)
+    assert backend.deadline is None or backend.deadline > 0.0
+    backend.deadline = 1.5
+    halts: list[None] = []
+    halt = backend.halt
+    monkeypatch.setattr(backend, "halt", lambda: (halts.append(None), halt()))
+    # Each look at the clock is a second after the one before, and from the sixth on two.
+    clock = (float(n + max(n - 6, 0)) for n in count())
+    runner = Runner(dexter, kinematics, checked("posture"), backend, clock=lambda: next(clock))
+    with pytest.raises(DeadlineError, match="deadline is 1500 ms; references are frozen"):
+        runner.run(stage_named("absent"), 0)
+    assert len(halts) == 1
+    backend.close()

@@ -1,4 +1,4 @@
-"""Every registered backend keeps the URDF's limits of velocity and effort."""
+"""Every backend that can be used keeps the URDF's limits of velocity and effort."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from cbdsl.yaml_text.library import Library
 from tests.backends.conftest import robot_named, sightless
 from tests.conftest import ROOT
 
-NAMES = sorted(BACKENDS.names())
+NAMES = sorted(BACKENDS.usable_names())
 ROBOTS = Library(ROOT).names(RobotDocument)
 EMPTY = {"cbdsl": 1, "kind": "stage", "name": "empty", "contexts": {"only": {}}}
 # Fingers that push one another are faster than their servos by what the solver leaves over in its

@@ -9,6 +9,7 @@ import pytest
 
 from cbdsl.backends.backend import BACKENDS
 from tests.cli.test_main import cb
+from tests.plugins.generic import run_generic
 from tests.plugins.installed import write_package
 
 
@@ -25,6 +26,11 @@ def test_it_is_listed(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFix
     shown = json.loads(capsys.readouterr().out)
     assert shown[-1] == {"backend": "ideal", "package": "demo 1.0"}
     assert [each["backend"] for each in shown[:-1]] == list(BACKENDS.builtins)
+
+
+@pytest.mark.parametrize("tests", ["backends/test_contract.py", "backends/test_limits.py"])
+def test_it_enters_the_generic_tests(tests: str, site: Path) -> None:
+    run_generic(tests, "ideal", site)
 
 
 def test_a_broken_one_is_named_with_its_package_and_takes_nothing_down(

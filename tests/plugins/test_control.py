@@ -95,8 +95,16 @@ def test_the_reference_has_the_potential() -> None:
     assert "`keep_out`" in page()
 
 
-def test_the_potential_enters_the_generic_tests(site: Path) -> None:
-    run_generic("control/test_registry.py", "keep_out", site)
+@pytest.mark.parametrize(
+    ("tests", "name"),
+    [
+        ("control/test_registry.py", "keep_out"),
+        ("sensing/test_resources.py", "wrist_force_torque"),
+        ("runtime/test_modifiers.py", "orbit"),
+    ],
+)
+def test_they_enter_the_generic_tests(tests: str, name: str, site: Path) -> None:
+    run_generic(tests, name, site)
 
 
 def test_a_sensor_is_read(here: Path, monkeypatch: pytest.MonkeyPatch) -> None:

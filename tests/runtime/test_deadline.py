@@ -9,7 +9,6 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from cbdsl.backends.bullet.backend import BulletBackend
 from cbdsl.backends.kinematic.backend import KinematicBackend
 from cbdsl.cli.main import main
 from cbdsl.documents.robot import RobotDocument
@@ -126,19 +125,3 @@ def test_a_command_ends_as_for_an_episode_that_cannot_go_on(
     assert end.value.code == 2
     assert "deadline is 0 ms" in json.loads(told.out)["ending"]
     assert "seed 0: Halted after 0.0 s" in told.err and "Traceback" not in told.err
-
-
-def test_a_halted_simulation_stays_where_it_is(
-    dexter: RobotDocument, urdf: Path, absent: StageDocument
-) -> None:
-    for factory in (BulletBackend, KinematicBackend):
-        backend = factory(dexter.model_copy(update={"cameras": {}}), urdf)
-        backend.reset(absent, None, np.random.default_rng(0))
-        backend.apply(backend.observe().positions + 0.5)
-        backend.step()
-        backend.halt()
-        halted = backend.observe().positions
-        for _ in range(round(0.5 / backend.control_period)):
-            backend.step()
-        assert backend.observe().positions == pytest.approx(halted, abs=0.03)
-        backend.close()

@@ -1,4 +1,4 @@
-"""A robot whose joints are where they are told to be, alone in the dark."""
+"""A robot whose joints follow their references as fast as they can, alone in the dark."""
 
 from collections.abc import Collection
 from pathlib import Path
@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 from cbdsl.backends.backend import BackendError
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.documents.stage import StageDocument
+from cbdsl.robot.urdf import read_urdf
 from cbdsl.sensing.kinematics import Kinematics
 from cbdsl.sensing.observation import Observation
 
@@ -27,6 +28,9 @@ class IdealBackend:
         self._robot = robot
         self._joints = Kinematics(robot, urdf).joints
         self.control_period = 1 / robot.control.rate
+        limits = read_urdf(urdf).joints
+        speeds = [limits[name].velocity for name in self._joints.names]
+        self._farthest = self.control_period * np.array(speeds)
 
     def reset(
         self,
@@ -56,8 +60,9 @@ class IdealBackend:
         self._reference = np.array(reference)
 
     def step(self) -> None:
-        self._velocities = (self._reference - self._positions) / self.control_period
-        self._positions = self._reference
+        way = np.clip(self._reference - self._positions, -self._farthest, self._farthest)
+        self._velocities = way / self.control_period
+        self._positions = self._positions + way
         self._time += self.control_period
 
     def halt(self) -> None:

@@ -1,0 +1,105 @@
+"""Backends with an engine: their chance, cameras and stages, and the models that they refuse."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from cbdsl.backends.backend import BackendError
+from cbdsl.backends.staging.world_state import GroundTruthProvider
+from cbdsl.documents.robot import RobotDocument
+from cbdsl.documents.stage import StageDocument
+from tests.backends.conftest import (
+    LIBRARY,
+    URDF,
+    Either,
+    robot_named,
+    stage_named,
+    with_vision,
+)
+from tests.backends.test_contract import episode
+from tests.conftest import ROOT
+
+STAGES = LIBRARY.names(StageDocument)
+
+
+def test_another_seed_is_another_episode(either: Either) -> None:
+    assert episode(either, 4) != episode(either, 3)
+
+
+def test_sensor_noise_does_not_depend_on_who_else_draws(either: Either) -> None:
+    rng = np.random.default_rng(0)
+    either.reset(stage_named("absent"), None, rng)
+    state = rng.bit_generator.state
+    either.step()
+    assert rng.bit_generator.state == state
+
+
+@pytest.mark.parametrize("rate", [30.0, 25.0, 15.0, 7.0])
+def test_cameras_look_at_their_rate(make: type[Either], dexter: RobotDocument, rate: float) -> None:
+    backend = make(with_vision(dexter, rate=rate), URDF)
+    backend.reset(stage_named("absent"), None, np.random.default_rng(0))
+    times = []
+    for _ in range(round(1.0 / backend.control_period)):
+        observation = backend.observe()
+        assert not (observation.images and observation.regions)
+        if seen := observation.images or observation.regions:
+            assert set(seen) == set(dexter.cameras)
+            times.append(observation.time)
+        backend.step()
+    backend.close()
+    assert times[0] == 0
+    assert len(times) == rate
+    assert np.diff(times) == pytest.approx(1 / rate, abs=backend.control_period + 1e-9)
+
+
+@pytest.mark.parametrize("name", STAGES)
+def test_every_context_of_every_shipped_stage_can_begin(make: type[Either], name: str) -> None:
+    stage = stage_named(name)
+    robot = robot_named(stage.robot)
+    backend = make(robot, ROOT / "robots" / robot.model)
+    for context, content in stage.contexts.items():
+        assert backend.reset(stage, context, np.random.default_rng(1)) == context
+        assert isinstance(backend, GroundTruthProvider)
+        shown = set(backend.truth.names()) - set(stage.fixtures)
+        assert len(shown) == bool(content.things)
+        assert shown <= set(content.things)
+        assert all(backend.truth.parts(thing) for thing in backend.truth.names())
+        backend.step()
+        assert not any(backend.truth.touched(thing) for thing in shown)
+    backend.close()
+
+
+@pytest.mark.parametrize(
+    ("written", "instead", "complaint"),
+    [
+        ('name="pan"', 'name="neck"', "no revolute joint 'pan'"),
+        ('name="right_finger_2_distal" type', 'name="x" type', "'right_finger_2_distal'"),
+        ('"left_camera"', '"x"', "no link 'left_camera'"),
+        ('"torso"', '"trunk"', "base 'torso'.*'trunk'"),
+        ("</robot>", "", "cannot (be )?read"),
+    ],
+)
+def test_a_model_that_does_not_fit_is_refused(
+    make: type[Either],
+    dexter: RobotDocument,
+    tmp_path: Path,
+    written: str,
+    instead: str,
+    complaint: str,
+) -> None:
+    text = URDF.read_text()
+    assert written in text
+    urdf = tmp_path / "broken.urdf"
+    urdf.write_text(text.replace(written, instead))
+    with pytest.raises(BackendError, match=complaint):
+        make(dexter, urdf)
+
+
+def test_a_model_that_is_not_there_is_refused(
+    make: type[Either], dexter: RobotDocument, tmp_path: Path
+) -> None:
+    with pytest.raises(BackendError, match=r"none\.urdf"):
+        make(dexter, tmp_path / "none.urdf")

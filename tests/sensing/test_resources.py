@@ -1,0 +1,72 @@
+"""Every resource of every robot, and of one with a sensor of each kind that packages add."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from cbdsl.documents.robot import RobotDocument, Sensor
+from cbdsl.robot.resources import resources
+from cbdsl.robot.source_kind import SOURCES
+from cbdsl.sensing.kinematics import Kinematics
+from cbdsl.sensing.observation import Observation
+from cbdsl.sensing.reading import Reading
+from cbdsl.sensing.signals import Signals
+from cbdsl.types.resource import Origin
+from cbdsl.yaml_text.library import Library
+from tests.conftest import ROOT
+
+LIBRARY = Library(ROOT)
+SHAPES = {"orientation": (3, 3), "pose": (4, 4)}
+
+
+def _robot(name: str) -> RobotDocument:
+    """A shipped robot, or Dexter with a sensor of this kind."""
+    shipped = "dexter" if name in SOURCES else name
+    robot = LIBRARY.read(LIBRARY.locate(RobotDocument, shipped), RobotDocument).document
+    if name not in SOURCES:
+        return robot
+    sensor = Sensor(kind=name, link="right_palm", hand="right_hand")
+    return robot.model_copy(update={"sensors": {"added": sensor}})
+
+
+def _observe(robot: RobotDocument, time: float, positions: np.ndarray, force: float) -> Observation:
+    loads = {
+        (hand, cell): np.array([0.1, 0.0, -force, 0.0, 0.0, 0.0])
+        for hand, cells in robot.load_cells.items()
+        for cell in cells
+    }
+    return Observation(time, positions, np.zeros_like(positions), loads, {})
+
+
+@pytest.mark.parametrize("name", (*LIBRARY.names(RobotDocument), *SOURCES.usable_names()))
+def test_every_resource_is_bound_read_and_refreshed(name: str) -> None:
+    robot = _robot(name)
+    kinematics = Kinematics(robot, ROOT / "robots" / robot.model)
+    known = {key: each for key, each in resources(robot).items() if each.origin is not Origin.MODEL}
+    assert name not in SOURCES or any(key.startswith("added.") for key in known)
+    signals = Signals(robot, kinematics, resources(robot).values())
+    rows = {key: signals.bind(resource) for key, resource in known.items()}
+    assert [signals.bind(resource) for resource in known.values()] == list(rows.values())
+    selection = signals.select(rows.values())
+    posture = np.full(len(signals.joints), 0.2)
+    values: list[dict[str, Reading | None]] = []
+    for tick, force in enumerate((0.0, 3.0, 4.0)):
+        observation = _observe(robot, 0.01 * tick, posture + 0.05 * tick, force)
+        signals.update(observation)
+        signals.refresh(selection)
+        values.append({key: signals.reading(rows[key], each.type.name)
+                       for key, each in known.items()})  # fmt: skip
+    for key, reading in values[-1].items():
+        if reading is None:
+            continue
+        size = known[key].type.size
+        assert reading.value.shape == SHAPES.get(known[key].type.name, (size,)), key
+        assert reading.jacobian is not None
+        assert reading.jacobian.shape == (size, len(signals.joints)), key
+        assert np.isfinite(reading.value).all() and np.isfinite(reading.jacobian).all(), key
+    added = [key for key in known if key.startswith("added.")]
+    for key in added:
+        before, now = values[-2][key], values[-1][key]
+        assert before is not None and now is not None, f"{key} is undefined in contact"
+        assert not np.array_equal(before.value, now.value), f"{key} is not refreshed"
