@@ -167,7 +167,7 @@ class Actuation:
         names = tuple(dict.fromkeys(joint for run in runs for joint in run.controller.joints))
         joints, limits = signals.joints.pick(names), signals.kinematics
         stack = Stack([(run.controller.name, run.size) for run in runs], len(joints))
-        rows = [row for run in runs for row in run.rows]
+        rows = [row for run in runs for row in run.rows if row >= 0]
         return ControllerBatch(
             active,
             runs,
@@ -177,7 +177,7 @@ class Actuation:
             Law(limits.lower[joints], limits.upper[joints], self.settings),
             Step.of(stack),
             signals.select(rows),
-            tuple([run for run in runs if run.needs_preparation]),
+            tuple([run for run in runs if run.preparation.is_needed]),
         )
 
 

@@ -73,8 +73,8 @@ def _clause(lead: ControllerRun) -> str:
     controller = lead.controller
     if lead.exhausted:
         return f"{controller.name} closed on nothing"
-    if lead.no_path:
-        return f"{controller.name} had no way: {lead.no_path}"
+    if lead.preparation.no_path:
+        return f"{controller.name} had no way: {lead.preparation.no_path}"
     if math.isnan(lead.error):
         return f"{controller.name} had no {_undefined_resource(controller)}"
     verb = "came to rest" if lead.predicate == "1" else "was still"

@@ -300,7 +300,7 @@ def test_joints_other_than_the_effectors_count_as_still(
     assert actuation.step is not None
     level = actuation.step.levels[0]
     arms, hands = signals.joints.of("arms"), signals.joints.of("hands")
-    assert signals.table.rows(runs[0].feedback)[:, hands].any()
+    assert signals.table.rows(runs[0].rows.feedback)[:, hands].any()
     (columns,) = np.nonzero(level.jacobian.any(axis=0))
     moved = signals.joints.pick([*squeeze.joints, *fingers.joints])
     assert set(moved[columns]) <= set(arms)

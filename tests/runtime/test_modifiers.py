@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from cbdsl.program.controller import Modifier
-from cbdsl.runtime.controller_run import modifier_of
+from cbdsl.runtime.preparation import change_of
 from cbdsl.types.modifier import MODIFIERS
 from cbdsl.types.resource_type import TYPES
 
@@ -20,7 +20,7 @@ CASES = [
 @pytest.mark.parametrize(("name", "kind"), CASES)
 def test_it_changes_references_of_the_types_that_it_accepts(name: str, kind: str) -> None:
     options = dict.fromkeys(MODIFIERS.get(name).options, 0.5)
-    change = modifier_of(Modifier(name, tuple(options.items())))
+    change = change_of(Modifier(name, tuple(options.items())))
     rng = np.random.default_rng(0)
     size = TYPES[kind].size
     reference, feedback = rng.normal(size=size), rng.normal(size=size)

@@ -1,0 +1,147 @@
+"""Preparation of a controller before the tick: samples, changed references, solved fields."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping
+from importlib import import_module
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cbdsl.control.field import NoPathError
+from cbdsl.control.obstacle import Obstacle
+from cbdsl.control.potential import Potential
+from cbdsl.control.signal import require_finite
+from cbdsl.program.controller import Ball, Controller, Modifier
+from cbdsl.runtime.controller_rows import ControllerRows
+from cbdsl.sensing.density import Sampler
+from cbdsl.sensing.reading import Reading
+from cbdsl.sensing.signals import Signals
+from cbdsl.types.modifier import MODIFIERS
+from cbdsl.types.resource import Origin, Resource
+
+Floats = NDArray[np.float64]
+Change = Callable[[Floats, Floats, float, Mapping[str, float]], Floats]
+
+
+class Preparation:
+    """Prepares one controller's rows and parameters in Python, before the compiled tick.
+
+    Attributes:
+        samples: whether the reference is drawn from an internal model.
+        is_needed: whether there is anything to prepare.
+        no_path: why no free path leads to the reference; empty where one does.
+    """
+
+    def __init__(
+        self, controller: Controller, signals: Signals, rows: ControllerRows, potential: Potential
+    ) -> None:
+        reference = controller.reference
+        self._controller, self._signals, self._rows = controller, signals, rows
+        self._solve = potential.prepare
+        self._changes = [(each, change_of(each)) for each in controller.modifiers]
+        self.samples = isinstance(reference, Resource) and reference.origin is Origin.MODEL
+        self.is_needed = self.samples or bool(self._changes) or self._solve is not None
+        self.no_path = ""
+
+    def begin(self, rng: np.random.Generator) -> None:
+        """Begin an episode, in which ``rng`` is for all that is drawn."""
+        self._rng = rng
+        self._sampler: Sampler | None = None
+
+    def forget(self) -> None:
+        """Forget the sample and the path: the controller was deactivated."""
+        self.no_path = ""
+        if self.samples:
+            self._signals.table.forget(self._rows.declared)
+
+    def prepare(self, parameters: Floats) -> bool:
+        """Draw, change and solve.
+
+        Args:
+            parameters: of the controller's potential, which a field is written to.
+
+        Returns:
+            Whether the controller can act.
+
+        Raises:
+            SignalError: the reference is not finite; the message names it.
+        """
+        table, rows = self._signals.table, self._rows
+        if self.samples and not table.is_defined(rows.declared):
+            table.write(rows.declared, Reading(self._draw(), None, 0))
+        if self._changes:
+            self._change_reference()
+        if self._solve is None or not all(map(table.is_defined, (rows.feedback, rows.reference))):
+            return True
+        try:
+            self._solve(*self._ends(), tuple(self._obstacles()), parameters)
+        except NoPathError as failure:
+            self.no_path = str(failure)
+            return False
+        self.no_path = ""
+        return True
+
+    def _draw(self) -> Floats:
+        resource = self._controller.reference
+        assert isinstance(resource, Resource)
+        if self._sampler is None:
+            self._sampler = self._signals.sampler(resource, self._rng)
+        return self._sampler.draw()
+
+    def _change_reference(self) -> None:
+        """Write the reference as modifiers change it."""
+        table, signals, rows = self._signals.table, self._signals, self._rows
+        if not table.is_defined(rows.declared):
+            table.forget(rows.reference)
+            return
+        record, feedback = table.records[rows.declared], table.values(rows.feedback).copy()
+        value = table.values(rows.declared).copy()
+        for modifier, change in self._changes:
+            try:
+                changed = change(value, feedback, signals.time, dict(modifier.options))
+                value = np.broadcast_to(changed, value.shape)
+            except Exception as error:
+                raise _fault(modifier, error) from error
+        # A reference that may move in every tick is as new as the posture.
+        table.write(rows.reference, Reading(value, None, signals.tips.stamp, record["radius"]))
+
+    def _ends(self) -> tuple[Floats, Floats]:
+        """Where a path begins and where it leads."""
+        name, table = self._controller.feedback.name, self._signals.table
+        value, goal = table.values(self._rows.feedback), table.values(self._rows.reference)
+        require_finite(goal, f"the reference of {name}")
+        require_finite(value, f"the value of {name}")
+        return value, goal
+
+    def _obstacles(self) -> Iterator[Obstacle]:
+        """Where obstacles are now; what is not seen or felt is not there."""
+        field = self._controller.field
+        for obstacle in field.obstacles if field is not None else ():
+            if not isinstance(obstacle, Ball):
+                lower, upper = np.array(obstacle.lower), np.array(obstacle.upper)
+                yield Obstacle(obstacle.name, lower, upper)
+                continue
+            reading = self._signals.read(obstacle.resource)
+            if reading is not None:
+                require_finite(reading.value, f"the obstacle {obstacle.resource.name}")
+                radius = reading.radius if obstacle.radius is None else obstacle.radius
+                yield Obstacle.sphere(obstacle.resource.name, reading.value, radius)
+
+
+def change_of(modifier: Modifier) -> Change:
+    """The function that changes a reference.
+
+    Raises:
+        PluginError: its package does not have it.
+    """
+    module, function = MODIFIERS.get(modifier.name).implementation.split(":")
+    try:
+        change: Change = getattr(import_module(module), function)
+    except Exception as error:
+        raise _fault(modifier, error) from error
+    return change
+
+
+def _fault(modifier: Modifier, error: Exception) -> Exception:
+    return MODIFIERS.fault(modifier.name, f"{type(error).__name__}: {error}")
