@@ -163,7 +163,7 @@ CONTROLLERS = (
         "CB514",
         "controller that never runs",
         "no action runs a controller '{name}'",
-        "`seek.once` and `given` name a controller of the same program that an action runs, with "
+        "`seek.once` and `requires` name a controller of the same program that an action runs, with "
         "the arguments that the action calls it with.",
         controller(
             "potential: spring, reference: 1 N along normals, "
