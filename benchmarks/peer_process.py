@@ -10,7 +10,7 @@ import json
 import subprocess
 import sys
 from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Any
 
@@ -67,7 +67,9 @@ def _ask(process: subprocess.Popen[str], message: dict[str, Any]) -> dict[str, A
         process.stdin.write(json.dumps(message) + "\n")
         process.stdin.flush()
     except BrokenPipeError:
-        pass  # it has ended: there is no answer either
+        # It has ended: there is no answer either, and closing would try to write once more.
+        with suppress(BrokenPipeError):
+            process.stdin.close()
     line = process.stdout.readline()
     if not line:
         raise ImportError(f"its process has ended with code {process.wait()}")

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import sys
 from collections.abc import Iterable, Mapping
 from functools import cache
@@ -35,6 +34,8 @@ def print_diagnostics(diagnostics: Iterable[Diagnostic]) -> None:
 
 def print_json(data: object) -> None:
     """Print data for scripts."""
+    import json
+
     print(json.dumps(data, indent=2, ensure_ascii=False))
 
 

@@ -12,9 +12,11 @@ import inspect
 import json
 import re
 import sys
+import tomllib
 from collections.abc import Iterator, Mapping, Sequence
 from functools import cache, partial
 from itertools import pairwise
+from pathlib import Path
 from typing import Any, get_args
 
 from pydantic import BaseModel
@@ -23,7 +25,6 @@ from pydantic.json_schema import GenerateJsonSchema, JsonSchemaValue
 from pydantic_core import CoreSchema
 
 from cbdsl.documents.document import NAME_PATTERN, Document
-from cbdsl.documents.json_examples import EXAMPLES
 from cbdsl.types.unit import UNITS, read_quantity
 
 _NUMBER = r"(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?"
@@ -62,6 +63,12 @@ def schema_file(kind: str) -> str:
     return f"{kind}.schema.json"
 
 
+@cache
+def common_values() -> dict[str, dict[str, list[Any]]]:
+    """Values that documents commonly hold, by section and key."""
+    return tomllib.loads(Path(__file__).with_name("examples.toml").read_text(encoding="utf-8"))
+
+
 class _Generator(GenerateJsonSchema):
     """Pydantic's generator with docstrings of fields, units and spans."""
 
@@ -80,8 +87,8 @@ class _Generator(GenerateJsonSchema):
         for name, field in model.model_fields.items():
             key = field.alias or name
             self._describe(result["properties"][key], documented.get(name) or _said_of(field))
-            if examples := EXAMPLES.get(f"{model.__name__}.{key}"):
-                result["properties"][key]["examples"] = list(examples)
+            if offered := common_values().get(model.__name__, {}).get(key):
+                result["properties"][key]["examples"] = list(offered)
         return result
 
     def _describe(self, value: JsonSchemaValue, words: str) -> None:

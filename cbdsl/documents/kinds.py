@@ -113,9 +113,9 @@ def _record(name: str, record: Any) -> Kind:
 def _taken(entries: tuple[Entry, ...]) -> list[str]:
     if not entries:
         return []
-    from cbdsl.errors.catalogue import CATALOGUE  # only a fault and other packages need it
+    from cbdsl.errors.catalogue import hundred  # only a fault and other packages need it
 
-    return [entry.code for entry in entries if entry.code in CATALOGUE]
+    return [entry.code for entry in entries if entry.code in hundred(entry.code)]
 
 
 KINDS: Registry[Kind] = Registry(
@@ -149,14 +149,14 @@ def models() -> dict[str, type[Document]]:
 
 def entries() -> dict[str, Entry]:
     """Findings by code: the catalogue, and those that kinds of other packages add."""
-    from cbdsl.errors.catalogue import CATALOGUE  # only a fault needs it
+    from cbdsl.errors.catalogue import catalogue  # only a fault needs it
 
     added = (entry for kind in KINDS.all().values() for entry in kind.entries)
-    return CATALOGUE | {entry.code: entry for entry in added}
+    return catalogue() | {entry.code: entry for entry in added}
 
 
 def entry_of(code: str) -> Entry | None:
     """Finding with a code; package metadata are read only where the catalogue lacks it."""
-    from cbdsl.errors.catalogue import CATALOGUE
+    from cbdsl.errors.catalogue import hundred
 
-    return CATALOGUE.get(code) or entries().get(code)
+    return hundred(code).get(code) or entries().get(code)

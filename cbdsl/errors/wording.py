@@ -33,9 +33,9 @@ def diagnostic(
         related: other places, and what is there.
         details: what the entry's message is filled with.
     """
-    from cbdsl.errors.catalogue import CATALOGUE  # only a fault needs it
+    from cbdsl.errors.catalogue import hundred  # only a fault needs it
 
-    entry = CATALOGUE[code] if isinstance(code, str) else code
+    entry = hundred(code)[code] if isinstance(code, str) else code
     return Diagnostic(
         code=entry.code,
         message=legible(entry.message.format(**details)),

@@ -126,7 +126,8 @@ class Kinematics:
         link = self._links.get(name)
         if link is None:
             link = self._links[name] = self._find(name)
-        self.place()
+        if not self._is_placed:
+            self.place()
         return link
 
     def frame(self, link: str) -> Frame:

@@ -76,10 +76,10 @@ class Vision:
             name: np.array((each.width, each.height, each.focal_length), dtype=float)
             for name, each in robot.cameras.items()
         }
-        lengths = [float(each.focal_length) for each in robot.cameras.values()]
-        self._focal_lengths = (lengths[0], lengths[-1]) if lengths else (1.0, 1.0)
         self._kinematics = kinematics
-        self._settings = robot.vision.regions
+        regions = self._settings = robot.vision.regions
+        lengths = [each.focal_length for each in robot.cameras.values()]
+        self._bounds = np.array((regions.ray_gap, regions.farthest, *lengths), dtype=float)
         self.channels = tuple(dict.fromkeys(channels))
         self._filters = {
             name: ChannelFilter(robot.vision.channels, self.channels, self._settings.least_area)
@@ -250,10 +250,12 @@ class Vision:
                 return None
             sights.append(self._sights[name, channel])
             areas.append(region.area)
-        position, sizes = np.empty(3), np.empty(2)
+        left, right = sights
+        position, sizes = np.empty(3), np.array((areas[0] * left.scale, areas[1] * right.scale))
         if not _locate(
-            sights[0].ray, sights[1].ray, (areas[0] * sights[0].scale, areas[1] * sights[1].scale),
-            self._focal_lengths, self._settings.ray_gap, self._settings.farthest, position, sizes,
+            left.ray.origin, left.ray.direction, left.ray.length,
+            right.ray.origin, right.ray.direction, right.ray.length,
+            self._bounds, position, sizes,
         ):  # fmt: skip
             return None
         return position, sizes.tolist()
@@ -267,33 +269,41 @@ class Vision:
 
 @compiled_once
 def _locate(
-    left: Ray,
-    right: Ray,
-    areas: tuple[float, float],
-    focal_lengths: tuple[float, float],
-    gap: float,
-    farthest: float,
+    left: Floats,
+    left_direction: Floats,
+    left_length: float,
+    right: Floats,
+    right_direction: Floats,
+    right_length: float,
+    bounds: Floats,
     position: Floats,
     sizes: Floats,
 ) -> bool:
     """Triangulate a region's position, m, shape (3,), and its size as each camera sees it, m^2.
 
+    Args:
+        left, right: where the cameras are, m, with the directions of their lines of sight and the
+            lengths of these.
+        bounds: largest gap between the lines of sight and largest distance, m, then the cameras'
+            focal lengths, px, shape (4,).
+        position: becomes the position.
+        sizes: the region's area in each image, px, straight ahead; become its sizes, shape (2,).
+
     Returns:
-        Whether the lines of sight meet within ``gap`` and no farther than ``farthest``, m.
+        Whether the lines of sight meet within the bounds.
     """
-    missed = cross_rays(
-        left.origin, left.direction, left.length, right.origin, right.direction, right.length,
-        position,
-    )  # fmt: skip
-    if not missed <= gap:
+    gap = cross_rays(
+        left, left_direction, left_length, right, right_direction, right_length, position
+    )
+    if not gap <= bounds[0]:
         return False
     for eye in range(2):
-        origin, square = (left if eye == 0 else right).origin, 0.0
+        origin, square = left if eye == 0 else right, 0.0
         for i in range(3):
             square += (position[i] - origin[i]) ** 2
-        if square > farthest * farthest:
+        if square > bounds[1] * bounds[1]:
             return False
-        sizes[eye] = areas[eye] * square / focal_lengths[eye] ** 2
+        sizes[eye] *= square / bounds[2 + eye] ** 2
     return True
 
 

@@ -5,17 +5,17 @@ from __future__ import annotations
 import pytest
 
 from cbdsl.cli.explanation import page
-from cbdsl.errors.catalogue import CATALOGUE
+from cbdsl.errors.catalogue import catalogue
 from tests.cli.test_main import ROOT, cb
 
 
-@pytest.mark.parametrize("code", CATALOGUE)
+@pytest.mark.parametrize("code", catalogue())
 def test_every_code_is_explained(
     code: str, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     assert cb(monkeypatch, "explain", code.lower()) == 0
     printed = capsys.readouterr().out
-    entry = CATALOGUE[code]
+    entry = catalogue()[code]
     assert printed.startswith(f"{code}: {entry.title}")
     if entry.bad is not None:
         shown = [line[5:] for line in printed.split("\n") if line.startswith(("    +", "     "))]
@@ -30,8 +30,8 @@ def test_the_page_of_findings_is_up_to_date(
 
 
 def test_the_page_has_a_section_for_every_code() -> None:
-    text = page(CATALOGUE.values())
-    assert all(f"\n## {code}: {entry.title}" in text for code, entry in CATALOGUE.items())
+    text = page(catalogue().values())
+    assert all(f"\n## {code}: {entry.title}" in text for code, entry in catalogue().items())
 
 
 @pytest.mark.parametrize("words", [[], ["CB504", "--all"], ["CB999"]])

@@ -15,7 +15,7 @@ import pytest
 
 from cbdsl.cli.findings import FORMATS, check_paths
 from cbdsl.cli.json_format import VERSION
-from cbdsl.errors.catalogue import CATALOGUE
+from cbdsl.errors.catalogue import catalogue
 from cbdsl.yaml_text.library import shipped
 from tests.cli.test_main import BAD, HEAVY, ROOT, cb
 
@@ -110,7 +110,7 @@ def test_sarif_names_rules_and_regions(printed: Any) -> None:
     rules = run["tool"]["driver"]["rules"]
     assert len({rule["id"] for rule in rules}) == len(rules)
     for rule in rules:
-        assert rule["shortDescription"]["text"] == CATALOGUE[rule["id"]].title
+        assert rule["shortDescription"]["text"] == catalogue()[rule["id"]].title
         assert rule["defaultConfiguration"]["level"] in ("error", "warning")
     for result in run["results"]:
         assert rules[result["ruleIndex"]]["id"] == result["ruleId"]

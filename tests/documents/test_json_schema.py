@@ -14,8 +14,7 @@ from pydantic import BaseModel, TypeAdapter, ValidationError
 from cbdsl.checking.document import check_document
 from cbdsl.checking.session import Session
 from cbdsl.documents.document import Document
-from cbdsl.documents.json_examples import EXAMPLES
-from cbdsl.documents.json_schema import json_schema
+from cbdsl.documents.json_schema import common_values, json_schema
 from cbdsl.documents.kinds import models
 from cbdsl.errors.errors import DiagnosticsError
 from cbdsl.types.unit import UNITS
@@ -186,13 +185,14 @@ def test_quantities_are_what_the_models_read(value: object) -> None:
         assert is_valid(data) == fits(data), key
 
 
-@pytest.mark.parametrize("where", EXAMPLES)
-def test_examples_are_what_the_models_read(where: str) -> None:
-    section, key = where.split(".")
+@pytest.mark.parametrize(
+    ("section", "key"), [(name, key) for name, keys in common_values().items() for key in keys]
+)
+def test_examples_are_what_the_models_read(section: str, key: str) -> None:
     fields = SECTIONS[section].model_fields.items()
     (field,) = [field for name, field in fields if key in (name, field.alias)]
     adapter = TypeAdapter(field.rebuild_annotation())
-    for value in EXAMPLES[where]:
+    for value in common_values()[section][key]:
         adapter.validate_python(value)
 
 

@@ -11,7 +11,7 @@ from cbdsl.checking.lookup.documents import for_robot
 from cbdsl.checking.session import Session
 from cbdsl.documents.program import ProgramDocument
 from cbdsl.documents.stage import StageDocument
-from cbdsl.errors.codes.example import URDF, robot
+from cbdsl.errors.catalogue import catalogue
 from cbdsl.errors.diagnostic import Diagnostic
 from cbdsl.yaml_text.library import Library
 
@@ -24,9 +24,11 @@ PROGRAM = (
 
 @pytest.fixture
 def library(tmp_path: Path) -> Library:
+    example = catalogue()["CB302"]
     (tmp_path / "robots").mkdir()
-    (tmp_path / "robots" / "example.yaml").write_text(robot(), "utf-8")
-    (tmp_path / "robots" / "example.urdf").write_text(URDF, "utf-8")
+    (tmp_path / "robots" / "example.yaml").write_text(example.good, "utf-8")
+    urdf = "robots/example.urdf"
+    (tmp_path / urdf).write_text(example.beside[urdf], "utf-8")
     return Library(tmp_path)
 
 

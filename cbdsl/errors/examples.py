@@ -1,0 +1,44 @@
+"""Documents that the examples of the catalogue are made of."""
+
+from __future__ import annotations
+
+from pathlib import Path, PurePosixPath
+
+_HEAD = "cbdsl: 1\nkind: {}\nname: $name\n"
+_DEXTER = _HEAD.format("program") + "robot: dexter\ncontrollers:\n  track: "
+_TRACK = (
+    "{potential: spring, reference: [0 rad, 0 rad], feedback: cyclopean.motion, effector: head}"
+)
+_ROBOT = _HEAD.format("robot") + "model: example.urdf\nbase: base\neffectors:\n"
+_CONTROL = "control: {rate: 120 Hz, tasks: {}}\n"
+_BALL = "things:\n  ball: {form: {shape: ball, radius: 4 cm}, mass: 100 g}\n"
+
+#: Frames of examples: ``$name`` is the file's, ``$body`` what the catalogue has.
+_FRAMES = {
+    "program": f"{_HEAD.format('program')}$body\n",
+    "robot": f"{_HEAD.format('robot')}$body\n",
+    "stage": f"{_HEAD.format('stage')}$body\n",
+    "policy": f"{_HEAD.format('policy')}$body\n",
+    "model": f"{_HEAD.format('model')}$body\n",
+    "tracking": f"{_DEXTER}{_TRACK}\n$body\n",
+    "controller": f"{_DEXTER}{{$body}}\nactions: [track]\n",
+    "effectors": f"{_ROBOT}$body\n{_CONTROL}",
+    "pan": f"{_ROBOT}  head: {{joints: [pan]}}\n{_CONTROL}$body\n",
+    "ball": f"{_HEAD.format('stage')}robot: dexter\n{_BALL}contexts:\n$body\n",
+    "text": "$body\n",
+}
+
+
+def example(path: str, spelling: dict[str, str], folder: Path) -> str:
+    """Text of an example.
+
+    Args:
+        path: its file, which names the document.
+        spelling: its body, by the name of a frame; ``file`` is the name of a file in the folder.
+        folder: where the catalogue's tables are.
+    """
+    ((frame, body),) = spelling.items()
+    if frame == "file":
+        return (folder / body).read_text(encoding="utf-8")
+    name = PurePosixPath(path).stem
+    return _FRAMES[frame].replace("$name", name).replace("$body", body)
