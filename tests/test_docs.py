@@ -320,6 +320,23 @@ def test_the_new_potential_gets_its_tests(tmp_path: Path, monkeypatch: pytest.Mo
     assert check_document(program) == []
 
 
+@pytest.mark.parametrize(
+    ("page", "module"),
+    [
+        ("new_sensor", "wrist"),
+        ("new_modifier", "orbit"),
+        ("new_learner", "monte_carlo"),
+        ("new_backend", "ideal"),
+    ],
+)
+def test_a_page_shows_the_plugin_that_tests_run(page: str, module: str) -> None:
+    """The same code but for its package: a page's modules stand alone."""
+    found = blocks(DOCS / "how_to" / f"{page}.md")
+    (shown,) = [each.text for each in found if each.marks.get("file") == f"{module}.py"]
+    tested = ROOT / "tests" / "plugins" / "package" / "demo" / f"{module}.py"
+    assert shown == tested.read_text("utf-8").replace("demo.", "")
+
+
 def test_the_reference_is_up_to_date() -> None:
     """``python docs/make_reference.py`` writes it again."""
     page = runpy.run_path(str(DOCS / "make_reference.py"))["page"]

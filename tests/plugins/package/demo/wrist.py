@@ -44,5 +44,8 @@ def reader(signal: SensorSignal, signals: Signals) -> Callable[[], Reading | Non
 
 
 WRIST = SourceKind(
-    "wrist_force_torque", "force and torque at a wrist", resources, "demo.wrist:reader"
+    "wrist_force_torque",
+    "force and torque at a wrist",
+    resources,
+    "demo.wrist:reader",
 )
