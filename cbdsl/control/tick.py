@@ -33,6 +33,9 @@ _DESCENT, _RESIDUAL = int(Rule.DESCENT), int(Rule.RESIDUAL)
 #: feedback to the reference; the same while the feedback is no measurement, so that it becomes one.
 IDLE, TRACK, SEARCH = range(3)
 
+#: What comes of a tick where no slot fails.
+MOVED, RESTED, UNSOUND = -1, -2, -3
+
 #: A controller's slot.
 SLOT = np.dtype(
     [
@@ -173,10 +176,6 @@ def tick(
     ):  # fmt: skip
         return UNSOUND
     return MOVED
-
-
-#: What comes of a tick where no slot fails.
-MOVED, RESTED, UNSOUND = -1, -2, -3
 
 
 @compiled

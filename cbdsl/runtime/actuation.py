@@ -17,6 +17,7 @@ from cbdsl.documents.robot import RobotDocument
 from cbdsl.runtime.controller_run import ControllerRun
 from cbdsl.runtime.program_run import Active
 from cbdsl.sensing.signals import Selection, Signals
+from cbdsl.types.potential import POTENTIALS
 
 Floats = NDArray[np.float64]
 Integers = NDArray[np.int64]
@@ -113,7 +114,11 @@ class Actuation:
             self._signals.kinematics.place()
         if batch.versions != (self._signals.table.version, self._plan.version):
             self._arrange(batch)
-        outcome = tick(*batch.arguments)
+        try:
+            outcome = tick(*batch.arguments)
+        except Exception as error:  # our own kernels raise none
+            fault = _fault_of(batch.runs, error)
+            raise (fault or error) from (error if fault else None)
         if outcome >= 0:
             raise batch.runs[outcome].refuse()
         if outcome == UNSOUND:
@@ -179,6 +184,14 @@ class Actuation:
             signals.select(rows),
             tuple([run for run in runs if run.preparation.is_needed]),
         )
+
+
+def _fault_of(runs: Sequence[ControllerRun], error: Exception) -> Exception | None:
+    """The fault of another package's potential among those that act; ``None`` for no such."""
+    for name in dict.fromkeys(run.controller.potential for run in runs):
+        if not POTENTIALS.registry.is_builtin(name):
+            return POTENTIALS.registry.fault(name, f"{type(error).__name__}: {error}")
+    return None
 
 
 def _peers(item: Active) -> tuple[int, int]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -168,12 +169,9 @@ class ControllerRun:
         """The potential in this tick, in the joints that act; ``None`` while undefined."""
         if math.isnan(self.phi):
             return None
-        record, table = self._record, self._signals.table
-        rows = table.rows(self.rows.feedback)
-        residual, slope = np.zeros(self.size), np.zeros((self.size, len(rows)))
-        phi = self._potential.function(*self._values(), self._parameters, residual, slope)
-        if record["identity"]:
-            slope = np.eye(self.size)
+        rows = self._signals.table.rows(self.rows.feedback)
+        potential = replace(self._potential, parameters=self._parameters)
+        phi, residual, slope = potential.evaluate(*self._values(), len(rows))
         jacobian = np.where(self.columns >= 0, rows[:, self.columns], 0.0)
         return Evaluation(phi, residual, slope @ jacobian)
 

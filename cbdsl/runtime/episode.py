@@ -183,11 +183,11 @@ class Runner:
             began = self._clock()
             observation = backend.observe()
             self._advance(observation, seed, first=ticks == 0)
+            taken = self._clock() - began
             if on_tick is not None:
                 on_tick(Tick(observation, self.signals, run, self._actuation))
             if run.predicate != "0":
                 break
-            taken = self._clock() - began
             if backend.deadline is not None and taken > backend.deadline:
                 backend.halt()
                 return ticks, describe_lateness(run, observation.time, taken, backend.deadline)

@@ -100,7 +100,7 @@ class Signals:
         self.robot = robot
         self.kinematics = kinematics
         self.joints = kinematics.joints
-        self.positions, self.clock = kinematics.positions, np.zeros(1, dtype=np.int64)
+        self.positions = kinematics.positions
         self.table = SignalTable(len(self.joints))
         self._rows: dict[tuple[object, ...], int] = {}
         self._readers: dict[int, Reader] = {}
@@ -112,6 +112,7 @@ class Signals:
         ]
         self.vision = Vision(robot, kinematics, channels)
         self.tips = Tips(robot, kinematics)
+        self.clock = self.tips.clock
         self.touch = Touch(robot, kinematics, self.tips)
         self.sight = VisualSignals(robot, kinematics, self.vision, self.tips, self.touch)
         self._binders: dict[type, Callable[[Any], int]] = {
@@ -137,7 +138,7 @@ class Signals:
         self.vision.reset()
         self.touch.reset()
         self.sight.reset()
-        self.clock[0] = self.tips.stamp = 0
+        self.clock[0] = 0
 
     def update(self, observation: Observation) -> None:
         """Take in one tick's observation.
@@ -147,8 +148,7 @@ class Signals:
         """
         wrenches = self.touch.gathered(observation.loads)
         self._require_finite(observation, wrenches)
-        self.tips.stamp += 1
-        self.clock[0] = self.tips.stamp
+        self.clock[0] += 1
         self.time = observation.time
         self.kinematics.update(observation.positions)
         if self.robot.load_cells:
@@ -268,7 +268,8 @@ class Signals:
     def _bind(self, resource: Resource) -> int:
         source = resource.source
         if isinstance(source, SensorSignal):
-            return self._bind_read(resource.type.size, self._sensor_reader(source))
+            size = resource.type.size
+            return self._bind_read(size, self._sensor_reader(source, size))
         binder = self._binders.get(type(source))
         if binder is not None:
             return binder(source)
@@ -280,7 +281,7 @@ class Signals:
         self._readers[number] = reader
         return number
 
-    def _sensor_reader(self, signal: SensorSignal) -> Reader:
+    def _sensor_reader(self, signal: SensorSignal, size: int) -> Reader:
         """The reader of a sensor of another package's kind, whose faults are the package's."""
         module, function = SOURCES.get(signal.kind).reader.split(":")
         failed = partial(SOURCES.fault, signal.kind)
@@ -292,10 +293,10 @@ class Signals:
         def read() -> Reading | None:
             try:
                 reading = reader()
-                finite = reading is None or bool(np.isfinite(reading.value).all())
+                _require_shape(reading, size, len(self.joints))
             except Exception as error:
                 raise failed(f"{type(error).__name__}: {error}") from error
-            if not finite:
+            if reading is not None and not np.isfinite(reading.value).all():
                 raise SensorError(f"the sensor {signal.sensor} is not finite")
             return reading
 
@@ -396,6 +397,21 @@ class Signals:
         """A joint, and the resource that it belongs to."""
         effectors = self.robot.effectors.items()
         return next(f"joint {joint} of {name}" for name, each in effectors if joint in each.joints)
+
+
+def _require_shape(reading: Reading | None, size: int, joints: int) -> None:
+    """Refuse a reading of another package that does not fit its row.
+
+    Raises:
+        ValueError: its value or its Jacobian has another shape.
+    """
+    if reading is None:
+        return
+    if reading.value.shape != (size,):
+        raise ValueError(f"its value has shape {reading.value.shape}, not {(size,)}")
+    if reading.jacobian is not None and reading.jacobian.shape != (size, joints):
+        shape = reading.jacobian.shape
+        raise ValueError(f"its Jacobian has shape {shape}, not {(size, joints)}")
 
 
 @compiled_once

@@ -16,7 +16,7 @@ class Tips:
     """The tips of effectors in the newest posture.
 
     Attributes:
-        stamp: of the newest posture.
+        clock: counts the postures, shape (1,).
     """
 
     def __init__(self, robot: RobotDocument, kinematics: Kinematics) -> None:
@@ -26,7 +26,12 @@ class Tips:
             for name, effector in robot.effectors.items()
             if effector.tip is not None
         }
-        self.stamp = 0
+        self.clock = np.zeros(1, dtype=np.int64)
+
+    @property
+    def stamp(self) -> int:
+        """Number of the newest posture."""
+        return int(self.clock[0])
 
     def point(self, effector: str) -> Point:
         """The control point of an effector."""

@@ -3,13 +3,21 @@
 from __future__ import annotations
 
 import json
+import re
 import shutil
 from pathlib import Path
 
 import numpy as np
 import pytest
 
+from cbdsl.documents.robot import RobotDocument, Sensor
+from cbdsl.robot.resources import resources
+from cbdsl.robot.source_kind import SOURCES
+from cbdsl.sensing.kinematics import Kinematics
+from cbdsl.sensing.observation import Observation
+from cbdsl.sensing.signals import Signals
 from cbdsl.types.potential import POTENTIALS
+from cbdsl.types.registry import PluginError
 from docs.make_reference import page
 from tests.cli.test_main import cb
 from tests.conftest import ROOT
@@ -202,3 +210,58 @@ def test_a_potential_that_breaks_its_contract_is_named_before_anything_moves(
     assert cb(monkeypatch, "run", "own.yaml", "--backend", "kinematic") == 2
     error = capsys.readouterr().err
     assert told in error and "faulty" in error and "bad 1.0" in error and "Traceback" not in error
+
+
+def test_a_potential_that_raises_while_it_runs_is_named(
+    here: Path,
+    folder: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    # When it is tried out, its value is 0.1 everywhere.
+    module = (
+        "from cbdsl.control.potential import Potential, potential\n"
+        "from demo.keep_out import KEEP_OUT\n"
+        "POTENTIAL = KEEP_OUT._replace(name='faulty', implementation='late_kernel:build')\n"
+        "def build(controller, setting):\n    return Potential(wrong, 1)\n"
+        "@potential\ndef wrong(value, reference, parameters, residual, slope):\n"
+        "    if value[0] != 0.1:\n        raise ValueError('too late')\n    return 0.0\n"
+    )
+    points = {"cbdsl.potentials": {"faulty": "late_kernel:POTENTIAL"}}
+    write_package(folder, "bad", points, late_kernel=module)
+    POTENTIALS.registry.refresh()
+    (here / "own.yaml").write_text(HEAD + OWN.replace("keep_out", "faulty"), "utf-8")
+    assert cb(monkeypatch, "run", "own.yaml", "--backend", "kinematic") == 2
+    error = capsys.readouterr().err
+    assert "too late" in error and "bad 1.0" in error and "internal error" not in error
+
+
+@pytest.mark.parametrize(
+    ("given", "wanted", "told"),
+    [
+        ("Reading(value, robot", "Reading(value[:2], robot", "its value has shape (2,), not (3,)"),
+        ("jacobian[:3], signals", "jacobian[:2], signals", "its Jacobian has shape (2, "),
+        ("return read", "raise OSError('unplugged')", "unplugged"),
+    ],
+)
+def test_a_sensor_that_breaks_its_contract_is_named(
+    given: str, wanted: str, told: str, folder: Path, dexter: RobotDocument, kinematics: Kinematics
+) -> None:
+    text = (Path(__file__).parent / "package/demo/wrist.py").read_text("utf-8")
+    assert given in text
+    text = text.replace(given, wanted).replace("wrist_force_torque", "bad_wrist")
+    points = {"cbdsl.sources": {"bad_wrist": "bad_wrist:WRIST"}}
+    write_package(folder, "bad", points, bad_wrist=text.replace("demo.wrist", "bad_wrist"))
+    SOURCES.refresh()
+    sensor = Sensor(kind="bad_wrist", link="right_palm", hand="right_hand")
+    robot = dexter.model_copy(update={"sensors": {"wrist": sensor}})
+    signals = Signals(robot, kinematics, ())
+    cells = [(hand, finger) for hand, own in robot.load_cells.items() for finger in own]
+    still = np.zeros(len(kinematics.joints))
+    with pytest.raises(PluginError, match=re.escape(told)) as raised:
+        force = resources(robot)["wrist.force"]
+        for load in (0.0, 5.0):
+            loads = {cell: np.full(6, load) for cell in cells}
+            signals.update(Observation(0.0, still, still, loads, {}))
+            signals.read(force)
+    assert "bad 1.0" in str(raised.value)
