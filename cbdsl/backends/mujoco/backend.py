@@ -1,0 +1,36 @@
+"""A faster backend with physics: MuJoCo's steady contacts, rendered or ideal cameras."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from cbdsl.backends.cameras.selection import make_cameras
+from cbdsl.backends.mujoco.engine import MujocoEngine
+from cbdsl.backends.mujoco.window import Window
+from cbdsl.backends.simulated_backend import SimulatedBackend
+from cbdsl.backends.staging.fit import physics_steps, read_fitting
+from cbdsl.documents.robot import RobotDocument
+
+
+class MujocoBackend(SimulatedBackend[MujocoEngine]):
+    """A robot in MuJoCo.
+
+    Args:
+        robot: what can be sensed and moved.
+        urdf: its model.
+        gui: whether to open the simulator's window.
+        cameras: ``rendered`` or ``ideal``; rendered without a choice.
+
+    Raises:
+        BackendError: robot file and model do not fit together, the renderer that the robot file
+            asks for does not work here, or there is no screen for a window.
+    """
+
+    def __init__(
+        self, robot: RobotDocument, urdf: Path, *, gui: bool = False, cameras: str | None = None
+    ) -> None:
+        window = Window() if gui else None
+        model, substeps = read_fitting(robot, urdf), physics_steps(robot)
+        eyes = make_cameras(cameras or "rendered", robot, model)
+        engine = MujocoEngine(robot, model, 1 / robot.control.rate / substeps, window)
+        super().__init__(robot, model, engine, eyes, robot.control.rate, substeps)

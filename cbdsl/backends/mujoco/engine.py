@@ -1,0 +1,223 @@
+"""MuJoCo as an engine: the robot, the objects of a stage, and their contacts."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import mujoco as mj
+import numpy as np
+from numpy.typing import NDArray
+
+from cbdsl.backends.mujoco.load_cell_sensors import (
+    add_sensors,
+    cell_links,
+    sensor_addresses,
+    sum_wrenches,
+)
+from cbdsl.backends.mujoco.robot_spec import make_robot_spec, wxyz
+from cbdsl.backends.mujoco.servos import MujocoServos
+from cbdsl.backends.mujoco.window import Window
+from cbdsl.backends.mujoco.world import MujocoWorld
+from cbdsl.backends.staging.engine import ROOM, Engine
+from cbdsl.backends.staging.pose import Pose
+from cbdsl.backends.staging.scenario import SceneObject
+from cbdsl.backends.staging.solids import POSITION, ROTATION, WIDTH, placed
+from cbdsl.documents.robot import RobotDocument
+from cbdsl.robot.joints import Joints
+from cbdsl.robot.urdf import UrdfModel
+from cbdsl.sensing.observation import Cell
+
+Floats = NDArray[np.float64]
+
+
+class MujocoEngine(Engine):
+    """A robot in MuJoCo; see ``Engine``.
+
+    Args:
+        robot: what can be sensed and moved.
+        model: its URDF.
+        timestep: of the physics, s.
+        window: where to show it, if anywhere.
+
+    Raises:
+        BackendError: MuJoCo cannot simulate the model, or the robot file names links that the
+            model does not have.
+    """
+
+    def __init__(
+        self,
+        robot: RobotDocument,
+        model: UrdfModel,
+        timestep: float,
+        window: Window | None = None,
+    ) -> None:
+        self._joints = Joints(robot)
+        spec = make_robot_spec(robot, model, timestep)
+        self._servos = MujocoServos(spec, robot, model)
+        add_sensors(spec, robot)
+        self._world = MujocoWorld(spec, model, robot.simulation.mujoco)
+        self._window = window
+        bare = self._world.bare
+        # MuJoCo's first body is the world, and the robot's are next.
+        self._links = slice(1, bare.nbody)
+        self.rows = {bare.body(number).name: number - 1 for number in range(1, bare.nbody)}
+        links = cell_links(robot)
+        self.cells = tuple(links)
+        self._fingertips = np.array([bare.body(link).id for link in links.values()], dtype=np.intp)
+        self._addresses = sensor_addresses(bare, robot)
+        joints = [bare.joint(name) for name in self._joints.all]
+        self._positions = np.array([int(joint.qposadr[0]) for joint in joints], dtype=np.intp)
+        velocities = np.array([int(joint.dofadr[0]) for joint in joints], dtype=np.intp)
+        count = len(self._joints.names)
+        self._rows = self._positions[:count], velocities[:count]
+        self.begin(np.zeros(len(self._joints.names)))
+
+    def begin(self, positions: Floats) -> None:
+        self._world.begin()
+        self.objects: dict[str, SceneObject] = {}
+        self._solids: Floats = np.empty((0, WIDTH))
+        self._wrenches: Floats = np.zeros((len(self.cells), 6))
+        data = self._world.data
+        data.qpos[self._positions] = self._joints.expand(positions)
+        data.ctrl[:] = positions
+        self._moved = True
+
+    def step(self, targets: Floats) -> None:
+        model, data, arrays = self._world.current()
+        self._servos.drive(arrays, self._rows, targets)
+        mj.mj_step(model, data)
+        # Forces and poses are still those at the beginning of the step.
+        self._wrenches = np.zeros((len(self.cells), 6))
+        sum_wrenches(
+            arrays.readings, self._addresses, arrays.origins, self._fingertips, self._wrenches
+        )
+        self._moved = True
+        if self._window is not None:
+            self._window.show(model, data)
+
+    def _placed(self) -> Any:
+        """The state, with all poses as of now."""
+        data = self._world.data
+        if self._moved:
+            mj.mj_kinematics(self._world.model, data)
+            self._moved = False
+        return data
+
+    def read(self) -> tuple[Floats, Floats]:
+        data, (positions, velocities) = self._world.data, self._rows
+        return data.qpos[positions], data.qvel[velocities]
+
+    def all_positions(self) -> Floats:
+        """Positions of the actuated, then the coupled joints, rad or m, shape (n + m,)."""
+        positions: Floats = self._world.data.qpos[self._positions]
+        return positions
+
+    def wrenches(self) -> Floats:
+        return self._wrenches
+
+    def efforts(self) -> Floats:
+        torques: Floats = self._world.data.qfrc_actuator[self._rows[1]]
+        return torques
+
+    def close(self) -> None:
+        if self._window is not None:
+            self._window.close()
+
+    @property
+    def placements(self) -> Floats:
+        data = self._placed()
+        return np.hstack([data.xmat[self._links], data.xpos[self._links]])
+
+    @property
+    def solids(self) -> Floats:
+        if self.objects:
+            data = self._placed()
+            numbers = [self._world.body(name).number for name in self.objects]
+            self._solids[:, POSITION] = data.xpos[numbers]
+            self._solids[:, ROTATION] = data.xmat[numbers]
+        return self._solids
+
+    def pose(self, name: str) -> Pose:
+        number, data = self._world.body(name).number, self._placed()
+        return Pose(data.xpos[number].copy(), data.xmat[number].reshape(3, 3).copy())
+
+    def velocity(self, name: str) -> Floats:
+        own = self._world.body(name).twist
+        return self._world.data.qvel[own : own + 3].copy() if own >= 0 else np.zeros(3)
+
+    def add(self, item: SceneObject) -> None:
+        self.objects[item.name] = item
+        self._world.add(item)
+        self._gather()
+
+    def remove(self, name: str) -> None:
+        del self.objects[name]
+        self._world.remove(name)
+        self._gather()
+
+    def _gather(self) -> None:
+        """Take another array for the solids, since other objects are there."""
+        solids = [placed(item.shape, item.pose) for item in self.objects.values()]
+        self._solids = np.array(solids).reshape(len(solids), WIDTH)
+        self._moved = True
+
+    def attach(self, name: str) -> None:
+        """See ``Engine``; an object that is held keeps its orientation."""
+        pose, grip = self.pose(name), self._world.body(name).grip
+        goal = self._world.model.eq_data[grip]
+        goal[:3], goal[3:6], goal[6:10] = 0.0, pose.position, wxyz(pose)
+        self._world.data.eq_active[grip] = True
+
+    def lead(self, name: str, position: Floats, velocity: Floats) -> None:
+        self._world.model.eq_data[self._world.body(name).grip, 3:6] = position
+
+    def release(self, name: str) -> None:
+        data, body = self._world.data, self._world.body(name)
+        if data.eq_active[body.grip]:
+            data.eq_active[body.grip] = False
+            self.launch(name, np.zeros(3))
+
+    def launch(self, name: str, velocity: Floats) -> None:
+        own = self._world.body(name).twist
+        self._world.data.qvel[own : own + 6] = [*velocity.tolist(), 0.0, 0.0, 0.0]
+
+    def put_back(self, name: str, pose: Pose) -> None:
+        data, body = self._world.data, self._world.body(name)
+        place, twist = slice(body.pose, body.pose + 7), slice(body.twist, body.twist + 6)
+        before, velocity = data.qpos[place].copy(), data.qvel[twist].copy()
+        data.qpos[place], data.qvel[twist] = [*pose.position, *wxyz(pose)], 0.0
+        self._moved = True
+        if self._distance(body.number) < ROOM:
+            data.qpos[place], data.qvel[twist] = before, velocity
+            self._moved = True
+
+    def _distance(self, body: int) -> float:
+        """Distance of a body from the robot, m, or ``ROOM`` where that is less."""
+        model, data, fromto = self._world.model, self._placed(), np.zeros(6)
+        geoms = np.arange(model.ngeom)
+        own, robot = geoms[model.geom_bodyid == body], geoms[self._of_robot(model.geom_bodyid)]
+        return min(
+            (mj.mj_geomDistance(model, data, a, b, ROOM, fromto) for a in own for b in robot),
+            default=ROOM,
+        )
+
+    def _of_robot(self, bodies: NDArray[np.int32]) -> NDArray[np.bool_]:
+        inside: NDArray[np.bool_] = (bodies >= self._links.start) & (bodies < self._links.stop)
+        return inside
+
+    def touched(self, name: str) -> bool:
+        return bool(self._of_robot(self._pressing(name)).any())
+
+    def touching(self, name: str) -> frozenset[Cell]:
+        pressing = set(self._pressing(name).tolist())
+        cells = zip(self.cells, self._fingertips.tolist(), strict=True)
+        return frozenset(cell for cell, tip in cells if tip in pressing)
+
+    def _pressing(self, name: str) -> NDArray[np.int32]:
+        """Bodies in contact with an object, and the object's own, as of the last step."""
+        model, data, body = self._world.model, self._world.data, self._world.body(name).number
+        bodies: NDArray[np.int32] = model.geom_bodyid[data.contact.geom].reshape(-1, 2)
+        rows = data.contact.efc_address
+        forces = np.append(data.efc_force, 0.0)[rows]  # of contacts without a row: none
+        pressing: NDArray[np.int32] = bodies[(bodies == body).any(axis=1) & (forces > 0.0)].ravel()
+        return pressing

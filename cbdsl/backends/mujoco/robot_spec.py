@@ -1,0 +1,178 @@
+"""The robot as a MuJoCo specification, made from its URDF and its robot file."""
+
+from __future__ import annotations
+
+import math
+from itertools import combinations
+from typing import Any
+
+import mujoco as mj
+import numpy as np
+from numpy.typing import NDArray
+
+from cbdsl.backends.backend import BackendError
+from cbdsl.backends.mujoco.contact import ContactSettings
+from cbdsl.backends.mujoco.geometry import add_shape
+from cbdsl.backends.staging.links import matching_links
+from cbdsl.backends.staging.pose import Pose
+from cbdsl.backends.staging.scenario import GRAVITY
+from cbdsl.documents.robot import MujocoSection, RobotDocument
+from cbdsl.robot.joints import Joints
+from cbdsl.robot.urdf import UrdfInertial, UrdfJoint, UrdfModel
+
+Floats = NDArray[np.float64]
+
+# Lighter bodies are given this mass, kg, and moment of inertia, kg m^2.
+_LEAST_MASS, _LEAST_INERTIA = 1e-4, 1e-8
+# Of links whose surface the robot file does not name.
+_FRICTION = 0.5
+_JOINTS = {
+    "revolute": mj.mjtJoint.mjJNT_HINGE,
+    "continuous": mj.mjtJoint.mjJNT_HINGE,
+    "prismatic": mj.mjtJoint.mjJNT_SLIDE,
+}
+
+
+def make_robot_spec(robot: RobotDocument, model: UrdfModel, timestep: float) -> Any:
+    """A robot in an otherwise empty world; servos and sensors are left to others.
+
+    A joint that the robot file does not name stays at 0. Coupled joints follow theirs by an
+    equality constraint.
+
+    Args:
+        robot: names joints and surfaces.
+        model: its URDF.
+        timestep: of the physics, s.
+
+    Raises:
+        BackendError: the model has a shape that MuJoCo cannot simulate, or lacks a link that the
+            robot file names.
+    """
+    settings = robot.simulation.mujoco
+    spec = _empty_world(timestep, settings)
+    bodies = _Links(spec, robot, model).bodies
+    for first, second in sorted(_without_contact(robot, model, bodies)):
+        spec.add_exclude(bodyname1=first, bodyname2=second)
+    for passive, coupling in robot.couplings.items():
+        _couple(spec, passive, coupling.follows, coupling.ratio)
+    return spec
+
+
+def compile_spec(spec: Any, model: UrdfModel) -> Any:
+    """MuJoCo's model of a specification.
+
+    Raises:
+        BackendError: it cannot be simulated.
+    """
+    try:
+        return spec.compile()
+    except ValueError as error:
+        reason = " ".join(str(error).split())
+        raise BackendError(f"the simulator cannot read the model {model.path}: {reason}") from error
+
+
+def _empty_world(timestep: float, settings: MujocoSection) -> Any:
+    spec = mj.MjSpec()
+    compiler, option = spec.compiler, spec.option
+    compiler.degree = False
+    compiler.balanceinertia = True
+    compiler.boundmass, compiler.boundinertia = _LEAST_MASS, _LEAST_INERTIA
+    option.timestep, option.gravity = timestep, [0.0, 0.0, -GRAVITY]
+    option.integrator = mj.mjtIntegrator.mjINT_IMPLICITFAST
+    option.cone = mj.mjtCone.mjCONE_ELLIPTIC
+    option.impratio = settings.friction_stiffness
+    option.noslip_iterations = settings.noslip_iterations
+    return spec
+
+
+class _Links:
+    """Bodies of all links.
+
+    Attributes:
+        bodies: by name of the link.
+    """
+
+    def __init__(self, spec: Any, robot: RobotDocument, model: UrdfModel) -> None:
+        self._spec, self._model, self._joints = spec, model, Joints(robot)
+        self._contact = ContactSettings(robot.simulation.mujoco)
+        self._friction = {
+            link: surface.friction
+            for surface in robot.simulation.surfaces
+            for link in matching_links(robot, model, surface.links)
+        }
+        below: dict[str, list[UrdfJoint]] = {}
+        for joint in model.joints.values():
+            below.setdefault(joint.parent, []).append(joint)
+        self.bodies: dict[str, Any] = {}
+        waiting = [(robot.base, spec.worldbody.add_body(name=robot.base))]
+        while waiting:
+            link, body = waiting.pop()
+            self.bodies[link] = body
+            self._fill(body, link)
+            for joint in reversed(below.get(link, [])):
+                waiting.append((joint.child, self._hang(body, joint)))
+
+    def _hang(self, parent: Any, joint: UrdfJoint) -> Any:
+        """The body that hangs on a joint."""
+        pose = Pose.at(joint.origin)
+        child = parent.add_body(name=joint.child, pos=pose.position, quat=wxyz(pose))
+        if joint.name in self._joints.index:
+            moved = child.add_joint(name=joint.name, type=_JOINTS[joint.kind], axis=joint.axis)
+            moved.limited = mj.mjtLimited.mjLIMITED_FALSE
+            if math.isfinite(joint.upper - joint.lower):
+                moved.limited = mj.mjtLimited.mjLIMITED_TRUE
+                moved.range = [joint.lower, joint.upper]
+        return child
+
+    def _fill(self, body: Any, link: str) -> None:
+        """Mass and shapes of a link."""
+        content = self._model.bodies[link]
+        body.gravcomp = 1.0
+        if content.inertial is not None:
+            _set_inertia(body, content.inertial)
+        for number, shape in enumerate(content.collisions):
+            geom = add_shape(self._spec, body, shape, f"{link}/{number}", self._model.path)
+            self._contact.apply(geom, self._friction.get(link, _FRICTION))
+
+
+def wxyz(pose: Pose) -> tuple[float, float, float, float]:
+    """A rotation as MuJoCo's quaternion."""
+    x, y, z, w = pose.quaternion()
+    return w, x, y, z
+
+
+def _set_inertia(body: Any, inertial: UrdfInertial) -> None:
+    """Mass and principal moments; models in the wild have some that no body can have."""
+    xx, yy, zz, xy, xz, yz = inertial.inertia
+    moments, axes = np.linalg.eigh(np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]]))
+    axes[:, 2] *= np.sign(np.linalg.det(axes))
+    pose = Pose.at(inertial.origin) @ Pose(np.zeros(3), axes)
+    body.explicitinertial = True
+    body.mass = max(inertial.mass, _LEAST_MASS)
+    body.ipos, body.iquat = pose.position, wxyz(pose)
+    body.inertia = np.maximum(moments, _LEAST_INERTIA)
+
+
+def _without_contact(
+    robot: RobotDocument, model: UrdfModel, bodies: dict[str, Any]
+) -> set[tuple[str, str]]:
+    """Pairs of a link and one that carries it, and those within groups of the robot file."""
+    pairs = set()
+    for link, body in bodies.items():
+        above = body.parent
+        while above.name in bodies:
+            pairs.add((min(link, above.name), max(link, above.name)))
+            above = above.parent
+    for group in robot.simulation.no_contact:
+        pairs |= set(combinations(sorted(set(matching_links(robot, model, group))), 2))
+    return pairs
+
+
+def _couple(spec: Any, passive: str, follows: str, ratio: float) -> None:
+    """Let a joint follow another one, as stiffly as the timestep allows."""
+    equality = spec.add_equality(
+        type=mj.mjtEq.mjEQ_JOINT, objtype=mj.mjtObj.mjOBJ_JOINT, name1=passive, name2=follows
+    )
+    equality.data[:5] = [0.0, ratio, 0.0, 0.0, 0.0]
+    equality.solref = [2 * spec.option.timestep, 1.0]
+    equality.solimp = [0.99, 0.999, 0.001, 0.5, 2.0]

@@ -1,0 +1,193 @@
+"""The world in one episode: a specification, what MuJoCo compiled of it, and its state."""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+import mujoco as mj
+import numpy as np
+from numpy.typing import NDArray
+
+from cbdsl.backends.mujoco.contact import ContactSettings
+from cbdsl.backends.mujoco.geometry import add_solids
+from cbdsl.backends.mujoco.robot_spec import compile_spec, wxyz
+from cbdsl.backends.staging.scenario import SceneObject
+from cbdsl.documents.robot import MujocoSection
+from cbdsl.robot.urdf import UrdfModel
+
+Floats = NDArray[np.float64]
+
+# Numbers of a free body's position and of its velocity.
+_POSE, _TWIST = 7, 6
+
+
+class Body(NamedTuple):
+    """Where MuJoCo keeps an object.
+
+    Attributes:
+        number: of its body.
+        pose: where its position and quaternion begin among all positions; -1 for a fixture.
+        twist: where its velocities begin among all velocities; -1 for a fixture.
+        grip: number of the constraint by which the experimenter holds it; -1 for a fixture.
+    """
+
+    number: int
+    pose: int = -1
+    twist: int = -1
+    grip: int = -1
+
+
+class StepArrays(NamedTuple):
+    """Arrays that a step reads and writes, in MuJoCo's own memory.
+
+    Asking MuJoCo for an array makes another view of it, which takes as long as a small kernel.
+
+    Attributes:
+        positions, velocities: of all joints and free bodies.
+        references: of the servos.
+        damping: of all velocities, N m s/rad or N s/m.
+        readings: of all sensors.
+        origins: of all bodies, m, shape (bodies, 3).
+    """
+
+    positions: Floats
+    velocities: Floats
+    references: Floats
+    damping: Floats
+    readings: Floats
+    origins: Floats
+
+    @classmethod
+    def of(cls, model: Any, data: Any) -> StepArrays:
+        """Those of a model and its state."""
+        forces = model.dof_damping, data.sensordata
+        return cls(data.qpos, data.qvel, data.ctrl, *forces, data.xpos)
+
+
+class MujocoWorld:
+    """A robot and objects that come and go.
+
+    An object that comes or goes makes another model necessary, which is compiled when it is next
+    asked for: what a stage puts up at once costs one compilation.
+
+    Args:
+        robot: specification of the robot.
+        urdf: its URDF.
+        settings: of contacts.
+    """
+
+    def __init__(self, robot: Any, urdf: UrdfModel, settings: MujocoSection) -> None:
+        self._robot, self._urdf = robot, urdf
+        self._contact = ContactSettings(settings)
+        self._grip_time = 2 * robot.option.timestep
+        self.bare = compile_spec(robot.copy(), urdf)
+        self.begin()
+
+    def begin(self) -> None:
+        """Leave nothing but the robot in the world."""
+        self._spec: Any = None
+        self._model, self._data = self.bare, mj.MjData(self.bare)
+        self._arrays = StepArrays.of(self._model, self._data)
+        self._bodies: dict[str, Body] = {}
+        self._names: list[str] = []
+        self._stale = False
+
+    def add(self, item: SceneObject) -> None:
+        """Put an object into the world; without mass it does not move."""
+        spec, name = self._changed(), _named(item.name)
+        self._names.append(item.name)
+        position, quaternion = item.pose.position, wxyz(item.pose)
+        body = spec.worldbody.add_body(name=name, pos=position, quat=quaternion)
+        movable = item.mass > 0
+        for geom in add_solids(body, item.shape, item.mass):
+            geom.condim = 4 if geom.type == mj.mjtGeom.mjGEOM_BOX else 6
+            self._contact.apply_surface(geom, item.surface, movable=movable)
+        if movable:
+            body.add_freejoint(name=name)
+            grip = spec.add_equality(
+                name=name,
+                type=mj.mjtEq.mjEQ_WELD,
+                objtype=mj.mjtObj.mjOBJ_BODY,
+                name1="world",
+                name2=name,
+                active=False,
+            )
+            grip.solref = [self._grip_time, 1.0]
+
+    def remove(self, name: str) -> None:
+        """Take an object out of the world."""
+        spec, own = self._changed(), _named(name)
+        self._names.remove(name)
+        grip = spec.equality(own)
+        if grip is not None:
+            spec.delete(grip)
+        spec.delete(spec.body(own))
+
+    def _changed(self) -> Any:
+        if self._spec is None:
+            self._spec = self._robot.copy()
+        self._stale = True
+        return self._spec
+
+    def current(self) -> tuple[Any, Any, StepArrays]:
+        """MuJoCo's model of the world as it is now, its state, and what a step needs of them."""
+        if self._stale:
+            self._update()
+        return self._model, self._data, self._arrays
+
+    @property
+    def model(self) -> Any:
+        """MuJoCo's model of the world as it is now."""
+        return self.current()[0]
+
+    @property
+    def data(self) -> Any:
+        """Its state."""
+        return self.current()[1]
+
+    def body(self, name: str) -> Body:
+        """Where an object is kept."""
+        self.current()
+        return self._bodies[name]
+
+    def _update(self) -> None:
+        """Compile what has changed, and take the state over."""
+        self._stale = False
+        model, data, bodies = self._model, self._data, self._bodies
+        self._model = compile_spec(self._spec, self._urdf)
+        self._data = mj.MjData(self._model)
+        self._arrays = StepArrays.of(self._model, self._data)
+        self._bodies = {name: self._located(name) for name in self._names}
+        self._data.time, self._data.ctrl[:] = data.time, data.ctrl
+        self._take_over(data, (0, 0, self.bare.nq), (0, 0, self.bare.nv))
+        for name in bodies.keys() & self._bodies.keys():
+            old, new = bodies[name], self._bodies[name]
+            if old.grip >= 0:
+                self._take_over(data, (old.pose, new.pose, _POSE), (old.twist, new.twist, _TWIST))
+                self._data.eq_active[new.grip] = data.eq_active[old.grip]
+                self._model.eq_data[new.grip] = model.eq_data[old.grip]
+
+    def _located(self, name: str) -> Body:
+        model, own = self._model, _named(name)
+        number = int(model.body(own).id)
+        if not model.body_dofnum[number]:
+            return Body(number)
+        joint = model.joint(own)
+        grip = mj.mj_name2id(model, mj.mjtObj.mjOBJ_EQUALITY, own)
+        return Body(number, int(joint.qposadr[0]), int(joint.dofadr[0]), grip)
+
+    def _take_over(
+        self, data: Any, positions: tuple[int, int, int], velocities: tuple[int, int, int]
+    ) -> None:
+        """Take over a stretch of the state: from where, to where, and how many numbers."""
+        begin, own, count = positions
+        self._data.qpos[own : own + count] = data.qpos[begin : begin + count]
+        begin, own, count = velocities
+        for kind in ("qvel", "qacc_warmstart"):
+            stretch = getattr(data, kind)[begin : begin + count]
+            getattr(self._data, kind)[own : own + count] = stretch
+
+
+def _named(name: str) -> str:
+    """An object's name among those of links and joints."""
+    return f"object/{name}"

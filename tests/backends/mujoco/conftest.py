@@ -1,0 +1,19 @@
+"""Dexter in MuJoCo."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import pytest
+
+from cbdsl.backends.mujoco.backend import MujocoBackend
+from cbdsl.documents.robot import RobotDocument
+from tests.backends.conftest import URDF, sightless
+
+
+@pytest.fixture(scope="session")
+def blind(dexter: RobotDocument) -> Iterator[MujocoBackend]:
+    """A backend that spends no time on images, with load cells that have no noise."""
+    backend = MujocoBackend(sightless(dexter), URDF)
+    yield backend
+    backend.close()
