@@ -1,0 +1,230 @@
+"""Cameras before and after ``cb calibrate``, and ``reachtouch`` with them, on seeds of your choice.
+
+Bodies are drawn by their numbers from the camera errors of the stage ``noisy_right``. Each shows
+itself a ball, is calibrated from what it saw, and then runs its share of the episodes, once without
+and once with its calibration. What the simulator knows is used for two things only: how far the
+cameras are from where the robot takes them to be, and whether all three fingertips touch the thing
+in a rewarded episode. Rates come with exact (Clopper-Pearson) 95 % intervals. Exits 1 where the
+calibrated robot misses a target.
+
+    python benchmarks/calibration.py --episodes 100 --seed 5000000 [--bodies 10] [--json]
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import os
+import sys
+from collections.abc import Iterable, Mapping, Sequence
+from concurrent.futures import ProcessPoolExecutor
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cbdsl.reproduction.interval import exact_interval
+
+Floats = NDArray[np.float64]
+
+STAGE, PROGRAM = "noisy_right", "reachtouch"
+#: What the calibrated robot is to reach: share of rewards, and rewards without contact.
+LEAST_REWARDED, MOST_WITHOUT_CONTACT = 0.98, 0
+# Places on the table at which triangulation is judged, m.
+_PLACES = [np.array((x, y, -0.35)) for x in (0.35, 0.55, 0.75) for y in (-0.4, -0.2, 0.0)]
+_EYES = np.array((0.24, 0.0, 0.5))
+
+
+def judge_body(body: int, seeds: Sequence[int], backend_name: str) -> dict[str, Any]:
+    """Calibrate one body, and run its episodes without and with the calibration."""
+    from cbdsl.backends.backend import embody
+    from cbdsl.backends.cameras.camera_system import camera_errors
+    from cbdsl.calibration.estimate import CalibrationError, estimate
+    from cbdsl.calibration.watching import watch
+    from cbdsl.cli.run_request import read_request
+    from cbdsl.documents.calibration import with_corrections
+    from cbdsl.sensing.kinematics import Kinematics
+
+    shown = read_request("show_ball", None, None, {}, body=body, uncalibrated=True)
+    robot, urdf = shown.robot, shown.urdf
+    backend = embody(backend_name, robot, urdf)
+    views = watch(
+        robot, Kinematics(robot, urdf), shown.program, backend, shown.stage, seed=body
+    ).views
+    true = camera_errors(robot.cameras, shown.stage.disturbance, np.random.default_rng())
+    row: dict[str, Any] = {"body": body, "views": len(views)}
+    try:
+        estimates = estimate(robot.cameras, views)
+    except CalibrationError as error:
+        backend.close()
+        return row | {"problem": str(error), "before": [], "after": []}
+    calibrated = with_corrections(robot, {n: e.correction for n, e in estimates.items()})
+    row["cameras"] = {
+        name: camera_errors(true[name], calibrated.cameras[name].correction) for name in true
+    }
+    row["table_mm"] = {
+        key: table_errors(each, true, Kinematics(each, urdf), Kinematics(robot, urdf))
+        for key, each in {"before": robot, "after": calibrated}.items()
+    }
+    request = read_request(PROGRAM, STAGE, None, {}, body=body, uncalibrated=True)
+    for key, each in {"before": robot, "after": calibrated}.items():
+        row[key] = list(episodes(request, each, backend, seeds))
+    backend.close()
+    return row
+
+
+def camera_errors(true: Any, correction: Any) -> dict[str, float]:
+    """Errors of position, mm, and rotation, deg, before and after calibration."""
+    from cbdsl.sensing.forward import rotation_of
+
+    found = rotation_of(np.array(correction.rotation))
+    return {
+        "mm_before": 1000 * float(np.linalg.norm(true.position)),
+        "mm_after": 1000 * float(np.linalg.norm(true.position - np.array(correction.position))),
+        "deg_before": angle(true.rotation),
+        "deg_after": angle(found.T @ true.rotation),
+    }
+
+
+def angle(rotation: Floats) -> float:
+    """Angle of a rotation matrix, deg."""
+    return float(np.rad2deg(np.arccos(np.clip((np.trace(rotation) - 1) / 2, -1.0, 1.0))))
+
+
+def table_errors(robot: Any, true: Mapping[str, Any], believed: Any, model: Any) -> list[float]:
+    """Distances between places on the table and where the robot triangulates them, mm."""
+    from cbdsl.sensing.stereo import Ray, triangulate
+
+    errors = []
+    head = model.joints.of("head")
+    for place in _PLACES:
+        x, y, z = place - _EYES
+        posture = np.zeros(len(model.joints))
+        posture[head] = np.arctan2(y, x), np.arctan2(-z, np.hypot(x, y))
+        believed.update(posture)
+        model.update(posture)
+        rays = []
+        for name, camera in robot.cameras.items():
+            here, taken = model.frame(camera.link), believed.frame(camera.link)
+            rotation = here.rotation @ true[name].rotation
+            origin = here.position + here.rotation @ true[name].position
+            seen = taken.rotation @ rotation.T @ (place - origin)
+            rays.append(Ray(taken.position, seen, float(np.linalg.norm(seen))))
+        crossing = triangulate(*rays)
+        assert crossing is not None
+        errors.append(1000 * float(np.linalg.norm(crossing.position - place)))
+    return errors
+
+
+def episodes(request: Any, robot: Any, backend: Any, seeds: Iterable[int]) -> Any:
+    """Outcomes of episodes: seed, whether rewarded, and how many fingertips touch the thing."""
+    from cbdsl.runtime.episode import Runner
+    from cbdsl.sensing.kinematics import Kinematics
+
+    runner = Runner(robot, Kinematics(robot, request.urdf), request.program, backend)
+    for seed in seeds:
+        result = runner.run(request.stage, seed)
+        things = [n for n in backend.truth.names() if n not in request.stage.fixtures]
+        touching = {touch.cell for thing in things for touch in backend.truth.touches(thing)}
+        yield {
+            "seed": seed,
+            "rewarded": result.rewarded,
+            "touching": len(touching - {None}),
+            "last": result.predicates[-1],
+        }
+
+
+def summarise(rows: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
+    """Errors of all bodies, and rates of all episodes."""
+    fine = [row for row in rows if "cameras" in row]
+    cameras = [camera for row in fine for camera in row["cameras"].values()]
+    summary: dict[str, Any] = {
+        "bodies": len(rows),
+        "uncalibrated_bodies": {r["body"]: r["problem"] for r in rows if "problem" in r},
+        "camera_errors": {
+            key: _spread([camera[key] for camera in cameras])
+            for key in ("mm_before", "mm_after", "deg_before", "deg_after")
+        },
+        "table_mm": {
+            key: _spread([error for row in fine for error in row["table_mm"][key]])
+            for key in ("before", "after")
+        },
+    }
+    for key in ("before", "after"):
+        run = [episode for row in rows for episode in row[key]]
+        rewarded = [episode for episode in run if episode["rewarded"]]
+        low, high = exact_interval(len(rewarded), len(run))
+        summary[key] = {
+            "rewarded": len(rewarded),
+            "episodes": len(run),
+            "interval": [round(low, 3), round(high, 3)],
+            "without_contact": [e["seed"] for e in rewarded if e["touching"] < 3],
+            "failed": [[e["seed"], e["last"]] for e in run if not e["rewarded"]],
+        }
+    after = summary["after"]
+    summary["reached"] = bool(
+        after["episodes"]
+        and not summary["uncalibrated_bodies"]
+        and after["rewarded"] >= LEAST_REWARDED * after["episodes"]
+        and len(after["without_contact"]) <= MOST_WITHOUT_CONTACT
+    )
+    return summary
+
+
+def _spread(values: Sequence[float]) -> dict[str, float]:
+    if not values:
+        return {}
+    return {"median": round(float(np.median(values)), 3), "largest": round(max(values), 3)}
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
+    parser.add_argument("--episodes", type=int, default=100, help="in all, each run twice")
+    parser.add_argument("--bodies", type=int, default=10)
+    parser.add_argument("--seed", type=int, default=5_000_000, help="of bodies and episodes")
+    parser.add_argument("--backend", default="bullet")
+    parser.add_argument("--workers", type=int, default=os.cpu_count() or 1)
+    parser.add_argument("--json", action="store_true")
+    options = parser.parse_args()
+    seeds = range(options.seed, options.seed + options.episodes)
+    bodies = range(options.seed, options.seed + options.bodies)
+    shares = [seeds[place :: options.bodies] for place in range(options.bodies)]
+    rows = []
+    with ProcessPoolExecutor(options.workers) as pool:
+        names = [options.backend] * options.bodies
+        for row in pool.map(judge_body, bodies, shares, names):
+            rows.append(row)
+            print(json.dumps(row) if options.json else _line(row), flush=True)
+    summary = summarise(rows)
+    print(json.dumps(summary) if options.json else _told(summary), flush=True)
+    sys.exit(0 if summary["reached"] else 1)
+
+
+def _line(row: Mapping[str, Any]) -> str:
+    if "problem" in row:
+        return f"body {row['body']}: {row['problem']}"
+    table = {key: np.mean(row["table_mm"][key]) for key in ("before", "after")}
+    rewarded = {key: sum(e["rewarded"] for e in row[key]) for key in ("before", "after")}
+    return (
+        f"body {row['body']}: {row['views']} views, table {table['before']:.1f} mm, then "
+        f"{table['after']:.1f} mm; rewarded {rewarded['before']}, then {rewarded['after']} "
+        f"of {len(row['after'])}"
+    )
+
+
+def _told(summary: Mapping[str, Any]) -> str:
+    lines = [f"{key}: {summary[key]}" for key in ("camera_errors", "table_mm")]
+    for key in ("before", "after"):
+        each = summary[key]
+        low, high = each["interval"]
+        lines.append(
+            f"{key}: {each['rewarded']} of {each['episodes']} rewarded "
+            f"[{100 * low:.1f}, {100 * high:.1f}] %, without contact {each['without_contact']}, "
+            f"failed {each['failed']}"
+        )
+    lines.append("targets reached" if summary["reached"] else "targets missed")
+    return "\n".join(lines)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,1 @@
+"""Calibration: a robot estimates where its cameras are from what its own hand shows them."""

@@ -1,0 +1,98 @@
+"""A ball in the hand: where it is by touch, and where a camera sees it."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cbdsl.documents.robot import Camera
+
+Floats = NDArray[np.float64]
+
+# A fingertip that is so much nearer to a camera than another hides e times as much of the ball, m.
+_NEARER = 0.005
+# What is nearer is taken to be so far ahead: estimates on their way may try it, m.
+_CLOSEST = 1e-3
+
+
+def plane_of(tips: Floats) -> tuple[Floats, Floats, Floats]:
+    """Axes of the planes through three fingertips, shape (n, 3) each; the third is normal to it.
+
+    Args:
+        tips: shape (n, 3, 3).
+    """
+    first = _unit(tips[:, 1] - tips[:, 0])
+    across = tips[:, 2] - tips[:, 0]
+    second = _unit(across - np.sum(across * first, axis=1, keepdims=True) * first)
+    return first, second, np.cross(first, second)
+
+
+def centre(tips: Floats, distances: Floats, side: float) -> Floats:
+    """Centres of balls at given distances from three fingertips, m, shape (n, 3).
+
+    However a ball rolls between the fingertips, its centre keeps these distances. Where they are
+    too short to meet, it is in the plane of the fingertips.
+
+    Args:
+        tips: centres of the fingertips, m, shape (n, 3, 3).
+        distances: from them, m, shape (3,).
+        side: 1 or -1: on which side of the plane of the fingertips, by its normal, the centre is.
+    """
+    first, second, normal = plane_of(tips)
+    width = np.sum((tips[:, 1] - tips[:, 0]) * first, axis=1)
+    along = np.sum((tips[:, 2] - tips[:, 0]) * first, axis=1)
+    across = np.sum((tips[:, 2] - tips[:, 0]) * second, axis=1)
+    squares = distances**2
+    x = (squares[0] - squares[1] + width**2) / (2 * width)
+    y = (squares[0] - squares[2] + along**2 + across**2 - 2 * along * x) / (2 * across)
+    height = np.sqrt(np.maximum(squares[0] - x**2 - y**2, 0.0))
+    inner: Floats = x[:, None] * first + y[:, None] * second + side * height[:, None] * normal
+    return tips[:, 0] + inner
+
+
+def image(camera: Camera, points: Floats, radius: float) -> tuple[Floats, Floats]:
+    """Centroids, px, shape (n, 2), and areas, px, shape (n,), of a ball's images.
+
+    A pinhole camera sees a ball as an ellipse, whose middle is not quite the image of the centre.
+
+    Args:
+        camera: size and focal length.
+        points: centres in the camera's frame, m, shape (n, 3).
+        radius: m.
+    """
+    x, y, z = np.maximum(points[:, 0], max(1.01 * radius, _CLOSEST)), points[:, 1], points[:, 2]
+    inner = x**2 - radius**2
+    scale = camera.focal_length * x / inner
+    centroids = np.stack((camera.width / 2 - scale * y, camera.height / 2 - scale * z), axis=1)
+    outer = np.sqrt(x**2 + y**2 + z**2 - radius**2)
+    areas = np.pi * (camera.focal_length * radius) ** 2 * outer / inner**1.5
+    return centroids, areas
+
+
+def hidden(
+    centroids: Floats, shares: Floats, tips: Floats, distances: Floats, rim: Floats
+) -> Floats:
+    """Displacements of a ball's centroids by fingers that hide a part of it, px, shape (n, 2).
+
+    What is missing is at the rim, where the fingertips are that are nearest to the camera.
+
+    Args:
+        centroids: of the whole ball, px, shape (n, 2).
+        shares: of its area that are seen, shape (n,).
+        tips: image points of the fingertips, px, shape (n, 3, 2).
+        distances: of the fingertips from the camera, m, shape (n, 3).
+        rim: radii of the ball's images, px, shape (n,).
+    """
+    missing = np.clip(1.0 - shares, 0.0, 1.0)
+    parts = np.exp((distances.min(axis=1, keepdims=True) - distances) / _NEARER)
+    parts /= parts.sum(axis=1, keepdims=True)
+    directions = tips - centroids[:, None]
+    directions /= np.maximum(np.linalg.norm(directions, axis=2, keepdims=True), 1e-9)
+    displacements: Floats = -(missing * rim)[:, None] * np.einsum("nk,nki->ni", parts, directions)
+    return displacements
+
+
+def _unit(vectors: Floats) -> Floats:
+    lengths = np.linalg.norm(vectors, axis=1, keepdims=True)
+    units: Floats = vectors / np.maximum(lengths, 1e-9)
+    return units

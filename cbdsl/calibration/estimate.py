@@ -1,0 +1,281 @@
+"""The estimate of the cameras' displacements: robust least squares over views of a held ball."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.optimize import least_squares
+from scipy.spatial.transform import Rotation
+
+from cbdsl.calibration.ball import centre, hidden, image, plane_of
+from cbdsl.calibration.hand_view import FINGERS, HandView
+from cbdsl.calibration.lacking import lacking
+from cbdsl.documents.robot import Camera, Correction
+from cbdsl.errors.errors import UsageError
+
+Floats = NDArray[np.float64]
+
+#: Fewest views by each camera: it has six unknowns, and each view gives two numbers.
+LEAST_VIEWS = 12
+#: Largest standard deviations of a calibration that is of use: position, m, and rotation, rad.
+LARGEST_DEVIATIONS = 0.005, 0.005
+# Least share of the ball that is to be seen; how a larger hidden part shifts the centroid is less
+# certain.
+_LEAST_VISIBLE = 0.98
+# This quantile of the apparent sizes is the whole ball's; it is refined as often as there are
+# entries, which say whether nothing is taken to be hidden.
+_WHOLE, _REFINEMENTS = 0.95, (True, True, False)
+# Residuals beyond this are met by the robust loss as outliers, px.
+_OUTLIER = 0.5
+# Image points are not known better than this, whatever the residuals say, px.
+_LEAST_ERROR = 0.1
+# Fingertips are alike, and so are their distances from the ball's centre, m.
+_UNEVENNESS = 0.003
+# Share of a good calibration's motion below which no fit is worth trying.
+_HOPELESS = 0.1
+# Parameters of a camera: position and rotation vector.
+_EACH = 6
+
+
+class CalibrationError(UsageError):
+    """A calibration cannot be made from what was seen; the message says what is lacking."""
+
+
+class Estimate(NamedTuple):
+    """Estimate of one camera's displacement.
+
+    Attributes:
+        correction: where the camera is in its link's frame.
+        deviations: largest standard deviations of position, m, and rotation, rad.
+        points: where the camera saw the ball, px, shape (n, 2).
+        before: where it would be expected without calibration, px, shape (n, 2).
+        after: where it is expected by an estimate that was made without this view, shape (n, 2).
+    """
+
+    correction: Correction
+    deviations: tuple[float, float]
+    points: Floats
+    before: Floats
+    after: Floats
+
+    def error(self, expected: Floats) -> float:
+        """Root mean square distance between seen and expected points, px."""
+        return float(np.sqrt(np.mean(np.sum((self.points - expected) ** 2, axis=1))))
+
+
+class _Sightings(NamedTuple):
+    """Views by one camera as arrays; see ``HandView``."""
+
+    camera: Camera
+    positions: Floats
+    rotations: Floats
+    points: Floats
+    areas: Floats
+    tips: Floats
+
+    @classmethod
+    def of(cls, camera: Camera, views: Sequence[HandView]) -> _Sightings:
+        return cls(
+            camera,
+            np.array([view.position for view in views]),
+            np.array([view.rotation for view in views]),
+            np.array([view.point for view in views]),
+            np.array([view.area for view in views]),
+            np.array([view.tips for view in views]),
+        )
+
+    def among(self, chosen: NDArray[np.bool_] | slice) -> _Sightings:
+        """Some of the views."""
+        return _Sightings(self.camera, *(values[chosen] for values in self[1:]))
+
+    def within(self, own: Floats, points: Floats) -> Floats:
+        """World points, shape (n, 3), in the frame of a camera with the parameters ``own`` (6,)."""
+        seen = np.einsum("nji,nj->ni", self.rotations, points - self.positions) - own[:3]
+        inside: Floats = seen @ Rotation.from_rotvec(own[3:]).as_matrix()
+        return inside
+
+    def fingertips(self, own: Floats) -> tuple[Floats, Floats]:
+        """Image points, px, shape (n, 3, 2), of the fingertips, and their distances, m, (n, 3)."""
+        places = [self.within(own, self.tips[:, finger]) for finger in range(FINGERS)]
+        points = [image(self.camera, place, 0.0)[0] for place in places]
+        distances = [np.linalg.norm(place, axis=1) for place in places]
+        return np.stack(points, axis=1), np.stack(distances, axis=1)
+
+
+@dataclass(frozen=True)
+class _Problem:
+    """Expected image points by parameters, and their errors.
+
+    The parameters are each camera's position and rotation vector, in the order of ``sightings``,
+    and the ball's distances from the fingertips.
+
+    Attributes:
+        sightings: by camera.
+        side: of the ball, as ``centre`` has it.
+        radius: of the ball, m.
+        is_whole: whether nothing is taken to be hidden.
+    """
+
+    sightings: Mapping[str, _Sightings]
+    side: float
+    radius: float
+    is_whole: bool = False
+
+    def expected(self, parameters: Floats) -> dict[str, tuple[Floats, Floats]]:
+        """Expected centroids of what is seen of the ball, and the shares of it, by camera."""
+        expected = {}
+        for place, (name, own) in enumerate(self.sightings.items()):
+            camera = parameters[_EACH * place : _EACH * (place + 1)]
+            centres = centre(own.tips, parameters[-FINGERS:], self.side)
+            points = own.within(camera, centres)
+            centroids, areas = image(own.camera, points, self.radius)
+            shares, rim = own.areas / areas, np.sqrt(areas / np.pi)
+            if not self.is_whole:
+                tips, distances = own.fingertips(camera)
+                centroids = centroids + hidden(centroids, shares, tips, distances, rim)
+            expected[name] = centroids, shares
+        return expected
+
+    def residuals(self, parameters: Floats) -> Floats:
+        """Errors of the image points in units of outliers, then of even distances in theirs."""
+        expected = self.expected(parameters)
+        errors = [
+            (expected[name][0] - own.points).ravel() / _OUTLIER
+            for name, own in self.sightings.items()
+        ]
+        distances = parameters[-FINGERS:]
+        return np.concatenate([*errors, (distances - distances.mean()) / _UNEVENNESS])
+
+    def solve(self, start: Floats) -> tuple[Floats, Floats]:
+        """The parameters of least robust error, and the Jacobian of the residuals there."""
+        solution = least_squares(self.residuals, start, loss="soft_l1", x_scale="jac")
+        return solution.x, solution.jac
+
+    def among(self, chosen: Mapping[str, NDArray[np.bool_] | slice]) -> _Problem:
+        """The problem over some of the views by each camera."""
+        some = {name: own.among(chosen[name]) for name, own in self.sightings.items()}
+        return replace(self, sightings=some)
+
+
+def estimate(cameras: Mapping[str, Camera], views: Sequence[HandView]) -> dict[str, Estimate]:
+    """Estimate the displacement of each camera.
+
+    The unknowns are the cameras' positions and rotations and the ball's distances from the
+    fingertips; its radius follows from its apparent size. Views in which fingers hide a part of the
+    ball are left out.
+
+    Args:
+        cameras: of the robot, by name.
+        views: of a ball that a hand holds, by any of them.
+
+    Raises:
+        CalibrationError: there are too few views, or they do not determine the displacements.
+    """
+    by_camera = {name: [view for view in views if view.camera == name] for name in cameras}
+    _require_views({name: len(own) for name, own in by_camera.items()})
+    if hopeless := lacking(by_camera, _HOPELESS):
+        raise CalibrationError(f"these views do not tell where the cameras are: {hopeless}")
+    problem, start = _prepare(cameras, by_camera)
+    parameters, jacobian = problem.solve(start)
+    deviations = _deviations(problem, parameters, jacobian)
+    worst = deviations.max(axis=0)
+    if not (worst[0] <= LARGEST_DEVIATIONS[0] and worst[1] <= LARGEST_DEVIATIONS[1]):
+        raise CalibrationError(
+            f"these views leave the cameras uncertain by {1000 * worst[0]:.2g} mm and "
+            f"{np.rad2deg(worst[1]):.2g} deg: "
+            f"{lacking(by_camera) or 'gather more views'}"
+        )
+    return _estimates(problem, parameters, deviations)
+
+
+def _require_views(numbers: Mapping[str, int]) -> None:
+    if few := [f"{name} in {n}" for name, n in numbers.items() if n < LEAST_VIEWS]:
+        raise CalibrationError(
+            f"too few views of the whole ball while the hand holds it (camera {', '.join(few)}; "
+            f"{LEAST_VIEWS} are needed): show it longer, farther from the images' borders, and "
+            "with the palm towards the cameras"
+        )
+
+
+def _prepare(
+    cameras: Mapping[str, Camera], views: Mapping[str, Sequence[HandView]]
+) -> tuple[_Problem, Floats]:
+    """The problem over the views of nearly the whole ball, and where its solution starts."""
+    everything = [view for own in views.values() for view in own]
+    tips = np.array([view.tips for view in everything])
+    forces = np.array([view.forces for view in everything]).sum(axis=1)
+    # Fingertips push the ball away from their plane, or into the hand where they reach around it.
+    side = 1.0 if float(np.sum(forces * plane_of(tips)[2])) >= 0.0 else -1.0
+    radius = _apparent_radius(cameras, views)
+    sightings = {name: _Sightings.of(cameras[name], own) for name, own in views.items()}
+    problem = _Problem(sightings, side, radius)
+    start = np.concatenate([np.zeros(_EACH * len(views)), np.full(FINGERS, 1.15 * radius)])
+    for is_whole in _REFINEMENTS:
+        # What is hidden shows by the radius, which hardly matters to where a whole ball is.
+        problem = replace(problem, is_whole=is_whole)
+        start, _ = problem.solve(start)
+        shares = {name: share for name, (_, share) in problem.expected(start).items()}
+        whole = float(np.quantile(np.concatenate(list(shares.values())), _WHOLE))
+        problem = replace(problem, radius=problem.radius * math.sqrt(whole))
+    visible = {name: share >= _LEAST_VISIBLE * whole for name, share in shares.items()}
+    _require_views({name: int(chosen.sum()) for name, chosen in visible.items()})
+    return problem.among(visible), start
+
+
+def _apparent_radius(
+    cameras: Mapping[str, Camera], views: Mapping[str, Sequence[HandView]]
+) -> float:
+    """The ball's radius as it appears at the distance of the fingertips, m."""
+    radii = [
+        math.sqrt(view.area / math.pi)
+        * np.linalg.norm(view.tips.mean(axis=0) - view.position)
+        / cameras[name].focal_length
+        for name, own in views.items()
+        for view in own
+    ]
+    return float(np.median(radii))
+
+
+def _deviations(problem: _Problem, parameters: Floats, jacobian: Floats) -> Floats:
+    """Largest standard deviations of each camera's position and rotation, shape (cameras, 2)."""
+    errors = problem.residuals(parameters)[:-FINGERS] * _OUTLIER
+    # Half of the errors are less than 0.67 standard deviations, outliers or not.
+    error = max(float(np.median(np.abs(errors))) / 0.6745, _LEAST_ERROR)
+    values, vectors = np.linalg.eigh(jacobian.T @ jacobian)
+    spread = np.maximum(values, 1e-12 * values[-1])
+    covariance = (vectors / spread) @ vectors.T * (error / _OUTLIER) ** 2
+    largest = []
+    for place in range(len(problem.sightings)):
+        own = [slice(_EACH * place + part, _EACH * place + part + 3) for part in (0, 3)]
+        largest.append([np.sqrt(np.linalg.eigvalsh(covariance[s, s])[-1]) for s in own])
+    return np.array(largest)
+
+
+def _estimates(problem: _Problem, parameters: Floats, deviations: Floats) -> dict[str, Estimate]:
+    """Estimates with the errors of image points, which are those of the other half of the views."""
+    uncalibrated = np.concatenate([np.zeros(len(parameters) - FINGERS), parameters[-FINGERS:]])
+    before = problem.expected(uncalibrated)
+    after = {name: np.empty_like(own.points) for name, own in problem.sightings.items()}
+    for half in range(2):
+        other = dict.fromkeys(problem.sightings, slice(1 - half, None, 2))
+        fitted, _ = problem.among(other).solve(parameters)
+        for name, (points, _) in problem.expected(fitted).items():
+            after[name][half::2] = points[half::2]
+    estimates = {}
+    for place, (name, own) in enumerate(problem.sightings.items()):
+        position, rotation = np.split(parameters[_EACH * place : _EACH * (place + 1)], 2)
+        largest = float(deviations[place, 0]), float(deviations[place, 1])
+        correction = Correction(position=_three(position), rotation=_three(rotation))
+        estimates[name] = Estimate(correction, largest, own.points, before[name][0], after[name])
+    return estimates
+
+
+def _three(values: Floats) -> tuple[float, float, float]:
+    """Three numbers to a thousandth of a millimetre or milliradian."""
+    x, y, z = (round(float(value), 6) for value in values)
+    return x, y, z

@@ -1,0 +1,92 @@
+"""Watching: an episode in which a program shows a held ball to the cameras."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+from cbdsl.backends.backend import Backend
+from cbdsl.calibration.estimate import CalibrationError
+from cbdsl.calibration.hand_view import FINGERS, ViewRecorder
+from cbdsl.documents.robot import RobotDocument
+from cbdsl.documents.stage import StageDocument
+from cbdsl.program.checked import CheckedProgram
+from cbdsl.runtime.episode import Runner, Tick
+from cbdsl.sensing.kinematics import Kinematics
+
+
+def require_sight_and_touch(robot: RobotDocument) -> None:
+    """Refuse robots that cannot see a ball or cannot feel where it is.
+
+    Raises:
+        CalibrationError: there is no camera, or no hand with enough load cells.
+    """
+    if not robot.cameras:
+        raise CalibrationError(f"robot '{robot.name}' has no cameras to calibrate")
+    if not any(len(cells) >= FINGERS for cells in robot.load_cells.values()):
+        raise CalibrationError(
+            f"robot '{robot.name}' has no hand with load cells on {FINGERS} fingers, by which it "
+            "would feel where a ball is that its cameras see"
+        )
+
+
+def watch(
+    robot: RobotDocument,
+    kinematics: Kinematics,
+    program: CheckedProgram,
+    backend: Backend,
+    stage: StageDocument,
+    seed: int,
+    progress: Callable[[int, int], None] = lambda done, total: None,
+) -> ViewRecorder:
+    """Run the program once, and record what the cameras see of the ball.
+
+    Args:
+        robot: without corrections of its cameras.
+        kinematics: of the same robot.
+        program: has parameters ``hand`` and ``feature``: which hand holds the ball, and in which
+            channel it is seen.
+        backend: where.
+        stage: hands the ball over.
+        seed: of all chance.
+        progress: is told after each transition how many of how many are over.
+
+    Raises:
+        CalibrationError: the program does not say which hand and channel, or the hand has fewer
+            than three load cells.
+        BackendError, EpisodeError: as ``Runner.run``.
+    """
+    hand, channel = _parameter(program, "hand"), _parameter(program, "feature")
+    if len(robot.load_cells.get(hand, {})) < FINGERS:
+        hands = [name for name, cells in robot.load_cells.items() if len(cells) >= FINGERS]
+        raise CalibrationError.unknown(f"hand with load cells on {FINGERS} fingers", hand, hands)
+    runner = Runner(robot, kinematics, program, backend)
+    if channel not in runner.signals.vision.channels:
+        raise CalibrationError(
+            f"program '{program.name}' does not look for '{channel}', its parameter 'feature'"
+        )
+    recorder, passed = ViewRecorder(robot, kinematics, hand, channel), 0
+
+    def note(tick: Tick) -> None:
+        recorder.note(tick)
+
+    def count(_: object) -> None:
+        nonlocal passed
+        passed += 1
+        progress(passed, program.transitions)
+
+    runner.run(stage, seed, on_transition=count, on_tick=note)
+    if not recorder.touched:
+        raise CalibrationError(
+            f"in program '{program.name}' on stage '{stage.name}' the fingers of {hand} never all "
+            "felt a ball; hand one over, and let the program close the fingers on it"
+        )
+    return recorder
+
+
+def _parameter(program: CheckedProgram, name: str) -> str:
+    if name not in program.parameters:
+        raise CalibrationError(
+            f"program '{program.name}' has no parameter '{name}'; one that shows a ball says by "
+            "'hand' which hand holds it and by 'feature' in which channel it is seen"
+        )
+    return program.parameters[name]

@@ -1,0 +1,237 @@
+"""``cb calibrate``: find where a robot's cameras are by what its own hand shows them."""
+
+from __future__ import annotations
+
+import json
+import re
+import shlex
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    from cbdsl.calibration.estimate import Estimate
+    from cbdsl.cli.run_request import RunRequest
+    from cbdsl.documents.calibration import CalibrationDocument, CalibrationOrigin
+
+Robot = Annotated[str, typer.Argument(help="A robot: its file, or its name.")]
+Out = Annotated[
+    Path | None,
+    typer.Option(
+        "--out",
+        help="File for the calibration, NAME.yaml [knowledge/calibrations/ROBOT.yaml]; "
+        "NAME.svg beside it is the picture.",
+    ),
+]
+Program = Annotated[
+    str, typer.Option("--program", help="A program that shows a held ball to the cameras.")
+]
+Stage = Annotated[
+    str | None,
+    typer.Option("--stage", help="Where the ball is handed over [the program's own]."),
+]
+Seed = Annotated[int, typer.Option("--seed", min=0, help="Seed of all chance.")]
+BackendName = Annotated[str, typer.Option("--backend", help="What embodies the robot.")]
+Cameras = Annotated[
+    str | None,
+    typer.Option("--cameras", help="Its cameras: rendered or ideal [the backend's own]."),
+]
+BodyNumber = Annotated[
+    int | None,
+    typer.Option("--body", min=0, help="Number of the body, which keeps its cameras' errors."),
+]
+With = Annotated[
+    list[str],
+    typer.Option("--with", help="A parameter of the program, as arm=left_arm; may be repeated."),
+]
+Json = Annotated[bool, typer.Option("--json", help="Print one JSON object.")]
+
+
+def calibrate(
+    context: typer.Context,
+    robot: Robot,
+    *,
+    out: Out = None,
+    program: Program = "show_ball",
+    stage: Stage = None,
+    seed: Seed = 0,
+    backend: BackendName = "bullet",
+    cameras: Cameras = None,
+    body: BodyNumber = None,
+    with_: With = [],  # noqa: B006 (typer)
+    as_json: Json = False,
+) -> None:
+    """Estimate where a robot's cameras are: its hand holds a ball, and shows it to them.
+
+    Where the ball is follows from the fingertips that touch it; where the cameras see it instead
+    tells how they are displaced. cb run --calibration takes the file, and so does the robot's key
+    calibration.
+
+    Exit 0 when the calibration was written, 1 when a document has errors, 2 when it could not be
+    made.
+    """
+    from cbdsl.cli.quiet import shown_on_failure
+    from cbdsl.errors.errors import UsageError
+    from cbdsl.yaml_text.writer import make_room
+
+    request = _request(robot, program, stage, body, with_)
+    target = out or Path("knowledge/calibrations", f"{request.robot.name}.yaml")
+    _require_name(target)
+    try:
+        make_room(target)
+    except OSError as error:
+        raise UsageError(f"--out {target}: {error.strerror}") from error
+    with shown_on_failure():
+        estimates = _estimates(request, seed, backend, cameras)
+    origin = _origin(context, request, target)
+    document = _document(request, estimates, target.stem, origin)
+    _write(document, request, estimates, target)
+    print(json.dumps(_as_json(document, target)) if as_json else _summary(document, target))
+
+
+def _request(
+    robot: str, program: str, stage: str | None, body: int | None, with_: list[str]
+) -> RunRequest:
+    """The program that shows the ball, of an uncalibrated robot."""
+    from cbdsl.calibration.watching import require_sight_and_touch
+    from cbdsl.cli.assignments import read_assignments
+    from cbdsl.cli.run_request import read_request
+    from cbdsl.cli.simulation import needing_simulation
+    from cbdsl.documents.robot import RobotDocument
+    from cbdsl.errors.errors import UsageError
+    from cbdsl.yaml_text.library import Library
+
+    library = Library()
+    named = library.read(library.locate(RobotDocument, robot), RobotDocument).document
+    with needing_simulation():
+        require_sight_and_touch(named)
+    values = read_assignments(with_)
+    request = read_request(program, stage, None, values, body=body, uncalibrated=True)
+    if request.robot.name != named.name:
+        raise UsageError(
+            f"program '{program}' is for robot '{request.robot.name}', not for '{named.name}'; "
+            "name one that shows a ball in its hand with --program"
+        )
+    disturbance = request.stage.disturbance
+    if disturbance.body is None and (disturbance.camera_position or disturbance.camera_rotation):
+        raise UsageError(
+            f"stage '{request.stage.name}' has other cameras in each episode; --body N keeps them"
+        )
+    return request
+
+
+def _require_name(out: Path) -> None:
+    from cbdsl.documents.document import NAME_PATTERN
+    from cbdsl.errors.errors import UsageError
+
+    if out.suffix != ".yaml" or not re.match(NAME_PATTERN, out.stem):
+        raise UsageError(f"--out {out}: a calibration is <name>.yaml, of letters, digits and _")
+
+
+def _estimates(
+    request: RunRequest, seed: int, backend: str, cameras: str | None
+) -> Mapping[str, Estimate]:
+    from cbdsl.cli.progress import Progress
+    from cbdsl.cli.simulation import needing_simulation, simulation
+
+    with needing_simulation():
+        from cbdsl.calibration.estimate import estimate
+        from cbdsl.calibration.watching import watch
+    with (
+        simulation(request, backend, cameras=cameras) as (embodied, kinematics),
+        Progress("postures shown") as progress,
+    ):
+        recorder = watch(
+            request.robot, kinematics, request.program, embodied, request.stage, seed, progress.note
+        )
+    return estimate(request.robot.cameras, recorder.views)
+
+
+def _origin(context: typer.Context, request: RunRequest, target: Path) -> CalibrationOrigin:
+    from cbdsl.documents.calibration import CalibrationOrigin
+
+    given = context.params
+    words = ["cb", "calibrate", request.robot.name, "--out", target.name]
+    for name in ("program", "stage", "seed", "backend", "cameras", "body"):
+        if given[name] is not None:
+            words += [f"--{name}", str(given[name])]
+    for assignment in given["with_"]:
+        words += ["--with", assignment]
+    return CalibrationOrigin(
+        command=shlex.join(words),
+        program=request.program.name,
+        stage=request.stage.name,
+        seed=given["seed"],
+        body=request.stage.disturbance.body,
+        backend=given["backend"],
+    )
+
+
+def _document(
+    request: RunRequest, estimates: Mapping[str, Estimate], name: str, origin: CalibrationOrigin
+) -> CalibrationDocument:
+    from cbdsl.documents.calibration import CalibratedCamera, CalibrationDocument
+
+    cameras = {}
+    for camera, each in estimates.items():
+        position, rotation = each.deviations
+        cameras[camera] = CalibratedCamera(
+            position=each.correction.position,
+            rotation=each.correction.rotation,
+            position_deviation=round(position, 6),
+            rotation_deviation=round(rotation, 6),
+            views=len(each.points),
+            error_before=round(each.error(each.before), 3),
+            error_after=round(each.error(each.after), 3),
+        )
+    return CalibrationDocument(
+        cbdsl=1,
+        name=name,
+        description=f"Where the cameras of {request.robot.name} are, by what its hand showed them.",
+        kind="calibration",
+        robot=request.robot.name,
+        cameras=cameras,
+        origin=origin,
+    )
+
+
+def _write(
+    document: CalibrationDocument,
+    request: RunRequest,
+    estimates: Mapping[str, Estimate],
+    target: Path,
+) -> None:
+    from cbdsl.reporting.calibration_svg import CalibrationPanel, calibration_svg
+    from cbdsl.yaml_text.writer import write, write_text
+
+    panels = []
+    for name, each in estimates.items():
+        camera = request.robot.cameras[name]
+        size = camera.width, camera.height
+        panels.append(CalibrationPanel(name, size, each.points, each.before, each.after))
+    title = f"Cameras of {request.robot.name}, before and after calibration"
+    write_text(calibration_svg(title, panels), target.with_suffix(".svg"))
+    write(document, target)
+
+
+def _as_json(document: CalibrationDocument, target: Path) -> dict[str, Any]:
+    return {"file": str(target), **document.model_dump(mode="json", exclude={"cbdsl"})}
+
+
+def _summary(document: CalibrationDocument, target: Path) -> str:
+    """The outcome for people."""
+    lines = []
+    for name, camera in document.cameras.items():
+        x, y, z = (1000 * value for value in camera.position)
+        a, b, c = (57.29578 * value for value in camera.rotation)
+        lines.append(
+            f"  {name}: displaced by ({x:.1f}, {y:.1f}, {z:.1f}) mm and "
+            f"({a:.2f}, {b:.2f}, {c:.2f}) deg, known to {1000 * camera.position_deviation:.1g} mm "
+            f"and {57.29578 * camera.rotation_deviation:.1g} deg; error of {camera.views} views "
+            f"{camera.error_before:.2f} px, now {camera.error_after:.2f} px"
+        )
+    lines.append(f"written: {target} and {target.with_suffix('.svg')}")
+    return "\n".join([f"cameras of {document.robot}", *lines])

@@ -1,0 +1,90 @@
+"""Calibrations that commands use, and the bodies that they are of."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from cbdsl.documents.calibration import CalibrationDocument
+    from cbdsl.documents.robot import RobotDocument
+    from cbdsl.documents.stage import StageDocument
+    from cbdsl.yaml_text.library import Library
+
+
+def with_body(stage: StageDocument, body: int | None) -> StageDocument:
+    """A stage for the robot's body of a number, or as it is without one.
+
+    Raises:
+        UsageError: the stage has no camera errors, in which bodies differ.
+    """
+    from cbdsl.errors.errors import UsageError
+
+    if body is None:
+        return stage
+    disturbance = stage.disturbance
+    if not (disturbance.camera_position or disturbance.camera_rotation):
+        raise UsageError(
+            f"--body {body}: bodies differ in where their cameras are, and on stage "
+            f"'{stage.name}' they are where the model has them"
+        )
+    changed = disturbance.model_copy(update={"body": body})
+    return stage.model_copy(update={"disturbance": changed})
+
+
+def read_calibration(
+    name: str | None, robot: RobotDocument, beside: Path, library: Library
+) -> CalibrationDocument | None:
+    """Read the calibration that a user asks for, or else the robot's own, if it has one.
+
+    Args:
+        name: a file or a name.
+        robot: whose cameras it is of.
+        beside: file of the robot.
+        library: where documents are found by name.
+
+    Raises:
+        DiagnosticsError: it has errors.
+        UsageError: there is none, or it is another robot's.
+    """
+    from cbdsl.cli.clean import require_clean
+    from cbdsl.documents.calibration import CalibrationDocument
+    from cbdsl.errors.errors import UsageError
+
+    wanted = name or robot.calibration
+    if wanted is None:
+        return None
+    file = library.find(CalibrationDocument, wanted, beside)
+    file = file or library.locate(CalibrationDocument, wanted)
+    require_clean(file, library)
+    calibration = library.read(file, CalibrationDocument).document
+    if calibration.robot != robot.name:
+        raise UsageError(
+            f"{file}: this calibration is of robot '{calibration.robot}', not of '{robot.name}'"
+        )
+    return calibration
+
+
+def require_body(calibration: CalibrationDocument, stage: StageDocument) -> None:
+    """Refuse a calibration where the stage shows cameras that it is not of.
+
+    Raises:
+        UsageError: they differ from episode to episode, or are another body's.
+    """
+    from cbdsl.errors.errors import UsageError
+
+    disturbance, origin = stage.disturbance, calibration.origin
+    if not (disturbance.camera_position or disturbance.camera_rotation):
+        return
+    own = None if origin is None else origin.body
+    if disturbance.body is None:
+        hint = "--body N keeps them" if own is None else f"--body {own} is what it was made with"
+        raise UsageError(
+            f"stage '{stage.name}' has other cameras in each episode, which calibration "
+            f"'{calibration.name}' cannot know: {hint}"
+        )
+    if own is not None and own != disturbance.body:
+        raise UsageError(
+            f"calibration '{calibration.name}' was made with body {own}, "
+            f"and this is body {disturbance.body}"
+        )

@@ -1,0 +1,114 @@
+"""Estimated displacements of cameras against those that made the views."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+import pytest
+
+from cbdsl.calibration.estimate import LEAST_VIEWS, CalibrationError, estimate
+from cbdsl.documents.model import ModelDocument
+from cbdsl.documents.robot import RobotDocument
+from cbdsl.sensing.forward import rotation_of
+from cbdsl.sensing.kinematics import Kinematics
+from cbdsl.sensing.stereo import Ray, triangulate
+from cbdsl.yaml_text.library import Library
+from tests.calibration.synthetic import ShownBall, draw_corrections, frame_of
+
+CAMERAS = ("left", "right")
+
+Showing = Callable[..., ShownBall]
+
+
+@pytest.fixture(scope="module")
+def showing(dexter: RobotDocument, kinematics: Kinematics, library: Library) -> Showing:
+    file = library.locate(ModelDocument, "showing_right_arm")
+    model = library.read(file, ModelDocument).document
+
+    def show(seed: int, spread: float = 1.0) -> ShownBall:
+        rng = np.random.default_rng(seed)
+        return ShownBall(dexter, kinematics, model, rng, spread)
+
+    return show
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_known_errors_are_recovered(
+    dexter: RobotDocument,
+    kinematics: Kinematics,
+    showing: Showing,
+    seed: int,
+) -> None:
+    rng = np.random.default_rng(seed)
+    true = draw_corrections(rng, rng.uniform(0, 0.01), rng.uniform(0, 0.05), CAMERAS)
+    found = estimate(dexter.cameras, showing(seed).views(true, 60, noise=0.1))
+    rays = []
+    for name in CAMERAS:
+        known = found[name].correction
+        assert np.linalg.norm(np.subtract(known.position, true[name].position)) < 0.002
+        left = rotation_of(np.array(known.rotation)).T @ rotation_of(np.array(true[name].rotation))
+        assert np.arccos(min(1.0, (np.trace(left) - 1) / 2)) < np.deg2rad(0.2)
+        model = kinematics.frame(dexter.cameras[name].link)
+        eye, taken = frame_of(model, true[name]), frame_of(model, known)
+        place = np.array((0.55, -0.25, -0.35))
+        seen = taken.rotation @ eye.rotation.T @ (place - eye.position)
+        rays.append(Ray(taken.position, seen, float(np.linalg.norm(seen))))
+    crossing = triangulate(*rays)
+    assert crossing is not None
+    assert np.linalg.norm(crossing.position - place) < 0.004, "a metre away, on the table"
+
+
+def test_stated_deviations_are_those_of_many_estimates(
+    dexter: RobotDocument, showing: Showing
+) -> None:
+    errors, stated = [], []
+    for seed in range(12):
+        true = draw_corrections(np.random.default_rng(seed), 0.002, 0.01, CAMERAS)
+        found = estimate(dexter.cameras, showing(seed).views(true, 40, noise=0.2))
+        for name in CAMERAS:
+            error = np.subtract(found[name].correction.position, true[name].position)
+            errors.append(np.linalg.norm(error))
+            stated.append(found[name].deviations[0])
+    # The largest of three deviations is at most the length of the error, and at least a 1.7th.
+    assert 0.6 < np.sqrt(np.mean(np.square(errors))) / np.mean(stated) < 2.5
+
+
+def test_errors_before_and_after_are_told(dexter: RobotDocument, showing: Showing) -> None:
+    true = draw_corrections(np.random.default_rng(3), 0.002, np.deg2rad(0.5), CAMERAS)
+    for each in estimate(dexter.cameras, showing(3).views(true, 40, noise=0.2)).values():
+        assert each.error(each.before) > 2 * each.error(each.after)
+        assert 0.2 < each.error(each.after) < 0.45
+
+
+def test_outliers_do_little(dexter: RobotDocument, showing: Showing) -> None:
+    true = draw_corrections(np.random.default_rng(5), 0.002, 0.01, CAMERAS)
+    views = showing(5).views(true, 60, noise=0.1)
+    spoilt = [
+        view._replace(point=view.point + 15) if place % 10 == 0 else view
+        for place, view in enumerate(views)
+    ]
+    clean, robust = (estimate(dexter.cameras, each) for each in (views, spoilt))
+    for name in CAMERAS:
+        change = np.subtract(clean[name].correction.position, robust[name].correction.position)
+        assert np.linalg.norm(change) < 0.0015
+
+
+def test_too_few_views_are_refused(dexter: RobotDocument, showing: Showing) -> None:
+    true = draw_corrections(np.random.default_rng(0), 0.002, 0.01, CAMERAS)
+    views = showing(0).views(true, LEAST_VIEWS, noise=0.1)
+    del views[-1]
+    with pytest.raises(CalibrationError, match=f"camera right in {LEAST_VIEWS - 1}; "):
+        estimate(dexter.cameras, views)
+    with pytest.raises(CalibrationError, match="camera left in 0, right in 0; "):
+        estimate(dexter.cameras, [])
+
+
+@pytest.mark.parametrize("spread", [0.0, 0.03])
+def test_a_hand_that_hardly_moves_is_refused(
+    dexter: RobotDocument, showing: Showing, spread: float
+) -> None:
+    true = draw_corrections(np.random.default_rng(0), 0.002, 0.01, CAMERAS)
+    views = showing(0, spread).views(true, 40, noise=0.1)
+    with pytest.raises(CalibrationError, match=r"these views .*: .*; (move|show|turn) it"):
+        estimate(dexter.cameras, views)
