@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 from cbdsl.documents.model import Gaussian, Kernel, ModelDocument
 from cbdsl.documents.policy import Curve, PolicyDocument
+from cbdsl.learning.experience import Experience
 from cbdsl.learning.learner import TrialSummary
 
 
@@ -39,7 +40,7 @@ def policy_document(
         policy: action by state or pattern.
         learned: further keys of the document, such as ``values``.
     """
-    program, experiences = summary.program, summary.experiences
+    program = summary.program
     learner = summary.provenance.algorithm.upper()
     return PolicyDocument(
         cbdsl=1,
@@ -50,12 +51,17 @@ def policy_document(
         predicates=program.members,
         policy=dict(policy),
         models={model: f"{summary.name}_{each}" for model, each in summary.models.items()},
-        curve=Curve(
-            context=tuple(each.context for each in experiences),
-            reward=tuple(each.reward for each in experiences),
-            transitions=tuple(len(each.transitions) for each in experiences),
-            ticks=tuple(each.ticks for each in experiences),
-        ),
+        curve=curve_of(summary.experiences),
         provenance=summary.provenance,
         **learned,
+    )
+
+
+def curve_of(experiences: Sequence[Experience]) -> Curve:
+    """The learning curve of some episodes."""
+    return Curve(
+        context=tuple(each.context for each in experiences),
+        reward=tuple(each.reward for each in experiences),
+        transitions=tuple(len(each.transitions) for each in experiences),
+        ticks=tuple(each.ticks for each in experiences),
     )

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING, Any, NamedTuple, Protocol
+from typing import TYPE_CHECKING, Any, NamedTuple, Protocol, runtime_checkable
 
 from cbdsl.documents.document import Document, Section
 from cbdsl.documents.model import Gaussian, Kernel
@@ -119,11 +119,23 @@ def _learner_class(_: str, offered: Any) -> LearnerClass:
     return checked
 
 
-ACCOMMODATE = "accommodate"
+@runtime_checkable
+class SchemaLearner(Protocol):
+    """Learner of how a schema allocates its actions."""
+
+    def adopt(self, program: CheckedProgram) -> None:
+        """Take up the schema before its first episode."""
+        ...
+
+
+ACCOMMODATE, ASSIMILATE = "accommodate", "assimilate"
 
 LEARNERS: Registry[LearnerClass] = Registry(
     "learner",
     "cbdsl.learners",
-    {ACCOMMODATE: "cbdsl.learning.accommodate:Accommodate"},
+    {
+        ACCOMMODATE: "cbdsl.learning.accommodate:Accommodate",
+        ASSIMILATE: "cbdsl.learning.assimilate:Assimilate",
+    },
     _learner_class,
 )

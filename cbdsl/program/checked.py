@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from typing import NamedTuple
 
 from cbdsl.program.controller import Composition, Primitive
+from cbdsl.program.schema import Schema
 
 
 class Action(NamedTuple):
@@ -15,11 +16,30 @@ class Action(NamedTuple):
         name: the action as its program writes it, in canonical spelling.
         composition: the controllers that it runs, or ``None`` where it is a program.
         program: the program that it runs, or ``None`` where it is a composition.
+        abstract: the action that it is one allocation of, as its program writes it; in a schema.
+        allocation: name of that allocation; empty where no allocation changes the action.
     """
 
     name: str
     composition: Composition | None = None
     program: CheckedProgram | None = None
+    abstract: str = ""
+    allocation: str = ""
+
+
+class Guards(NamedTuple):
+    """Largest force of a fingertip and net force of a hand, N; ``None`` for no bound."""
+
+    finger_force: float | None = None
+    hand_force: float | None = None
+
+    def within(self, other: Guards) -> Guards:
+        """The narrower bounds of two."""
+        pairs = zip(self, other, strict=True)
+        return Guards(*(min((x for x in pair if x is not None), default=None) for pair in pairs))
+
+
+NO_GUARDS = Guards()
 
 
 class CheckedProgram(NamedTuple):
@@ -39,6 +59,12 @@ class CheckedProgram(NamedTuple):
         transition_time: longest time one action may run without a change of state, s.
         idle_time: the same while no predicate is 0 and no controller seeks what defines it, s;
             ``None`` for no limit but that.
+        schema: what chooses the resources of its actions, where it is a schema.
+        episode_time: longest time of an episode, s; ``None`` for no limit.
+        reward_ends: whether the first reward ends an episode that is not learned from.
+        success: patterns of states in which it has succeeded.
+        failure: patterns of states in which it has failed.
+        guards: bounds on what it may press with.
     """
 
     name: str
@@ -53,6 +79,21 @@ class CheckedProgram(NamedTuple):
     transitions: int
     transition_time: float
     idle_time: float | None
+    schema: Schema | None = None
+    episode_time: float | None = None
+    reward_ends: bool = True
+    success: tuple[str, ...] = ()
+    failure: tuple[str, ...] = ()
+    guards: Guards = NO_GUARDS
+
+    @property
+    def all_guards(self) -> Guards:
+        """Its bounds, and those of the programs that it uses where they are narrower."""
+        guards = self.guards
+        for action in self.actions:
+            if action.program is not None:
+                guards = guards.within(action.program.all_guards)
+        return guards
 
     @property
     def sequential_actions(self) -> tuple[Action, ...]:

@@ -26,7 +26,27 @@ class AlongNormals(NamedTuple):
     force: float
 
 
-Reference = Resource | Literal | AlongNormals
+class Relative(NamedTuple):
+    """A reference that is displaced from a resource, or from where the feedback was at activation.
+
+    Attributes:
+        base: the resource; ``None`` for the value of the feedback at activation, which programs
+            call ``here``.
+        offset: in SI, one number per component of the feedback. It is added in the world frame;
+            an orientation is turned by a rotation vector in world axes.
+    """
+
+    base: Resource | None
+    offset: tuple[float, ...]
+
+    def __str__(self) -> str:
+        base = "here" if self.base is None else self.base.name
+        if not any(self.offset):
+            return base
+        return f"{base} + {', '.join(f'{value:g}' for value in self.offset)}"
+
+
+Reference = Resource | Literal | AlongNormals | Relative
 
 
 class Quiescence(NamedTuple):
@@ -62,11 +82,25 @@ class Funnel(NamedTuple):
 
 
 class Seek(NamedTuple):
-    """Acting while the feedback is undefined; within in m, until in rad."""
+    """Acting while the feedback is undefined; within in m, until in rad or m."""
 
     once: str | None
     within: float
     until: float | None
+
+
+class Onset(NamedTuple):
+    """Waiting for a load to change, before which a controller is undefined.
+
+    Attributes:
+        change: of the filtered load since the activation, towards the reference, N or N m.
+        window: for how long it has to last, s.
+        pace: speed of the hand above which no change counts, m/s.
+    """
+
+    change: float
+    window: float
+    pace: float
 
 
 class Box(NamedTuple):
@@ -134,6 +168,8 @@ class Controller:
         manipulator: ``position`` or ``pose``, where phi is a function of that Jacobian of the tip.
         modifiers: changes of the reference, in turn.
         requires: name of the controller without which it is undefined, or ``None``.
+        axes: indices of the world axes that are compared, of every factor; ``None`` for all.
+        onset: how the load has to change before it is defined, or ``None``.
     """
 
     name: str
@@ -156,12 +192,15 @@ class Controller:
     requires: str | None = None
     field: Field | None = None
     modifiers: tuple[Modifier, ...] = ()
+    axes: tuple[int, ...] | None = None
+    onset: Onset | None = None
 
     @property
     def resources(self) -> tuple[Resource, ...]:
         """Resources that it reads."""
         obstacles = self.field.obstacles if self.field is not None else ()
-        reference = (self.reference,) if isinstance(self.reference, Resource) else ()
+        compared = self.reference.base if isinstance(self.reference, Relative) else self.reference
+        reference = (compared,) if isinstance(compared, Resource) else ()
         balls = tuple(o.resource for o in obstacles if isinstance(o, Ball))
         return (self.feedback, *reference, *balls)
 
@@ -172,10 +211,12 @@ class Primitive(NamedTuple):
     Attributes:
         name: as the program calls it, with its arguments.
         controllers: in written order; the last has priority and gives the predicate.
+        earning: names of those whose rest is rewarded although they were composed.
     """
 
     name: str
     controllers: tuple[Controller, ...]
+    earning: tuple[str, ...] = ()
 
     @property
     def lead(self) -> Controller:
@@ -187,9 +228,16 @@ class Primitive(NamedTuple):
         """Whether its quiescence can be rewarded.
 
         What was composed into one controller is used as a whole, as programs are, and is habituated
-        as they are (Section 4.3).
+        as they are (Section 4.3), unless its program says which of its parts are rewarded.
         """
-        return len(self.controllers) == 1 and self.lead.rewarded
+        return bool(self.earners)
+
+    @property
+    def earners(self) -> tuple[Controller, ...]:
+        """The controllers that all have to be at rest for a reward; empty where none is."""
+        if len(self.controllers) == 1:
+            return self.controllers if self.lead.rewarded else ()
+        return tuple(each for each in self.controllers if each.name in self.earning)
 
 
 class Composition(NamedTuple):

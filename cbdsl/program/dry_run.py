@@ -6,7 +6,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from typing import NamedTuple
 
 from cbdsl.program.checked import Action, CheckedProgram
-from cbdsl.program.controller import AlongNormals, Composition, Controller
+from cbdsl.program.controller import AlongNormals, Composition, Controller, Relative
 from cbdsl.types.potential import POTENTIALS
 from cbdsl.types.resource import Resource
 from cbdsl.types.state import ANY, PREDICATES, closest_first, matches, overlap, split
@@ -49,11 +49,19 @@ def rows(controller: Controller) -> int:
     """Most directions that a controller fixes: rows of its task, and no more than its joints."""
     task, potential = 1, POTENTIALS[controller.potential]
     if potential.residual or potential.field:
-        kind = controller.feedback.type
-        # A force along normals is one number a finger or hand.
-        along = isinstance(controller.reference, AlongNormals)
-        task = kind.factors if along else kind.size - (kind.factors if controller.free_axis else 0)
+        task = _task(controller)
     return min(task, len(controller.joints))
+
+
+def _task(controller: Controller) -> int:
+    """Number of task coordinates of a residual."""
+    kind = controller.feedback.type
+    if controller.axes is not None:
+        return kind.factors * len(controller.axes)
+    # A force along normals is one number a finger or hand.
+    if isinstance(controller.reference, AlongNormals):
+        return kind.factors
+    return kind.size - (kind.factors if controller.free_axis else 0)
 
 
 def _free(above: Iterable[Controller], controller: Controller) -> int:
@@ -83,7 +91,9 @@ def resources(program: CheckedProgram) -> tuple[Resource, ...]:
     """All resources that a program's controllers are bound to, each once."""
     bindings: dict[str, Resource] = {}
     for controller in controllers(program):
-        for bound in (controller.feedback, controller.reference, controller.effector):
+        reference = controller.reference
+        base = reference.base if isinstance(reference, Relative) else reference
+        for bound in (controller.feedback, base, controller.effector):
             if isinstance(bound, Resource):
                 bindings[bound.name] = bound
     return tuple(bindings.values())

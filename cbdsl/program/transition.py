@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 
 
 @dataclass(frozen=True)
@@ -19,6 +20,8 @@ class Transition:
         ticks: control ticks that the action ran.
         reward: Eq 4.4.
         rewarding: the members that earned it.
+        allocation: of a schema's action; empty where there is none.
+        features: by name, in SI, when the action was chosen; those that were defined.
     """
 
     program: str
@@ -30,3 +33,5 @@ class Transition:
     ticks: int
     reward: int
     rewarding: tuple[str, ...] = ()
+    allocation: str = ""
+    features: Mapping[str, float] = field(default_factory=dict)

@@ -6,6 +6,7 @@ of a transformation, or through its pseudoinverse.
 """
 
 from collections import deque
+from collections.abc import Mapping
 from typing import NamedTuple
 
 from cbdsl.types.resource_type import POSITION, ResourceType
@@ -53,6 +54,15 @@ CASTS: tuple[Cast, ...] = (
         for load in ("force", "torque", "wrench")
     ),
 )
+
+#: Types that no cast leads from, and why not: their signals are features, never feedback.
+FEATURES: Mapping[str, str] = {
+    "velocity": "joints displace what they move, and a velocity is no displacement",
+    "volume": "no joint changes how large a thing is",
+    "heading_rate": "joints displace what they move, and a rate is no displacement",
+    "extent": "how a thing's outline changes as it turns depends on its shape, which is not known",
+    "axis": "how a thing's outline changes as it turns depends on its shape, which is not known",
+}
 
 #: How something that a hand holds moves with the hand; between the chains to and from its position.
 RIGID_HOLD = Cast("rigid hold", "position", "position", "Eq 3.42", value=False)

@@ -14,6 +14,7 @@ class Origin(Enum):
     KINEMATICS = "kinematics"
     TRIANGULATION = "triangulation"
     MODEL = "internal model"
+    SURFACE = "visible surface"
     CONSTANT = "constant"
 
 
@@ -61,9 +62,16 @@ class NetLoad(NamedTuple):
 
 
 class NetForces(NamedTuple):
-    """The net force of each hand of a group, in turn (Eq 3.34)."""
+    """The net force of each hand of a group, in turn (Eq 3.34), or that of one hand."""
 
     group: str
+
+
+def palms_of(source: object) -> NetForces | None:
+    """Hands whose net forces have palms' normals, of a source that has such forces."""
+    if isinstance(source, NetLoad) and source.part == "force":
+        return NetForces(source.hand)
+    return source if isinstance(source, NetForces) else None
 
 
 class FingerForces(NamedTuple):
@@ -72,21 +80,63 @@ class FingerForces(NamedTuple):
     hand: str
 
 
+SELECTIONS = ("nearest", "largest", "leftmost", "rightmost", "other")
+"""Instances of a channel that are selected among those remembered, at any moment anew.
+
+Nearest to the cameras, with the largest radius, farthest to the left or right as the cameras' place
+has it; or the nearest to the one attended to, apart from that. Others are numbered from 1 in the
+order of discovery, and "" is the one attended to.
+"""
+
+
 class Heading(NamedTuple):
-    """Where a camera sees a channel's region; ``cyclopean`` is the mean over the cameras."""
+    """Where a camera sees a thing of a channel; ``cyclopean`` is the mean over the cameras."""
 
     camera: str
     channel: str
+    instance: str = ""
 
 
 class Headings(NamedTuple):
-    """Where each camera sees a channel's region, camera by camera (Eq 3.14)."""
+    """Where each camera sees a thing of a channel, camera by camera (Eq 3.14)."""
 
     channel: str
+    instance: str = ""
 
 
 class StereoPosition(NamedTuple):
-    """The triangulated position of a channel's region, in the world frame (Eq 3.14)."""
+    """The triangulated position of a thing of a channel, in the world frame (Eq 3.14)."""
+
+    channel: str
+    instance: str = ""
+
+
+class BlobSignal(NamedTuple):
+    """A part of the blob that a camera sees of a channel (Fig 7.15).
+
+    Attributes:
+        camera: its name.
+        channel: whose region it is.
+        part: ``velocity``, ``extent`` or ``orientation``.
+        instance: which thing of the channel.
+    """
+
+    camera: str
+    channel: str
+    part: str
+    instance: str = ""
+
+
+class StereoSignal(NamedTuple):
+    """The ``velocity`` or ``volume`` of what both cameras see of a channel (Section 5.3)."""
+
+    channel: str
+    part: str
+    instance: str = ""
+
+
+class SurfacePoint(NamedTuple):
+    """A draw from the visible points of a surface that fills the images of a channel."""
 
     channel: str
 
@@ -156,12 +206,21 @@ Source = (
     | Heading
     | Headings
     | StereoPosition
+    | BlobSignal
+    | StereoSignal
+    | SurfacePoint
     | SensorSignal
     | Posture
     | UniformSample
     | GaussianSample
     | KernelSample
 )
+
+
+#: Origins of what is drawn when a controller begins, and stays as it is until it ends.
+DRAWN = frozenset({Origin.MODEL, Origin.SURFACE})
+#: Sources of what cameras see of a channel.
+VISUAL = (Heading, Headings, StereoPosition, BlobSignal, StereoSignal, SurfacePoint)
 
 
 class Resource(NamedTuple):

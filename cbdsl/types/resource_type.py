@@ -49,8 +49,16 @@ HEADING = ResourceType("heading", "SO(2)^2", 2, "rad")
 POSE = ResourceType("pose", "SE(3)", 6, "m, rad")
 POSITION = ResourceType("position", "R^3", 3, "m")
 ORIENTATION = ResourceType("orientation", "SO(3)", 3, "rad")
+VELOCITY = ResourceType("velocity", "R^3", 3, "m/s")
+VOLUME = ResourceType("volume", "R+", 1, "m^3")
+HEADING_RATE = ResourceType("heading_rate", "R^2", 2, "rad/s")
+# Axes du and dv of a blob (Fig 7.15), along and across its orientation.
+EXTENT = ResourceType("extent", "R+^2", 2, "rad")
+# An axis has no direction: its angle is the same after half a turn.
+AXIS = ResourceType("axis", "RP^1", 1, "rad")
 
-#: The eight types, by name; ``configuration`` stands for every C_n.
+#: All types, by name: those of Table 3.1, where ``configuration`` stands for every C_n, and those
+#: of features that are derived from what is seen (Section 5.3, Fig 7.15).
 TYPES: dict[str, ResourceType] = {
     kind.name: kind
     for kind in (
@@ -62,5 +70,10 @@ TYPES: dict[str, ResourceType] = {
         POSE,
         POSITION,
         ORIENTATION,
+        VELOCITY,
+        VOLUME,
+        HEADING_RATE,
+        EXTENT,
+        AXIS,
     )
 }

@@ -1,0 +1,145 @@
+"""Allocations of a program: what its resources may be, by the type table (Section 5.3)."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Iterator, Mapping, Sequence
+from pathlib import Path
+from typing import NamedTuple
+
+from cbdsl.checking.findings import Findings
+from cbdsl.checking.program import examine_program
+from cbdsl.checking.robot.checked_robot import CheckedRobot
+from cbdsl.checking.session import Session
+from cbdsl.documents.program import ProgramDocument
+from cbdsl.documents.robot import RobotDocument
+from cbdsl.errors.errors import UsageError
+from cbdsl.program.checked import CheckedProgram
+from cbdsl.robot.channel_names import channel_names
+from cbdsl.types.allotment import CHANNEL, Allotment, allotment
+
+# Every allocation is checked as a program of its own.
+_MOST = 500
+
+
+class Allocation(NamedTuple):
+    """One choice of resources for the parameters that a program lets be replaced.
+
+    Attributes:
+        values: resource or channel by parameter.
+        choices: what was chosen by name of the group of parameters: the value of its first one.
+        program: the program with these values, or ``None`` where they do not fit.
+        refusal: why they do not fit; empty where they do.
+    """
+
+    values: Mapping[str, str]
+    choices: Mapping[str, str]
+    program: CheckedProgram | None
+    refusal: str
+
+
+def allocations(
+    path: Path, session: Session, values: Mapping[str, str] | None = None
+) -> list[Allocation]:
+    """All allocations of a program's resources, those that fit and those that do not.
+
+    Args:
+        path: the file of a program without findings.
+        session: documents that were read before.
+        values: values of its other parameters that replace the defaults.
+
+    Raises:
+        UsageError: there are more than can be checked.
+    """
+    document = session.library.read(path, ProgramDocument).document
+    file = session.library.find(RobotDocument, document.robot, path)
+    robot = session.body(file, Findings())
+    if robot is None:
+        return []
+    groups = {
+        name: list(_choices({key: allotment(text) for key, text in group.items()}, robot))
+        for name, group in document.resources.items()
+    }
+    count = 1
+    for choices in groups.values():
+        count *= len(choices)
+    if count > _MOST:
+        raise UsageError(f"{path}: {count} allocations are more than the {_MOST} that are checked")
+    return [
+        _allocation(path, session, values or {}, dict(zip(groups, choice, strict=True)), robot)
+        for choice in itertools.product(*groups.values())
+    ]
+
+
+def _choices(
+    wanted: Mapping[str, Allotment | None], robot: CheckedRobot
+) -> Iterator[dict[str, str]]:
+    """Values of the parameters of one group, each of the kind that it asks for."""
+    candidates = [[] if each is None else _candidates(each, robot) for each in wanted.values()]
+    for values in itertools.product(*candidates):
+        yield dict(zip(wanted, values, strict=True))
+
+
+def _candidates(wanted: Allotment, robot: CheckedRobot) -> list[str]:
+    """Names on a robot of all that a parameter may stand for."""
+    document = robot.document
+    if wanted.kind == CHANNEL:
+        return list(channel_names(document.vision.channels)) if document.cameras else []
+    names = [*document.effectors, *document.groups]
+    return [name for name in names if _has(wanted.type, name, robot)]
+
+
+def _has(kind: str, effector: str, robot: CheckedRobot) -> bool:
+    """Whether an effector, or each member of a group, has a signal of a type."""
+    members = robot.document.members(effector)
+    if kind == "force":
+        return all(member in robot.document.load_cells for member in members)
+    if kind == "configuration":
+        return True
+    return all(f"{member}.{kind}" in robot.resources for member in members)
+
+
+def _allocation(
+    path: Path,
+    session: Session,
+    values: Mapping[str, str],
+    groups: Mapping[str, Mapping[str, str]],
+    robot: CheckedRobot,
+) -> Allocation:
+    chosen = {key: value for group in groups.values() for key, value in group.items()}
+    choices = {name: next(iter(group.values()), "") for name, group in groups.items()}
+    for group in groups.values():
+        refusal = _apart(list(group.values()), robot)
+        if refusal:
+            return Allocation(chosen, choices, None, refusal)
+    findings = Findings()
+    program = examine_program(path, {**values, **chosen}, session, findings)
+    errors = [each for each in findings.sorted() if each.is_error]
+    if program is None or errors:
+        return Allocation(chosen, choices, None, errors[0].message if errors else "has findings")
+    return Allocation(chosen, choices, program, "")
+
+
+def _apart(names: Sequence[str], robot: CheckedRobot) -> str:
+    """Why what is replaced together does not belong together, if it does not."""
+    effectors = [
+        name for name in names if name in {*robot.document.effectors, *robot.document.groups}
+    ]
+    for one, other in itertools.pairwise(effectors):
+        if not _carries(one, other, robot) and not _carries(other, one, robot):
+            return f"'{other}' is not mounted on '{one}'"
+    return ""
+
+
+def _carries(one: str, other: str, robot: CheckedRobot) -> bool:
+    """Whether an effector, or each member of a group, moves all of another, or of its member."""
+    document, model = robot.document, robot.model
+    carriers, carried = document.members(one), document.members(other)
+    if model is None or len(carriers) != len(carried):
+        return False
+    return all(
+        robot.moves(carrier, model.joints[joint].child)
+        for carrier, load in zip(carriers, carried, strict=True)
+        for joint in document.effectors[load].joints
+        if joint in model.joints
+    )

@@ -1,0 +1,94 @@
+"""Programs to assimilate: all allocations of a program under a policy, and its features."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+
+from cbdsl.checking.allocations import Allocation, allocations
+from cbdsl.checking.findings import Findings
+from cbdsl.checking.knowledge.learned import with_policy
+from cbdsl.checking.session import Session
+from cbdsl.documents.policy import PolicyDocument
+from cbdsl.documents.program import ProgramDocument
+from cbdsl.documents.robot import RobotDocument
+from cbdsl.errors.errors import UsageError
+from cbdsl.program.allocation import allocate
+from cbdsl.program.checked import CheckedProgram
+from cbdsl.program.schema import Schema
+from cbdsl.program.state_values import state_values
+from cbdsl.types.resource import Resource, StereoPosition
+from cbdsl.yaml_text.loaded import Loaded
+
+# The first-order dynamics of a seen thing (Section 5.3.1.1), by name of the feature.
+_DYNAMICS = {"place": "", "velocity": ".velocity", "volume": ".volume"}
+
+
+def program_to_assimilate(
+    path: Path, policy: Loaded[PolicyDocument], session: Session, values: Mapping[str, str]
+) -> CheckedProgram:
+    """A program with all its allocations, of which nothing is known yet.
+
+    Args:
+        path: the file of a program without findings.
+        policy: the declarative policy, without findings.
+        session: documents that were read before.
+        values: values of the program's parameters.
+
+    Raises:
+        UsageError: it has one allocation only, or sees nothing that it could go by.
+    """
+    fitting = [each for each in allocations(path, session, values) if each.program is not None]
+    if len(fitting) < 2:
+        raise UsageError(
+            f"{path}: there is nothing to choose: of its resources one allocation fits; "
+            f"see cb show allocations {path.stem}"
+        )
+    variants = {
+        _name(each): with_policy(each.program, policy, session.library)
+        for each in sorted(fitting, key=lambda each: not _is_default(each, path, session))
+        if each.program is not None
+    }
+    base = next(iter(variants.values()))
+    features = _features(base, _resources(base, path, session))
+    if not features:
+        raise UsageError(f"{path}: no controller goes by a seen position, so there is no context")
+    worth = state_values(policy.document.policy, policy.document.transitions)
+    chosen = {_name(each): each.values for each in fitting}
+    allotted = {name: chosen[name] for name in variants}
+    schema = Schema(
+        policy.document.name, features, allotted, otherwise=tuple(variants), worth=worth
+    )
+    return allocate(variants, schema)
+
+
+def _name(allocation: Allocation) -> str:
+    return "_".join(allocation.choices.values())
+
+
+def _is_default(allocation: Allocation, path: Path, session: Session) -> bool:
+    """Whether an allocation is that of the program as it is written."""
+    own = session.library.read(path, ProgramDocument).document.parameters
+    return all(own[name] == value for name, value in allocation.values.items())
+
+
+def _resources(program: CheckedProgram, path: Path, session: Session) -> Mapping[str, Resource]:
+    robot = session.body(session.library.find(RobotDocument, program.robot, path), Findings())
+    return {} if robot is None else robot.resources
+
+
+def _features(program: CheckedProgram, known: Mapping[str, Resource]) -> dict[str, Resource]:
+    """The position, velocity and volume of whatever the program's controllers see."""
+    seen = dict.fromkeys(
+        resource
+        for primitive in program.primitives.values()
+        for controller in primitive.controllers
+        for resource in controller.resources
+        if isinstance(resource.source, StereoPosition)
+    )
+    return {
+        name if len(seen) == 1 else f"{resource.name.partition('.')[2]}_{name}": known[wanted]
+        for resource in seen
+        for name, suffix in _DYNAMICS.items()
+        if (wanted := resource.name + suffix) in known
+    }

@@ -1,0 +1,249 @@
+"""Schemas: whether they fit their programs, and programs that run as schemas."""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Callable, Mapping
+from pathlib import Path
+from typing import Any, TypeVar
+
+from cbdsl.checking.findings import Findings
+from cbdsl.checking.knowledge.learned import check_policy, with_policy
+from cbdsl.checking.lookup.documents import find_document
+from cbdsl.checking.session import Session
+from cbdsl.documents.policy import PolicyDocument
+from cbdsl.documents.program import ProgramDocument
+from cbdsl.documents.robot import RobotDocument
+from cbdsl.documents.schema import ChoiceQuestion, RewardQuestion, SchemaDocument
+from cbdsl.program.allocation import allocate
+from cbdsl.program.checked import CheckedProgram
+from cbdsl.program.controller import Controller
+from cbdsl.program.schema import Ranking, Schema, components
+from cbdsl.program.state_values import state_values
+from cbdsl.types.decision_tree import Leaf, Split, Tree
+from cbdsl.types.resource import Resource
+from cbdsl.types.unit import QuantityError, parse_quantity
+from cbdsl.yaml_text.loaded import Loaded
+from cbdsl.yaml_text.source_map import Step
+
+_COMPARISON = re.compile(r"^\s*([A-Za-z_][\w.]*)\s*(>|<)\s*(.+?)\s*$")
+Steps = tuple[Step, ...]
+Answer = TypeVar("Answer")
+
+Examine = Callable[[Path, Mapping[str, str], Findings], CheckedProgram | None]
+"""Checks a program with values of its parameters; its findings go where they are told to."""
+_Spans = Mapping[str, tuple[float, float]]
+
+
+def checked_schema(
+    loaded: Loaded[SchemaDocument],
+    session: Session,
+    findings: Findings,
+    examine: Examine,
+    values: Mapping[str, str] | None = None,
+) -> CheckedProgram | None:
+    """The program of a schema with all its allocations, or ``None`` where it does not fit.
+
+    Args:
+        loaded: the schema's document.
+        session: documents that were read before.
+        findings: where its findings go.
+        examine: checks a program with values of its parameters.
+        values: values of the program's other parameters that replace the defaults.
+    """
+    return _SchemaCheck(loaded, session, findings, examine, values or {}).check()
+
+
+class _SchemaCheck:
+    def __init__(
+        self,
+        loaded: Loaded[SchemaDocument],
+        session: Session,
+        findings: Findings,
+        examine: Examine,
+        values: Mapping[str, str],
+    ) -> None:
+        self._loaded, self._document, self._source = loaded, loaded.document, loaded.source
+        self._session, self._findings = session, findings
+        self._examine, self._values = examine, values
+        self._dimensions: dict[str, str] = {}
+
+    def check(self) -> CheckedProgram | None:
+        own = Findings()
+        outer, self._findings = self._findings, own
+        program = self._check()
+        outer.extend(own.sorted())
+        return None if own.failed else program
+
+    def _check(self) -> CheckedProgram | None:
+        document, library = self._document, self._session.library
+        path = library.find(ProgramDocument, document.program, self._loaded.path)
+        policy = self._policy()
+        if path is None or policy is None:
+            return None
+        variants = {
+            name: variant
+            for name, values in document.allocations.items()
+            if (variant := self._variant(name, values, path, policy)) is not None
+        }
+        if len(variants) < len(document.allocations):
+            return None
+        base = next(iter(variants.values()))
+        self._actions(base)
+        features = self._features(base)
+        choice: Tree[Ranking] = self._tree(document.choose, ("choose",), self._ranking, {})
+        reward = self._reward()
+        self._names(document.otherwise, ("otherwise",))
+        worth = state_values(policy.document.policy, policy.document.transitions)
+        schema = Schema(
+            policy=document.policy,
+            features=features,
+            allocations=document.allocations,
+            choice=choice,
+            otherwise=document.otherwise,
+            reward=reward,
+            least_reward=document.least_reward,
+            worth=worth,
+        )
+        return allocate(variants, schema)
+
+    def _policy(self) -> Loaded[PolicyDocument] | None:
+        place, library = self._source.place("policy"), self._session.library
+        path = find_document(PolicyDocument, self._document.policy, place, library, self._findings)
+        return self._session.read(path, PolicyDocument, self._findings)
+
+    def _variant(
+        self, name: str, values: Mapping[str, str], path: Path, policy: Loaded[PolicyDocument]
+    ) -> CheckedProgram | None:
+        """The program under one allocation and the declarative policy."""
+        library = self._session.library
+        known = library.read(path, ProgramDocument).document.parameters
+        for key in values:
+            if key not in known:
+                place = self._source.key("allocations", name, key)
+                details = {"name": key, "program": self._document.program}
+                self._findings.add("CB606", place, names=list(known), **details)
+                return None
+        faults = Findings()
+        program = self._examine(path, {**self._values, **values}, faults)
+        if program is None or faults.failed:
+            fault = next((each for each in faults.sorted() if each.is_error), None)
+            problem = fault.message if fault else "it has findings"
+            place = self._source.key("allocations", name)
+            self._findings.add("CB634", place, name=name, problem=problem)
+            return None
+        if policy.document.program != program.name:
+            details = {"name": self._document.policy, "other": policy.document.program}
+            place = self._source.place("policy")
+            self._findings.add("CB626", place, program=program.name, **details)
+            return None
+        check_policy(policy, program, path, self._session, self._findings)
+        return None if self._findings.failed else with_policy(program, policy, library)
+
+    def _actions(self, program: CheckedProgram) -> None:
+        """The abstract actions are those of the program's controllers."""
+        own = {name: each.lead for name, each in program.primitives.items()}
+        for name, action in self._document.actions.items():
+            if name not in own:
+                self._findings.add(
+                    "CB613", self._source.key("actions", name), names=list(own), name=name
+                )
+            elif (wanted := _abstract(own[name])) != (action.potential, action.in_, action.out):
+                place, text = self._source.key("actions", name), "({}, {}, {})".format(*wanted)
+                self._findings.add("CB635", place, name=name, wanted=text)
+
+    def _features(self, program: CheckedProgram) -> dict[str, Resource]:
+        robot = self._session.library.find(RobotDocument, program.robot, self._loaded.path)
+        body = self._session.body(robot, Findings())
+        resources = {} if body is None else body.resources
+        features = {}
+        for name, text in self._document.features.items():
+            wanted = text
+            for key, value in program.parameters.items():
+                wanted = wanted.replace(f"${key}", value)
+            if wanted not in resources:
+                place = self._source.place("features", name)
+                self._findings.add("CB636", place, names=list(resources), name=wanted)
+                continue
+            features[name] = resources[wanted]
+            for component in components(name, resources[wanted]):
+                self._dimensions[component] = resources[wanted].type.unit
+        return features
+
+    def _tree(
+        self, tree: object, steps: Steps, leaf: Callable[[Any, Steps], Answer], spans: _Spans
+    ) -> Tree[Answer]:
+        """A tree as programs run it.
+
+        Args:
+            tree: as the document has it.
+            steps: its path.
+            leaf: reads the answer of a leaf.
+            spans: what earlier questions have left open, by feature.
+        """
+        if not isinstance(tree, (ChoiceQuestion, RewardQuestion)):
+            return Leaf(leaf(tree, steps))
+        feature, threshold, is_above = self._question(tree.if_, (*steps, "if"))
+        low, high = spans.get(feature, (-math.inf, math.inf))
+        if feature and not low < threshold < high:
+            self._findings.add("CB642", self._source.place(*steps, "if"), feature=feature)
+        above, below = {**spans, feature: (threshold, high)}, {**spans, feature: (low, threshold)}
+        then, other = (tree.then, "then"), (tree.else_, "else")
+        over, under = (then, other) if is_above else (other, then)
+        return Split(
+            feature,
+            threshold,
+            self._tree(over[0], (*steps, over[1]), leaf, above),
+            self._tree(under[0], (*steps, under[1]), leaf, below),
+        )
+
+    def _ranking(self, tree: object, steps: Steps) -> Ranking:
+        ranking = (tree,) if isinstance(tree, str) else tree
+        assert isinstance(ranking, tuple)
+        self._names(ranking, steps)
+        return ranking
+
+    def _reward(self) -> Tree[float] | None:
+        tree = self._document.reward
+        return None if tree is None else self._tree(tree, ("reward",), lambda p, _: float(p), {})
+
+    def _question(self, text: str, steps: Steps) -> tuple[str, float, bool]:
+        """Feature, threshold in SI, and whether it asks for larger values."""
+        match, place = _COMPARISON.match(text), self._source.place(*steps)
+        if match is None:
+            self._findings.add("CB637", place, text=text)
+            return "", 0.0, True
+        feature, sign, limit = match.groups()
+        if feature not in self._dimensions:
+            if self._dimensions:
+                self._findings.add("CB638", place, names=list(self._dimensions), name=feature)
+            return "", 0.0, True
+        return feature, self._threshold(limit, self._dimensions[feature], steps), sign == ">"
+
+    def _threshold(self, text: str, unit: str, steps: Steps) -> float:
+        place = self._source.place(*steps)
+        try:
+            value, given = parse_quantity(text)
+        except QuantityError:
+            self._findings.add("CB637", place, text=text)
+            return 0.0
+        wanted = parse_quantity(f"1 {unit}")[1] if unit else None
+        if given is not None and (wanted is None or given.dimension != wanted.dimension):
+            self._findings.add("CB639", place, text=text, unit=unit or "no unit")
+        return value
+
+    def _names(self, ranking: Ranking, steps: Steps) -> None:
+        known = list(self._document.allocations)
+        for name in ranking:
+            if name not in known:
+                self._findings.add("CB640", self._source.place(*steps), names=known, name=name)
+
+
+def _abstract(controller: Controller) -> tuple[str, str, str]:
+    """The declarative part of a controller (Eq 5.1): potential, and types of its signals."""
+    return (
+        controller.potential,
+        str(controller.feedback.type.name),
+        str(controller.effector.type.name),
+    )

@@ -1,0 +1,55 @@
+"""``cb show allocations``: the resources that a program can be run with."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from cbdsl.cli.show_program import Json, With
+
+if TYPE_CHECKING:
+    from cbdsl.checking.allocations import Allocation
+
+Program = Annotated[str, typer.Argument(metavar="NAME", help="Name or file of a program.")]
+
+
+def show_allocations(
+    name: Program,
+    with_: With = [],  # noqa: B006 (typer)
+    as_json: Json = False,
+) -> None:
+    """The resources that the parameters of a program may stand for, and why others cannot.
+
+    All combinations of what its section resources asks for, each checked as a program of its own.
+    """
+    from cbdsl.checking.allocations import allocations
+    from cbdsl.checking.program import check_program
+    from cbdsl.checking.session import Session
+    from cbdsl.cli.assignments import read_assignments
+    from cbdsl.cli.terminal import print_json, print_table
+    from cbdsl.documents.program import ProgramDocument
+
+    session, values = Session(), read_assignments(with_)
+    check_program(name, values, session.library)
+    path = session.library.locate(ProgramDocument, name)
+    combinations = sorted(allocations(path, session, values), key=lambda each: bool(each.refusal))
+    if as_json:
+        print_json([_data(each) for each in combinations])
+    elif not session.library.read(path, ProgramDocument).document.resources:
+        print(f"{path.stem} lets no parameter stand for another resource: it has no 'resources'")
+    else:
+        rows = [{**each.values, "fits": _verdict(each)} for each in combinations]
+        print_table(f"Allocations of {path.stem}", rows)
+
+
+def _verdict(allocation: Allocation) -> str:
+    return allocation.refusal or "yes"
+
+
+def _data(allocation: Allocation) -> dict[str, object]:
+    return {
+        "values": dict(allocation.values),
+        "fits": not allocation.refusal,
+        "refusal": allocation.refusal or None,
+    }

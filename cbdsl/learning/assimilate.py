@@ -1,0 +1,227 @@
+"""ASSIMILATE: which resources an action needs in which context (Algorithm 2)."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Callable, Mapping, Sequence
+from types import MappingProxyType
+from typing import Annotated, Any
+
+import numpy as np
+
+from cbdsl.documents.document import Document, PositiveCount, Section, quantity
+from cbdsl.documents.model import Gaussian, Kernel
+from cbdsl.documents.schema import (
+    AbstractAction,
+    ChoiceQuestion,
+    Probability,
+    RewardQuestion,
+    SchemaDocument,
+)
+from cbdsl.learning.experience import Experience
+from cbdsl.learning.knowledge import curve_of
+from cbdsl.learning.learner import TrialSummary
+from cbdsl.learning.tree_growth import grow
+from cbdsl.program.attempts import Attempt, attempts
+from cbdsl.program.checked import CheckedProgram
+from cbdsl.program.schema import Ranking, Schema
+from cbdsl.program.schema_policy import Features, SchemaPolicy, are_defined
+from cbdsl.program.transition import Transition
+from cbdsl.types.decision_tree import Leaf, Tree, decide
+from cbdsl.types.policy import Policy
+
+
+class AssimilateConstants(Section):
+    """Constants of Algorithm 2, line 3, and of the trees that it grows."""
+
+    epsilon: Annotated[float, quantity(ge=0, le=1)] = 0.2
+    """Share of allocations chosen at random."""
+    least_samples: PositiveCount = 2
+    """Fewest attempts in a leaf of a tree."""
+    least_reward: Probability = 0.5
+    """Probability of reward below which the schema is undefined."""
+
+
+class Assimilate:
+    """Decision trees of which allocation leads to reward, and of where any does.
+
+    Args:
+        actions: what can be chosen.
+        constants: of the algorithm.
+        programs: the actions that are programs.
+    """
+
+    Constants = AssimilateConstants
+
+    def __init__(
+        self,
+        actions: Sequence[str],
+        constants: AssimilateConstants,
+        programs: Mapping[int, str] = MappingProxyType({}),
+    ) -> None:
+        self._first, self._constants = actions[0], constants
+        self._program: CheckedProgram | None = None
+        self._attempts: list[Attempt] = []
+        self._episodes: list[tuple[Features, bool]] = []
+
+    def adopt(self, program: CheckedProgram) -> None:
+        """Take up the schema whose allocations are learned."""
+        assert program.schema is not None
+        self._program = program
+
+    def see(self, transition: Transition) -> None:
+        """Wait for the end of the episode: until then an attempt may still be rewarded."""
+
+    def remember(self, experience: Experience) -> None:
+        """Take in the attempts of a finished episode (lines 18 and 25)."""
+        worth = self._program.schema.worth if self._program and self._program.schema else {}
+        names = self._program.schema.components if self._program and self._program.schema else ()
+        made = [
+            each
+            for each in attempts(experience.transitions, worth)
+            if each.features.keys() >= set(names)
+        ]
+        self._attempts += made
+        if made:
+            self._episodes.append((made[0].features, any(each.rewarded for each in made)))
+
+    def policy(self, rng: np.random.Generator) -> Policy:
+        """Declarative policy with epsilon-greedy allocations, by what is known then."""
+        if self._program is None or self._program.schema is None:
+            return _Always(self._first)
+        schema, tree = self._program.schema, self.choice()
+
+        def rank(features: Features) -> Ranking:
+            names = list(schema.allocations)
+            if rng.random() < self._constants.epsilon or not self._attempts:
+                return tuple(names[i] for i in rng.permutation(len(names)))
+            known = decide(tree, features) if are_defined(features) else None
+            return tuple(dict.fromkeys((*(known or ()), *names)))
+
+        return SchemaPolicy(self._program, rank, gives_up=False)
+
+    def choice(self) -> Tree[Ranking]:
+        """The tree of allocations that were rewarded (Eq 5.4)."""
+        rewarded = [each for each in self._attempts if each.rewarded]
+        return grow(
+            [each.features for each in rewarded],
+            [each.allocation for each in rewarded],
+            _ranking,
+            self._constants.least_samples,
+        )
+
+    def reward(self) -> Tree[float]:
+        """The tree of Pr(reward | pi, f), by Laplace's rule of succession."""
+        return grow(
+            [features for features, _ in self._episodes],
+            [rewarded for _, rewarded in self._episodes],
+            lambda counts: round((counts[True] + 1) / (counts.total() + 2), 3),
+            self._constants.least_samples,
+        )
+
+    def greedy(self) -> dict[str, str]:
+        """The declarative policy, which stays as it is."""
+        return dict(self._program.policy) if self._program else {}
+
+    def densities(self) -> dict[str, Kernel | Gaussian]:
+        """No internal models."""
+        return {}
+
+    def documents(self, summary: TrialSummary) -> list[Document]:
+        """The schema."""
+        assert self._program is not None and self._program.schema is not None
+        schema, parameters = self._program.schema, summary.program.parameters
+        units = {name: _unit(name, schema) for name in schema.components}
+        return [
+            SchemaDocument(
+                cbdsl=1,
+                kind="schema",
+                name=summary.name,
+                description="Learned by ASSIMILATE; provenance says from what, and how to learn "
+                "it again.",
+                program=summary.program.name,
+                policy=schema.policy,
+                actions=_abstract_actions(self._program),
+                features={n: _text(r.name, parameters) for n, r in schema.features.items()},
+                allocations={name: dict(each) for name, each in schema.allocations.items()},
+                choose=_written(self.choice(), units, ChoiceQuestion, _answer),
+                otherwise=tuple(schema.allocations),
+                reward=_written(self.reward(), units, RewardQuestion, float),
+                least_reward=self._constants.least_reward,
+                curve=curve_of(summary.experiences),
+                provenance=summary.provenance,
+            )
+        ]
+
+
+class _Always:
+    """The policy of a learner that has no schema to allocate.
+
+    Args:
+        action: what it chooses.
+    """
+
+    def __init__(self, action: str) -> None:
+        self._action = action
+
+    def choose(self, state: str, *, changed: bool) -> str:
+        """See ``Policy.choose``."""
+        return self._action
+
+
+def _ranking(counts: Counter[str]) -> Ranking:
+    """Labels by how often they occur; of equal ones the first by name."""
+    return tuple(sorted(counts, key=lambda name: (-counts[name], name)))
+
+
+def _unit(component: str, schema: Schema) -> str:
+    return schema.features[component.partition(".")[0]].type.unit
+
+
+def _text(name: str, parameters: Mapping[str, str]) -> str:
+    """A resource's name with the values of parameters replaced by the parameters."""
+    by_value = {value: f"${key}" for key, value in parameters.items()}
+    return ".".join(by_value.get(part, part) for part in name.split("."))
+
+
+def _abstract_actions(program: CheckedProgram) -> dict[str, AbstractAction]:
+    leads = {name: primitive.lead for name, primitive in program.primitives.items()}
+    return {
+        name: AbstractAction.model_validate(
+            {
+                "potential": lead.potential,
+                "in": lead.feedback.type.name,
+                "out": lead.effector.type.name,
+            }
+        )
+        for name, lead in leads.items()
+    }
+
+
+def _answer(ranking: Ranking) -> str | Ranking:
+    return ranking[0] if len(ranking) == 1 else ranking
+
+
+def _written(
+    tree: Tree[Any],
+    units: Mapping[str, str],
+    question: type[ChoiceQuestion | RewardQuestion],
+    answer: Callable[[Any], Any],
+) -> Any:
+    """A tree as documents have it.
+
+    Args:
+        tree: what was grown.
+        units: of its features.
+        question: the section that holds a question.
+        answer: writes the answer of a leaf.
+    """
+    if isinstance(tree, Leaf):
+        return answer(tree.answer)
+    return question.model_validate(
+        {
+            "if": f"{tree.feature} > {tree.threshold:g} {units[tree.feature]}".rstrip(),
+            "then": _written(tree.above, units, question, answer),
+            "else": _written(tree.below, units, question, answer),
+        }
+    )

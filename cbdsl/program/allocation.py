@@ -1,0 +1,55 @@
+"""Allocated programs: one program whose actions can be run with several resources."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from cbdsl.program.checked import Action, CheckedProgram
+from cbdsl.program.controller import Composition
+from cbdsl.program.schema import Schema
+
+
+def allocate(variants: Mapping[str, CheckedProgram], schema: Schema) -> CheckedProgram:
+    """The program whose actions can be run under each of several allocations.
+
+    A state has the predicates of the abstract actions, whatever they are allocated with. What no
+    action moves returns to where its own allocation has it in the background.
+
+    Args:
+        variants: the same program by the name of its allocation, with other resources.
+        schema: what chooses among them.
+    """
+    base = next(iter(variants.values()))
+    replaced = {
+        action.name
+        for variant in variants.values()
+        for action, own in zip(variant.actions, base.actions, strict=True)
+        if (action.composition, action.program) != (own.composition, own.program)
+    }
+    actions = {
+        allocated.name: allocated
+        for name, variant in variants.items()
+        for action in variant.actions
+        for allocated in [_allocated(action, name if action.name in replaced else "")]
+    }
+    backgrounds = [each.background for each in variants.values() if each.background is not None]
+    return base._replace(
+        actions=tuple(actions.values()), background=_joined(backgrounds), schema=schema
+    )
+
+
+def _allocated(action: Action, allocation: str) -> Action:
+    name = f"{action.name} with {allocation}" if allocation else action.name
+    return action._replace(name=name, abstract=action.name, allocation=allocation)
+
+
+def _joined(backgrounds: list[Composition]) -> Composition | None:
+    """One composition of several, the first with the highest priority."""
+    if not backgrounds:
+        return None
+    joined = {
+        (primitive.name, primitive.controllers): primitive
+        for background in reversed(backgrounds)
+        for primitive in background.primitives
+    }
+    return Composition(tuple(joined.values()))

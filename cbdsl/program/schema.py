@@ -1,0 +1,58 @@
+"""Schemas: programs whose resources are allocated by the context (Section 5.3)."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from typing import NamedTuple
+
+from cbdsl.types.decision_tree import Tree
+from cbdsl.types.resource import Resource
+
+Ranking = tuple[str, ...]
+"""Names of allocations, the most promising one first."""
+
+_AXES = ("x", "y", "z")
+
+
+class Schema(NamedTuple):
+    """Everything that a schema knows besides its declarative policy.
+
+    Attributes:
+        policy: name of the declarative policy.
+        features: the signals by which it allocates, by name.
+        allocations: values of parameters by name of the allocation, the program's own first.
+        choice: psi(a, f) of Eq 5.3, as a tree; ``None`` where nothing is known.
+        otherwise: the allocations where a feature is undefined.
+        reward: Pr(reward | pi, f), as a tree; ``None`` where nothing is known.
+        least_reward: below this probability the schema is undefined.
+        worth: expected reward by state, where it was learned; it tells progress from failure.
+    """
+
+    policy: str
+    features: Mapping[str, Resource]
+    allocations: Mapping[str, Mapping[str, str]]
+    choice: Tree[Ranking] | None = None
+    otherwise: Ranking = ()
+    reward: Tree[float] | None = None
+    least_reward: float = 0.5
+    worth: Mapping[str, float] = {}
+
+    @property
+    def components(self) -> tuple[str, ...]:
+        """Names of the numbers that make up the features, in the order of their signals."""
+        return tuple(
+            component
+            for name, resource in self.features.items()
+            for component in components(name, resource)
+        )
+
+
+def components(name: str, resource: Resource) -> Iterator[str]:
+    """Names of the numbers of a feature: itself, or itself with an axis or a number."""
+    size = resource.type.size
+    if size == 1:
+        yield name
+    elif size == len(_AXES):
+        yield from (f"{name}.{axis}" for axis in _AXES)
+    else:
+        yield from (f"{name}.{number}" for number in range(1, size + 1))

@@ -1,0 +1,122 @@
+"""The policy of a schema: what to do by the state, and with which resources by the context."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping
+from typing import Protocol, runtime_checkable
+
+from cbdsl.program.attempts import is_failure
+from cbdsl.program.checked import CheckedProgram
+from cbdsl.program.schema import Ranking, Schema
+from cbdsl.types.decision_tree import decide
+from cbdsl.types.policy import WrittenPolicy
+
+Features = Mapping[str, float]
+"""Numbers by name, in SI; NaN where a signal is undefined."""
+
+Rank = Callable[[Features], Ranking]
+"""Chooses allocations by features, the most promising one first."""
+
+
+@runtime_checkable
+class ContextPolicy(Protocol):
+    """A policy that goes by more than the state."""
+
+    reason: str
+
+    def begin(self, read: Callable[[], Features]) -> None:
+        """Begin an episode, in which ``read`` gives the features of the moment."""
+        ...
+
+    def choose(self, state: str, *, changed: bool) -> str | None:
+        """See ``Policy.choose``."""
+        ...
+
+
+class SchemaPolicy:
+    """Chooses abstract actions by the declarative policy, and allocates them.
+
+    An allocation is kept as long as it makes progress; after a failure the next one is tried, none
+    of them twice in an episode (Figure 5.9).
+
+    Args:
+        program: the schema with all allocated actions.
+        rank: chooses the allocations; the schema's own tree without it.
+        gives_up: whether nothing is begun where reward is unlikely, as while running; a learner
+            tries all the same.
+
+    Attributes:
+        reason: why the last choice was none, as a clause; empty where the policy has no action.
+    """
+
+    def __init__(
+        self, program: CheckedProgram, rank: Rank | None = None, *, gives_up: bool = True
+    ) -> None:
+        assert program.schema is not None
+        self._schema: Schema = program.schema
+        self._rank = rank or self._by_tree
+        self._gives_up = gives_up
+        self._written = WrittenPolicy(program.policy)
+        self._actions: dict[str, dict[str, str]] = {}
+        for action in program.actions:
+            self._actions.setdefault(action.abstract, {})[action.allocation] = action.name
+        self.begin(dict)
+
+    def begin(self, read: Callable[[], Features]) -> None:
+        """See ``ContextPolicy.begin``."""
+        self._read = read
+        self._failed: set[str] = set()
+        self._allocation = self._before = self.reason = ""
+        self._is_informed = False
+
+    def choose(self, state: str, *, changed: bool) -> str | None:
+        """The next action under its allocation, or ``None``; see ``reason``."""
+        self.reason = ""
+        before, self._before = self._before, state
+        if self._allocation and is_failure(before, state, self._schema.worth):
+            if self._is_informed:
+                self._failed.add(self._allocation)
+            self._allocation, changed = "", True
+        abstract = self._written.choose(state, changed=changed)
+        if abstract is None:
+            return None
+        actions = self._actions[abstract]
+        if "" in actions:
+            self._allocation = ""
+            return actions[""]
+        if not self._allocation:
+            self._allocation = self._allocate()
+        return actions[self._allocation] if self._allocation else None
+
+    def _allocate(self) -> str:
+        """The best allocation that has not failed; empty where there is none, with the reason."""
+        features = self._read()
+        self._is_informed = are_defined(features)
+        if self._gives_up and self._is_unlikely(features):
+            return ""
+        left = [each for each in self._rank(features) if each not in self._failed]
+        if not left:
+            self.reason = "every allocation has been tried"
+            return ""
+        return left[0]
+
+    def _is_unlikely(self, features: Features) -> bool:
+        tree = self._schema.reward
+        likely = None if tree is None else decide(tree, features)
+        if likely is None or likely >= self._schema.least_reward:
+            return False
+        self.reason = f"reward is unlikely here ({100 * likely:.0f} %)"
+        return True
+
+    def _by_tree(self, features: Features) -> Ranking:
+        """The ranking of the schema's tree, and behind it what that does not name."""
+        schema = self._schema
+        known = None if schema.choice is None else decide(schema.choice, features)
+        first = schema.otherwise if known is None else known
+        return tuple(dict.fromkeys((*first, *schema.otherwise, *schema.allocations)))
+
+
+def are_defined(features: Features) -> bool:
+    """Whether all features are."""
+    return not any(math.isnan(value) for value in features.values())

@@ -1,0 +1,39 @@
+"""Values of states under a policy, by the transitions that were observed while it was learned."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from cbdsl.types.policy import WrittenPolicy
+
+Counts = Mapping[str, Mapping[str, Mapping[str, int]]]
+"""How often a state was followed by another, by state, action and next state."""
+
+_DISCOUNT = 0.8
+_SWEEPS = 100
+
+
+def state_values(policy: Mapping[str, str], transitions: Counts) -> dict[str, float]:
+    """Expected discounted reward of each state, by value iteration.
+
+    A reward ends its episode, so that a state which nothing ever left is taken to be rewarded.
+    Values of actions that were learned in a few episodes are far from converged, and in no order;
+    the transitions tell all the same which states lie on the route to reward.
+
+    Args:
+        policy: action by state pattern.
+        transitions: counts of all actions.
+    """
+    chooses = WrittenPolicy(policy)
+    following = {
+        state: counts[action]
+        for state, counts in transitions.items()
+        if (action := chooses.choose(state, changed=True)) is not None and action in counts
+    }
+    reached = {s for by in transitions.values() for after in by.values() for s in after}
+    values = {state: 1.0 for state in reached - transitions.keys()}
+    for _ in range(_SWEEPS):
+        for state, after in following.items():
+            ways = sum(count * values.get(s, 0.0) for s, count in after.items())
+            values[state] = _DISCOUNT * ways / sum(after.values())
+    return values

@@ -1,0 +1,85 @@
+"""Allocations are what the type table allows, and each other has a reason."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from cbdsl.checking.allocations import Allocation, allocations
+from cbdsl.checking.session import Session
+from cbdsl.documents.program import ProgramDocument
+from cbdsl.errors.errors import UsageError
+from cbdsl.yaml_text.library import Library
+from tests.conftest import ROOT
+
+TRACK = """\
+cbdsl: 1
+kind: program
+name: look
+robot: dexter
+parameters: {feature: sat_10, camera: left}
+resources: %s
+controllers:
+  track: {potential: spring, reference: [0 rad, 0 rad], feedback: $camera.$feature, effector: head}
+actions: [track]
+"""
+
+
+def allocated(path: Path) -> list[Allocation]:
+    return allocations(path, Session(Library(ROOT)))
+
+
+def look(folder: Path, resources: str) -> Path:
+    path = folder / "look.yaml"
+    path.write_text(TRACK % resources, encoding="utf-8")
+    return path
+
+
+def test_reachtouch_fits_each_arm_with_its_own_hand() -> None:
+    found = allocated(Library(ROOT).locate(ProgramDocument, "reachtouch"))
+    fitting = [each for each in found if each.program is not None]
+    assert sorted(tuple(each.values.values()) for each in fitting) == [
+        ("left_arm", "left_hand"),
+        ("right_arm", "right_hand"),
+    ]
+    for each in fitting:
+        assert each.program is not None and not each.refusal
+        assert {**each.program.parameters}.items() >= each.values.items()
+        assert each.choices == {"limb": each.values["arm"]}
+
+
+def test_what_does_not_fit_has_a_reason() -> None:
+    found = allocated(Library(ROOT).locate(ProgramDocument, "reachtouch"))
+    reasons = {tuple(each.values.values()): each.refusal for each in found if each.refusal}
+    assert reasons["left_arm", "right_hand"] == "'right_hand' is not mounted on 'left_arm'"
+    assert "position x 2" in reasons["arms", "hands"]
+
+
+def test_channels_are_all_those_of_the_robot(tmp_path: Path) -> None:
+    found = allocated(look(tmp_path, "{what: {feature: heading channel}}"))
+    assert [each.values["feature"] for each in found if each.program] == [
+        *(f"{kind}_{i}" for kind in ("hue", "sat", "int") for i in range(1, 11)),
+        "motion",
+    ]
+
+
+def test_groups_are_replaced_independently(tmp_path: Path) -> None:
+    program = (ROOT / "programs" / "reachtouch.yaml").read_text()
+    both = "resources: {what: {feature: heading channel}, limb: {"
+    path = tmp_path / "reachtouch.yaml"
+    path.write_text(program.replace("resources: {limb: {", both), encoding="utf-8")
+    found = allocated(path)
+    assert len([each for each in found if each.program]) == 31 * 2
+    assert len(found) == 31 * 9
+
+
+def test_a_program_without_resources_has_itself_alone(tmp_path: Path) -> None:
+    (only,) = allocated(look(tmp_path, "{}"))
+    assert only.values == {} and only.program is not None
+
+
+def test_more_than_can_be_checked_are_refused(tmp_path: Path) -> None:
+    two = "{a: {feature: heading channel}, b: {camera: heading channel}}"
+    with pytest.raises(UsageError, match="961 allocations are more than the 500"):
+        allocated(look(tmp_path, two))

@@ -1,0 +1,121 @@
+"""Schemas fit their programs, run as they read, and can be used by other programs."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from cbdsl.checking.document import check_document
+from cbdsl.checking.findings import Findings
+from cbdsl.checking.knowledge.digest import program_digest
+from cbdsl.checking.program import check_program, examine_program
+from cbdsl.checking.schema import checked_schema
+from cbdsl.checking.session import Session
+from cbdsl.documents.schema import SchemaDocument
+from cbdsl.program.checked import CheckedProgram
+from cbdsl.types.decision_tree import decide
+from cbdsl.yaml_text.library import Library
+
+SCHEMA = """\
+cbdsl: 1
+kind: schema
+name: pick
+program: reachtouch
+policy: reachtouch
+actions: {touch: {potential: spring, in: force, out: configuration}}
+features: {place: stereo.$feature, volume: stereo.$feature.volume}
+allocations:
+  right: {arm: right_arm, hand: right_hand}
+  left: {arm: left_arm, hand: left_hand}
+choose: {if: place.y > 2 cm, then: left, else: {if: volume < 2 l, then: [right, left], else: left}}
+otherwise: [right, left]
+reward: {if: place.x > 1.02 m, then: 0.02, else: 0.97}
+"""
+USING = """\
+cbdsl: 1
+kind: program
+name: using
+robot: dexter
+use: {pick: {program: reachtouch, schema: pick, with: {feature: blue}}}
+controllers:
+  track: {potential: spring, reference: [0 deg, 0 deg], feedback: cyclopean.blue, effector: head}
+actions: [pick, track]
+policy: {"**": pick}
+"""
+
+
+@pytest.fixture
+def folder(tmp_path: Path) -> Path:
+    for name, text in {"knowledge/schemas/pick": SCHEMA, "programs/using": USING}.items():
+        path = tmp_path / f"{name}.yaml"
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_text(text, encoding="utf-8")
+    return tmp_path
+
+
+def checked(folder: Path) -> CheckedProgram:
+    library = Library(folder)
+    loaded = library.read(library.locate(SchemaDocument, "pick"), SchemaDocument)
+    session = Session(library)
+    program = checked_schema(
+        loaded,
+        session,
+        Findings(),
+        lambda path, with_, own: examine_program(path, with_, session, own),
+    )
+    assert program is not None
+    return program
+
+
+def test_trees_decide_as_they_read_in_si(folder: Path) -> None:
+    schema = checked(folder).schema
+    assert schema is not None and schema.choice is not None and schema.reward is not None
+    near, thin = {"place.y": 0.01, "place.x": 1.0}, {"volume": 0.0019}
+    assert decide(schema.choice, {"place.y": 0.021}) == ("left",)
+    assert decide(schema.choice, near | thin) == ("right", "left")
+    assert decide(schema.choice, near | {"volume": 0.0021}) == ("left",)
+    assert decide(schema.reward, near) == 0.97
+    assert decide(schema.reward, {"place.x": 1.03}) == 0.02
+
+
+def test_features_follow_the_parameters_of_whoever_uses_it(folder: Path) -> None:
+    program = check_program(folder / "programs" / "using.yaml", {}, Library(folder))
+    (pick,) = [action.program for action in program.actions if action.program is not None]
+    assert pick.schema is not None
+    assert [r.name for r in pick.schema.features.values()] == ["stereo.blue", "stereo.blue.volume"]
+    assert {action.allocation for action in pick.actions} == {"", "right", "left"}
+
+
+def test_what_is_learned_with_a_schema_depends_on_it(folder: Path) -> None:
+    using, schema = folder / "programs/using.yaml", folder / "knowledge/schemas/pick.yaml"
+    before = program_digest(using, Library(folder))
+    assert {"reachtouch", "searchtrack_table"} <= before.policies.keys()
+    schema.write_text(schema.read_text("utf-8").replace("> 2 cm", "> 3 cm"), encoding="utf-8")
+    assert program_digest(using, Library(folder)).sha256 != before.sha256
+
+
+def test_a_schema_has_no_findings_of_its_own(folder: Path) -> None:
+    path = folder / "knowledge" / "schemas" / "pick.yaml"
+    assert check_document(path, Session(Library(folder))) == []
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "code"),
+    [
+        ("policy: reachtouch", "policy: searchtrack", "CB626"),
+        ("policy: reachtouch", "policy: reachtuch", "CB625"),
+        ("hand: left_hand", "hnd: left_hand", "CB606"),
+        ("2 l", "2 cm", "CB639"),
+        ("out: configuration", "out: position", "CB635"),
+        ("touch: {potential", "tuch: {potential", "CB613"),
+        ("0.02", "1.02", "CB208"),
+    ],
+)
+def test_what_does_not_fit_is_found(folder: Path, old: str, new: str, code: str) -> None:
+    path = folder / "knowledge" / "schemas" / "pick.yaml"
+    text = path.read_text("utf-8")
+    assert old in text
+    path.write_text(text.replace(old, new, 1), encoding="utf-8")
+    found = [each.code for each in check_document(path, Session(Library(folder)))]
+    assert code in found, found

@@ -1,0 +1,33 @@
+"""``cb show allocations``."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable
+
+import pytest
+
+from tests.cli.test_main import cb
+
+Shown = Callable[..., str]
+
+
+@pytest.fixture
+def shown(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> Shown:
+    def run(*words: str) -> str:
+        assert cb(monkeypatch, "show", "allocations", *words) == 0
+        return capsys.readouterr().out
+
+    return run
+
+
+def test_what_fits_comes_first_and_the_rest_has_a_reason(shown: Shown) -> None:
+    rows = json.loads(shown("reachtouch", "--json"))
+    assert [row["fits"] for row in rows] == [True] * 2 + [False] * 7
+    assert all((row["refusal"] is None) == row["fits"] for row in rows)
+    text = shown("reachtouch")
+    assert text.index("yes") < text.index("is not mounted on 'left_arm'")
+
+
+def test_a_program_that_fixes_its_resources_says_so(shown: Shown) -> None:
+    assert "lets no parameter stand for another resource" in shown("posture")

@@ -1,0 +1,58 @@
+"""Attempts end with reward, with failure, or with what needs no allocation."""
+
+from __future__ import annotations
+
+from cbdsl.program.attempts import Attempt, attempts, is_failure
+from cbdsl.program.transition import Transition
+
+WORTH = {"XX": 0.3, "0-": 0.4, "00": 0.6, "11": 1.0, "1-": 0.1}
+
+
+def step(
+    before: str, after: str, allocation: str, reward: int = 0, place: float = 0.0
+) -> Transition:
+    action = f"reach with {allocation}" if allocation else "look"
+    features = {"x": place}
+    return Transition("p", 0, 1.0, before, action, after, 5, reward, (), allocation, features)
+
+
+def test_progress_goes_on_with_the_features_of_its_beginning() -> None:
+    episode = [
+        step("XX", "0-", "left", place=1.0),
+        step("0-", "00", "left", place=2.0),
+        step("00", "11", "left", 1, place=3.0),
+    ]
+    assert list(attempts(episode, WORTH)) == [Attempt("left", {"x": 1.0}, True)]
+
+
+def test_a_step_back_is_a_failure_and_what_follows_is_another_attempt() -> None:
+    episode = [
+        step("XX", "0-", "left", place=1.0),
+        step("0-", "1-", "left", place=2.0),
+        step("1-", "0-", "right", place=3.0),
+        step("0-", "11", "right", 1),
+    ]
+    assert list(attempts(episode, WORTH)) == [
+        Attempt("left", {"x": 1.0}, False),
+        Attempt("right", {"x": 3.0}, True),
+    ]
+
+
+def test_the_same_allocation_after_a_failure_is_another_attempt() -> None:
+    episode = [step("0-", "1-", "left", place=1.0), step("1-", "11", "left", 1, place=2.0)]
+    assert [each.rewarded for each in attempts(episode, WORTH)] == [False, True]
+
+
+def test_an_action_without_allocation_ends_an_attempt() -> None:
+    episode = [step("XX", "0-", "left"), step("0-", "00", ""), step("00", "11", "", 1)]
+    assert list(attempts(episode, WORTH)) == [Attempt("left", {"x": 0.0}, False)]
+
+
+def test_an_episode_that_ends_amid_an_attempt_was_not_rewarded() -> None:
+    assert list(attempts([step("XX", "0-", "left")], WORTH)) == [Attempt("left", {"x": 0.0}, False)]
+
+
+def test_what_changes_nothing_fails_and_unknown_states_are_worth_nothing() -> None:
+    assert is_failure("00", "00", WORTH)
+    assert is_failure("00", "--", WORTH)
+    assert not is_failure("--", "00", WORTH)

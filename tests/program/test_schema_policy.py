@@ -1,0 +1,99 @@
+"""A schema allocates by its context, keeps what makes progress, and tries none twice."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+
+import pytest
+
+from cbdsl.checking.assimilation import program_to_assimilate
+from cbdsl.checking.session import Session
+from cbdsl.documents.policy import PolicyDocument
+from cbdsl.documents.program import ProgramDocument
+from cbdsl.program.checked import CheckedProgram
+from cbdsl.program.schema_policy import SchemaPolicy
+from cbdsl.types.decision_tree import Leaf, Split
+from cbdsl.yaml_text.library import Library
+from tests.conftest import ROOT
+
+SIDES = Split("place.y", 0.0, Leaf(("left_arm",)), Leaf(("right_arm",)))
+REACH = Split("place.x", 1.0, Leaf(0.05), Leaf(0.95))
+NEAR_LEFT = {"place.x": 0.5, "place.y": 0.3}
+FAR_LEFT = {"place.x": 1.5, "place.y": 0.3}
+UNSEEN = {"place.x": math.nan, "place.y": math.nan}
+
+
+@pytest.fixture(scope="module")
+def schema() -> CheckedProgram:
+    """REACHTOUCH with either limb, by the side that a thing is on."""
+    library = Library(ROOT)
+    path: Path = library.locate(ProgramDocument, "reachtouch")
+    policy = library.read(library.locate(PolicyDocument, "reachtouch"), PolicyDocument)
+    program = program_to_assimilate(path, policy, Session(library), {})
+    assert program.schema is not None
+    knowledge = program.schema._replace(choice=SIDES, reward=REACH)
+    return program._replace(schema=knowledge)
+
+
+def begun(schema: CheckedProgram, features: dict[str, float], **options: bool) -> SchemaPolicy:
+    policy = SchemaPolicy(schema, **options)
+    policy.begin(lambda: features)
+    return policy
+
+
+def test_a_state_has_one_letter_for_each_abstract_action(schema: CheckedProgram) -> None:
+    assert schema.members == ("searchtrack", "reach", "touch")
+    allocated = {action.name: action for action in schema.actions}
+    assert len(allocated) == 1 + 2 * 4
+    assert allocated["searchtrack"].allocation == ""
+    left = allocated["reach ◁ touch with left_arm"]
+    assert (left.abstract, left.allocation) == ("reach ◁ touch", "left_arm")
+    assert left.composition is not None
+    moved = {each.lead.effector.name for each in left.composition.primitives}
+    assert moved == {"left_arm.position", "left_hand"}
+
+
+def test_the_tree_chooses_and_progress_keeps_the_choice(schema: CheckedProgram) -> None:
+    features = dict(NEAR_LEFT)
+    policy = begun(schema, features)
+    assert policy.choose("1XX", changed=True) == "reach ◁ touch with left_arm"
+    features["place.y"] = -0.3
+    assert policy.choose("X0-", changed=True) == "reach ◁ touch with left_arm"
+
+
+def test_after_a_failure_the_other_is_tried_and_then_none(schema: CheckedProgram) -> None:
+    policy = begun(schema, NEAR_LEFT)
+    policy.choose("X0-", changed=True)
+    assert policy.choose("X0-", changed=False) == "reach ◁ touch with right_arm"
+    assert policy.choose("X0-", changed=False) is None
+    assert policy.reason == "every allocation has been tried"
+    policy.begin(lambda: NEAR_LEFT)
+    assert policy.choose("X0-", changed=True) == "reach ◁ touch with left_arm"
+
+
+def test_what_fails_unseen_is_not_held_against_it(schema: CheckedProgram) -> None:
+    features = dict(UNSEEN)
+    policy = begun(schema, features)
+    assert policy.choose("X0-", changed=True) == "reach ◁ touch with right_arm"
+    features.update(place_left := NEAR_LEFT)
+    assert place_left and policy.choose("X0-", changed=False) == "reach ◁ touch with left_arm"
+    assert policy.choose("X0-", changed=False) == "reach ◁ touch with right_arm"
+
+
+def test_it_moves_nothing_where_reward_is_unlikely(schema: CheckedProgram) -> None:
+    policy = begun(schema, FAR_LEFT)
+    assert policy.choose("X--", changed=True) == "searchtrack"
+    assert policy.choose("1XX", changed=True) is None
+    assert policy.reason == "reward is unlikely here (5 %)"
+    learning = begun(schema, FAR_LEFT, gives_up=False)
+    assert learning.choose("1XX", changed=True) == "reach ◁ touch with left_arm"
+
+
+def test_what_needs_no_allocation_ends_the_attempt(schema: CheckedProgram) -> None:
+    features = dict(NEAR_LEFT)
+    policy = begun(schema, features)
+    policy.choose("X0-", changed=True)
+    assert policy.choose("X--", changed=True) == "searchtrack"
+    features["place.y"] = -0.3
+    assert policy.choose("1XX", changed=True) == "reach ◁ touch with right_arm"
