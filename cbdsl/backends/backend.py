@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Collection
 from inspect import signature
 from pathlib import Path
-from typing import Any, Protocol
+from typing import Any, Protocol, runtime_checkable
 
 import numpy as np
 from numpy.typing import NDArray
@@ -95,6 +95,30 @@ class Backend(Protocol):
         ...
 
 
+@runtime_checkable
+class ResumableBackend(Protocol):
+    """A backend whose world can go on from one episode to the next."""
+
+    def resume(
+        self, stage: StageDocument, context: str | None, channels: Collection[str] | None = None
+    ) -> str | None:
+        """Begin an episode in the world as the one before left it, robot and references included.
+
+        The experimenter puts things back as the stage says. Time begins at 0 again, and the first
+        observation has images; all that chance decides goes on in the streams of the reset.
+
+        Args:
+            stage: that the world should be of.
+            context: that it should be of; any when ``None``.
+            channels: of vision, as of ``Backend.reset``.
+
+        Returns:
+            The name of the context; ``None`` where the world is of another stage or context, or
+            none has begun, so that it has to be reset.
+        """
+        ...
+
+
 class BackendFactory(Protocol):
     """Target of an entry point of the group ``cbdsl.backends``: a backend's class."""
 
@@ -133,9 +157,12 @@ BACKENDS: Registry[BackendFactory] = Registry(
     {
         "bullet": "cbdsl.backends.bullet.backend:BulletBackend",
         "kinematic": "cbdsl.backends.kinematic.backend:KinematicBackend",
+        "mujoco": "cbdsl.backends.mujoco.backend:MujocoBackend",
     },
     _factory,
 )
+# Extras of this package that backends of its own need; the others need ``sim``.
+_EXTRAS = {"mujoco": "mujoco"}
 
 
 def find_backend(name: str) -> BackendFactory:
@@ -149,7 +176,8 @@ def find_backend(name: str) -> BackendFactory:
         return BACKENDS.get(name)
     except ImportError as error:
         raise BackendError(
-            f"backend '{name}' cannot be loaded: {error}; try: pip install 'cbdsl[sim]'"
+            f"backend '{name}' cannot be loaded: {error}; "
+            f"try: pip install 'cbdsl[{_EXTRAS.get(name, 'sim')}]'"
         ) from error
     except UsageError as error:
         raise BackendError(str(error)) from error

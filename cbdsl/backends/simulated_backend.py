@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Collection
 from typing import Generic, TypeVar
 
@@ -9,13 +10,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cbdsl.backends.backend import BackendError
-from cbdsl.backends.cameras.camera_system import CameraSystem, Chance
+from cbdsl.backends.cameras.camera_system import CameraSystem, Chance, Exposure
 from cbdsl.backends.cameras.rendered import RenderedCameras
 from cbdsl.backends.staging.context import choose_context, starting_posture
 from cbdsl.backends.staging.engine import Engine
 from cbdsl.backends.staging.experimenter import Experimenter
 from cbdsl.backends.staging.load_cells import LoadCells
-from cbdsl.backends.staging.scenario import ScenarioSampler
+from cbdsl.backends.staging.sampler import ScenarioSampler
 from cbdsl.backends.staging.shutter import Shutter
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.documents.stage import StageDocument
@@ -67,6 +68,8 @@ class SimulatedBackend(Generic[SomeEngine]):
         self.control_period = 1 / rate
         self.renderer = cameras.renderer
         self._shutter = Shutter(robot.vision.rate, self.control_period)
+        # The stage and the context that the world is of.
+        self._world: tuple[StageDocument, str] | None = None
 
     @property
     def cameras(self) -> RenderedCameras:
@@ -91,7 +94,8 @@ class SimulatedBackend(Generic[SomeEngine]):
         chosen = stage.contexts[name]
         # The sensors' noise has a stream of its own: who else draws from rng cannot change it.
         noise = np.random.default_rng(rng.integers(2**63))
-        self._tick = 0
+        self._tick = self._began = 0
+        self._dark = math.inf if chosen.dark_after is None else chosen.dark_after
         self._reference = starting_posture(
             chosen, self._robot, self._joints, self._nearest_to_zero, rng
         )
@@ -101,6 +105,22 @@ class SimulatedBackend(Generic[SomeEngine]):
         sampler = ScenarioSampler(stage, self._robot, self.truth.link_pose, rng)
         self._experimenter = Experimenter(sampler.sample(chosen), self.truth)
         self._cameras.begin(self.truth, stage.disturbance, channels, Chance(rng, noise))
+        self._world = stage, name
+        self._observation = self._sense()
+        return name
+
+    def resume(
+        self, stage: StageDocument, context: str | None, channels: Collection[str] | None = None
+    ) -> str | None:
+        """Begin an episode in the world as it is; see ``ResumableBackend.resume``."""
+        if self._world is None or self._world[0] is not stage:
+            return None
+        name = self._world[1]
+        if context not in (None, name):
+            return None
+        self._began = self._tick
+        self._experimenter.tidy(stage.world.put_back)
+        self._cameras.look_for(channels)
         self._observation = self._sense()
         return name
 
@@ -117,15 +137,22 @@ class SimulatedBackend(Generic[SomeEngine]):
 
     def _sense(self) -> Observation:
         positions, velocities = self.truth.read()
-        exposure = self._cameras.take() if self._shutter.opens(self._tick) else None
+        # Every episode begins with an image.
+        begins = self._tick == self._began
+        exposure = self._expose() if begins or self._shutter.opens(self._tick) else None
         return Observation(
-            time=self._tick * self.control_period,
+            time=(self._tick - self._began) * self.control_period,
             positions=positions,
             velocities=velocities,
             loads=self._cells.read(),
             images=exposure.images if exposure else {},
             regions=exposure.regions if exposure else {},
         )
+
+    def _expose(self) -> Exposure:
+        if self._tick * self.control_period >= self._dark:
+            return self._cameras.take_in_the_dark()
+        return self._cameras.take()
 
     def apply(self, reference: Floats) -> None:
         """Set the references of the actuated joints, rad, shape (n,), for the end of the step."""

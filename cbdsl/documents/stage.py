@@ -1,20 +1,21 @@
 """The stage document: a training context, set up by the experimenter and unseen by the robot."""
 
+import math
 from typing import Annotated, Literal, Self
 
-from pydantic import Field, model_validator
+from pydantic import Field, field_serializer, model_validator
 
 from cbdsl.documents.document import (
     Angle,
     AngleSpan,
     Color,
+    Count,
     Document,
     Length,
     LengthSpan,
     MassSpan,
     Name,
     NonNegative,
-    Point,
     Positive,
     Section,
     Size,
@@ -22,6 +23,7 @@ from cbdsl.documents.document import (
     SpeedSpan,
     Time,
     TimeSpan,
+    quantity,
 )
 
 Side = Literal["-x", "+x", "-y", "+y"]
@@ -119,6 +121,46 @@ class CylinderForm(Section):
     """Height, or the span that it is drawn from."""
 
 
+class TubeForm(Section):
+    """A cylinder with a bore along its axis, which stands upright; its wall is made of 12 boxes."""
+
+    shape: Literal["tube"]
+    """Which shape it is."""
+    radius: SizeSpan
+    """Outer radius, or the span that it is drawn from."""
+    height: SizeSpan
+    """Height, or the span that it is drawn from."""
+    wall: Size
+    """Thickness of its wall."""
+
+    @model_validator(mode="after")
+    def _has_a_bore(self) -> Self:
+        if self.wall >= self.radius[0]:
+            raise ValueError("the wall leaves no bore")
+        return self
+
+
+class OpenBoxForm(Section):
+    """A box without a lid, made of 5 boxes."""
+
+    shape: Literal["open_box"]
+    """Which shape it is."""
+    size: tuple[SizeSpan, SizeSpan, SizeSpan]
+    """Outer edge lengths."""
+    wall: Size
+    """Thickness of its walls and its bottom."""
+
+    @model_validator(mode="after")
+    def _has_an_inside(self) -> Self:
+        (depth, _), (width, _), (height, _) = self.size
+        if 2 * self.wall >= min(depth, width) or self.wall >= height:
+            raise ValueError("the walls leave no inside")
+        return self
+
+
+Form = BallForm | BoxForm | CylinderForm | TubeForm | OpenBoxForm
+
+
 class Surface(Section):
     """Material of a thing."""
 
@@ -127,7 +169,16 @@ class Surface(Section):
     friction: NonNegative = 0.8
     """Coefficient of lateral friction."""
     rolling_friction: NonNegative = 0.002
-    """Coefficient of rolling friction."""
+    """Coefficient of rolling friction: the lever of the normal force, m."""
+    spinning_friction: NonNegative | None = None
+    """Coefficient of friction against turning about the contact's normal, m; as much as that of
+    rolling where it is not given."""
+
+    @property
+    def spinning(self) -> float:
+        """Coefficient of spinning friction, given or not."""
+        given = self.spinning_friction
+        return self.rolling_friction if given is None else given
 
 
 class Fixture(Surface):
@@ -136,32 +187,55 @@ class Fixture(Surface):
     # Not the red of things, which robots look for.
     color: Color = (0.6, 0.45, 0.3)
     """Red, green and blue, each from 0 to 1."""
-    form: Annotated[BallForm | BoxForm | CylinderForm, Field(discriminator="shape")]
+    form: Annotated[Form, Field(discriminator="shape")]
     """Its shape and size."""
-    position: Point
-    """Centre, in the world frame."""
+    position: tuple[LengthSpan, LengthSpan, LengthSpan]
+    """Centre, in the world frame; a span of a coordinate is drawn from."""
+
+    @property
+    def is_drawn(self) -> bool:
+        """Whether chance decides where it is."""
+        return any(first != last for first, last in self.position)
+
+    @field_serializer("position")
+    def _as_it_is_written(self, position: tuple[LengthSpan, ...]) -> list[float | list[float]]:
+        return [first if first == last else [first, last] for first, last in position]
 
 
 class ThingSection(Surface):
     """A thing that can be touched and moved."""
 
-    form: Annotated[BallForm | BoxForm | CylinderForm, Field(discriminator="shape")]
+    form: Annotated[Form, Field(discriminator="shape")]
     """Its shape and size."""
     mass: MassSpan
     """Mass, or the span that it is drawn from."""
 
 
+class BesideSection(Section):
+    """A place at a level distance from a fixture or another placed thing."""
+
+    name: Name
+    """Fixture or placed thing that it is beside."""
+    by: SizeSpan
+    """Level distance between the centres."""
+    direction: AngleSpan = (-math.pi, math.pi)
+    """Direction from there in the world frame, 0 along x."""
+
+
 class PlaceSection(Section):
-    """Where a thing is put: on a fixture, at a height, or in reach of a hand."""
+    """Where a thing is put: on or beside something, at a height, or in reach of a hand."""
 
     x: LengthSpan = (0.0, 0.0)
-    """Where it is along x, from the first to the last value."""
+    """Where it is along x, from the first to the last value. On a placed thing, or a fixture whose
+    position is drawn, x, y, pitch and yaw are in the frame of that, else in the world frame."""
     y: LengthSpan = (0.0, 0.0)
     """Where it is along y."""
     z: LengthSpan | None = None
     """Height of the centre."""
     on: Name | None = None
-    """Fixture that it stands on, instead of ``z``."""
+    """Fixture or placed thing that it stands on, instead of ``z``."""
+    beside: BesideSection | None = None
+    """What it is beside, instead of x and y; without ``on`` and ``z`` it stands as low as that."""
     gap: LengthSpan | None = None
     """Distance between its surface and the tip of ``hand`` along +z, instead of ``z``."""
     hand: Name | None = None
@@ -173,12 +247,21 @@ class PlaceSection(Section):
     held: bool = False
     """Held still by the experimenter, whatever presses against it, until it is released."""
 
+    @property
+    def neighbours(self) -> tuple[str, ...]:
+        """Names of the fixtures and placed things that it is on or beside."""
+        beside = None if self.beside is None else self.beside.name
+        return tuple(name for name in (self.on, beside) if name is not None)
+
     @model_validator(mode="after")
     def _says_where(self) -> Self:
-        if [self.z, self.on, self.gap].count(None) != 2:
-            raise ValueError("a place needs exactly one of z, on and gap")
+        given = 3 - [self.z, self.on, self.gap].count(None)
+        if given != 1 and not (given == 0 and self.beside is not None):
+            raise ValueError("a place needs exactly one of z, on and gap, or `beside` alone")
         if self.hand is None and self.gap is not None:
             raise ValueError("gap needs a hand")
+        if self.beside is not None and (self.hand or self.x != (0, 0) or self.y != (0, 0)):
+            raise ValueError("a place `beside` something has no x, y and hand of its own")
         return self
 
 
@@ -197,23 +280,54 @@ class Motion(Section):
     """When the motion starts."""
 
 
-class Context(Section):
-    """One way in which an episode can begin."""
+class Presentation(Section):
+    """A thing that is shown, its place, and the experimenter's actions on it."""
 
-    share: Positive = 1.0
-    """Relative frequency."""
     things: tuple[Name, ...] = ()
     """One of these is presented, drawn evenly; none: nothing is."""
     place: PlaceSection | None = None
     motion: Motion | None = None
-    joints: dict[str, AngleSpan] = {}
-    """Where these joints start, instead of their effector's start posture."""
     released_after: Time | None = None
     """When the experimenter lets go of a held thing; never without it."""
     removed_after: Time | None = None
     """When the thing is taken away."""
     returned_after: Time | None = None
     """How long after it fell from where it was put the experimenter puts it there again."""
+
+
+class PlacedSection(Presentation):
+    """One of several things that are in the world together, under a name of its own."""
+
+    things: Annotated[tuple[Name, ...], Field(min_length=1)]
+    """One of these is presented, drawn evenly."""
+    place: PlaceSection
+    apart: Annotated[float, quantity("length", ge=0)] = 0.0
+    """Least distance between its surface and those of all other placed things, but for what it
+    stands on and what stands on it."""
+
+
+class Context(Presentation):
+    """One way in which an episode can begin."""
+
+    share: Positive = 1.0
+    """Relative frequency."""
+    placed: dict[Name, PlacedSection] = {}
+    """Several things, instead of one of ``things``: by the names that they have in the world."""
+    joints: dict[str, AngleSpan] = {}
+    """Where these joints start, instead of their effector's start posture."""
+    dark_after: Time | None = None
+    """When the light goes out, after which cameras see nothing."""
+
+    @model_validator(mode="after")
+    def _places_one_or_several(self) -> Self:
+        if self.placed and (self.things or self.place is not None):
+            raise ValueError("a context has either `things` with a `place`, or `placed` things")
+        return self
+
+    @property
+    def presentations(self) -> dict[str | None, Presentation]:
+        """All that it shows, by name; ``None`` for what has the name of the thing that is drawn."""
+        return dict(self.placed.items()) if self.placed else {None: self}
 
 
 class Disturbance(Section):
@@ -225,6 +339,19 @@ class Disturbance(Section):
     """Distance of each camera from where the robot believes it to be."""
     camera_rotation: Angle = 0.0
     """Angle of each camera from how the robot believes it to be turned."""
+    body: Count | None = None
+    """Number of the body, whose cameras keep their errors; drawn in each episode without it."""
+
+
+class WorldSection(Section):
+    """The world from one episode to the next."""
+
+    persistent: bool = False
+    """Whether episodes go on in the world as the one before left it, robot and all."""
+    put_back: Literal["nothing", "fallen", "moved"] = "fallen"
+    """Things that the experimenter puts where they were at first before an episode goes on, unless
+    the robot touches them or is in the way: those that fell 20 cm or more below that place, or
+    moved 2 cm or more from it."""
 
 
 class StageDocument(Document):
@@ -241,3 +368,4 @@ class StageDocument(Document):
     contexts: Annotated[dict[Name, Context], Field(min_length=1)]
     """Ways in which an episode can begin, by name."""
     disturbance: Disturbance = Disturbance.model_construct()
+    world: WorldSection = WorldSection.model_construct()

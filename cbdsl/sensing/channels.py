@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import cv2
 import numpy as np
@@ -13,29 +13,75 @@ from cbdsl.documents.robot import Channels
 
 Image = NDArray[np.uint8]
 
+#: Regions of one channel that an image is divided into at most; smaller ones are left out.
+MOST_REGIONS = 6
+
 # A grey value has to change by this much between two images to count as motion: well above the
 # noise of a camera, well below the contrast of a thing against a table.
 _MOTION_STEP = 24
 
 
+#: Share of an image from which on a clipped region has an extent.
+FILLING = 1 / 16
+#: Distance of the pixels of an extent, px.
+GRID = 16
+# Largest distance of an outline's pixels from its segments, and the shortest segment, px.
+_STRAIGHT, _LEAST_SEGMENT = 1.0, 6.0
+
+
+class Moments(NamedTuple):
+    """Second central moments of a region, with each of its pixels a unit square, px^2.
+
+    Attributes:
+        columns: variance of the columns.
+        mixed: covariance of columns and rows.
+        rows: variance of the rows.
+    """
+
+    columns: float
+    mixed: float
+    rows: float
+
+
+class Extent(NamedTuple):
+    """The visible part of what is larger than an image, px.
+
+    Attributes:
+        outline: straight segments of its outline that are not at the image's border: column and row
+            of one end, then of the other.
+        cover: pixels on a grid, as column and row, well inside of it.
+    """
+
+    outline: tuple[tuple[float, float, float, float], ...]
+    cover: tuple[tuple[float, float], ...]
+
+
 class Region(NamedTuple):
-    """The largest connected region of a channel in one image.
+    """A connected region of a channel in one image.
 
     Attributes:
         area: px.
         column: centroid from the left edge, px; the centre of the first pixel is at 0.5.
         row: centroid from the top edge, px.
         clipped: whether it touches the image border, so that part of it may be out of sight.
+        moments: its size and orientation along both axes.
+        extent: of a clipped region that fills a good part of the image.
     """
 
     area: int
     column: float
     row: float
     clipped: bool
+    moments: Moments
+    extent: Extent | None = None
+
+
+Regions = tuple[Region, ...]
+"""Regions of a channel in one image, the largest first."""
 
 
 class ChannelFilter:
-    """Finds the region of each wanted channel in the successive images of one camera.
+    """Finds the regions of each wanted channel in the successive images of one camera.
 
     Hue bins are centred: ``hue_1`` on red, so that the noise of a pure colour stays in one bin.
     """
@@ -50,19 +96,19 @@ class ChannelFilter:
         """Forget the image before."""
         self._before = None
 
-    def regions(self, image: Image) -> Mapping[str, Region]:
-        """The region of each wanted channel that has one.
+    def regions(self, image: Image) -> Mapping[str, Regions]:
+        """The regions of each wanted channel that has any, the largest first.
 
         Args:
             image: RGB, shape (height, width, 3), top row first.
         """
         hue, saturation, intensity = cv2.split(cv2.cvtColor(image, cv2.COLOR_RGB2HSV_FULL))
-        regions: dict[str, Region] = {}
+        regions: dict[str, Regions] = {}
         for name in self._wanted:
             mask = self._mask(name, image, hue, saturation, intensity)
-            region = None if mask is None else largest_region(mask, self._least_area)
-            if region is not None:
-                regions[name] = region
+            several = () if mask is None else connected_regions(mask, self._least_area)
+            if several:
+                regions[name] = several
         self._before = image
         return regions
 
@@ -111,16 +157,54 @@ def bin_mask(plane: Image, index: int, count: int) -> Image:
     return mask
 
 
-def largest_region(mask: Image, least_area: int) -> Region | None:
-    """The largest connected region of a mask, or ``None`` where all are below ``least_area``."""
+def connected_regions(mask: Image, least_area: int) -> Regions:
+    """The connected regions of a mask that are not below ``least_area``, the largest first.
+
+    There are ``MOST_REGIONS`` at most. Of equally large ones the upper comes first.
+    """
     # Most masks are empty: finding that out is much cheaper than labelling.
     if cv2.countNonZero(mask) < least_area:
-        return None
-    _, _, statistics, centroids = cv2.connectedComponentsWithStats(mask, connectivity=8)
-    label = 1 + int(np.argmax(statistics[1:, cv2.CC_STAT_AREA]))
-    left, top, width, height, area = (int(value) for value in statistics[label])
-    if area < least_area:
-        return None
-    rows, columns = mask.shape
+        return ()
+    count, labels, statistics, centroids = cv2.connectedComponentsWithStats(mask, connectivity=8)
+    areas = statistics[1:, cv2.CC_STAT_AREA]
+    # A mask has one region, or specks by the hundred.
+    order = np.argsort(-areas, kind="stable")[:MOST_REGIONS] if count > 2 else (0,)
+    return tuple(
+        _region(labels, 1 + label, statistics[1 + label], centroids[1 + label])
+        for label in order
+        if areas[label] >= least_area
+    )
+
+
+def _region(labels: Any, label: int, statistics: Any, centroid: Any) -> Region:
+    left, top, width, height, area = statistics.tolist()
+    rows, columns = labels.shape
     clipped = left == 0 or top == 0 or left + width == columns or top + height == rows
-    return Region(area, float(centroids[label, 0]) + 0.5, float(centroids[label, 1]) + 0.5, clipped)
+    column, row = (value + 0.5 for value in centroid.tolist())
+    own = labels[top : top + height, left : left + width] == label
+    fills = clipped and area >= FILLING * rows * columns
+    extent = _extent(labels == label) if fills else None
+    return Region(area, column, row, clipped, _moments(own), extent)
+
+
+def _extent(mask: NDArray[np.bool_]) -> Extent:
+    image = mask.view(np.uint8)
+    contours, _ = cv2.findContours(image, cv2.RETR_EXTERNAL, cv2.CHAIN_APPROX_NONE)
+    corners = cv2.approxPolyDP(contours[0], _STRAIGHT, closed=True)[:, 0]
+    ends = np.hstack([corners, np.roll(corners, -1, axis=0)])
+    rows, columns = mask.shape
+    last = np.array([columns - 1, rows - 1])
+    borders = [(ends.reshape(-1, 2, 2) == edge).all(axis=1) for edge in (np.zeros(2), last)]
+    inner = ~np.any(borders, axis=(0, 2))
+    long = np.hypot(*(ends[:, 2:] - ends[:, :2]).T) >= _LEAST_SEGMENT
+    outline = ends[inner & long] + 0.5
+    inside = cv2.erode(image, np.ones((GRID + 1, GRID + 1), np.uint8))[GRID // 2 :: GRID]
+    row, column = np.nonzero(inside[:, GRID // 2 :: GRID])
+    cover = np.stack([column, row], axis=-1) * GRID + (GRID // 2 + 0.5)
+    return Extent(tuple(map(tuple, outline.tolist())), tuple(map(tuple, cover.tolist())))
+
+
+def _moments(mask: NDArray[np.bool_]) -> Moments:
+    sums = cv2.moments(mask.view(np.uint8), binaryImage=True)
+    area, square = sums["m00"], 1 / 12  # variance of a pixel's own square
+    return Moments(sums["mu20"] / area + square, sums["mu11"] / area, sums["mu02"] / area + square)

@@ -17,10 +17,10 @@ _MOST_DRAWS = 1000
 
 
 class Sampler(Protocol):
-    """Gives one configuration after another."""
+    """Gives one sample after another."""
 
-    def draw(self) -> Floats:
-        """The next sample, rad, shape (n,)."""
+    def draw(self) -> Floats | None:
+        """The next sample, SI, shape (n,), or ``None`` while there is none."""
         ...
 
 

@@ -95,6 +95,18 @@ def rotate(axis: Floats, angle: float, turn: Floats) -> None:
 
 
 @compiled_once
+def rotation_of(vector: Floats) -> Floats:
+    """The rotation matrix (3, 3) of a rotation vector (3,): its axis times its angle, rad."""
+    turn = np.zeros(9)
+    angle = math.sqrt(vector[0] ** 2 + vector[1] ** 2 + vector[2] ** 2)
+    if angle == 0.0:
+        turn[0] = turn[4] = turn[8] = 1.0
+    else:
+        rotate(vector / angle, angle, turn)
+    return turn.reshape(3, 3)
+
+
+@compiled_once
 def place_point(frame: Floats, offset: Floats, point: Floats) -> None:
     """Compute where a point, ``offset`` (3,) in a frame (12,), is in the world, m, shape (3,)."""
     for i in range(3):

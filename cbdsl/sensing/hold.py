@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import math
+from collections.abc import Callable, Iterable, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -11,10 +12,17 @@ from numpy.typing import NDArray
 from cbdsl.numeric.compiled import compiled_once
 from cbdsl.sensing.forward import place_point
 from cbdsl.sensing.kinematics import Point
+from cbdsl.sensing.memory import PositionMemory
 
 Floats = NDArray[np.float64]
+
 Integers = NDArray[np.int64]
 Booleans = NDArray[np.bool_]
+
+# What is remembered may be off by this much, m.
+_OFF = 0.03
+# What is painted on a thing is nearer to its middle than its radius and this, m.
+_PART = 0.01
 
 
 class Hold(NamedTuple):
@@ -43,6 +51,51 @@ class Hold(NamedTuple):
         own = before.rotation.T.dot(position - before.position)
         displacement: Floats = self.position + self.rotation.dot(own) - position
         return displacement
+
+
+class Content:
+    """The things that a hold has taken, as decided when it begins: those between the fingers.
+
+    What the hands come near later is not held. A thing that is first seen later is decided on then.
+
+    Args:
+        middle: finds the middle between the fingertips that touch, m, world frame, shape (3,).
+    """
+
+    def __init__(self, middle: Callable[[], Floats]) -> None:
+        self._middle = middle
+        #: By thing, since when it is remembered, and whether it is held.
+        self._decided: dict[PositionMemory, tuple[float, bool]] = {}
+
+    def begin(self, memories: Iterable[PositionMemory]) -> None:
+        """Decide which of all things are held."""
+        self._decided.clear()
+        middle = self._middle()
+        places = {m: m.position for m in memories if m.position is not None}
+        depths = {m: math.dist(middle, place) - m.radius for m, place in places.items()}
+        for memory in sorted(places, key=lambda m: depths[m]):
+            self.holds(memory)
+
+    def holds(self, memory: PositionMemory) -> bool:
+        """Whether a thing is held; see ``begin``."""
+        if memory.position is None:
+            return False
+        since, is_held = self._decided.get(memory, (None, False))
+        if since != memory.since:
+            is_held = self._is_between(memory.position, memory.radius)
+            self._decided[memory] = memory.since, is_held
+        return is_held
+
+    def _is_between(self, position: Floats, radius: float) -> bool:
+        held = [memory for memory, (_, is_held) in self._decided.items() if is_held]
+        if not held:
+            return math.dist(self._middle(), position) <= radius + _OFF
+        # Two channels may show one thing, or one of them a part of it.
+        return any(
+            memory.position is not None
+            and math.dist(memory.position, position) <= memory.radius + _PART
+            for memory in held
+        )
 
 
 def held_jacobian(tips: Sequence[Point], position: Floats) -> Floats:

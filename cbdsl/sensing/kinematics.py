@@ -21,6 +21,7 @@ from cbdsl.sensing.forward import (
     place_link,
     place_point,
     place_points,
+    rotation_of,
 )
 
 Floats = NDArray[np.float64]
@@ -73,13 +74,14 @@ class Kinematics:
 
     Passive joints move with the actuated ones they follow, so every Jacobian has one column per
     actuated joint (Eq 3.11-3.12 and their derivatives). Only joints that move a link that somebody
-    has asked for are placed, when somebody asks in a new posture.
+    has asked for are placed, when somebody asks in a new posture. A link that carries a camera with
+    a correction is where the correction has the camera, not where the model has it.
 
     Attributes:
         joints: the order of the actuated joints.
-        positions: of the actuated joints, rad, shape (n,); ``update`` writes over them.
-        lower: lower joint limits, rad, shape (n,).
-        upper: upper joint limits, rad, shape (n,).
+        positions: of the actuated joints, rad or m, shape (n,); ``update`` writes over them.
+        lower: lower joint limits, rad or m, shape (n,); minus infinity where there is none.
+        upper: upper joint limits, rad or m, shape (n,); infinity where there is none.
         tree: the model's joints, as ``place_joints`` takes them, shape (j,).
         frames, axes: of the joints in the newest posture, as ``place_joints`` leaves them.
 
@@ -95,14 +97,21 @@ class Kinematics:
         self.joints = Joints(robot)
         numbers = [model.getJointId(name) for name in self.joints.names]
         own = [model.joints[number].idx_q for number in numbers]
-        self.lower: Floats = model.lowerPositionLimit[own]
-        self.upper: Floats = model.upperPositionLimit[own]
+        # A joint without end has two coordinates, of a point on the unit circle.
+        endless = [model.joints[number].nq > 1 for number in numbers]
+        self.lower: Floats = np.where(endless, -np.inf, model.lowerPositionLimit[own])
+        self.upper: Floats = np.where(endless, np.inf, model.upperPositionLimit[own])
         self._model, self.positions = model, np.zeros(len(self.joints))
         self.tree = _tree(model, self.joints)
         self.frames = np.zeros((len(self.tree) + 1, 12))
         self.frames[0, [0, 4, 8]] = 1.0
         self.axes = np.zeros((len(self.tree), 3))
         self._links: dict[str, Link] = {}
+        self._corrections = {
+            camera.link: camera.correction
+            for camera in robot.cameras.values()
+            if camera.correction is not None
+        }
         self._origins: dict[tuple[tuple[str, ...], ...], tuple[Integers, Floats]] = {}
         self._needed: Integers = np.zeros(0, dtype=np.int64)
         self.update(np.minimum(np.maximum(0.0, self.lower), self.upper))
@@ -219,6 +228,10 @@ class Kinematics:
         support = np.array([n - 1 for n in numbers if self.tree["ratio"][n - 1]], dtype=np.int64)
         placement = frame.placement
         origin, axes = placement.translation.copy(), placement.rotation.copy()
+        correction = self._corrections.get(name)
+        if correction is not None:
+            origin += axes.dot(np.array(correction.position))
+            axes = axes.dot(rotation_of(np.array(correction.rotation)))
         return Link(frame.parentJoint, origin, axes, support)
 
     def _support(self, link: str) -> list[int]:

@@ -16,16 +16,18 @@ _STILL = np.zeros(3)
 
 
 class PositionMemory:
-    """Filters the triangulated position of one channel and holds it while its region is hidden.
+    """Filters the triangulated position of one thing and holds it while its region is hidden.
 
     The centroid of a half-hidden region is not the centre of the thing. A sighting therefore
     counts only while the region's apparent size, corrected for distance, is as large as the
-    largest seen so far in every camera. A hidden thing is remembered for as long as the robot's
-    own hands explain why it cannot be seen, and forgotten soon after otherwise.
+    largest seen so far in every camera. A thing is remembered for as long as something explains
+    why it is not seen, such as a hand that hides it or a head that looks elsewhere, and forgotten
+    soon after otherwise.
 
     Attributes:
         position: m in the world frame, shape (3,), or ``None`` while undefined.
         radius: of a ball that would look as large, m; ``0`` while undefined.
+        since: when it was discovered, s.
     """
 
     def __init__(self, settings: Regions) -> None:
@@ -37,9 +39,16 @@ class PositionMemory:
         self.position: Floats | None = None
         self.radius = 0.0
         self.rest()
-        self._seen = 0.0
+        self.since = self._seen = self._accounted = 0.0
         self._sightings = 0
         self._largest: Sequence[float] | None = None
+
+    @property
+    def velocity(self) -> Floats | None:
+        """Velocity on the level, m/s, shape (3,), or ``None`` while undefined."""
+        # A line through two points says more of their noise than of a motion.
+        known = self.position is not None and self._sightings > 2
+        return self._velocity.copy() if known else None
 
     def looks_smaller(self, sizes: Sequence[float]) -> bool:
         """Whether the region is smaller than the largest seen so far, in some camera, m^2."""
@@ -65,10 +74,10 @@ class PositionMemory:
         self.radius = math.sqrt(sum(self._largest) / len(sizes) / math.pi)
         if self.position is None:
             self.rest()
-            self.position, self._sightings = position, 1
+            self.position, self._sightings, self.since = position, 1, time
         else:
             self._correct(time, position)
-        self._seen = time
+        self._seen = self._accounted = time
         return True
 
     def predict(self, period: float, time: float) -> None:
@@ -79,9 +88,16 @@ class PositionMemory:
             self.position = self.position + self._velocity * period
 
     def miss(self, time: float, *, explained: bool) -> None:
-        """Take in that there was no believable sighting, and whether a hand explains it."""
-        if not explained and time - self._seen > self._settings.hold:
+        """Take in that there was no believable sighting, and whether something explains it."""
+        if explained:
+            self._accounted = time
+        elif time - self._accounted > self._settings.hold:
             self.position = None
+
+    def is_lost(self, time: float) -> bool:
+        """Whether the thing moved when it was last seen, for longer than that can be predicted."""
+        moving = self._speed > self._settings.least_speed
+        return moving and time - self._seen > self._settings.prediction
 
     def carry(self, displacement: Floats) -> None:
         """Take the thing to have moved with the hands that hold it, m, shape (3,)."""

@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from cbdsl.sensing.channels import Region
+from cbdsl.sensing.channels import Regions
 
 Floats = NDArray[np.float64]
 Image = NDArray[np.uint8]
@@ -54,7 +54,7 @@ class Observation:
             N m, by (hand, finger), shape (6,) each.
         images: RGB, shape (height, width, 3), top row first, by camera; empty between images.
         regions: instead of images, what the channels of an ideal camera's image would hold, by
-            camera and channel; empty between images.
+            camera and channel, the largest region first; empty between images.
     """
 
     time: float
@@ -62,4 +62,4 @@ class Observation:
     velocities: Floats
     loads: Mapping[Cell, Floats]
     images: Mapping[str, Image]
-    regions: Mapping[str, Mapping[str, Region]] = field(default_factory=dict)
+    regions: Mapping[str, Mapping[str, Regions]] = field(default_factory=dict)

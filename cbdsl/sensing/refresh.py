@@ -17,8 +17,8 @@ Booleans = NDArray[np.bool_]
 Records = NDArray[Any]
 
 #: How a row gets its numbers: from Python; joint positions; a tip; the Jacobian of tips; a weighted
-#: sum of other rows; the forces along the normals of load cells.
-WRITTEN, CONFIGURATION, TIP, MANIPULATOR, MIXTURE, NORMAL_FORCES = range(6)
+#: sum of other rows; the forces along the normals of load cells; a row displaced by another.
+WRITTEN, CONFIGURATION, TIP, MANIPULATOR, MIXTURE, NORMAL_FORCES, DISPLACED = range(7)
 
 #: Whether a row can be read: not at all; without being a measurement, such as a force without
 #: contact; as one.
@@ -110,6 +110,8 @@ def refresh(
             _write_mixture(row, table, parts, value, jacobian)
         elif row.kind == NORMAL_FORCES:
             _write_forces(row, parts, loads, feeling, value, frames)
+        elif row.kind == DISPLACED:
+            _write_displaced(row, table, parts, value)
 
 
 @compiled
@@ -248,3 +250,33 @@ def _write_forces(
         value[row.start + i] = along
         if not feeling[part.cell]:
             row.defined = READABLE
+
+
+@compiled
+def _write_displaced(row: Any, table: Records, parts: Records, value: Floats) -> None:
+    """A row displaced by a constant one; as new, as large and as defined as the former."""
+    base, offset = table[parts[row.part].source], table[parts[row.part + 1].source]
+    row.defined, row.stamp, row.radius = base.defined, base.stamp, base.radius
+    displace_value(
+        value[base.start : base.start + base.size],
+        value[offset.start : offset.start + offset.size],
+        row.angular,
+        value[row.start : row.start + row.size],
+    )
+
+
+@compiled
+def displace_value(base: Floats, offset: Floats, angular: bool, result: Floats) -> None:
+    """Displace a value (m,) in the world frame: components are added, a rotation is turned.
+
+    Args:
+        base: the value.
+        offset: of its form.
+        angular: whether the last nine components are a rotation.
+        result: becomes the displaced value.
+    """
+    linear = len(base) - 9 if angular else len(base)
+    for i in range(linear):
+        result[i] = base[i] + offset[i]
+    if angular:
+        multiply(offset[linear:], base[linear:], result[linear:])

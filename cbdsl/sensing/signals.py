@@ -15,12 +15,14 @@ from cbdsl.documents.robot import RobotDocument
 from cbdsl.numeric.compiled import compiled, compiled_once
 from cbdsl.program.controller import Standoff
 from cbdsl.robot.source_kind import SOURCES
+from cbdsl.sensing.blob_signals import BlobSignals
 from cbdsl.sensing.density import DensitySampler, Sampler
 from cbdsl.sensing.kinematics import Kinematics
 from cbdsl.sensing.observation import Observation
 from cbdsl.sensing.reading import Reading, shaped
 from cbdsl.sensing.refresh import (
     CONFIGURATION,
+    DISPLACED,
     MANIPULATOR,
     MIXTURE,
     NORMAL_FORCES,
@@ -28,6 +30,8 @@ from cbdsl.sensing.refresh import (
     WRITTEN,
     refresh,
 )
+from cbdsl.sensing.surface import SurfaceSampler
+from cbdsl.sensing.surfaces import Surfaces
 from cbdsl.sensing.table import Form, RowPart, SignalTable
 from cbdsl.sensing.tips import Tips
 from cbdsl.sensing.touch import Touch
@@ -35,6 +39,8 @@ from cbdsl.sensing.uniform import UniformSampler
 from cbdsl.sensing.vision import Vision
 from cbdsl.sensing.visual_signals import VisualSignals
 from cbdsl.types.resource import (
+    VISUAL,
+    BlobSignal,
     Centroid,
     EffectorConfiguration,
     FingerForces,
@@ -50,6 +56,8 @@ from cbdsl.types.resource import (
     SensorSignal,
     Separation,
     StereoPosition,
+    StereoSignal,
+    SurfacePoint,
     Tip,
     UniformSample,
 )
@@ -105,16 +113,17 @@ class Signals:
         self._rows: dict[tuple[object, ...], int] = {}
         self._readers: dict[int, Reader] = {}
         self._made_of: dict[int, tuple[int, ...]] = {}
+        resources = tuple(resources)
         channels = [
-            resource.source.channel
-            for resource in resources
-            if isinstance(resource.source, (Heading, Headings, StereoPosition))
+            resource.source.channel for resource in resources if isinstance(resource.source, VISUAL)
         ]
         self.vision = Vision(robot, kinematics, channels)
         self.tips = Tips(robot, kinematics)
         self.clock = self.tips.clock
         self.touch = Touch(robot, kinematics, self.tips)
         self.sight = VisualSignals(robot, kinematics, self.vision, self.tips, self.touch)
+        self.surfaces = Surfaces(robot, kinematics, self.vision, resources)
+        self.blobs = BlobSignals(robot, self.vision, self.sight, resources)
         self._binders: dict[type, Callable[[Any], int]] = {
             EffectorConfiguration: self._bind_configuration,
             Posture: self._bind_posture,
@@ -130,14 +139,30 @@ class Signals:
             Heading: self.sight.heading,
             Headings: self.sight.headings,
             StereoPosition: self.sight.position,
+            BlobSignal: self.blobs.blob,
+            StereoSignal: self.blobs.feature,
         }
         self.reset()
 
     def reset(self) -> None:
         """Forget the episode before."""
-        self.vision.reset()
         self.touch.reset()
+        self._forget()
+
+    def resume(self, before: Signals) -> None:
+        """Begin an episode where another one ended; see ``Touch.resume``.
+
+        Args:
+            before: signals of that one; they may be these.
+        """
+        self.touch.resume(before.touch)
+        self._forget()
+
+    def _forget(self) -> None:
+        self.vision.reset()
         self.sight.reset()
+        self.blobs.reset()
+        self.surfaces.reset()
         self.clock[0] = 0
 
     def update(self, observation: Observation) -> None:
@@ -156,6 +181,8 @@ class Signals:
             self.sight.update()
         if self.robot.cameras:
             self.vision.update(observation)
+            self.blobs.update(observation)
+            self.surfaces.update(observation)
             if self.touch.touching_anything():
                 self.vision.touched()
             else:
@@ -182,6 +209,22 @@ class Signals:
         key = "tip", source, facing, standoff
         return self._bound(key, lambda: self._bind_point(source, facing, standoff))
 
+    def bind_links(self, links: Sequence[str]) -> int:
+        """The row of the mean position of some links' frames, m, world frame."""
+        key = ("links", *links)
+        return self._bound(key, lambda: self._bind_links(links))
+
+    def _bind_links(self, links: Sequence[str]) -> int:
+        if len(links) > 1:
+            rows = [self.bind_links([link]) for link in links]
+            parts = [RowPart(source=row, weight=1.0 / len(rows)) for row in rows]
+            number = self.table.bind(Form(MIXTURE, 3, 3, parts))
+            self._made_of[number] = tuple(rows)
+            return number
+        link = self.kinematics.link(links[0])
+        part = RowPart(link.frame, link.position, link.rotation.ravel(), link.support)
+        return self.table.bind(Form(TIP, 3, 3, (part,)))
+
     def bind_manipulator(self, effector: str, part: str, joints: Sequence[str]) -> int:
         """The row of the Jacobian of an effector's tip, or of all of a group's, by some joints.
 
@@ -196,6 +239,21 @@ class Signals:
         size = len(tips) * (3 if part == "position" else 6) * len(columns)
         form = Form(MANIPULATOR, size, size, tips, columns, angular=part != "position")
         return self._bound(("manipulator", effector, part, *joints), lambda: self.table.bind(form))
+
+    def bind_displaced(self, resource: Resource, offset: Floats) -> int:
+        """The row of a resource that is displaced in the world frame.
+
+        Args:
+            resource: the resource.
+            offset: in the form of its rows: for an orientation a rotation, row by row.
+        """
+        base, constant = self.bind(resource), self.bind_written(len(offset))
+        self.table.write(constant, Reading(offset, None, 0))
+        is_turned = resource.type.name in ("orientation", "pose")
+        parts = [RowPart(source=base), RowPart(source=constant)]
+        number = self.table.bind(Form(DISPLACED, len(offset), 0, parts, angular=is_turned))
+        self._made_of[number] = (*self._made_of.get(base, ()), base, constant)
+        return number
 
     def bind_normal_forces(self, source: FingerForces | NetForces) -> int:
         """The row of forces along normals, N, which can be read without contact, too."""
@@ -333,7 +391,7 @@ class Signals:
             (self.tips.part(source.effector),), (), linear, angular, facing, standoff,
         )  # fmt: skip
         number = self.table.bind(form)
-        self._made_of[number] = () if facing < 0 else (facing,)
+        self._made_of[number] = () if facing < 0 else (*self._made_of.get(facing, ()), facing)
         return number
 
     def _bind_centroid(self, source: Centroid) -> int:
@@ -368,8 +426,10 @@ class Signals:
         return number
 
     def sampler(self, resource: Resource, rng: np.random.Generator) -> Sampler:
-        """Draws from an internal model."""
+        """Draws from an internal model or a surface."""
         source = resource.source
+        if isinstance(source, SurfacePoint):
+            return SurfaceSampler(self.surfaces.by_channel[source.channel], rng)
         assert isinstance(source, (UniformSample, GaussianSample, KernelSample))
         own = self.joints.of(source.effector)
         limits = self.kinematics.lower[own], self.kinematics.upper[own]

@@ -49,13 +49,15 @@ class Touch:
             hand: kinematics.joints.pick([cell.joint for cell in fingers.values()])
             for hand, fingers in robot.load_cells.items()
         }
-        self._flexions = {hand: self._flexion(hand) for hand in robot.load_cells}
         #: By link, the normal of its load cell in its own frame, of unit length.
         self._normals = {
             cell.link: np.array(cell.normal) / math.hypot(*cell.normal)
             for fingers in robot.load_cells.values()
             for cell in fingers.values()
         }
+        #: By hand, whether its fingers close as their joints' positions grow, 1, or fall, -1.
+        self.closing = {hand: self._closing(hand) for hand in robot.load_cells}
+        self._flexions = {hand: self._flexion(hand) for hand in robot.load_cells}
         #: By hand, the effector whose tip carries it.
         self.carriers = {
             hand: carrier
@@ -69,6 +71,21 @@ class Touch:
     def reset(self) -> None:
         """Forget the episode before."""
         self._tare: Floats | None = None
+        self._forget()
+
+    def resume(self, before: Touch) -> None:
+        """Begin an episode where another one ended.
+
+        The load cells are tared anew only where nothing was felt: what is in a hand goes on to be
+        felt.
+
+        Args:
+            before: felt the last tick of the episode before; it may be this one.
+        """
+        self._tare = before._tare if before.touching_anything() else None
+        self._forget()
+
+    def _forget(self) -> None:
         self.loads[:], self.feeling[:] = 0.0, False
         self._in_contact = self.feeling.tolist()
         self._touching = False
@@ -103,6 +120,31 @@ class Touch:
         """Whether every fingertip of a hand feels more than the contact threshold."""
         return False not in self._in_contact[self._own[hand]]
 
+    def all_holding(self, group: str) -> bool:
+        """Whether every hand of a group touches something that is no fingertip of another one."""
+        hands = self.hands(group)
+        if not all(self.touching(hand) for hand in hands):
+            return False
+        nearest, tips = self._robot.contact.self_contact, [self._touching_tips(h) for h in hands]
+        for place, own in enumerate(tips):
+            others = np.vstack([each for i, each in enumerate(tips) if i != place])
+            apart = np.linalg.norm(own[:, None] - others[None], axis=2).min(axis=1)
+            if not (apart > nearest).any():
+                return False
+        return True
+
+    def _touching_tips(self, hand: str) -> Floats:
+        """Origins of the fingertips of a hand that are in contact, m, shape (k, 3)."""
+        links = [cell.link for cell in self._fingers(hand).values()]
+        in_contact = self._in_contact[self._own[hand]]
+        return np.array(
+            [
+                self._kinematics.frame(link).position
+                for link, touches in zip(links, in_contact, strict=True)
+                if touches
+            ]
+        )
+
     def hands(self, name: str) -> tuple[str, ...]:
         """The hands of a group, or the one that is named itself."""
         return self._robot.members(name)
@@ -124,8 +166,8 @@ class Touch:
         return self._net(source.hand, source.part)
 
     def net_forces(self, source: NetForces) -> Reading | None:
-        """The net force of each hand, or ``None`` unless all of them touch something."""
-        if not all(self.touching(hand) for hand in self.hands(source.group)):
+        """The net force of each hand, or ``None`` unless all of them hold something."""
+        if not self.all_holding(source.group):
             return None
         return stacked([self._net(hand, "force") for hand in self.hands(source.group)])
 
@@ -158,8 +200,9 @@ class Touch:
     def palm_forces(self, source: NetForces) -> Reading:
         """Forces of hands along their palms' normals, N; each follows all joints of its arm."""
         hands = self.hands(source.group)
-        touching = all(self.touching(hand) for hand in hands)
-        return stacked([self._palm_force(hand) for hand in hands])._replace(measured=touching)
+        return stacked([self._palm_force(hand) for hand in hands])._replace(
+            measured=self.all_holding(source.group)
+        )
 
     def _palm_force(self, hand: str) -> Reading:
         """The part of a hand's net force along its palm's normal, shape (1,)."""
@@ -185,10 +228,18 @@ class Touch:
         return Reading(value, (yielding * jacobian)[where], self._tips.stamp)
 
     def _flexion(self, hand: str) -> Floats:
-        """Forces along the fingers' normals per joint, N/rad, shape (fingers, n)."""
+        """Forces along the fingers' normals per joint, N/rad or N/m, shape (fingers, n)."""
         rows = np.zeros((len(self._fingers(hand)), len(self._kinematics.joints)))
-        rows[np.arange(len(rows)), self.flexing[hand]] = 1.0
+        rows[np.arange(len(rows)), self.flexing[hand]] = self.closing[hand]
         return rows * self._robot.control.stiffness
+
+    def _closing(self, hand: str) -> float:
+        """The sign of the joints' motion in which the fingers press on."""
+        along = 0.0
+        for cell, joint in zip(self._fingers(hand).values(), self.flexing[hand], strict=True):
+            normal = self._kinematics.direction(cell.link, self._normals[cell.link])
+            along += float(normal @ self._kinematics.jacobian(cell.link)[:3, joint])
+        return -1.0 if along < 0.0 else 1.0
 
     def _fingers(self, hand: str) -> Mapping[str, LoadCell]:
         return self._robot.load_cells[hand]

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 
 import numpy as np
@@ -17,7 +16,7 @@ from cbdsl.sensing.camera import (
     sighting_jacobian,
     within_view,
 )
-from cbdsl.sensing.hold import Hold, find_hold, held_jacobian
+from cbdsl.sensing.hold import Content, Hold, find_hold, held_jacobian
 from cbdsl.sensing.kinematics import Frame, Kinematics
 from cbdsl.sensing.memory import PositionMemory
 from cbdsl.sensing.reading import Reading, mean, stacked
@@ -29,14 +28,16 @@ from cbdsl.sensing.vision import SeenHeading, Vision
 from cbdsl.types.resource import Heading, Headings, StereoPosition
 
 Floats = NDArray[np.float64]
+Thing = tuple[str, int]
+"""A channel, and the number of a thing in it."""
 
 
 class VisualSignals:
     """Reads headings and positions; what a hand holds moves with the hand, all else stands still.
 
-    A seen thing counts as held while all fingers of a hand feel contact, or several hands do, and
-    it is as near to them as its radius and theirs allow. It then moves as if fixed to the one hand,
-    or with the centroid of several hands' tips (Eq 3.42 and 3.43).
+    A seen thing counts as held if it lies between the fingertips that touch when all fingers of a
+    hand, or several hands, come into contact, and for as long as they stay so. It then moves as if
+    fixed to the one hand, or with the centroid of several hands' tips (Eq 3.42 and 3.43).
     """
 
     def __init__(
@@ -55,19 +56,27 @@ class VisualSignals:
         self._still = np.zeros((3, len(kinematics.joints)))
         self._carriers = tuple(touch.carriers.values())
         self._tip_parts = records_of([tips.part(carrier) for carrier in self._carriers])
+        self._cell_links = [
+            [cell.link for cell in robot.load_cells[hand].values()] for hand in touch.carriers
+        ]
         self._cells = np.array([touch.span(hand) for hand in touch.carriers]).reshape(-1, 2)
         self.reset()
 
     def reset(self) -> None:
         """Forget the episode before."""
         self._hold: Hold | None = None
+        self._content = Content(self._find_middle)
 
     def update(self) -> None:
         """Carry things that are held along with the hands; tips and touch must be up to date."""
         before, self._hold = self._hold, self._find_hold()
-        if before is None or self._hold is None or before.hands != self._hold.hands:
+        if self._hold is None:
             return
-        for memory in self._vision.memories.values():
+        memories = self._vision.all_memories
+        if before is None or before.hands != self._hold.hands:
+            self._content.begin(memories)
+            return
+        for memory in memories:
             if memory.position is not None and self._holds(memory):
                 memory.carry(self._hold.displace(before, memory.position))
 
@@ -80,14 +89,31 @@ class VisualSignals:
         hands = find_hold(frames, self._tip_parts, self._cells, feeling, position, rotation)
         return Hold(hands, position, rotation) if hands else None
 
+    def _find_middle(self) -> Floats:
+        """The middle between the fingertips that touch, or the mean over hands, m, shape (3,)."""
+        assert self._hold is not None
+        middles = []
+        for hand, (links, (start, end)) in enumerate(
+            zip(self._cell_links, self._cells.tolist(), strict=True)
+        ):
+            if self._hold.hands >> hand & 1:
+                feeling = self._touch.feeling[start:end].tolist()
+                touching = [link for link, feels in zip(links, feeling, strict=True) if feels]
+                middles.append(np.mean([self._kinematics.frame(k).position for k in touching], 0))
+        middle: Floats = np.mean(middles, axis=0)
+        return middle
+
     def heading(self, source: Heading) -> Reading | None:
         """The heading in one camera, or the mean over those that see the channel."""
         names = self._robot.cameras if source.camera == CYCLOPEAN else (source.camera,)
-        channel, seen = source.channel, []
+        number = self._vision.number(source.channel, source.instance)
+        if number is None:
+            return None
+        thing, seen = (source.channel, number), []
         for name in names:
-            seen_heading = self._vision.heading(name, channel)
+            seen_heading = self._vision.heading(name, *thing)
             if seen_heading is not None:
-                seen.append(self._moving_heading(name, channel, seen_heading))
+                seen.append(self._moving_heading(name, thing, seen_heading))
         return mean(seen) if seen else None
 
     def headings(self, source: Headings) -> Reading | None:
@@ -95,23 +121,27 @@ class VisualSignals:
 
         Where the arm that holds a thing hides it from a camera, the heading to where it is held.
         """
-        headings = []
+        number = self._vision.number(source.channel, source.instance)
+        if number is None:
+            return None
+        thing, headings = (source.channel, number), []
         for camera in self._robot.cameras:
-            region = self._vision.regions.get((camera, source.channel))
-            seen = self._vision.heading(camera, source.channel)
+            region = self._vision.region(camera, *thing)
+            seen = self._vision.heading(camera, *thing)
             if seen is None:
-                seen = self._hidden_heading(camera, source.channel)
+                seen = self._hidden_heading(camera, thing)
             if seen is None or (region is not None and region.clipped):
                 return None
-            headings.append(self._moving_heading(camera, source.channel, seen))
+            headings.append(self._moving_heading(camera, thing, seen))
         return stacked(headings) if self._meet(headings) else None
 
     def position(self, source: StereoPosition) -> Reading | None:
-        """The remembered position of a channel's region."""
-        memory = self._vision.memories[source.channel]
-        if memory.position is None:
+        """The remembered position of a thing."""
+        number = self._vision.number(source.channel, source.instance)
+        memory = None if number is None else self._vision.memory(source.channel, number)
+        if memory is None or memory.position is None:
             return None
-        motion = self._motion(source.channel)
+        motion = self.motion(memory)
         jacobian = self._still if motion is None else motion
         return Reading(memory.position, jacobian, self._vision.images, memory.radius)
 
@@ -135,10 +165,10 @@ class VisualSignals:
         )
         return triangulate(left, right) is not None
 
-    def _hidden_heading(self, camera: str, channel: str) -> SeenHeading | None:
+    def _hidden_heading(self, camera: str, thing: Thing) -> SeenHeading | None:
         """The heading to what is held, where a camera would see it if nothing were in the way."""
-        memory = self._vision.memories[channel]
-        if memory.position is None or not self._holds(memory):
+        memory = self._vision.memory(*thing)
+        if memory is None or memory.position is None or not self._holds(memory):
             return None
         eye = self._robot.cameras[camera]
         frame = self._kinematics.frame(eye.link)
@@ -147,32 +177,26 @@ class VisualSignals:
             return None
         return SeenHeading(heading(point), self._vision.images)
 
-    def _moving_heading(self, camera: str, channel: str, seen: SeenHeading) -> Reading:
+    def _moving_heading(self, camera: str, thing: Thing, seen: SeenHeading) -> Reading:
         """A heading as the head moves it, and the hands that hold what it leads to."""
         link = self._robot.cameras[camera].link
         jacobian = heading_jacobian(seen.angles).dot(self._kinematics.own_turning(link))
-        motion = self._motion(channel)
-        if motion is not None:
+        memory = self._vision.memory(*thing)
+        motion = None if memory is None else self.motion(memory)
+        if memory is not None and motion is not None:
+            assert memory.position is not None
             frame = self._kinematics.frame(link)
-            position = self._vision.memories[channel].position
-            assert position is not None
-            point = frame.rotation.T.dot(position - frame.position)
+            point = frame.rotation.T.dot(memory.position - frame.position)
             jacobian = jacobian + sighting_jacobian(point).dot(frame.rotation.T.dot(motion))
         return Reading(seen.angles, jacobian, seen.stamp)
 
-    def _motion(self, channel: str) -> Floats | None:
+    def motion(self, memory: PositionMemory) -> Floats | None:
         """Displacement of a held thing per joint, shape (3, n); ``None`` for what is not held."""
-        memory = self._vision.memories.get(channel)
-        if self._hold is None or memory is None or memory.position is None:
-            return None
-        if not self._holds(memory):
+        if self._hold is None or memory.position is None or not self._holds(memory):
             return None
         holding = [arm for i, arm in enumerate(self._carriers) if self._hold.hands >> i & 1]
         return held_jacobian([self._tips.point(arm) for arm in holding], memory.position)
 
     def _holds(self, memory: PositionMemory) -> bool:
-        """Whether a remembered thing is where the touching hands are."""
-        if memory.position is None or self._hold is None:
-            return False
-        reach = memory.radius + self._robot.vision.regions.hand_radius
-        return math.dist(memory.position, self._hold.position) <= reach
+        """Whether the touching hands hold a remembered thing."""
+        return self._hold is not None and self._content.holds(memory)

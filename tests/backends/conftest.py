@@ -1,4 +1,4 @@
-"""Dexter in both backends, and stages made for tests."""
+"""Dexter in every backend with an engine, and stages made for tests."""
 
 from __future__ import annotations
 
@@ -7,9 +7,10 @@ from typing import Any
 
 import pytest
 
+from cbdsl.backends import backend as backends
 from cbdsl.backends.backend import BackendError
 from cbdsl.backends.bullet.backend import BulletBackend
-from cbdsl.backends.kinematic.backend import KinematicBackend
+from cbdsl.backends.simulated_backend import SimulatedBackend
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.documents.stage import StageDocument
 from cbdsl.yaml_text.library import Library
@@ -18,8 +19,12 @@ from tests.conftest import ROOT
 URDF = ROOT / "robots" / "dexter.urdf"
 LIBRARY = Library(ROOT)
 
-Either = BulletBackend | KinematicBackend
-BACKENDS: dict[str, type[Either]] = {"bullet": BulletBackend, "kinematic": KinematicBackend}
+Simulated = SimulatedBackend[Any]
+BACKENDS: dict[str, type[Simulated]] = {
+    name: backend
+    for name, backend in backends.BACKENDS.all().items()
+    if isinstance(backend, type) and issubclass(backend, SimulatedBackend)
+}
 
 
 def stage_named(name: str) -> StageDocument:
@@ -48,28 +53,28 @@ def sightless(robot: RobotDocument) -> RobotDocument:
     )
 
 
-def run(backend: Either, seconds: float) -> None:
+def run(backend: Simulated, seconds: float) -> None:
     for _ in range(round(seconds / backend.control_period)):
         backend.step()
 
 
 @pytest.fixture(scope="session", params=list(BACKENDS))
-def make(request: pytest.FixtureRequest) -> type[Either]:
-    """Either backend's class."""
+def make(request: pytest.FixtureRequest) -> type[Simulated]:
+    """Every backend's class."""
     return BACKENDS[request.param]
 
 
 @pytest.fixture(scope="session")
-def either(make: type[Either], dexter: RobotDocument) -> Iterator[Either]:
-    """Either backend; Bullet with whatever renderer works here."""
+def simulated(make: type[Simulated], dexter: RobotDocument) -> Iterator[Simulated]:
+    """Every backend; with whatever renderer works here."""
     backend = make(dexter, URDF)
     yield backend
     backend.close()
 
 
 @pytest.fixture(scope="session")
-def unseeing(make: type[Either], dexter: RobotDocument) -> Iterator[Either]:
-    """Either backend without cameras, and without noise of its load cells."""
+def unseeing(make: type[Simulated], dexter: RobotDocument) -> Iterator[Simulated]:
+    """Every backend without cameras, and without noise of its load cells."""
     backend = make(sightless(dexter), URDF)
     yield backend
     backend.close()

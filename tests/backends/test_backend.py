@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -27,7 +28,7 @@ def test_bullet_is_built_in() -> None:
 
 def test_an_unknown_name_lists_the_known_ones(folder: Path) -> None:
     write_package(folder, "far", {BACKENDS.group: {"mirror": "far:Mirror"}})
-    with pytest.raises(BackendError, match=r"'bulet'.*bullet, kinematic, mirror"):
+    with pytest.raises(BackendError, match=r"'bulet'.*bullet, kinematic, mujoco, mirror"):
         find_backend("bulet")
 
 
@@ -36,6 +37,15 @@ def test_a_missing_package_says_what_to_install(monkeypatch: pytest.MonkeyPatch)
     monkeypatch.setitem(BACKENDS._builtins, "bullet", "cbdsl.no_such_module:Backend")
     with pytest.raises(BackendError, match=r"no_such_module.*cbdsl\[sim\]"):
         find_backend("bullet")
+
+
+def test_without_mujoco_its_extra_is_named(monkeypatch: pytest.MonkeyPatch) -> None:
+    BACKENDS.refresh()
+    for name in [name for name in sys.modules if name.startswith("cbdsl.backends.mujoco")]:
+        monkeypatch.delitem(sys.modules, name)
+    monkeypatch.setitem(sys.modules, "mujoco", None)
+    with pytest.raises(BackendError, match=r"'mujoco' cannot be loaded.*cbdsl\[mujoco\]"):
+        find_backend("mujoco")
 
 
 def test_backends_of_others_are_not_mended_by_installing_ours(folder: Path) -> None:

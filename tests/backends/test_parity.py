@@ -90,10 +90,14 @@ def test_ideal_cameras_see_what_is_in_rendered_images(
                 assert (channel in rendered) == (channel in ideal[camera])
                 if channel not in rendered:
                     continue
-                one, other = rendered[channel], ideal[camera][channel]
+                (one,), (other,) = rendered[channel], ideal[camera][channel]
                 assert other.clipped == one.clipped
                 assert other.area == pytest.approx(one.area, rel=0.03, abs=20)
                 assert (other.column, other.row) == pytest.approx((one.column, one.row), abs=0.7)
+                spread = one.moments.columns + one.moments.rows
+                assert tuple(other.moments) == pytest.approx(
+                    tuple(one.moments), abs=0.05 * spread + 1.5
+                )
                 compared += 1
     assert compared > 12
 
@@ -114,7 +118,7 @@ def test_spots_are_seen_alike(
                 if context == "hidden":
                     assert "hue_7" not in rendered
                     continue
-                one, other = rendered["hue_7"], ideal[camera]["hue_7"]
+                (one,), (other,) = rendered["hue_7"], ideal[camera]["hue_7"]
                 assert other.area == pytest.approx(one.area, rel=0.2, abs=20)
                 assert (other.column, other.row) == pytest.approx((one.column, one.row), abs=1.5)
                 compared += 1

@@ -1,9 +1,12 @@
+import cv2
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
 from cbdsl.documents.robot import Channels
 from cbdsl.robot.channel_names import channel_names
-from cbdsl.sensing.channels import ChannelFilter, bin_mask
+from cbdsl.sensing.channels import MOST_REGIONS, ChannelFilter, bin_mask, connected_regions
 
 GREY = 190
 
@@ -39,9 +42,9 @@ def test_pure_colours_have_their_hue_and_full_saturation(
 ) -> None:
     found = see(picture(color, slice(40, 60), slice(30, 50)), *channel_names(Channels()))
     assert {name for name in found if name.startswith("hue")} == {hue}
-    assert found["sat_10"].area == 400
-    assert (found["sat_10"].column, found["sat_10"].row) == pytest.approx((40, 50))
-    assert not found["sat_10"].clipped
+    assert found["sat_10"][0].area == 400
+    assert (found["sat_10"][0].column, found["sat_10"][0].row) == pytest.approx((40, 50))
+    assert not found["sat_10"][0].clipped
 
 
 @pytest.mark.parametrize("count", [1, 3, 10, 16])
@@ -54,14 +57,36 @@ def test_bins_are_disjoint_complete_and_equal(count: int) -> None:
 
 
 def test_a_region_at_the_border_is_clipped_and_a_speck_is_none() -> None:
-    assert see(picture((255, 0, 0), slice(0, 20), slice(30, 50)), "sat_10")["sat_10"].clipped
+    assert see(picture((255, 0, 0), slice(0, 20), slice(30, 50)), "sat_10")["sat_10"][0].clipped
     assert not see(picture((255, 0, 0), slice(40, 43), slice(30, 33)), "sat_10")
 
 
-def test_of_two_regions_the_larger_is_seen() -> None:
+@given(
+    axes=st.tuples(st.integers(4, 40), st.integers(4, 40)),
+    turn=st.floats(0, 180),
+    centre=st.tuples(st.integers(50, 110), st.integers(50, 70)),
+)
+def test_moments_are_those_of_the_pixels_squares(
+    axes: tuple[int, int], turn: float, centre: tuple[int, int]
+) -> None:
+    mask = np.zeros((120, 160), np.uint8)
+    cv2.ellipse(mask, centre, axes, turn, 0, 360, 255, -1)
+    (region,) = connected_regions(mask, 1)
+    # Each pixel as 8 by 8 points.
+    rows, columns = np.nonzero(np.kron(mask, np.ones((8, 8), np.uint8)))
+    spread = np.cov(columns / 8, rows / 8)
+    wanted = (spread[0, 0], spread[0, 1], spread[1, 1])
+    assert region.moments == pytest.approx(wanted, rel=1e-3, abs=1e-2)
+
+
+def test_regions_come_by_size_and_no_more_than_the_most() -> None:
     image = picture((255, 0, 0), slice(40, 60), slice(30, 50))
-    image[80:90, 100:110] = (255, 0, 0)
-    assert see(image, "sat_10")["sat_10"].area == 400
+    for number in range(8):
+        size = 5 + number
+        image[80 : 80 + size, 15 * number : 15 * number + size] = (255, 0, 0)
+    areas = [region.area for region in see(image, "sat_10")["sat_10"]]
+    assert areas == [400, *((5 + number) ** 2 for number in (7, 6, 5, 4, 3))]
+    assert len(areas) == MOST_REGIONS
 
 
 def test_motion_is_what_changed_since_the_image_before() -> None:
@@ -70,4 +95,4 @@ def test_motion_is_what_changed_since_the_image_before() -> None:
     assert channel.regions(still) == {}
     assert channel.regions(still) == {}
     moved = channel.regions(picture((90, 90, 90), slice(40, 60), slice(60, 80)))
-    assert moved["motion"].area == 400
+    assert moved["motion"][0].area == 400

@@ -5,7 +5,8 @@ import numpy as np
 import pinocchio
 import pytest
 
-from cbdsl.documents.robot import RobotDocument
+from cbdsl.documents.calibration import with_corrections
+from cbdsl.documents.robot import Correction, RobotDocument
 from cbdsl.robot.urdf import UrdfError
 from cbdsl.sensing.kinematics import Kinematics
 
@@ -176,3 +177,19 @@ def test_a_model_that_cannot_be_read_says_so(dexter: RobotDocument, tmp_path: Pa
     (tmp_path / "no.urdf").write_text("<robot name='no'><joint/></robot>", encoding="utf-8")
     with pytest.raises(UrdfError, match=r"no\.urdf"):
         Kinematics(dexter, tmp_path / "no.urdf")
+
+
+def test_a_correction_displaces_the_camera_and_nothing_else(
+    dexter: RobotDocument, kinematics: Kinematics, urdf: Path
+) -> None:
+    own = Correction(position=(0.01, -0.02, 0.03), rotation=(0.0, 0.0, 0.1))
+    corrected = Kinematics(with_corrections(dexter, {"left": own}), urdf)
+    posture = np.linspace(0.1, 0.6, len(kinematics.joints))
+    kinematics.update(posture)
+    corrected.update(posture)
+    model, found = kinematics.frame("left_camera"), corrected.frame("left_camera")
+    assert model.rotation.T @ (found.position - model.position) == pytest.approx(own.position)
+    assert (model.rotation.T @ found.rotation)[:2, 0] == pytest.approx((np.cos(0.1), np.sin(0.1)))
+    right = kinematics.frame("right_camera"), corrected.frame("right_camera")
+    assert right[0].position == pytest.approx(right[1].position)
+    assert right[0].rotation == pytest.approx(right[1].rotation)

@@ -40,13 +40,14 @@ def test_it_looks_smaller_where_one_camera_sees_less_of_it_than_before(
     assert not memory.looks_smaller(HALF)
 
 
-def test_what_a_hand_hides_is_held_and_what_vanishes_is_forgotten(memory: PositionMemory) -> None:
+def test_an_explained_loss_is_held_and_any_other_forgotten_soon(memory: PositionMemory) -> None:
+    """Counted from when it was last accounted for."""
     memory.see(0.0, WHERE, WHOLE)
     memory.miss(10.0, explained=True)
     assert memory.position is not None
-    memory.miss(0.4, explained=False)
+    memory.miss(10.4, explained=False)
     assert memory.position is not None
-    memory.miss(0.6, explained=False)
+    memory.miss(10.6, explained=False)
     assert memory.position is None
 
 

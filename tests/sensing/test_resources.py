@@ -39,11 +39,15 @@ def _observe(robot: RobotDocument, time: float, positions: np.ndarray, force: fl
     return Observation(time, positions, np.zeros_like(positions), loads, {})
 
 
+# Drawn when a controller begins, from what is seen or known then.
+DRAWN = (Origin.MODEL, Origin.SURFACE)
+
+
 @pytest.mark.parametrize("name", (*LIBRARY.names(RobotDocument), *SOURCES.usable_names()))
 def test_every_resource_is_bound_read_and_refreshed(name: str) -> None:
     robot = _robot(name)
     kinematics = Kinematics(robot, ROOT / "robots" / robot.model)
-    known = {key: each for key, each in resources(robot).items() if each.origin is not Origin.MODEL}
+    known = {key: each for key, each in resources(robot).items() if each.origin not in DRAWN}
     assert name not in SOURCES or any(key.startswith("added.") for key in known)
     signals = Signals(robot, kinematics, resources(robot).values())
     rows = {key: signals.bind(resource) for key, resource in known.items()}

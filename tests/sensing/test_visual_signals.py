@@ -58,7 +58,7 @@ def see(dexter: RobotDocument, signals: Signals, position: np.ndarray) -> None:
     for name, camera in dexter.cameras.items():
         frame = signals.kinematics.frame(camera.link)
         angles = heading(frame.rotation.T @ (position - frame.position))
-        signals.vision.headings[name, CHANNEL] = SeenHeading(angles, 1)
+        signals.vision.headings[name, CHANNEL, 0] = SeenHeading(angles, 1)
 
 
 def between(dexter: RobotDocument, signals: Signals) -> np.ndarray:
@@ -142,6 +142,60 @@ def test_one_hand_holds_with_all_of_its_fingers(
     assert remembered == pytest.approx(taken if fingers == 3 else tip)
 
 
+def between_fingers(signals: Signals) -> np.ndarray:
+    """The middle between the fingertips of the right hand."""
+    tips = [f"right_finger_{number}_tip" for number in (1, 2, 3)]
+    middle: np.ndarray = signals.kinematics.origins((), tuple(tips)).mean(axis=0)
+    return middle
+
+
+RIGHT_FINGERS = [("right_hand", f"finger_{number}") for number in (1, 2, 3)]
+
+
+def test_what_a_closed_hand_comes_near_is_not_held(dexter: RobotDocument, signals: Signals) -> None:
+    """A goal stays where it is, even where the fingers end up around it."""
+    positions = facing(dexter, signals)
+    feel(dexter, signals, positions, 0.0)
+    goal = between_fingers(signals)
+    away = positions.copy()
+    away[signals.joints.of("right_arm")[0]] += 0.6
+    feel(dexter, signals, away, 0.0)
+    assert np.linalg.norm(between_fingers(signals) - goal) > 0.15
+    see(dexter, signals, goal)
+    feel(dexter, signals, away, 5.0, RIGHT_FINGERS)
+    for share in np.linspace(0.0, 2.0, 21):
+        feel(dexter, signals, away + share * (positions - away), 5.0, RIGHT_FINGERS)
+    assert signals.vision.memories[CHANNEL].position == pytest.approx(goal)
+    seen = signals.read(resources(dexter)[f"stereo.{CHANNEL}"])
+    assert seen is not None
+    assert not np.any(seen.jacobian)
+
+
+def test_what_is_taken_stays_held_and_its_neighbour_does_not(
+    dexter: RobotDocument, signals: Signals
+) -> None:
+    """Of two things near the fingers, the one between them; a part of it is held with it."""
+    positions = facing(dexter, signals)
+    feel(dexter, signals, positions, 0.0)
+    middle = between_fingers(signals)
+    things = signals.vision.instances[CHANNEL].memories
+    for memory, offset, radius in zip(
+        things, (0.005, 0.065, 0.02), (0.03, 0.03, 0.01), strict=False
+    ):
+        memory.position, memory.radius = middle + np.array([0.0, 0.0, offset]), radius
+    before = [memory.position.copy() for memory in things[:3] if memory.position is not None]
+    feel(dexter, signals, positions, 5.0, RIGHT_FINGERS)
+    moved = positions.copy()
+    moved[signals.joints.of("right_arm")[0]] += 0.1
+    feel(dexter, signals, moved, 5.0, RIGHT_FINGERS)
+    shifts = [
+        np.linalg.norm(memory.position - place)
+        for memory, place in zip(things, before, strict=False)
+        if memory.position is not None
+    ]
+    assert [shift > 0.01 for shift in shifts] == [True, False, True]
+
+
 def test_what_is_far_from_the_hands_is_not_held(dexter: RobotDocument, signals: Signals) -> None:
     positions, far = facing(dexter, signals), np.array([0.6, 0.0, -0.42])
     feel(dexter, signals, positions, 0.0)
@@ -163,7 +217,7 @@ def test_what_is_held_has_headings_while_an_arm_hides_it(
     see(dexter, signals, between(dexter, signals))
     seen = signals.read(pair)
     for name in hidden_from:
-        del signals.vision.headings[name, CHANNEL]
+        del signals.vision.headings[name, CHANNEL, 0]
     hidden = signals.read(pair)
     assert seen is not None and hidden is not None
     assert hidden.value == pytest.approx(seen.value)
@@ -188,5 +242,5 @@ def test_lines_of_sight_that_do_not_meet_are_no_pair(
     see(dexter, signals, np.array([0.9, 0.0, 0.0]))
     for name, outwards in (("left", 0.8), ("right", -0.8)):
         angles = np.array([outwards, 0.0])
-        signals.vision.headings[name, CHANNEL] = SeenHeading(angles, 1)
+        signals.vision.headings[name, CHANNEL, 0] = SeenHeading(angles, 1)
     assert signals.read(resources(dexter)[f"cameras.{CHANNEL}"]) is None

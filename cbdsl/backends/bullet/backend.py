@@ -11,7 +11,7 @@ from cbdsl.backends.bullet.engine import BulletEngine
 from cbdsl.backends.bullet.tiny import TinyRenderer
 from cbdsl.backends.cameras.selection import make_cameras
 from cbdsl.backends.simulated_backend import SimulatedBackend
-from cbdsl.backends.staging.fit import read_fitting
+from cbdsl.backends.staging.fit import physics_steps, read_fitting
 from cbdsl.documents.robot import RobotDocument
 
 
@@ -35,7 +35,7 @@ class BulletBackend(SimulatedBackend[BulletEngine]):
         if gui and sys.platform == "linux" and not os.environ.get("DISPLAY"):
             # The simulator would end the process.
             raise BackendError("the simulator's window needs a screen, but DISPLAY is not set")
-        model, substeps = read_fitting(robot, urdf), _substeps(robot)
+        model, substeps = read_fitting(robot, urdf), physics_steps(robot)
         engine = BulletEngine(robot, model, 1 / robot.control.rate / substeps, gui=gui)
         try:
             eyes = make_cameras(
@@ -45,18 +45,3 @@ class BulletBackend(SimulatedBackend[BulletEngine]):
             engine.close()
             raise
         super().__init__(robot, model, engine, eyes, robot.control.rate, substeps)
-
-
-def _substeps(robot: RobotDocument) -> int:
-    """Physics steps per control period.
-
-    Raises:
-        BackendError: there is no whole number of them.
-    """
-    ratio = robot.simulation.physics_rate / robot.control.rate
-    if round(ratio) < 1 or abs(ratio - round(ratio)) > 1e-9:
-        raise BackendError(
-            f"robot '{robot.name}': the physics rate, {robot.simulation.physics_rate:g} Hz, "
-            f"must be a multiple of the control rate, {robot.control.rate:g} Hz"
-        )
-    return round(ratio)

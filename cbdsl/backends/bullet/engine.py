@@ -9,9 +9,9 @@ import numpy as np
 import pybullet as p
 from numpy.typing import NDArray
 
-from cbdsl.backends.bullet.printed import create_printed
+from cbdsl.backends.bullet.composed import create_composed
 from cbdsl.backends.bullet.robot import BulletRobot
-from cbdsl.backends.staging.engine import Engine
+from cbdsl.backends.staging.engine import ROOM, Engine
 from cbdsl.backends.staging.load_cells import ContactPoint, sum_wrenches
 from cbdsl.backends.staging.pose import Pose, rotations
 from cbdsl.backends.staging.scenario import GRAVITY, SceneObject
@@ -19,6 +19,7 @@ from cbdsl.backends.staging.shape import SolidShape
 from cbdsl.backends.staging.solids import POSITION, ROTATION, WIDTH, placed
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.robot.urdf import UrdfModel
+from cbdsl.sensing.observation import Cell
 
 Floats = NDArray[np.float64]
 Triple = tuple[float, float, float]
@@ -26,8 +27,6 @@ Triple = tuple[float, float, float]
 _KINDS = {"ball": p.GEOM_SPHERE, "box": p.GEOM_BOX, "cylinder": p.GEOM_CYLINDER}
 # Of the constraint with which the experimenter holds an object, N.
 _HOLDING_FORCE = 1000.0
-# What is put back keeps this far from the robot, m.
-_ROOM = 0.03
 
 
 class BulletEngine(Engine):
@@ -107,14 +106,14 @@ class BulletEngine(Engine):
         p.disconnect(physicsClientId=self.client)
 
     def add(self, item: SceneObject) -> None:
-        body = self._create(item)
+        body, surface = self._create(item), item.surface
         self.objects[item.name], self.bodies[item.name] = item, body
         p.changeDynamics(
             body,
             -1,
-            lateralFriction=item.surface.friction,
-            rollingFriction=item.surface.rolling_friction,
-            spinningFriction=item.surface.rolling_friction,
+            lateralFriction=surface.friction,
+            rollingFriction=surface.rolling_friction,
+            spinningFriction=surface.spinning,
             linearDamping=0,
             angularDamping=0,
             physicsClientId=self.client,
@@ -123,8 +122,8 @@ class BulletEngine(Engine):
 
     def _create(self, item: SceneObject) -> int:
         shape, client = item.shape, self.client
-        if shape.pattern is not None or shape.spot is not None:
-            return create_printed(client, item)
+        if shape.pattern is not None or shape.spot is not None or shape.walls:
+            return create_composed(client, item)
         kind, color = _KINDS[shape.kind], [*item.surface.color, 1]
         # The simulator has two words for a cylinder's extent.
         collision, visual = _size(shape, "height"), _size(shape, "length")
@@ -146,6 +145,7 @@ class BulletEngine(Engine):
 
     def remove(self, name: str) -> None:
         del self.objects[name]
+        self.release(name)
         p.removeBody(self.bodies.pop(name), physicsClientId=self.client)
         self._gather()
 
@@ -213,7 +213,7 @@ class BulletEngine(Engine):
         body, before = self.bodies[name], self.pose(name)
         velocity = p.getBaseVelocity(body, physicsClientId=self.client)
         self._put(body, pose, ([0, 0, 0], [0, 0, 0]))
-        if p.getClosestPoints(self.robot.id, body, _ROOM, physicsClientId=self.client):
+        if p.getClosestPoints(self.robot.id, body, ROOM, physicsClientId=self.client):
             self._put(body, before, velocity)
 
     def _put(self, body: int, pose: Pose, velocity: tuple[list[float], list[float]]) -> None:
@@ -226,6 +226,9 @@ class BulletEngine(Engine):
             bodyA=self.robot.id, bodyB=self.bodies[name], physicsClientId=self.client
         )
         return any(contact[9] for contact in contacts)
+
+    def touching(self, name: str) -> frozenset[Cell]:
+        return frozenset(touch.cell for touch in self.touches(name))
 
     def touches(self, name: str | None = None) -> list[ContactPoint]:
         """Contact points of the fingertips, with everything or with one object."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable
 from itertools import combinations
 
 import numpy as np
@@ -10,6 +10,7 @@ import pybullet as p
 from numpy.typing import NDArray
 
 from cbdsl.backends.backend import BackendError
+from cbdsl.backends.staging.links import matching_links
 from cbdsl.backends.staging.pose import rotations
 from cbdsl.documents.robot import RobotDocument, Simulation
 from cbdsl.robot.joints import Joints
@@ -51,7 +52,7 @@ class BulletRobot:
     def __init__(
         self, client: int, robot: RobotDocument, model: UrdfModel, timestep: float
     ) -> None:
-        self._client, self._name, self._file = client, robot.name, model.path
+        self._client, self._document, self._model = client, robot, model
         self._joints = joints = Joints(robot)
         try:
             self.id: int = p.loadURDF(
@@ -81,32 +82,8 @@ class BulletRobot:
         self._soften(count, simulation)
         self._ignore_contacts(simulation.no_contact)
 
-    def link(self, name: str) -> int:
-        """The simulator's number of a link.
-
-        Raises:
-            BackendError: the model has no such link.
-        """
-        if name not in self.links:
-            raise BackendError(
-                f"{self._file.name} has no link '{name}', which robot '{self._name}' names"
-            )
-        number: int = self.links[name]
-        return number
-
-    def _matching(self, patterns: Iterable[str]) -> Iterator[int]:
-        for pattern in patterns:
-            if not pattern.endswith("*"):
-                yield self.link(pattern)
-                continue
-            start = pattern.removesuffix("*")
-            matching = [index for name, index in self.links.items() if name.startswith(start)]
-            if not matching:
-                raise BackendError(
-                    f"{self._file.name} has no link that matches '{pattern}', "
-                    f"as robot '{self._name}' expects"
-                )
-            yield from matching
+    def _matching(self, patterns: Iterable[str]) -> list[int]:
+        return [self.links[name] for name in matching_links(self._document, self._model, patterns)]
 
     def _soften(self, count: int, simulation: Simulation) -> None:
         """No damping but the servos', and the surfaces of the robot file."""
@@ -127,6 +104,7 @@ class BulletRobot:
                     self.id,
                     link,
                     lateralFriction=surface.friction,
+                    frictionAnchor=int(surface.friction_anchor),
                     physicsClientId=self._client,
                     **options,
                 )

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Collection, Mapping
+from collections.abc import Collection, Iterable, Mapping
 from typing import NamedTuple
 
 import numpy as np
@@ -13,7 +13,7 @@ from cbdsl.backends.staging.engine import Engine
 from cbdsl.backends.staging.pose import Pose
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.documents.stage import Disturbance
-from cbdsl.sensing.channels import Region
+from cbdsl.sensing.channels import Regions
 from cbdsl.sensing.observation import Image
 
 Floats = NDArray[np.float64]
@@ -23,7 +23,7 @@ class Exposure(NamedTuple):
     """Images, or the regions that ideal cameras see instead, by camera."""
 
     images: Mapping[str, Image] = {}
-    regions: Mapping[str, Mapping[str, Region]] = {}
+    regions: Mapping[str, Mapping[str, Regions]] = {}
 
 
 class Chance(NamedTuple):
@@ -36,8 +36,9 @@ class Chance(NamedTuple):
 class CameraSystem(ABC):
     """All cameras of a robot.
 
-    Each is where the robot's model has it but for an error, drawn once in an episode: a distance
-    in a random direction and an angle about a random axis.
+    Each is where the robot's model has it but for an error: a distance in a random direction and
+    an angle about a random axis. A body of the robot that has a number keeps its errors, whatever
+    the episode; without one they are drawn once in an episode.
 
     Args:
         robot: names the cameras and their links.
@@ -63,16 +64,38 @@ class CameraSystem(ABC):
             chance: draws errors and noise.
         """
         self._engine = engine
-        disturbed = disturbance.camera_position or disturbance.camera_rotation
-        names = self._cameras if disturbed else ()
-        self._errors = {name: _error(disturbance, chance.errors) for name in names}
+        self._errors = camera_errors(self._cameras, disturbance, chance.errors)
+
+    def look_for(self, channels: Collection[str] | None) -> None:  # noqa: B027 (images hold all)
+        """Look for regions of other channels from now on; all of them when ``None``."""
 
     @abstractmethod
     def take(self) -> Exposure:
         """Expose all cameras now."""
 
+    @abstractmethod
+    def take_in_the_dark(self) -> Exposure:
+        """Expose all cameras now, while there is no light."""
+
     def close(self) -> None:  # noqa: B027 (ideal ones hold nothing)
         """Free what makes the images."""
+
+
+def camera_errors(
+    cameras: Iterable[str], disturbance: Disturbance, episode: np.random.Generator
+) -> dict[str, Pose]:
+    """True poses of displaced cameras in the frames where the robot's model has them.
+
+    Args:
+        cameras: their names, in the order of the robot's document.
+        disturbance: sizes of the errors, and the body that they belong to, if any.
+        episode: draws them where they belong to no body.
+    """
+    if not (disturbance.camera_position or disturbance.camera_rotation):
+        return {}
+    body = disturbance.body
+    rng = episode if body is None else np.random.default_rng(body)
+    return {name: _error(disturbance, rng) for name in cameras}
 
 
 def _error(disturbance: Disturbance, rng: np.random.Generator) -> Pose:

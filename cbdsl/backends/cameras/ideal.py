@@ -3,29 +3,33 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
+from functools import partial
+from itertools import groupby
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from cbdsl.backends.cameras.camera_system import CameraSystem, Chance, Exposure
+from cbdsl.backends.cameras.extents import box_extent
 from cbdsl.backends.cameras.limbs import Limbs
 from cbdsl.backends.cameras.palette import Palette
-from cbdsl.backends.cameras.silhouettes import WHOLE, silhouettes
+from cbdsl.backends.cameras.silhouettes import SHAPE, WHOLE, silhouettes, unhidden
 from cbdsl.backends.staging.engine import Engine
 from cbdsl.backends.staging.pose import Pose
 from cbdsl.backends.staging.scenario import SceneObject
 from cbdsl.backends.staging.shape import SolidShape
-from cbdsl.backends.staging.solids import POSITION
+from cbdsl.backends.staging.solids import POSITION, Walls
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.documents.stage import Disturbance, Spot
 from cbdsl.numeric.compiled import compiled_once
 from cbdsl.robot.channel_names import channel_names
 from cbdsl.robot.urdf import UrdfModel
-from cbdsl.sensing.channels import Region
+from cbdsl.sensing.channels import FILLING, MOST_REGIONS, Extent, Moments, Region, Regions
 
 Floats = NDArray[np.float64]
+Rows = NDArray[np.intp]
 
 # Lines of sight each way across a thing: its area is then right within a percent.
 _SAMPLES = 20
@@ -43,12 +47,14 @@ class VisibleSurface(NamedTuple):
 
     Attributes:
         item: what it belongs to.
-        target: its index among the engine's objects.
+        owner: the object's index among the engine's.
+        target: index of what has the surface among all solids that objects are made of.
         patch: the part of the object's surface, as ``silhouettes`` has it.
         channels: in which its colour is, of those that are looked for.
     """
 
     item: SceneObject
+    owner: int
     target: int
     patch: Sequence[float]
     channels: tuple[str, ...]
@@ -75,13 +81,14 @@ class _Scene:
         surfaces: all that can be seen.
         targets: their solids and samples, as ``silhouettes`` has them, shape (surfaces, 2).
         patches: as ``silhouettes`` has them, shape (surfaces, 4).
-        shapes: what the cameras see of them, shape (cameras, surfaces, 4).
+        shapes: what the cameras see of them, shape (cameras, surfaces, SHAPE).
     """
 
     def __init__(
         self, engine: Engine, palette: Palette, channels: Collection[str], cameras: int
     ) -> None:
         self.solids = engine.solids
+        self._walls = Walls([item.shape for item in engine.objects.values()])
         self._before = self.solids[:, POSITION].copy()
         self._shifts = np.zeros(len(self.solids))
         sees_motion = "motion" in channels
@@ -91,14 +98,25 @@ class _Scene:
         # What has none of the colours that are looked for is seen only by its motion.
         self.surfaces = [
             surface
-            for surface in _surfaces(engine, palette, channels)
-            if surface.channels or surface.target in self._movable
+            for surface in _surfaces(engine, self._walls.owners, palette, channels)
+            if surface.channels or surface.owner in self._movable
         ]
         count = len(self.surfaces)
         targets = [(surface.target, surface.samples) for surface in self.surfaces]
         self.targets = np.array(targets, np.intp).reshape(count, 2)
         self.patches = np.array([surface.patch for surface in self.surfaces]).reshape(count, 4)
-        self.shapes = np.zeros((cameras, count, 4))
+        self.shapes = np.zeros((cameras, count, SHAPE))
+
+    def placed(self) -> Floats:
+        """All solids that objects are made of, where they are now, shape (m, 16)."""
+        return self._walls.at(self.solids)
+
+    def whole(
+        self, shapes: Sequence[Sequence[float]]
+    ) -> Iterable[tuple[VisibleSurface, Sequence[float]]]:
+        """All surfaces with their shapes in an image; what is hollow has one of each colour."""
+        pairs = zip(self.surfaces, shapes, strict=True)
+        return _joined(pairs) if len(self._walls.owners) > len(self.solids) else pairs
 
     def moved(self) -> set[str]:
         """Objects that moved since the call before, where the robot looks for motion."""
@@ -140,26 +158,35 @@ class IdealCameras(CameraSystem):
     ) -> None:
         """Begin an episode."""
         super().begin(engine, disturbance, channels, chance)
-        every = tuple(channel_names(self._robot.vision.channels))
-        self._channels = every if channels is None else channels
+        self.look_for(channels)
         self._rows = np.array([engine.rows[link] for link in self._links.values()], np.intp)
         self._carriers = np.array([engine.rows[link] for link in self._limbs.links], np.intp)
+
+    def look_for(self, channels: Collection[str] | None) -> None:
+        """Look for regions of other channels from now on."""
+        every = tuple(channel_names(self._robot.vision.channels))
+        self._channels = every if channels is None else channels
         self._scene: _Scene | None = None
 
+    def take_in_the_dark(self) -> Exposure:
+        """No regions."""
+        return self._nothing
+
     def take(self) -> Exposure:
-        """The largest region of each channel that is looked for, by camera and channel."""
+        """Regions of each channel that is looked for, by camera and channel."""
         engine, scene = self._engine, self._scene
         solids, placements = engine.solids, engine.placements
         if scene is None or scene.solids is not solids:
             scene = self._scene = _Scene(engine, self._palette, self._channels, len(self._rows))
+        placed, cameras = scene.placed(), self._misplaced(placements)
         seen = silhouettes(
-            scene.solids,
+            placed,
             self._limbs.parts,
             self._carriers,
             placements,
             scene.targets,
             scene.patches,
-            self._misplaced(placements),
+            cameras,
             self._rows,
             self._lenses,
             scene.shapes,
@@ -168,10 +195,34 @@ class IdealCameras(CameraSystem):
         if not seen:
             return self._nothing
         regions = {
-            name: _regions(scene.surfaces, shapes, moved)
-            for name, shapes in zip(self._links, scene.shapes.tolist(), strict=True)
+            name: _regions(
+                scene.whole(shapes),
+                moved,
+                FILLING * lens[1] * lens[2],
+                partial(self._extent, placed, lens, cameras[row]),
+            )
+            for name, shapes, lens, row in zip(
+                self._links, scene.shapes.tolist(), self._lenses, self._rows, strict=True
+            )
         }
         return Exposure(regions=regions)
+
+    def _extent(
+        self, solids: Floats, lens: Floats, place: Floats, surface: VisibleSurface
+    ) -> Extent | None:
+        """The visible part of a box, and of nothing else, that a camera at a place has."""
+        if surface.patch is not WHOLE or surface.item.shape.kind != "box":
+            return None
+
+        def seen_at(pixels: Floats) -> NDArray[np.bool_]:
+            slopes, seen = (lens[1:] / 2 - pixels) / lens[0], np.empty(len(pixels), dtype=np.bool_)
+            unhidden(
+                solids, self._limbs.parts, self._carriers, self._engine.placements,
+                surface.target, place, slopes, seen,
+            )  # fmt: skip
+            return seen
+
+        return box_extent(solids[surface.target], place, lens, seen_at)
 
     def _misplaced(self, placements: Floats) -> Floats:
         """Placements of the links, with those of the cameras in the rows of theirs."""
@@ -186,21 +237,94 @@ class IdealCameras(CameraSystem):
 
 
 def _regions(
-    surfaces: Sequence[VisibleSurface], shapes: Sequence[Sequence[float]], moved: set[str]
-) -> Mapping[str, Region]:
-    """The largest region of each channel, from the shapes of all surfaces in an image."""
-    regions: dict[str, Region] = {}
-    for surface, (area, column, row, clipped) in zip(surfaces, shapes, strict=True):
+    surfaces: Iterable[tuple[VisibleSurface, Sequence[float]]],
+    moved: set[str],
+    filled: float,
+    extent: Callable[[VisibleSurface], Extent | None],
+) -> Mapping[str, Regions]:
+    """Regions of each channel, the largest first, from the shapes of all surfaces in an image.
+
+    Those that are clipped and larger than ``filled``, px, have an extent.
+    """
+    by_channel: dict[str, dict[int, Region]] = {}
+    for surface, (area, column, row, clipped, *moments) in surfaces:
         whole = round(area)
         if whole == 0:
             continue
-        region = Region(whole, column, row, bool(clipped))
+        fills = bool(clipped) and bool(surface.channels) and area >= filled
+        region = Region(whole, column, row, bool(clipped), Moments(*moments),
+                        extent(surface) if fills else None)  # fmt: skip
         motion = ("motion",) if surface.item.name in moved else ()
         for channel in surface.channels + motion:
-            largest = regions.get(channel)
-            if largest is None or largest.area < whole:
-                regions[channel] = region
-    return regions
+            # A spot comes after its object, whose area has its own in it.
+            by_channel.setdefault(channel, {}).setdefault(surface.owner, region)
+    return {channel: _connected(list(of.values())) for channel, of in by_channel.items()}
+
+
+def _connected(regions: list[Region]) -> Regions:
+    """The regions that several ones make in an image, the largest first."""
+    if len(regions) == 1:
+        return (regions[0],)
+    apart: list[Region] = []
+    for region in regions:
+        for other in [each for each in apart if _overlap(each, region)]:
+            apart.remove(other)
+            region = _union(region, other)
+        apart.append(region)
+    return tuple(sorted(apart, key=lambda each: -each.area)[:MOST_REGIONS])
+
+
+def _overlap(one: Region, other: Region) -> bool:
+    """Whether the ellipses with the moments of two regions touch, along the line between them."""
+    across, down = other.column - one.column, other.row - one.row
+    distance = math.hypot(across, down)
+    if distance == 0.0:
+        return True
+    reach = 0.0
+    for columns, mixed, rows in (one.moments, other.moments):
+        square = columns * across**2 + 2 * mixed * across * down + rows * down**2
+        reach += 2 * math.sqrt(square) / distance
+    return distance <= reach
+
+
+def _union(one: Region, other: Region) -> Region:
+    """Two regions as one."""
+    area = one.area + other.area
+    share, rest = one.area / area, other.area / area
+    across, down = other.column - one.column, other.row - one.row
+    spread = share * rest
+    moments = Moments(
+        share * one.moments.columns + rest * other.moments.columns + spread * across**2,
+        share * one.moments.mixed + rest * other.moments.mixed + spread * across * down,
+        share * one.moments.rows + rest * other.moments.rows + spread * down**2,
+    )
+    column, row = one.column + rest * across, one.row + rest * down
+    extent = max(one, other, key=lambda each: each.area).extent
+    return Region(area, column, row, one.clipped or other.clipped, moments, extent)
+
+
+def _joined(
+    pairs: Iterable[tuple[VisibleSurface, Sequence[float]]],
+) -> Iterator[tuple[VisibleSurface, Sequence[float]]]:
+    """Surfaces with their shapes, all walls of what is hollow as one."""
+    for _, group in groupby(pairs, lambda pair: (pair[0].owner, pair[0].patch is WHOLE)):
+        parts = list(group)
+        surface = parts[0][0]
+        yield surface, parts[0][1] if len(parts) == 1 else _sum([shape for _, shape in parts])
+
+
+def _sum(shapes: Sequence[Sequence[float]]) -> Sequence[float]:
+    """Shape of several that do not hide each other's visible part, as ``silhouettes`` has them."""
+    each = np.array(shapes)
+    area = float(each[:, 0].sum())
+    if area == 0.0:
+        return shapes[0]
+    shares = each[:, 0] / area
+    column, row = (shares @ each[:, 1:3]).tolist()
+    columns, rows = each[:, 1] - column, each[:, 2] - row
+    spread = np.stack((columns * columns, columns * rows, rows * rows), axis=1)
+    moments = shares @ (each[:, 4:] + spread)
+    return [area, column, row, float(each[:, 3].max()), *moments.tolist()]
 
 
 @compiled_once
@@ -224,19 +348,22 @@ def _have_moved(solids: Floats, before: Floats, shifts: Floats) -> bool:
     return have_moved
 
 
-def _surfaces(engine: Engine, palette: Palette, channels: Collection[str]) -> list[VisibleSurface]:
-    """All objects, then the spots on them, whose area counts as their object's, too."""
+def _surfaces(
+    engine: Engine, owners: Rows, palette: Palette, channels: Collection[str]
+) -> list[VisibleSurface]:
+    """All solids, then the spots on them, whose area counts as their object's, too."""
 
     def wanted(color: Sequence[float]) -> tuple[str, ...]:
         return tuple([name for name in palette.channels(color) if name in channels])
 
     wholes, spots = [], []
-    for index, item in enumerate(engine.objects.values()):
-        spot = item.shape.spot
-        wholes.append(VisibleSurface(item, index, WHOLE, wanted(item.surface.color)))
+    items = list(engine.objects.values())
+    for target, owner in enumerate(owners.tolist()):
+        item, spot = items[owner], items[owner].shape.spot
+        wholes.append(VisibleSurface(item, owner, target, WHOLE, wanted(item.surface.color)))
         if spot is not None:
             patch = _patch(item.shape, spot)
-            spots.append(VisibleSurface(item, index, patch, wanted(spot.color)))
+            spots.append(VisibleSurface(item, owner, target, patch, wanted(spot.color)))
     return wholes + spots
 
 

@@ -51,6 +51,15 @@ class RenderedCameras(CameraSystem):
         images = self.render(self.views())
         return Exposure({name: self._disturbed(image) for name, image in images.items()})
 
+    def take_in_the_dark(self) -> Exposure:
+        """A black image by every camera, with the noise of its sensor."""
+        return Exposure(
+            {
+                name: self._disturbed(np.zeros((camera.height, camera.width, 3), np.uint8))
+                for name, camera in self._cameras.items()
+            }
+        )
+
     def resolve(self, times: int) -> Mapping[str, Image]:
         """Noiseless images of ``times`` as many pixels each way, for a sensor of one's own."""
         return self.render({name: view.resolved(times) for name, view in self.views().items()})

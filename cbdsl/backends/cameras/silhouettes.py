@@ -12,12 +12,16 @@ from cbdsl.numeric.compiled import compiled, compiled_once
 
 Floats = NDArray[np.float64]
 Rows = NDArray[np.intp]
+Booleans = NDArray[np.bool_]
 Triple = tuple[float, float, float]
 Window = tuple[float, float, float, float]
 Patch = tuple[float, float, float, float]
 
 #: All of a surface, as a patch.
 WHOLE = (0.0, 1.0, -math.inf, math.inf)
+
+#: Numbers that describe a silhouette.
+SHAPE = 7
 
 _NEAREST = 0.02
 """Least distance from a camera at which anything is seen, m."""
@@ -248,15 +252,16 @@ def _within(patch: Patch, x: float, y: float, z: float) -> bool:
 @compiled
 def _scanned(
     views: Floats, window: Window, samples: int, patch: Patch
-) -> tuple[int, float, float, Window]:
+) -> tuple[int, float, float, Triple, Window]:
     """Number of lines of sight in a window that meet a patch of the first solid, unhidden.
 
-    Also the mean of their slopes, and between which they lie. The loops hand no arrays to other
-    functions, which would cost more than all else in them.
+    Also the mean and the mean products of their slopes, and between which they lie. The loops hand
+    no arrays to other functions, which would cost more than all else in them.
     """
     left, right, bottom, top = window
     across, up = (right - left) / samples, (top - bottom) / samples
     hits, mean_y, mean_z = 0, 0.0, 0.0
+    square_y, product, square_z = 0.0, 0.0, 0.0
     least_y, most_y, least_z, most_z = math.inf, -math.inf, math.inf, -math.inf
     first = views[0]
     kind, halves = first[0], (first[1], first[2], first[3])
@@ -293,10 +298,15 @@ def _scanned(
                 hits += 1
                 mean_y += y
                 mean_z += z
+                square_y += y * y
+                product += y * z
+                square_z += z * z
                 least_y, most_y = min(least_y, y), max(most_y, y)
                 least_z, most_z = min(least_z, z), max(most_z, z)
     ends = (least_y - across / 2, most_y + across / 2, least_z - up / 2, most_z + up / 2)
-    return hits, mean_y / max(hits, 1), mean_z / max(hits, 1), ends
+    count = max(hits, 1)
+    products = (square_y / count, product / count, square_z / count)
+    return hits, mean_y / count, mean_z / count, products, ends
 
 
 @compiled
@@ -309,7 +319,7 @@ def _silhouette(
     # The outermost pixel belongs to a region that covers its centre.
     rim_y, rim_z = aside - 0.5 / focal, above - 0.5 / focal
     left, right, bottom, top = window
-    hits, y, z, ends = _scanned(views, window, samples, patch)
+    hits, y, z, products, ends = _scanned(views, window, samples, patch)
     if hits > 0:
         area = hits * (right - left) * (top - bottom) / samples**2
         shapes[0] = area * focal * focal
@@ -317,6 +327,11 @@ def _silhouette(
         shapes[2] = focal * (above - z)
         sideways = ends[0] <= -rim_y or ends[1] >= rim_y
         shapes[3] = sideways or ends[2] <= -rim_z or ends[3] >= rim_z
+        # A line of sight stands for a cell, which has a variance of its own.
+        across, up = (right - left) / samples, (top - bottom) / samples
+        shapes[4] = focal * focal * (products[0] - y * y + across * across / 12.0)
+        shapes[5] = focal * focal * (products[1] - y * z)
+        shapes[6] = focal * focal * (products[2] - z * z + up * up / 12.0)
 
 
 @compiled_once
@@ -347,8 +362,9 @@ def silhouettes(
         cameras: their placements, with the axes ahead, left and up, among others, shape (n, 12).
         rows: which of these are the cameras', shape (c,).
         lenses: focal length, width and height of each camera's image, px, shape (c, 3).
-        shapes: takes visible area, px; column and row of its centroid, px; and 1 where it touches
-            the image's border; zeros where nothing is seen; shape (c, n, 4).
+        shapes: takes visible area, px; column and row of its centroid, px; 1 where it touches the
+            image's border; and variance of the columns, covariance and variance of the rows, px^2;
+            zeros where nothing is seen; shape (c, n, SHAPE).
 
     Returns:
         Whether anything is seen.
@@ -366,7 +382,7 @@ def silhouettes(
         aside, above = 0.5 * lens[1] / lens[0], 0.5 * lens[2] / lens[0]
         for index in range(len(targets)):
             target, samples = targets[index, 0], targets[index, 1]
-            for i in range(4):
+            for i in range(SHAPE):
                 shapes[which, index, i] = 0.0
             _view(solids[target], camera, views[0])
             left, right = max(views[0, 16], -aside), min(views[0, 17], aside)
@@ -382,3 +398,38 @@ def silhouettes(
             _silhouette(views[:count], window, samples, patch, lens, shapes[which, index])
             seen |= shapes[which, index, 0] > 0.0
     return seen
+
+
+@compiled_once
+def unhidden(
+    things: Floats,
+    parts: Floats,
+    carriers: Rows,
+    placements: Floats,
+    target: int,
+    camera: Floats,
+    slopes: Floats,
+    seen: Booleans,
+) -> None:
+    """Find at which of some lines of sight a solid is seen.
+
+    Args:
+        things, parts, carriers, placements: as of ``silhouettes``.
+        target: which of the things it is.
+        camera: its placement, shape (12,).
+        slopes: of the lines, y / x and z / x, shape (k, 2).
+        seen: becomes whether the solid is seen there, shape (k,).
+    """
+    solids = np.empty((len(things) + len(parts), WIDTH))
+    for index in range(len(things)):
+        for i in range(WIDTH):
+            solids[index, i] = things[index, i]
+    attach(parts, placements, carriers, solids[len(things) :])
+    views = np.empty((len(solids), 22))
+    _view(solids[target], camera, views[0])
+    window = (slopes[:, 0].min(), slopes[:, 0].max(), slopes[:, 1].min(), slopes[:, 1].max())
+    count = _relevant(solids, camera, target, window, views)
+    for index in range(len(slopes)):
+        y, z = slopes[index, 0], slopes[index, 1]
+        hits, _, _, _, _ = _scanned(views[:count], (y, y, z, z), 1, WHOLE)
+        seen[index] = hits > 0

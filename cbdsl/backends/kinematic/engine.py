@@ -16,6 +16,7 @@ from cbdsl.backends.staging.scenario import SceneObject
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.robot.joints import Joints
 from cbdsl.robot.urdf import UrdfModel
+from cbdsl.sensing.observation import Cell
 
 Floats = NDArray[np.float64]
 
@@ -99,6 +100,10 @@ class KinematicEngine(Engine):
     def touched(self, name: str) -> bool:
         """Whether any fingertip touches an object, as of the last step."""
         return self._manipulation.touches(name)
+
+    def touching(self, name: str) -> frozenset[Cell]:
+        contacts = [each for each in self.contacts if each.thing.name == name]
+        return frozenset(self.cells[each.fingertip.cell] for each in contacts)
 
     def add(self, item: SceneObject) -> None:
         self._world.add(item)

@@ -29,11 +29,12 @@ class Grasp:
     come first, and whoever holds it keeps it as long as that lasts.
 
     Attributes:
+        thing: the object.
         holders: names of the one or two hands that hold it; empty while nobody does.
     """
 
     def __init__(self, thing: KinematicObject, hands: Hands) -> None:
-        self._thing = thing
+        self.thing = thing
         self._hands = hands
         self._relative = Pose(np.zeros(3), np.eye(3))
         self.holders: tuple[str, ...] = ()
@@ -41,7 +42,7 @@ class Grasp:
     def follow(self) -> None:
         """Move the thing with the hands that hold it."""
         if self.holders:
-            self._thing.put(self._hands.carrier_pose(self.holders) @ self._relative)
+            self.thing.put(self._hands.carrier_pose(self.holders) @ self._relative)
 
     def update(self, contacts: Sequence[FingertipContact]) -> None:
         """Find out who holds the thing now, and where."""
@@ -52,7 +53,7 @@ class Grasp:
         wanted = (self.holders, *((hand,) for hand in hands), *combinations(hands, 2))
         self.holders = next((each for each in wanted if each and self._holds(each, contacts)), ())
         if self.holders:
-            carrier, pose = self._hands.carrier_pose(self.holders), self._thing.pose
+            carrier, pose = self._hands.carrier_pose(self.holders), self.thing.pose
             turned = carrier.rotation.T
             self._relative = Pose(
                 turned.dot(pose.position - carrier.position), turned.dot(pose.rotation)
@@ -61,7 +62,7 @@ class Grasp:
     def _holds(self, hands: tuple[str, ...], contacts: Sequence[FingertipContact]) -> bool:
         own = [contact for contact in contacts if contact.hand in hands]
         friction = sum(self._friction(each) * STIFFNESS * each.depth for each in own)
-        return friction >= self._thing.mass * GRAVITY and any(
+        return friction >= self.thing.mass * GRAVITY and any(
             self._opposed(one, other) for one, other in combinations(own, 2)
         )
 
@@ -75,7 +76,7 @@ class Grasp:
         )
 
     def _friction(self, contact: FingertipContact) -> float:
-        return contact.fingertip.friction * self._thing.surface.friction
+        return contact.fingertip.friction * self.thing.surface.friction
 
     def stick(self, contacts: Sequence[FingertipContact]) -> float:
         """The largest sidewise force that the fingertips' friction resists, N."""

@@ -165,7 +165,17 @@ class Hands:
         Returns:
             Whether any fingertip touches anything.
         """
-        return depths(world.solids, self._tree.placements, self._carriers, self._balls, contacts)
+        solids, placements = world.walls.at(world.solids), self._tree.placements
+        if solids is world.solids:
+            return depths(solids, placements, self._carriers, self._balls, contacts)
+        each = np.zeros((len(self._balls), len(solids), 7))
+        touching = depths(solids, placements, self._carriers, self._balls, each)
+        # Of the walls of what is hollow, each fingertip touches the one that it is deepest in.
+        for thing in range(len(world.solids)):
+            own = each[:, world.walls.owners == thing]
+            deepest = own[:, :, 0].argmax(axis=1)
+            contacts[:, thing] = own[np.arange(len(own)), deepest]
+        return touching
 
     def contact(self, index: int, thing: KinematicObject, contacts: Floats) -> FingertipContact:
         """The contact of the fingertip of that index with something.

@@ -65,6 +65,11 @@ class KinematicObject:
         return float(self.solid[6]) - self.shape.depth(self.solid[ROTATION].reshape(3, 3))
 
     @property
+    def top(self) -> float:
+        """Height of its highest point, m."""
+        return float(self.solid[6]) + self.shape.depth(self.solid[ROTATION].reshape(3, 3))
+
+    @property
     def rolls(self) -> bool:
         """Whether it can roll over a level floor."""
         return self.shape.kind == "ball"

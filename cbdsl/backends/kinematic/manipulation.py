@@ -1,4 +1,4 @@
-"""Manipulation: how hands move the object on show, and the contacts of their fingertips."""
+"""Manipulation: how hands move the objects on show, and the contacts of their fingertips."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ _LEAST_SHARE = 0.1
 
 
 class Manipulation:
-    """Hands and the one thing that can be moved, in one episode.
+    """Hands and the things that can be moved, in one episode.
 
     Attributes:
         contacts: of all fingertips, as of the last step.
@@ -33,9 +33,8 @@ class Manipulation:
     def __init__(self, world: World, hands: Hands) -> None:
         self._world = world
         self._hands = hands
-        self._thing: KinematicObject | None = None
-        self._grasp: Grasp | None = None
-        self._touching = False
+        self._grasps: dict[str, Grasp] = {}
+        self._touching = self._holding = False
         self._names: tuple[str, ...] = ()
         self._solids = world.solids
         # What ``Hands.touch`` finds, now and a tick ago.
@@ -57,13 +56,16 @@ class Manipulation:
         return touched and bool((self._contacts[:, self._names.index(name), 0] > 0.0).any())
 
     def move(self, period: float) -> None:
-        """Let the thing go along with whoever holds it, or by itself, for ``period``, s."""
+        """Let things go along with whoever holds them, or by themselves, for ``period``, s."""
         if self._solids is not self._world.solids:
             self._match()
         self._contacts, self._before = self._before, self._contacts
-        thing, grasp = self._thing, self._grasp
-        if thing is None or grasp is None or thing.name not in self._world.things:
-            return
+        for grasp in self._grasps.values():
+            with self._world.taking_along(grasp.thing):
+                self._move(grasp, period)
+
+    def _move(self, grasp: Grasp, period: float) -> None:
+        thing = grasp.thing
         if thing.gripped:
             thing.shift(period * thing.velocity)
         elif grasp.holders:
@@ -92,10 +94,11 @@ class Manipulation:
             depths = np.zeros((len(self._hands.cells), len(names), 7))
             depths[:, new] = getattr(self, which)[:, old]
             setattr(self, which, depths)
-        added = [self._world.things[name] for name in names if name not in self._names]
-        for thing in added:
-            if thing.mass:
-                self._thing, self._grasp = thing, Grasp(thing, self._hands)
+        self._grasps = {
+            name: self._grasps[name] if name in self._grasps else Grasp(thing, self._hands)
+            for name, thing in self._world.things.items()
+            if thing.mass
+        }
         self._names, self._solids = names, self._world.solids
 
     def hold_back(self, share: Floats) -> bool:
@@ -116,19 +119,20 @@ class Manipulation:
             Force, N, and torque about the fingertip's origin, N m, that each exerts on the world,
             world frame, shape (cells, 6); until the next step.
         """
-        wrenches, thing, grasp = self._wrenches, self._thing, self._grasp
-        if not self._touching and (grasp is None or not grasp.holders):
+        if not self._touching and not self._holding:
             return self._nothing
+        wrenches, grasps = self._wrenches, self._grasps.values()
         wrenches.fill(0.0)
         if self._touching:
             _press(self._contacts, STIFFNESS, wrenches)
-        if thing is not None and grasp is not None:
-            own = self._of(thing) if self._touching else []
-            if own and not thing.gripped:
-                self._push(thing, own, grasp)
+        for grasp in grasps:
+            own = self._of(grasp.thing) if self._touching else []
+            if own and not grasp.thing.gripped:
+                self._push(own, grasp)
             if own or grasp.holders:
                 grasp.update(own)
-                self._bear(thing, grasp, own, wrenches)
+                self._bear(grasp, own, wrenches)
+        self._holding = any(grasp.holders for grasp in grasps)
         return wrenches
 
     def _of(self, thing: KinematicObject) -> list[FingertipContact]:
@@ -142,8 +146,9 @@ class Manipulation:
             if depth > 0.0
         ]
 
-    def _push(self, thing: KinematicObject, contacts: list[FingertipContact], grasp: Grasp) -> None:
-        """Move the thing sidewise until the fingertips' forces are what friction can balance."""
+    def _push(self, contacts: list[FingertipContact], grasp: Grasp) -> None:
+        """Move a thing sidewise until the fingertips' forces are what friction can balance."""
+        thing = grasp.thing
         force = sum((STIFFNESS * each.depth * each.normal for each in contacts), np.zeros(3))
         force[2] = 0.0
         size = math.hypot(*force.tolist())
@@ -154,16 +159,12 @@ class Manipulation:
             return
         along = force / size
         stiffness = STIFFNESS * sum(float(each.normal @ along) ** 2 for each in contacts)
-        thing.shift(excess / stiffness * along)
+        with self._world.taking_along(thing):
+            thing.shift(excess / stiffness * along)
 
-    def _bear(
-        self,
-        thing: KinematicObject,
-        grasp: Grasp,
-        contacts: list[FingertipContact],
-        wrenches: Floats,
-    ) -> None:
+    def _bear(self, grasp: Grasp, contacts: list[FingertipContact], wrenches: Floats) -> None:
         """Add the weight of what is held in the air, shared evenly by the fingertips."""
+        thing = grasp.thing
         if thing.gripped or not grasp.holders or self._world.floor(thing) is not None:
             return
         holding = [contact for contact in contacts if contact.hand in grasp.holders]

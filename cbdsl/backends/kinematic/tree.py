@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from cbdsl.backends.staging.pose import Pose
 from cbdsl.numeric.compiled import compiled_once
+from cbdsl.numeric.vector import copy, dot
 from cbdsl.robot.joints import Joints
 from cbdsl.robot.urdf import UrdfJoint, UrdfModel
 from cbdsl.sensing.forward import multiply, place_point, rotate
@@ -48,7 +49,7 @@ class Tree:
         poses = [Pose.at(joint.origin) for joint in ordered]
         parts = np.array(
             [
-                [*pose.rotation.ravel(), *pose.position, *_axis(joint), ratio]
+                [*pose.rotation.ravel(), *pose.position, *_axis(joint), ratio, joint.slides]
                 for joint, pose, ratio in zip(
                     ordered, poses, ratios[np.arange(len(ordered)), columns], strict=True
                 )
@@ -76,7 +77,7 @@ def _pose(placement: Floats) -> Pose:
 
 
 def _ratios(joint: str, joints: Joints) -> Floats:
-    """Turn of a joint per turn of each actuated one, shape (n,); 0 where it does not turn."""
+    """Motion of a joint per motion of each actuated one, shape (n,); 0 where it rests."""
     row = joints.index.get(joint)
     return np.zeros(len(joints)) if row is None else joints.expansion[row]
 
@@ -110,8 +111,8 @@ def place(
         follows: row of the link that each joint leaves from, and the actuated joint that it
             follows, shape (joints, 2).
         joints: origin of each joint in that link's frame, as a placement, the unit vector of its
-            axis, and how far it follows, shape (joints, 16).
-        angles: of all joints when they were last placed, rad, shape (joints,).
+            axis, how far it follows, and whether it slides, shape (joints, 17).
+        angles: positions of all joints when they were last placed, rad or m, shape (joints,).
         moved: takes whether each link moves, shape (1 + joints,); the base does not.
         placed: the placements of all links, shape (1 + joints, 12).
     """
@@ -126,5 +127,10 @@ def place(
         parent, own = placed[follows[joint, 0]], placed[joint + 1]
         place_point(parent, local[9:12], own[9:])
         multiply(parent, local, turned)
-        rotate(local[12:15], angle, turn)
-        multiply(turned, turn, own)
+        if local[16]:
+            for i in range(3):
+                own[i + 9] += angle * dot(turned[3 * i : 3 * i + 3], local[12:15])
+            copy(own[:9], turned, 1.0)
+        else:
+            rotate(local[12:15], angle, turn)
+            multiply(turned, turn, own)

@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
+from contextlib import AbstractContextManager, contextmanager, nullcontext
 
 import numpy as np
 from numpy.typing import NDArray
 
 from cbdsl.backends.kinematic.kinematic_object import KinematicObject
 from cbdsl.backends.staging.scenario import GRAVITY, SceneObject
-from cbdsl.backends.staging.solids import WIDTH
+from cbdsl.backends.staging.shape import Wall
+from cbdsl.backends.staging.solids import ROTATION, WIDTH, Walls
 
 Floats = NDArray[np.float64]
 
@@ -17,6 +20,8 @@ Floats = NDArray[np.float64]
 _CLOSE = 1e-3
 # What has sunk further than this below a top is beside it, m.
 _BESIDE = 0.02
+# Nothing goes along with the only thing that can be moved.
+_ALONE = nullcontext()
 
 
 class World:
@@ -27,12 +32,14 @@ class World:
         things: the same, as they move.
         solids: all of them in that order, as ``solids`` has them, shape (k, 16); another array
             when something comes or goes.
+        walls: the solids that they are made of.
     """
 
     def __init__(self) -> None:
         self.objects: dict[str, SceneObject] = {}
         self.things: dict[str, KinematicObject] = {}
         self.solids: Floats = np.empty((0, WIDTH))
+        self.walls = Walls([])
 
     def add(self, item: SceneObject) -> KinematicObject:
         """Put something there; without mass it does not move."""
@@ -42,12 +49,38 @@ class World:
         return thing
 
     def remove(self, name: str) -> None:
-        """Take something out of the world."""
+        """Take something out of the world; what stood on it falls."""
+        for rider in self._riders(self.things[name]):
+            rider.resting = False
         del self.things[name], self.objects[name]
         self._gather()
 
+    def taking_along(self, thing: KinematicObject) -> AbstractContextManager[None]:
+        """Let what stands on a thing, and on that, go along while it is moved."""
+        return _ALONE if self._movable < 2 else self._taking_along(thing)
+
+    @contextmanager
+    def _taking_along(self, thing: KinematicObject) -> Iterator[None]:
+        riders, before = list(self._riders(thing)), thing.position.copy()
+        yield
+        shift = thing.position - before
+        if shift.any():
+            for rider in riders:
+                rider.shift(shift)
+
+    def _riders(self, thing: KinematicObject) -> Iterator[KinematicObject]:
+        """All that stands on a thing and is not held, and on that."""
+        for other in self.things.values():
+            if other.mass and not other.gripped and other is not thing:
+                top = _top(thing, other)
+                if top is not None and abs(other.bottom - top) < _CLOSE:
+                    yield other
+                    yield from self._riders(other)
+
     def _gather(self) -> None:
         """Let all things keep their poses in one array."""
+        self.walls = Walls([thing.shape for thing in self.things.values()])
+        self._movable = sum(thing.mass > 0.0 for thing in self.things.values())
         self.solids = np.array([thing.solid for thing in self.things.values()])
         self.solids = self.solids.reshape(len(self.things), WIDTH)
         for thing, solid in zip(self.things.values(), self.solids, strict=True):
@@ -69,14 +102,14 @@ class World:
         self.land(thing, fallen)
 
     def land(self, thing: KinematicObject, fallen: float = 0.0) -> None:
-        """Lift what has sunk into a fixture's top, or fallen through it just now, onto it.
+        """Lift what has sunk into the top of something, or fallen through it just now, onto it.
 
         Args:
             thing: what may have landed.
             fallen: how far it has just fallen, m.
         """
         bottom, deepest = thing.bottom, _BESIDE + max(fallen, 0.0)
-        tops = [_top(fixture, thing) for fixture in self.things.values()]
+        tops = [_top(lower, thing) for lower in self.things.values()]
         depths = [top - bottom for top in tops if top is not None]
         sunk = max((depth for depth in depths if depth < deepest), default=0.0)
         if sunk > 0.0:
@@ -84,12 +117,12 @@ class World:
             thing.velocity[2] = 0.0
 
     def floor(self, thing: KinematicObject) -> KinematicObject | None:
-        """The fixture that something stands on, if any."""
+        """The fixture or thing that something stands on, if any."""
         bottom = thing.bottom
-        for fixture in self.things.values():
-            top = _top(fixture, thing)
+        for lower in self.things.values():
+            top = _top(lower, thing)
             if top is not None and abs(bottom - top) < _CLOSE:
-                return fixture
+                return lower
         return None
 
     @staticmethod
@@ -120,16 +153,30 @@ def _spin(ball: KinematicObject, change: float) -> None:
     ball.rolling += 2.5 * lost
 
 
-def _top(fixture: KinematicObject, thing: KinematicObject) -> float | None:
-    """Height of a fixture's top under the middle of a thing, m, ``None`` where it is not under."""
-    if fixture.mass or fixture is thing:
+def _top(lower: KinematicObject, thing: KinematicObject) -> float | None:
+    """Height of the top of something under the middle of a thing, m, ``None`` where not under."""
+    if lower is thing:
         return None
-    x, y, _ = (thing.position - fixture.position).tolist()
-    a, b, c = fixture.shape.halves
-    height = float(fixture.solid[6])
-    kind = fixture.shape.kind
+    turned = lower.solid[ROTATION].reshape(3, 3)
+    x, y, _ = (thing.position - lower.position).dot(turned).tolist()
+    if lower.shape.walls:
+        # Of something hollow that stands upright, the highest wall under it.
+        tops = (_wall_top(wall, x, y) for wall in lower.shape.walls)
+        height = max((top for top in tops if top is not None), default=None)
+        return None if height is None else float(lower.solid[6]) + height
+    a, b, _ = lower.shape.halves
+    kind = lower.shape.kind
     if kind == "ball":
         level = a * a - x * x - y * y
-        return height + math.sqrt(level) if level > 0 else None
+        return float(lower.solid[6]) + math.sqrt(level) if level > 0 else None
     inside = math.hypot(x, y) < a if kind == "cylinder" else abs(x) < a and abs(y) < b
-    return height + c if inside else None
+    return lower.top if inside else None
+
+
+def _wall_top(wall: Wall, x: float, y: float) -> float | None:
+    """Height of a wall's top over the middle of what it is a wall of, m, if (x, y) is over it."""
+    (dx, dy, dz), turn = wall.origin.xyz, wall.origin.rpy[2]
+    u = math.cos(turn) * (x - dx) + math.sin(turn) * (y - dy)
+    v = math.cos(turn) * (y - dy) - math.sin(turn) * (x - dx)
+    a, b, c = wall.shape.halves
+    return dz + c if abs(u) < a and abs(v) < b else None

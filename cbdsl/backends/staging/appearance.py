@@ -28,9 +28,13 @@ LYING = {
 
 
 def parts_of(item: SceneObject) -> list[Part]:
-    """The visible parts of an object: its shape first, then its print or its spot."""
+    """The visible parts of an object: first what it is made of, then its print or spot."""
     shape = item.shape
-    parts = [Part(shape.kind, _size(shape), _CENTRE, _UNTURNED, tuple(item.surface.color))]
+    color = tuple(item.surface.color)
+    parts = [
+        Part(wall.shape.kind, _size(wall.shape), wall.origin.xyz, wall.origin.quaternion, color)
+        for wall in shape.solids
+    ]
     if shape.pattern is not None:
         parts += _bars(shape.halves, shape.pattern)
     if shape.spot is not None:

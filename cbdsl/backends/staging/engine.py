@@ -16,6 +16,9 @@ from cbdsl.sensing.observation import Cell
 
 Floats = NDArray[np.float64]
 
+#: What is put back keeps this far from the robot, m.
+ROOM = 0.03
+
 
 class Engine(ABC):
     """A robot and the objects of a stage in one simulator; it is the episode's ground truth.
@@ -54,6 +57,10 @@ class Engine(ABC):
     @abstractmethod
     def touched(self, name: str) -> bool:
         """Whether the robot touches an object."""
+
+    @abstractmethod
+    def touching(self, name: str) -> frozenset[Cell]:
+        """The load cells whose fingertips touch an object."""
 
     @property
     @abstractmethod

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+import math
+from typing import Literal
 
 from cbdsl.backends.staging.engine import Engine
-from cbdsl.backends.staging.scenario import Scenario
+from cbdsl.backends.staging.fall import FALLEN
+from cbdsl.backends.staging.scenario import PlacedThing, Scenario
 from cbdsl.backends.staging.scripted_action import (
     CarryAction,
     HoldAction,
@@ -13,6 +15,41 @@ from cbdsl.backends.staging.scripted_action import (
     ScriptedAction,
     ThrowAction,
 )
+
+# What is this far from where it was put has moved, m.
+_MOVED = 0.02
+
+
+class _Plan:
+    """All that the experimenter does with one thing.
+
+    Args:
+        thing: in the world already.
+        engine: that it is in.
+    """
+
+    def __init__(self, thing: PlacedThing, engine: Engine) -> None:
+        self._engine, self._name, self._removal = engine, thing.item.name, thing.removed
+        self._actions: list[ScriptedAction] = []
+        if thing.held_until is not None:
+            self._actions.append(HoldAction(engine, self._name, thing.held_until))
+        if thing.movement is not None:
+            action = ThrowAction if thing.movement.thrown else CarryAction
+            self._actions.append(action(engine, self._name, thing.movement))
+        if thing.returned_after is not None:
+            self._actions.append(ReturnAction(engine, self._name, thing.returned_after))
+
+    def act(self, time: float) -> bool:
+        """Act at this time since the episode began, s.
+
+        Returns:
+            Whether there is nothing left to do.
+        """
+        if time >= self._removal:
+            self._engine.remove(self._name)
+            return True
+        self._actions = [action for action in self._actions if not action.act(time)]
+        return not self._actions and self._removal == math.inf
 
 
 class Experimenter:
@@ -24,29 +61,22 @@ class Experimenter:
     """
 
     def __init__(self, scenario: Scenario, engine: Engine) -> None:
+        for item in (*scenario.fixtures, *(thing.item for thing in scenario.things)):
+            engine.add(item)
         self._engine = engine
-        self._shown: str | None = None
-        self._removal = scenario.removed
-        self._actions: list[ScriptedAction] = []
-        for fixture in scenario.fixtures:
-            engine.add(fixture)
-        if scenario.thing is not None:
-            engine.add(scenario.thing)
-            self._shown = scenario.thing.name
-            self._actions = list(self._planned(scenario, self._shown))
-
-    def _planned(self, scenario: Scenario, name: str) -> Iterator[ScriptedAction]:
-        if scenario.held_until is not None:
-            yield HoldAction(self._engine, name, scenario.held_until)
-        if scenario.movement is not None:
-            action = ThrowAction if scenario.movement.thrown else CarryAction
-            yield action(self._engine, name, scenario.movement)
-        if scenario.returned_after is not None:
-            yield ReturnAction(self._engine, name, scenario.returned_after)
+        self._places = {thing.item.name: thing.item.pose for thing in scenario.things}
+        self._plans = [_Plan(thing, engine) for thing in scenario.things]
 
     def act(self, time: float) -> None:
         """Act at this time since the episode began, s."""
-        if self._shown is not None and time >= self._removal:
-            self._engine.remove(self._shown)
-            self._shown, self._actions = None, []
-        self._actions = [action for action in self._actions if not action.act(time)]
+        self._plans = [plan for plan in self._plans if not plan.act(time)]
+
+    def tidy(self, which: Literal["nothing", "fallen", "moved"]) -> None:
+        """Put things where they were at first, unless the robot touches them or is in the way."""
+        for name, place in self._places.items():
+            if name not in self._engine.objects or self._engine.touched(name):
+                continue
+            way = self._engine.pose(name).position - place.position
+            fallen = which != "nothing" and float(way[2]) <= -FALLEN
+            if fallen or (which == "moved" and math.hypot(*way.tolist()) >= _MOVED):
+                self._engine.put_back(name, place)

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import math
 
-# What is this far below where it was put has fallen, m.
-_FALLEN = 0.2
+#: What is this far below where it was put has fallen, m.
+FALLEN = 0.2
 
 
 class Fall:
@@ -17,7 +17,7 @@ class Fall:
     """
 
     def __init__(self, height: float, delay: float) -> None:
-        self._lowest, self._delay = height - _FALLEN, delay
+        self._lowest, self._delay = height - FALLEN, delay
         self._began = math.inf
 
     def is_due(self, height: float, time: float, *, touched: bool) -> bool:

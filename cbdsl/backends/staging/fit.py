@@ -21,6 +21,9 @@ def read_fitting(robot: RobotDocument, urdf: Path) -> UrdfModel:
         model = read_urdf(urdf)
     except UrdfError as error:
         raise BackendError(f"the model cannot be read: {error}") from error
+    aimless = [joint.name for joint in model.joints.values() if not joint.directed]
+    if aimless:
+        raise BackendError(f"{urdf.name} gives joint '{aimless[0]}' an axis without a direction")
     base = root(model)
     if base != robot.base:
         raise BackendError(
@@ -28,10 +31,10 @@ def read_fitting(robot: RobotDocument, urdf: Path) -> UrdfModel:
             f"but the root link of {urdf.name} is '{base}'"
         )
     joints = [joint for effector in robot.effectors.values() for joint in effector.joints]
-    missing = set(joints + list(robot.couplings)) - set(model.revolute)
+    missing = set(joints + list(robot.couplings)) - set(model.movable)
     if missing:
         raise BackendError(
-            f"{urdf.name} has no revolute joint {', '.join(map(repr, sorted(missing)))}, "
+            f"{urdf.name} has no movable joint {', '.join(map(repr, sorted(missing)))}, "
             f"which robot '{robot.name}' names"
         )
     for link in _links(robot):
@@ -40,6 +43,21 @@ def read_fitting(robot: RobotDocument, urdf: Path) -> UrdfModel:
                 f"{urdf.name} has no link '{link}', which robot '{robot.name}' names"
             )
     return model
+
+
+def physics_steps(robot: RobotDocument) -> int:
+    """Physics steps per control period.
+
+    Raises:
+        BackendError: there is no whole number of them.
+    """
+    ratio = robot.simulation.physics_rate / robot.control.rate
+    if round(ratio) < 1 or abs(ratio - round(ratio)) > 1e-9:
+        raise BackendError(
+            f"robot '{robot.name}': the physics rate, {robot.simulation.physics_rate:g} Hz, "
+            f"must be a multiple of the control rate, {robot.control.rate:g} Hz"
+        )
+    return round(ratio)
 
 
 def _links(robot: RobotDocument) -> Iterator[str]:

@@ -4,32 +4,61 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Literal
+from typing import Literal, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
+from cbdsl.backends.staging.pose import Pose
 from cbdsl.backends.staging.span import draw
-from cbdsl.documents.stage import BallForm, BoxForm, CylinderForm, Pattern, Spot
+from cbdsl.documents.stage import (
+    BallForm,
+    BoxForm,
+    Form,
+    OpenBoxForm,
+    Pattern,
+    Spot,
+    TubeForm,
+)
+from cbdsl.numeric.convex import Convex
+from cbdsl.robot.urdf import UrdfOrigin
 
 Floats = NDArray[np.float64]
 
 
-@dataclass(frozen=True)
-class SolidShape:
-    """A ball, box or cylinder.
+# Boxes that the wall of a tube is made of.
+_SIDES = 12
+
+
+class Wall(NamedTuple):
+    """A solid that a hollow shape is made of.
 
     Attributes:
-        kind: which of them; a cylinder stands along its z.
+        shape: of it.
+        origin: in the frame of the hollow shape.
+    """
+
+    shape: SolidShape
+    origin: UrdfOrigin
+
+
+@dataclass(frozen=True)
+class SolidShape:
+    """A ball, box or cylinder, or something hollow that is made of such.
+
+    Attributes:
+        kind: which of them it is, or fills if it is hollow; a cylinder stands along its z.
         halves: half its extents along its own axes, m.
         pattern: what is printed on it, if it is a box.
         spot: what is painted on it, if it is a ball or a box.
+        walls: the solids that it is made of, if it is hollow.
     """
 
     kind: Literal["ball", "box", "cylinder"]
     halves: tuple[float, float, float]
     pattern: Pattern | None = None
     spot: Spot | None = None
+    walls: tuple[Wall, ...] = ()
 
     @classmethod
     def ball(cls, radius: float, spot: Spot | None = None) -> SolidShape:
@@ -42,20 +71,67 @@ class SolidShape:
         return cls("cylinder", (radius, radius, height / 2))
 
     @classmethod
-    def draw(cls, form: BallForm | BoxForm | CylinderForm, rng: np.random.Generator) -> SolidShape:
+    def tube(cls, radius: float, height: float, wall: float) -> SolidShape:
+        """A tube of this outer radius, height and thickness, m, that stands along its z."""
+        bore, across = radius - wall, radius * math.tan(math.pi / _SIDES)
+        side = cls("box", (wall / 2, across, height / 2))
+        walls = []
+        for angle in (2 * math.pi * number / _SIDES for number in range(_SIDES)):
+            x, y = math.cos(angle), math.sin(angle)
+            middle = bore + wall / 2
+            walls.append(Wall(side, UrdfOrigin((middle * x, middle * y, 0.0), (0.0, 0.0, angle))))
+        return cls("cylinder", (radius, radius, height / 2), walls=tuple(walls))
+
+    @classmethod
+    def open_box(cls, depth: float, width: float, height: float, wall: float) -> SolidShape:
+        """A box without a lid of these outer edges along x, y and z and this thickness, m."""
+        x, y, z, half = depth / 2, width / 2, height / 2, wall / 2
+        bottom = Wall(cls("box", (x, y, half)), UrdfOrigin((0.0, 0.0, half - z)))
+        front, side = (half, y, z - half), (x - wall, half, z - half)
+        walls = [
+            Wall(cls("box", halves), UrdfOrigin((a, b, half)))
+            for halves, a, b in (
+                (front, half - x, 0.0),
+                (front, x - half, 0.0),
+                (side, 0.0, half - y),
+                (side, 0.0, y - half),
+            )
+        ]
+        return cls("box", (x, y, z), walls=(bottom, *walls))
+
+    @classmethod
+    def draw(cls, form: Form, rng: np.random.Generator) -> SolidShape:
         """A shape of this form, of a size drawn from its spans."""
         if isinstance(form, BallForm):
             return cls.ball(draw(form.radius, rng), form.spot)
         if isinstance(form, BoxForm):
             x, y, z = (draw(span, rng) / 2 for span in form.size)
             return cls("box", (x, y, z), form.pattern, form.spot)
-        radius = draw(form.radius, rng)
-        return cls.cylinder(radius, draw(form.height, rng))
+        if isinstance(form, OpenBoxForm):
+            depth, width, height = (draw(span, rng) for span in form.size)
+            return cls.open_box(depth, width, height, form.wall)
+        radius, height = draw(form.radius, rng), draw(form.height, rng)
+        if isinstance(form, TubeForm):
+            return cls.tube(radius, height, form.wall)
+        return cls.cylinder(radius, height)
+
+    @property
+    def solids(self) -> tuple[Wall, ...]:
+        """The solids that it is made of: its walls, or itself."""
+        return self.walls or (Wall(self, UrdfOrigin()),)
 
     @property
     def half_height(self) -> float:
         """From its centre to its lowest point while it stands upright, m."""
         return self.halves[2]
+
+    @property
+    def volume(self) -> float:
+        """Volume of it, or of its walls, m^3."""
+        if self.walls:
+            return sum(wall.shape.volume for wall in self.walls)
+        share = {"ball": math.pi / 6, "box": 1.0, "cylinder": math.pi / 4}[self.kind]
+        return share * 8 * math.prod(self.halves)
 
     def spot_height(self) -> float:
         """From its centre along the spot's axis to the plane of the spot's edge, m."""
@@ -74,3 +150,8 @@ class SolidShape:
         if self.kind == "cylinder":
             return float(a * np.hypot(x, y) + c * z)
         return float(a * x + b * y + c * z)
+
+    def bodies(self, pose: Pose) -> list[Convex]:
+        """The convex bodies that it is made of at a pose."""
+        frames = [(wall.shape, pose @ Pose.at(wall.origin)) for wall in self.solids]
+        return [Convex(shape.kind, shape.halves, at.position, at.rotation) for shape, at in frames]

@@ -6,6 +6,8 @@ axes as columns of a rotation, row by row; all in the world frame. Cylinders sta
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -28,6 +30,40 @@ def placed(shape: SolidShape, pose: Pose) -> Floats:
     solid[0], solid[HALVES] = _NUMBERS[shape.kind], shape.halves
     solid[POSITION], solid[ROTATION] = pose.position, pose.rotation.ravel()
     return solid
+
+
+class Walls:
+    """Solids that some objects are made of, in one array for all of them.
+
+    Args:
+        shapes: of the objects.
+
+    Attributes:
+        owners: index of the object that each solid belongs to, shape (m,).
+    """
+
+    def __init__(self, shapes: Sequence[SolidShape]) -> None:
+        walls = [(index, wall) for index, shape in enumerate(shapes) for wall in shape.solids]
+        self.owners: Rows = np.array([index for index, _ in walls], np.intp)
+        rows = [placed(wall.shape, Pose.at(wall.origin)) for _, wall in walls]
+        self._own = np.array(rows).reshape(len(walls), WIDTH)
+        self._are_objects = not any(shape.walls for shape in shapes)
+
+    def at(self, solids: Floats) -> Floats:
+        """The solids in the world, shape (m, 16).
+
+        Args:
+            solids: rows of the objects, shape (k, 16), which is the answer where none is hollow.
+        """
+        if self._are_objects:
+            return solids
+        rows = self._own.copy()
+        turned = solids[self.owners, ROTATION].reshape(-1, 3, 3)
+        shifts = np.einsum("mij,mj->mi", turned, self._own[:, POSITION])
+        rows[:, POSITION] = solids[self.owners, POSITION] + shifts
+        own = self._own[:, ROTATION].reshape(-1, 3, 3)
+        rows[:, ROTATION] = (turned @ own).reshape(-1, 9)
+        return rows
 
 
 @compiled

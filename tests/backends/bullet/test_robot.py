@@ -97,7 +97,7 @@ def test_surfaces_are_those_of_the_robot_file(
 ) -> None:
     fingers = dexter.simulation.surfaces[0]
     for name in ("left_finger_1_tip", "right_finger_3_proximal"):
-        row = p.getDynamicsInfo(body.id, body.link(name), physicsClientId=client)
+        row = p.getDynamicsInfo(body.id, body.links[name], physicsClientId=client)
         assert row[1] == fingers.friction
         assert (row[8], row[9]) == (fingers.damping, fingers.stiffness)
 

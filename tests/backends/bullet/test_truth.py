@@ -24,7 +24,9 @@ def test_a_fixture_has_its_form_and_color(
         assert part.size == pytest.approx([span[0] for span in fixture.form.size])
         assert part.color == pytest.approx(fixture.color)
         assert part.position == pytest.approx((0, 0, 0))
-        assert bullet.truth.pose(name).position == pytest.approx(fixture.position)
+        assert bullet.truth.pose(name).position == pytest.approx(
+            [first for first, _ in fixture.position]
+        )
 
 
 def body(form: dict[str, object]) -> StageDocument:

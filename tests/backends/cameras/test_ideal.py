@@ -2,17 +2,20 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Collection, Mapping
 
+import cv2
 import numpy as np
 import pytest
 
+from cbdsl.backends.cameras.ideal import _connected
 from cbdsl.backends.kinematic.backend import KinematicBackend
 from cbdsl.documents.robot import RobotDocument
-from cbdsl.sensing.channels import Region
+from cbdsl.sensing.channels import Moments, Region, Regions, connected_regions
 from tests.backends.conftest import URDF, stage_named
 
-Reported = Mapping[str, Mapping[str, Region]]
+Reported = Mapping[str, Mapping[str, Regions]]
 
 
 def _reported(backend: KinematicBackend, channels: Collection[str] | None) -> list[Reported]:
@@ -46,3 +49,28 @@ def test_what_is_not_looked_for_is_left_out_and_nothing_else(
         for regions in everything
     ]
     assert _reported(backend, channels) == wanted
+
+
+def region(column: float, radius: float) -> Region:
+    """Of a ball."""
+    spread = radius**2 / 4
+    return Region(round(math.pi * radius**2), column, 50.0, False, Moments(spread, 0.0, spread))
+
+
+def test_silhouettes_that_touch_are_one_region_as_in_an_image() -> None:
+    image = np.zeros((100, 200), np.uint8)
+    for column, radius in ((50, 20), (85, 20), (150, 12)):
+        cv2.circle(image, (column, 50), radius, 255, -1)
+    rendered = connected_regions(image, 12)
+    ideal = _connected([region(50.5, 20), region(85.5, 20), region(150.5, 12)])
+    assert len(rendered) == len(ideal) == 2
+    for one, other in zip(rendered, ideal, strict=True):
+        assert (other.column, other.row) == pytest.approx((one.column, 50), abs=0.6)
+        assert other.area == pytest.approx(one.area, rel=0.1)
+        assert other.moments == pytest.approx(one.moments, rel=0.15, abs=1)
+
+
+def test_what_touches_two_joins_them() -> None:
+    apart, bridge = [region(30, 10), region(70, 10)], region(50, 11)
+    assert len(_connected(apart)) == 2
+    assert len(_connected([*apart, bridge])) == 1

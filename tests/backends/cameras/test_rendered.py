@@ -2,10 +2,14 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 
 from cbdsl.backends.bullet.backend import BulletBackend
+from cbdsl.documents.calibration import with_corrections
+from cbdsl.documents.robot import Correction, RobotDocument
 from tests.backends.conftest import made_stage
 
 
@@ -23,6 +27,36 @@ def test_cameras_are_off_by_the_stated_distance_and_angle(bullet: BulletBackend)
             assert np.arccos((np.trace(turn) - 1) / 2) == pytest.approx(0.01, rel=1e-3)
             errors.append(tuple(np.round(offset, 9)))
     assert len(set(errors)) == len(errors), "every camera errs in its own way in every episode"
+
+
+def test_a_body_keeps_its_cameras_in_all_episodes_and_stages(bullet: BulletBackend) -> None:
+    def offsets(body: int, seed: int, noise: float) -> np.ndarray:
+        disturbance = {"camera_position": 0.002, "body": body, "image_noise": noise}
+        bullet.reset(made_stage({}, disturbance=disturbance), None, np.random.default_rng(seed))
+        views = bullet.cameras.views()
+        return np.array(
+            [
+                v.pose.position - bullet.truth.link_pose(f"{n}_camera").position
+                for n, v in views.items()
+            ]
+        )
+
+    first = offsets(3, 0, 0.0)
+    assert offsets(3, 1, 2.0) == pytest.approx(first)
+    assert np.abs(offsets(4, 0, 0.0) - first).max() > 1e-4
+
+
+def test_what_a_robot_knows_of_its_cameras_changes_no_image(
+    dexter: RobotDocument, urdf: Path, bullet: BulletBackend
+) -> None:
+    known = dict.fromkeys(dexter.cameras, Correction(position=(0.1, 0.0, 0.0)))
+    corrected = BulletBackend(with_corrections(dexter, known), urdf)
+    images = []
+    for backend in (bullet, corrected):
+        backend.reset(made_stage({}), None, np.random.default_rng(0))
+        images.append(backend.observe().images["left"])
+    corrected.close()
+    assert (images[0] == images[1]).all()
 
 
 def test_cameras_are_where_the_model_has_them_without_disturbance(

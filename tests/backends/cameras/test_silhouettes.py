@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from cbdsl.backends.cameras.silhouettes import WHOLE, silhouettes
+from cbdsl.backends.cameras.silhouettes import SHAPE, WHOLE, silhouettes
 from cbdsl.backends.staging.pose import Pose
 from cbdsl.backends.staging.shape import SolidShape
 from cbdsl.backends.staging.solids import WIDTH, placed
@@ -24,13 +24,13 @@ HERE, AHEAD = np.zeros(3), np.eye(3)
 def seen(*solids: Floats, samples: int = 64, patch: Sequence[float] = WHOLE) -> Floats:
     """What a camera at the origin sees of the first of some solids, or of a patch of it."""
     world = np.array([[*AHEAD.ravel(), *HERE]])
-    first, found = np.array([[0, samples]]), np.empty((1, 1, 4))
+    first, found = np.array([[0, samples]]), np.empty((1, 1, SHAPE))
     nothing, patches, lenses = np.empty((0, WIDTH)), np.array([patch]), np.array([LENS])
     free, eyes = (nothing, np.empty(0, np.intp)), np.zeros(1, np.intp)
     silhouettes(np.array(solids), *free, world, first, patches, world, eyes, lenses, found)
     # Parts of a link that is the world hide the same as solids.
     parts = np.array(solids[1:]).reshape(-1, WIDTH), np.zeros(len(solids) - 1, np.intp)
-    hidden = np.empty((1, 1, 4))
+    hidden = np.empty((1, 1, SHAPE))
     silhouettes(solids[0][None], *parts, world, first, patches, world, eyes, lenses, hidden)
     assert (hidden == found).all()
     return found[0, 0]
@@ -51,11 +51,15 @@ def test_a_silhouette_is_where_lines_of_sight_come_through(name: str) -> None:
         mask = np.zeros(len(lines), dtype=bool)
         for ahead in np.arange(0.48, 0.72, 0.004):
             mask |= inside(shape, (ahead * lines - pose.position) @ pose.rotation)
-        area, column, row, clipped = seen(placed(shape, pose))
+        area, column, row, clipped, *moments = seen(placed(shape, pose))
         assert area == pytest.approx(mask.sum(), rel=0.03)
         assert column == pytest.approx(columns.ravel()[mask].mean(), abs=0.7)
         assert row == pytest.approx(rows.ravel()[mask].mean(), abs=0.7)
         assert not clipped
+        spread = np.cov(columns.ravel()[mask], rows.ravel()[mask])
+        scale = np.trace(spread)
+        wanted = spread[0, 0], spread[0, 1], spread[1, 1]
+        assert moments == pytest.approx(wanted, abs=0.03 * scale)
 
 
 @pytest.mark.parametrize(

@@ -198,3 +198,53 @@ def test_a_finger_pushes_a_thing_away_until_friction_holds_it(quiet: KinematicBa
     moved = quiet.truth.pose("ball").position - place
     assert moved @ inward > 0.005
     assert np.linalg.norm(_forces(quiet)[2]) < 1.0, "it rolls away under next to no force"
+
+
+def test_what_stands_on_a_thing_goes_along_and_others_stay(quiet: KinematicBackend) -> None:
+    """The experimenter carries a box, with a ball on it, past a ball."""
+    table = {"form": {"shape": "box", "size": [2, 2, 0.1]}, "position": [1.5, 0, -0.45]}
+    box = {"form": {"shape": "box", "size": [0.2, 0.2, 0.1]}, "mass": 0.3}
+    motion = {"speed": 0.1, "direction": 0.5}
+    placed = {
+        "upper": {"things": ["ball"], "place": {"on": "lower", "x": 0.02}},
+        "lower": {"things": ["box"], "place": {"on": "table", "x": 1.0}, "motion": motion},
+        "aside": {"things": ["ball"], "place": {"on": "table", "x": 1.0, "y": -0.4}},
+    }
+    fixtures, things = {"table": table}, {"box": box, "ball": BALL}
+    begin(quiet, made_stage({"placed": placed}, fixtures=fixtures, things=things))
+    start = {name: quiet.truth.pose(name).position for name in placed}
+    run(quiet, 1.0)
+    shift = {name: quiet.truth.pose(name).position - start[name] for name in placed}
+    assert np.linalg.norm(shift["lower"]) == pytest.approx(0.1, abs=0.005)
+    assert shift["upper"] == pytest.approx(shift["lower"])
+    assert not shift["aside"].any()
+
+
+def test_what_stood_on_a_thing_that_is_taken_away_falls(quiet: KinematicBackend) -> None:
+    table = {"form": {"shape": "box", "size": [2, 2, 0.1]}, "position": [1.5, 0, -0.45]}
+    box = {"form": {"shape": "box", "size": [0.2, 0.2, 0.1]}, "mass": 0.3}
+    placed = {
+        "lower": {"things": ["box"], "place": {"on": "table", "x": 1.0}, "removed_after": 0.5},
+        "upper": {"things": ["ball"], "place": {"on": "lower"}},
+    }
+    fixtures, things = {"table": table}, {"box": box, "ball": BALL}
+    begin(quiet, made_stage({"placed": placed}, fixtures=fixtures, things=things))
+    start = quiet.truth.pose("upper").position
+    run(quiet, 0.4)
+    assert quiet.truth.pose("upper").position == pytest.approx(start)
+    run(quiet, 0.6)
+    assert quiet.truth.pose("upper").position == pytest.approx(start - [0, 0, 0.1], abs=1e-3)
+
+
+def test_a_hand_takes_one_of_two_things(quiet: KinematicBackend) -> None:
+    placed = {
+        "held": {"things": ["ball"], "place": HELD_OUT, "released_after": 2.8},
+        "other": {"things": ["ball"], "place": {"x": 0.6, "y": 0.5, "z": 0.5, "held": True}},
+    }
+    begin(quiet, made_stage({"placed": placed}, things={"ball": BALL}))
+    start = {name: quiet.truth.pose(name).position for name in placed}
+    _flex(quiet, force=5.0, seconds=3.0)
+    assert np.linalg.norm(quiet.truth.pose("held").position - start["held"]) < 0.04
+    assert quiet.truth.touched("held")
+    assert not quiet.truth.touched("other")
+    assert quiet.truth.pose("other").position == pytest.approx(start["other"])

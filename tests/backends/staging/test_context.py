@@ -10,7 +10,7 @@ from cbdsl.backends.staging.context import choose_context, starting_posture
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.documents.stage import Context, StageDocument
 from cbdsl.robot.joints import Joints
-from tests.backends.conftest import Either, made_stage
+from tests.backends.conftest import Simulated, made_stage
 
 
 def test_contexts_are_drawn_by_their_shares() -> None:
@@ -23,10 +23,10 @@ def test_contexts_are_drawn_by_their_shares() -> None:
 
 
 def test_joints_start_in_their_postures_or_where_the_context_says(
-    either: Either, dexter: RobotDocument
+    simulated: Simulated, dexter: RobotDocument
 ) -> None:
-    either.reset(made_stage({"joints": {"pan": [0.2, 0.3]}}), None, np.random.default_rng(0))
-    start = either.observe().positions
+    simulated.reset(made_stage({"joints": {"pan": [0.2, 0.3]}}), None, np.random.default_rng(0))
+    start = simulated.observe().positions
     joints = Joints(dexter)
     assert 0.2 <= start[joints.index["pan"]] <= 0.3
     for name, effector in dexter.effectors.items():
@@ -46,9 +46,9 @@ def test_where_joints_start_otherwise_is_not_changed(dexter: RobotDocument) -> N
     assert (elsewhere == 0.25).all()
 
 
-def test_unknown_names_are_told_with_the_known_ones(either: Either) -> None:
+def test_unknown_names_are_told_with_the_known_ones(simulated: Simulated) -> None:
     rng = np.random.default_rng(0)
     with pytest.raises(BackendError, match=r"'nowhere'.*only"):
-        either.reset(made_stage({}), "nowhere", rng)
+        simulated.reset(made_stage({}), "nowhere", rng)
     with pytest.raises(BackendError, match="no actuated joint 'elbow'"):
-        either.reset(made_stage({"joints": {"elbow": 0}}), None, rng)
+        simulated.reset(made_stage({"joints": {"elbow": 0}}), None, rng)

@@ -9,7 +9,7 @@ import pytest
 
 from cbdsl.backends.backend import BackendError
 from cbdsl.documents.stage import StageDocument
-from tests.backends.conftest import Either, made_stage, run, stage_named
+from tests.backends.conftest import Simulated, made_stage, run, stage_named
 
 TABLE = {"form": {"shape": "box", "size": [2, 2, 0.1]}, "position": [1.5, 0, -0.45]}
 TOP = -0.4
@@ -29,7 +29,7 @@ def _stage(thing: str, place: dict[str, Any] | None = None, **context: Any) -> S
 
 
 @pytest.mark.parametrize("name", FORMS)
-def test_things_stand_still_on_their_fixture(unseeing: Either, name: str) -> None:
+def test_things_stand_still_on_their_fixture(unseeing: Simulated, name: str) -> None:
     for seed in range(3):
         place = {"on": "table", "x": [1.0, 1.5], "y": [-0.3, 0.3], "yaw": [-1, 1]}
         unseeing.reset(_stage(name, place), None, np.random.default_rng(seed))
@@ -43,7 +43,7 @@ def test_things_stand_still_on_their_fixture(unseeing: Either, name: str) -> Non
         assert after.rotation == pytest.approx(before.rotation, abs=1e-2)
 
 
-def test_a_gap_is_measured_from_the_surface(unseeing: Either) -> None:
+def test_a_gap_is_measured_from_the_surface(unseeing: Simulated) -> None:
     for seed in range(3):
         place = {"hand": "right_arm", "gap": 0.02, "held": True}
         unseeing.reset(_stage("ball", place), None, np.random.default_rng(seed))
@@ -53,7 +53,7 @@ def test_a_gap_is_measured_from_the_surface(unseeing: Either) -> None:
         assert 0.02 + 0.04 <= ahead[2] <= 0.02 + 0.06
 
 
-def test_things_are_drawn_evenly(unseeing: Either) -> None:
+def test_things_are_drawn_evenly(unseeing: Simulated) -> None:
     stage = made_stage({"things": list(THINGS), "place": {"z": 1}}, things=THINGS)
     rng = np.random.default_rng(0)
     shown = []
@@ -65,7 +65,7 @@ def test_things_are_drawn_evenly(unseeing: Either) -> None:
 
 
 @pytest.mark.parametrize("name", FORMS)
-def test_a_carried_thing_keeps_its_velocity(unseeing: Either, name: str) -> None:
+def test_a_carried_thing_keeps_its_velocity(unseeing: Simulated, name: str) -> None:
     motion = {"speed": 0.05, "direction": 2.0, "after": 0.1}
     unseeing.reset(_stage(name, motion=motion), None, np.random.default_rng(0))
     start = unseeing.truth.pose(name).position
@@ -77,7 +77,7 @@ def test_a_carried_thing_keeps_its_velocity(unseeing: Either, name: str) -> None
     assert travelled == pytest.approx([0.05 * np.cos(2), 0.05 * np.sin(2), 0], abs=2e-3)
 
 
-def test_a_carried_thing_is_left_alone_once_the_hand_touches_it(unseeing: Either) -> None:
+def test_a_carried_thing_is_left_alone_once_the_hand_touches_it(unseeing: Simulated) -> None:
     unseeing.reset(made_stage({}), None, np.random.default_rng(0))
     tip = unseeing.truth.link_pose("right_finger_1_tip").position
     shelf = {
@@ -105,7 +105,7 @@ def test_a_carried_thing_is_left_alone_once_the_hand_touches_it(unseeing: Either
     assert np.linalg.norm(unseeing.truth.velocity("block")) < 0.02
 
 
-def test_a_thrown_thing_flies_freely_from_its_time_on(unseeing: Either) -> None:
+def test_a_thrown_thing_flies_freely_from_its_time_on(unseeing: Simulated) -> None:
     motion = {"speed": 1.0, "direction": 0, "upward": 2.0, "thrown": True, "after": 0.2}
     unseeing.reset(_stage("ball", motion=motion), None, np.random.default_rng(0))
     start = unseeing.truth.pose("ball").position
@@ -116,7 +116,7 @@ def test_a_thrown_thing_flies_freely_from_its_time_on(unseeing: Either) -> None:
     assert flown == pytest.approx([0.3, 0, 2.0 * 0.3 - 9.81 * 0.3**2 / 2], abs=0.03)
 
 
-def test_a_thing_is_removed_on_time(unseeing: Either) -> None:
+def test_a_thing_is_removed_on_time(unseeing: Simulated) -> None:
     unseeing.reset(_stage("box", removed_after=0.25), None, np.random.default_rng(0))
     run(unseeing, 0.2)
     assert "box" in unseeing.truth.names()
@@ -126,7 +126,7 @@ def test_a_thing_is_removed_on_time(unseeing: Either) -> None:
 
 
 @pytest.mark.parametrize("name", FORMS)
-def test_what_has_fallen_is_put_back(unseeing: Either, name: str) -> None:
+def test_what_has_fallen_is_put_back(unseeing: Simulated, name: str) -> None:
     place = {"z": 0.4, "x": 0.8, "y": 1.5, "yaw": 0.5}
     unseeing.reset(_stage(name, place, returned_after=0.3), None, np.random.default_rng(0))
     start, returns = unseeing.truth.pose(name), 0
@@ -143,7 +143,7 @@ def test_what_has_fallen_is_put_back(unseeing: Either, name: str) -> None:
     assert returns >= 2
 
 
-def test_what_stays_is_not_put_back(unseeing: Either) -> None:
+def test_what_stays_is_not_put_back(unseeing: Simulated) -> None:
     motion = {"speed": 0.3, "direction": 0.0}
     stage = _stage("box", motion=motion, returned_after=0.1)
     unseeing.reset(stage, None, np.random.default_rng(0))
@@ -153,7 +153,7 @@ def test_what_stays_is_not_put_back(unseeing: Either) -> None:
 
 
 @pytest.mark.parametrize("name", FORMS)
-def test_a_held_thing_stays_where_it_is(unseeing: Either, name: str) -> None:
+def test_a_held_thing_stays_where_it_is(unseeing: Simulated, name: str) -> None:
     place = {"z": 0.4, "x": 0.8, "yaw": 0.5, "hand": "right_arm", "held": True}
     unseeing.reset(_stage(name, place), None, np.random.default_rng(0))
     before = unseeing.truth.pose(name)
@@ -165,7 +165,7 @@ def test_a_held_thing_stays_where_it_is(unseeing: Either, name: str) -> None:
 
 @pytest.mark.slow
 @pytest.mark.parametrize("seed", range(3))
-def test_the_moving_thing_stays_on_the_table(unseeing: Either, seed: int) -> None:
+def test_the_moving_thing_stays_on_the_table(unseeing: Simulated, seed: int) -> None:
     unseeing.reset(stage_named("moving_right"), None, np.random.default_rng(seed))
     (name,) = set(unseeing.truth.names()) - {"table"}
     start = unseeing.truth.pose(name).position
@@ -175,13 +175,13 @@ def test_the_moving_thing_stays_on_the_table(unseeing: Either, seed: int) -> Non
 
 @pytest.mark.slow
 @pytest.mark.parametrize("seed", range(5))
-def test_the_thrown_ball_ends_off_the_table(unseeing: Either, seed: int) -> None:
+def test_the_thrown_ball_ends_off_the_table(unseeing: Simulated, seed: int) -> None:
     unseeing.reset(stage_named("thrown"), None, np.random.default_rng(seed))
     run(unseeing, 5.0)
     assert unseeing.truth.pose("ball").position[2] < -1
 
 
-def test_what_is_out_of_reach_is_beyond_both_arms(unseeing: Either) -> None:
+def test_what_is_out_of_reach_is_beyond_both_arms(unseeing: Simulated) -> None:
     fully_stretched = 0.55 + 0.3 + 0.06 + 0.076 + 0.151 + 0.012
     for seed in range(10):
         unseeing.reset(stage_named("out_of_reach"), None, np.random.default_rng(seed))
@@ -192,7 +192,7 @@ def test_what_is_out_of_reach_is_beyond_both_arms(unseeing: Either) -> None:
             assert distance - 0.1 > fully_stretched
 
 
-def test_unknown_names_are_told_with_the_known_ones(unseeing: Either) -> None:
+def test_unknown_names_are_told_with_the_known_ones(unseeing: Simulated) -> None:
     rng = np.random.default_rng(0)
     with pytest.raises(BackendError, match="thing 'cup'; there is: none"):
         unseeing.reset(made_stage({"things": ["cup"], "place": {"z": 0}}), None, rng)

@@ -1,7 +1,8 @@
-"""Balls and boxes with something printed or painted on a side."""
+"""Objects of several parts: hollow ones, and those with a print or a spot on a side."""
 
 from __future__ import annotations
 
+import math
 import tempfile
 from collections.abc import Iterator, Sequence
 from pathlib import Path
@@ -12,12 +13,12 @@ from cbdsl.backends.staging.appearance import LYING, parts_of
 from cbdsl.backends.staging.scenario import SceneObject
 from cbdsl.backends.staging.world_state import Part
 
-# URDF writes rotations as angles; prints are turned by few.
+# URDF writes rotations as angles; what is not among these is turned about z.
 _ANGLES = {origin.quaternion: origin.rpy for origin in LYING.values()}
 
 
-def create_printed(client: int, item: SceneObject) -> int:
-    """Put a ball or box into the world, with what is printed or painted on a side.
+def create_composed(client: int, item: SceneObject) -> int:
+    """Put something hollow into the world, or with something printed or painted on a side.
 
     The simulator's own calls make bodies of 16 shapes at most, while a URDF may have any number.
     """
@@ -27,7 +28,13 @@ def create_printed(client: int, item: SceneObject) -> int:
         path.write_text("\n".join(_lines(item)), encoding="utf-8")
         position, quaternion = item.pose.position.tolist(), list(item.pose.quaternion())
         return int(
-            p.loadURDF(str(path), position, quaternion, useFixedBase=0, physicsClientId=client)
+            p.loadURDF(
+                str(path),
+                position,
+                quaternion,
+                useFixedBase=item.mass == 0.0,
+                physicsClientId=client,
+            )
         )
 
 
@@ -37,18 +44,23 @@ def _lines(item: SceneObject) -> Iterator[str]:
     # The simulator derives the inertia from the shape, whatever is written here.
     yield f'<inertial><mass value="{item.mass:.9g}"/>'
     yield '<inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial>'
-    yield f"<collision>{_geometry(parts[0])}</collision>"
+    solid = parts[: len(item.shape.solids)]
+    yield from (f"<collision>{_origin(part)}{_geometry(part)}</collision>" for part in solid)
     yield from (_visual(f"part_{number}", part) for number, part in enumerate(parts))
     yield "</link></robot>"
 
 
 def _visual(name: str, part: Part) -> str:
-    angles = _ANGLES.get(part.quaternion, (0.0, 0.0, 0.0))
     return (
-        f'<visual><origin xyz="{_numbers(part.position)}" rpy="{_numbers(angles)}"/>'
-        f"{_geometry(part)}"
+        f"<visual>{_origin(part)}{_geometry(part)}"
         f'<material name="{name}"><color rgba="{_numbers(part.color)} 1"/></material></visual>'
     )
+
+
+def _origin(part: Part) -> str:
+    *_, z, w = part.quaternion
+    angles = _ANGLES.get(part.quaternion, (0.0, 0.0, 2 * math.atan2(z, w)))
+    return f'<origin xyz="{_numbers(part.position)}" rpy="{_numbers(angles)}"/>'
 
 
 def _geometry(part: Part) -> str:

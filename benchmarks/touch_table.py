@@ -1,0 +1,110 @@
+"""How often ``touch_table`` is rewarded, and whether fingertips then press on the table.
+
+Every rewarded episode is checked against the simulator's own contacts between load cells and
+table, which the robot does not know. Rates come with exact (Clopper-Pearson) 95 % intervals. Exits
+with 1 where a rate is below its target or an episode is rewarded without contact.
+
+    python benchmarks/touch_table.py --episodes 60 --seed 5000000 [--cameras rendered] [--json]
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import sys
+from collections.abc import Mapping
+from typing import Any
+
+from cbdsl.backends.backend import embody
+from cbdsl.checking.program import check_program
+from cbdsl.documents.robot import RobotDocument
+from cbdsl.documents.stage import StageDocument
+from cbdsl.reproduction.interval import exact_interval
+from cbdsl.runtime.episode import Runner
+from cbdsl.sensing.kinematics import Kinematics
+from cbdsl.yaml_text.library import Library
+
+TARGET = 0.95
+HANDS = {
+    "right": {"arm": "right_arm", "hand": "right_hand"},
+    "left": {"arm": "left_arm", "hand": "left_hand"},
+}
+
+
+def run_episodes(
+    values: Mapping[str, str], cameras: str, first: int, episodes: int
+) -> list[dict[str, Any]]:
+    """Run the program with one hand on successive seeds."""
+    library = Library()
+    program = check_program("touch_table", values, library)
+    robot_file = library.locate(RobotDocument, program.robot)
+    robot = library.read(robot_file, RobotDocument).document
+    urdf = robot_file.parent / robot.model
+    stage = library.read(library.locate(StageDocument, "bare_table"), StageDocument).document
+    backend = embody("bullet", robot, urdf, cameras=cameras)
+    runner = Runner(robot, Kinematics(robot, urdf), program, backend)
+    rows = []
+    for seed in range(first, first + episodes):
+        result = runner.run(stage, seed)
+        cells = {touch.cell for touch in backend.truth.touches("table")} - {None}
+        rows.append(
+            {
+                "seed": seed,
+                "rewarded": result.rewarded,
+                "seconds": result.sim_seconds,
+                "in_contact": sum(cell[0] == values["hand"] for cell in cells if cell),
+            }
+        )
+    backend.close()
+    return rows
+
+
+def summarise(hand: str, rows: list[dict[str, Any]]) -> dict[str, Any]:
+    """One row of the table."""
+    rewarded = [row for row in rows if row["rewarded"]]
+    low, high = exact_interval(len(rewarded), len(rows))
+    return {
+        "hand": hand,
+        "rewarded": len(rewarded),
+        "episodes": len(rows),
+        "interval": [round(low, 3), round(high, 3)],
+        "target": TARGET,
+        "without_contact": sum(not row["in_contact"] for row in rewarded),
+        "fingertips": round(sum(row["in_contact"] for row in rewarded) / max(1, len(rewarded)), 2),
+        "sim_seconds": round(sum(row["seconds"] for row in rows) / len(rows), 1),
+        "failed_seeds": [row["seed"] for row in rows if not row["rewarded"]],
+    }
+
+
+def main() -> None:
+    """Run the benchmark."""
+    parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
+    parser.add_argument("--episodes", type=int, default=60)
+    parser.add_argument("--seed", type=int, default=5_000_000)
+    parser.add_argument("--cameras", choices=("rendered", "ideal"), default="rendered")
+    parser.add_argument("--only", choices=tuple(HANDS), help="one hand")
+    parser.add_argument("--json", action="store_true")
+    options = parser.parse_args()
+    missed = False
+    for hand, values in HANDS.items():
+        if options.only not in (None, hand):
+            continue
+        rows = run_episodes(values, options.cameras, options.seed, options.episodes)
+        row = summarise(hand, rows)
+        missed |= row["rewarded"] < TARGET * row["episodes"] or row["without_contact"] > 0
+        print(json.dumps(row) if options.json else _line(row), flush=True)
+    sys.exit(int(missed))
+
+
+def _line(row: dict[str, Any]) -> str:
+    low, high = row["interval"]
+    return (
+        f"{row['hand']:<6} {row['rewarded']:>3} of {row['episodes']:<3} "
+        f"[{100 * low:5.1f}, {100 * high:5.1f}] %  target >= {100 * TARGET:.0f} %  "
+        f"without contact {row['without_contact']}  fingertips {row['fingertips']}  "
+        f"{row['sim_seconds']} s  {row['failed_seeds'] or ''}"
+    )
+
+
+if __name__ == "__main__":
+    main()

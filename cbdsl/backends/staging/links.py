@@ -1,0 +1,39 @@
+"""Links by the patterns with which a robot file names them."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+from cbdsl.backends.backend import BackendError
+from cbdsl.documents.robot import RobotDocument
+from cbdsl.robot.urdf import UrdfModel
+
+
+def matching_links(
+    robot: RobotDocument, model: UrdfModel, patterns: Iterable[str]
+) -> tuple[str, ...]:
+    """The links that patterns match, pattern by pattern; a trailing * matches any ending.
+
+    Raises:
+        BackendError: a pattern matches no link.
+    """
+    links: list[str] = []
+    for pattern in patterns:
+        start = pattern.removesuffix("*")
+        # In the model's order, which its set of names does not have.
+        matching = [
+            name
+            for name in model.bodies
+            if name == pattern or (pattern != start and name.startswith(start))
+        ]
+        if not matching and pattern == start:
+            raise BackendError(
+                f"{model.path.name} has no link '{pattern}', which robot '{robot.name}' names"
+            )
+        if not matching:
+            raise BackendError(
+                f"{model.path.name} has no link that matches '{pattern}', "
+                f"as robot '{robot.name}' expects"
+            )
+        links += matching
+    return tuple(links)

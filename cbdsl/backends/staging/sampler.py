@@ -1,0 +1,217 @@
+"""The scenario sampler: it draws what a context leaves to chance."""
+
+from __future__ import annotations
+
+import math
+from collections import Counter
+from collections.abc import Callable, Mapping
+from graphlib import CycleError, TopologicalSorter
+from typing import TypeVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cbdsl.backends.backend import BackendError
+from cbdsl.backends.staging.conflict import Conflict, find_conflict
+from cbdsl.backends.staging.pose import Pose
+from cbdsl.backends.staging.scenario import Movement, PlacedThing, Scenario, SceneObject
+from cbdsl.backends.staging.shape import SolidShape
+from cbdsl.backends.staging.span import draw
+from cbdsl.documents.robot import RobotDocument
+from cbdsl.documents.stage import Context, Motion, PlaceSection, Presentation, StageDocument
+
+Floats = NDArray[np.float64]
+_Entry = TypeVar("_Entry")
+
+# Scenes that are drawn until one fits.
+_TRIES = 1000
+
+_UP = np.array([0.0, 0.0, 1.0])
+_ACROSS = np.array([0.0, 1.0, 0.0])
+
+
+class ScenarioSampler:
+    """Draws scenarios from contexts of a stage.
+
+    Args:
+        stage: has the contexts.
+        robot: knows the tips in whose reach things are held.
+        link_pose: where links of the robot are at the start.
+        rng: the only source of chance.
+    """
+
+    def __init__(
+        self,
+        stage: StageDocument,
+        robot: RobotDocument,
+        link_pose: Callable[[str], Pose],
+        rng: np.random.Generator,
+    ) -> None:
+        self._stage = stage
+        self._robot = robot
+        self._link_pose = link_pose
+        self._rng = rng
+
+    def sample(self, context: Context) -> Scenario:
+        """The stage's fixtures and the context's things in their places.
+
+        Where there are several, or fixtures have no fixed place, all are drawn together until no
+        thing overlaps another, and they are as far apart as the context asks for: every scene that
+        fits is as likely as any other.
+
+        Raises:
+            BackendError: the context names what its stage or the robot does not have, or no scene
+                was found in which its things have room.
+        """
+        drawn = any(fixture.is_drawn for fixture in self._stage.fixtures.values())
+        if not context.placed and not drawn:
+            return self._draw(context)
+        apart = {name: each.apart for name, each in context.placed.items()}
+        supports = {name: each.place.on for name, each in context.placed.items()}
+        conflicts: Counter[Conflict] = Counter()
+        for _ in range(_TRIES):
+            scenario = self._draw(context)
+            conflict = find_conflict(scenario, apart, supports)
+            if conflict is None:
+                return scenario
+            conflicts[conflict] += 1
+        ((conflict, count),) = conflicts.most_common(1)
+        raise BackendError(
+            f"stage '{self._stage.name}' has no room for its things: in {_TRIES} scenes that were "
+            f"drawn, most often ({count} times) {conflict}; give them more room"
+        )
+
+    def _draw(self, context: Context) -> Scenario:
+        """A scene whose things may overlap."""
+        fixtures = self._fixtures()
+        known = {fixture.name: fixture for fixture in fixtures}
+        things = []
+        for name, presentation in self._ordered(context):
+            if presentation.things and presentation.place is not None:
+                item = self._item(name, presentation, presentation.place, known)
+                known[item.name] = item
+                things.append(self._placed(item, presentation, presentation.place))
+        return Scenario(fixtures, tuple(things))
+
+    def _ordered(self, context: Context) -> list[tuple[str | None, Presentation]]:
+        """All presentations of a context, each behind what it is on or beside."""
+        presentations = context.presentations
+        before = {
+            name: [each for each in presentation.place.neighbours if each in context.placed]
+            for name, presentation in context.placed.items()
+        }
+        try:
+            order = [*TopologicalSorter(before).static_order()] if before else list(presentations)
+        except CycleError as error:
+            circle = " -> ".join(error.args[1])
+            raise BackendError(
+                f"stage '{self._stage.name}' places things on or beside each other in a circle: "
+                f"{circle}"
+            ) from error
+        return [(name, presentations[name]) for name in order]
+
+    def _fixtures(self) -> tuple[SceneObject, ...]:
+        fixtures = []
+        for name, fixture in self._stage.fixtures.items():
+            shape = SolidShape.draw(fixture.form, self._rng)
+            # Nothing is drawn that is not asked for.
+            position = [
+                first if first == last else draw((first, last), self._rng)
+                for first, last in fixture.position
+            ]
+            pose = Pose(np.array(position), np.eye(3))
+            fixtures.append(SceneObject(name, shape, fixture, 0.0, pose))
+        return tuple(fixtures)
+
+    def _item(
+        self,
+        name: str | None,
+        presentation: Presentation,
+        place: PlaceSection,
+        known: Mapping[str, SceneObject],
+    ) -> SceneObject:
+        """One of a presentation's things in its place; without a name it keeps its own."""
+        drawn = presentation.things[int(self._rng.integers(len(presentation.things)))]
+        thing = self._named(self._stage.things, drawn, "thing")
+        shape = SolidShape.draw(thing.form, self._rng)
+        mass = draw(thing.mass, self._rng)
+        pose = self._pose(place, shape.half_height, known)
+        return SceneObject(name or drawn, shape, thing, mass, pose)
+
+    def _placed(
+        self, item: SceneObject, presentation: Presentation, place: PlaceSection
+    ) -> PlacedThing:
+        released, removed = presentation.released_after, presentation.removed_after
+        until = math.inf if released is None else released
+        return PlacedThing(
+            item,
+            held_until=until if place.held else None,
+            removed=math.inf if removed is None else removed,
+            returned_after=presentation.returned_after,
+            movement=None if presentation.motion is None else self._movement(presentation.motion),
+        )
+
+    def _pose(
+        self, place: PlaceSection, half_height: float, known: Mapping[str, SceneObject]
+    ) -> Pose:
+        x, y = self._across(place, known)
+        turned = Pose.turned(_UP, draw(place.yaw, self._rng))
+        if place.pitch != (0.0, 0.0):  # nothing is drawn that is not asked for
+            turned = turned @ Pose.turned(_ACROSS, draw(place.pitch, self._rng))
+        if place.gap is not None:
+            z = draw(place.gap, self._rng) + half_height
+        elif place.z is not None:
+            z = draw(place.z, self._rng)
+        elif place.on is not None:
+            floor = self._named(known, place.on, "fixture")
+            above = floor.shape.half_height
+            if place.beside is None and self._is_drawn(place.on):
+                place_on_it = np.array([x, y, above + half_height])
+                return floor.pose @ Pose(place_on_it, turned.rotation)
+            z = float(floor.pose.position[2]) + above + half_height
+        else:
+            lower = self._beside(place, known)
+            z = float(lower.pose.position[2]) - lower.shape.half_height + half_height
+        pose = Pose(np.array([x, y, z]), turned.rotation)
+        return pose if place.hand is None else self._tip(place.hand) @ pose
+
+    def _is_drawn(self, name: str) -> bool:
+        """Whether chance decides where something is."""
+        return name not in self._stage.fixtures or self._stage.fixtures[name].is_drawn
+
+    def _across(self, place: PlaceSection, known: Mapping[str, SceneObject]) -> tuple[float, float]:
+        """Where a place is along x and y."""
+        if place.beside is None:
+            return draw(place.x, self._rng), draw(place.y, self._rng)
+        x, y, _ = self._beside(place, known).pose.position.tolist()
+        distance = draw(place.beside.by, self._rng)
+        direction = draw(place.beside.direction, self._rng)
+        return x + distance * math.cos(direction), y + distance * math.sin(direction)
+
+    def _beside(self, place: PlaceSection, known: Mapping[str, SceneObject]) -> SceneObject:
+        """The object that a place is beside."""
+        assert place.beside is not None, "only such places are asked about"
+        return self._named(known, place.beside.name, "fixture or placed thing")
+
+    def _tip(self, effector: str) -> Pose:
+        tip = self._named(self._robot.effectors, effector, "effector").tip
+        if tip is None:
+            raise BackendError(
+                f"stage '{self._stage.name}' holds something out to '{effector}', which has no tip"
+            )
+        return self._link_pose(tip.link) @ Pose(np.array(tip.offset), np.eye(3))
+
+    def _movement(self, motion: Motion) -> Movement:
+        speed, direction = draw(motion.speed, self._rng), draw(motion.direction, self._rng)
+        upward, start = draw(motion.upward, self._rng), draw(motion.after, self._rng)
+        rising = upward if motion.thrown else 0.0
+        velocity = np.array([speed * math.cos(direction), speed * math.sin(direction), rising])
+        return Movement(velocity, start, motion.thrown)
+
+    def _named(self, entries: Mapping[str, _Entry], name: str, kind: str) -> _Entry:
+        if name not in entries:
+            known = ", ".join(entries) or "none"
+            raise BackendError(
+                f"stage '{self._stage.name}' names the {kind} '{name}'; there is: {known}"
+            )
+        return entries[name]

@@ -1,0 +1,137 @@
+"""Stage documents against themselves and their robots."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from cbdsl.checking.controller.reach import farthest_tip
+from cbdsl.checking.findings import Findings
+from cbdsl.checking.lookup.documents import find_document
+from cbdsl.checking.robot.checked_robot import CheckedRobot
+from cbdsl.checking.robot.limits import limit_details
+from cbdsl.checking.session import Session
+from cbdsl.checking.stage.presentation import check_presentations, idle_keys
+from cbdsl.checking.stage.scene import check_scenes
+from cbdsl.documents.robot import RobotDocument
+from cbdsl.documents.stage import BallForm, BoxForm, Form, OpenBoxForm, StageDocument
+from cbdsl.errors.diagnostic import Place
+from cbdsl.yaml_text.loaded import Loaded
+from cbdsl.yaml_text.node import Node
+
+# Masses that a hand can have to do with, kg.
+_LIGHTEST, _HEAVIEST = 1e-4, 50.0
+# Rubber on rubber has 1.2; a ball of clay rolls with less than a centimetre.
+_MOST_FRICTION = {"friction": 3.0, "rolling_friction": 0.05, "spinning_friction": 0.05}
+
+
+def examine_stage(loaded: Loaded[StageDocument], session: Session, findings: Findings) -> None:
+    """Check that a stage names only what there is."""
+    name, source = loaded.document.robot, loaded.source
+    path = find_document(RobotDocument, name, source.place("robot"), session.library, findings)
+    body = session.body(path, findings)
+    for node, (first, last) in _reversed_spans(loaded.document, source.root):
+        findings.add("CB352", node.place, first=f"{first:g}", last=f"{last:g}")
+    for key, context in loaded.document.contexts.items():
+        check_presentations(loaded, findings, key, context, body)
+    _names(loaded, findings)
+    _matter(loaded, findings)
+    check_scenes(loaded, body, findings)
+    if body is not None:
+        _joints(loaded, body, findings)
+        _sizes(loaded, body, findings)
+
+
+def _sizes(loaded: Loaded[StageDocument], body: CheckedRobot, findings: Findings) -> None:
+    """Warn of things that are wider, whichever way they are turned, than any tip can go far."""
+    farthest = farthest_tip(body)
+    for name, thing in loaded.document.things.items():
+        width = _narrowest(thing.form)
+        if farthest is not None and width > farthest:
+            key = "size" if isinstance(thing.form, (BoxForm, OpenBoxForm)) else "radius"
+            place = loaded.source.place("things", name, "form", key)
+            ends = {"width": f"{width:.4g}", "farthest": f"{farthest:.3g}"}
+            findings.add("CB721", place, name=name, robot=body.document.name, **ends)
+
+
+def _matter(loaded: Loaded[StageDocument], findings: Findings) -> None:
+    """Warn of masses and friction that nothing on a table has."""
+    stage = loaded.document
+    for name, thing in stage.things.items():
+        beyond = next((mass for mass in thing.mass if not _LIGHTEST <= mass <= _HEAVIEST), None)
+        if beyond is not None:
+            place = loaded.source.place("things", name, "mass")
+            limits = {"least": f"{1000 * _LIGHTEST:g}", "most": f"{_HEAVIEST:g}"}
+            findings.add("CB760", place, name=name, mass=f"{beyond:g}", **limits)
+    for section, items in (("fixtures", stage.fixtures), ("things", stage.things)):
+        for name, item in items.items():
+            for key, most in _MOST_FRICTION.items():
+                value = getattr(item, key)
+                if value is not None and value > most:
+                    place = loaded.source.place(section, name, key)
+                    details = {"value": f"{value:g}", "most": f"{most:g}", "key": key}
+                    findings.add("CB761", place, name=name, **details)
+
+
+def _narrowest(form: Form) -> float:
+    """The least extent of a thing, at its smallest, m."""
+    if isinstance(form, (BoxForm, OpenBoxForm)):
+        return min(size[0] for size in form.size)
+    across = 2 * form.radius[0]
+    return across if isinstance(form, BallForm) else min(across, form.height[0])
+
+
+def _names(loaded: Loaded[StageDocument], findings: Findings) -> None:
+    """Fixtures and things share the world, and things are there to be shown."""
+    stage, source = loaded.document, loaded.source
+    shows = [each for context in stage.contexts.values() for each in context.presentations.values()]
+    shown = {name for show in shows for name in show.things}
+    is_forgotten = any(idle_keys(show) and not show.things for show in shows)
+    are_known = shown.issubset(stage.things) and source.is_whole("contexts")
+    for name in stage.things:
+        place = source.key("things", name)
+        if name in stage.fixtures:
+            _shared(name, place, loaded, findings)
+        elif name not in shown and are_known and not is_forgotten:
+            findings.add("CB715", place, name=name)
+    for key, context in stage.contexts.items():
+        for name in context.placed:
+            if name in stage.fixtures:
+                place = source.key("contexts", key, "placed", name)
+                _shared(name, place, loaded, findings)
+
+
+def _shared(name: str, place: Place, loaded: Loaded[StageDocument], findings: Findings) -> None:
+    """Tell of a thing with the name of a fixture."""
+    related = [(loaded.source.key("fixtures", name), "the fixture")]
+    findings.add("CB354", place, related=related, name=name)
+
+
+def _joints(loaded: Loaded[StageDocument], body: CheckedRobot, findings: Findings) -> None:
+    """Contexts let joints of the robot start where they can."""
+    known = [joint for each in body.document.effectors.values() for joint in each.joints]
+    for key, context in loaded.document.contexts.items():
+        starts = context.joints
+        for joint in starts:
+            if joint not in known:
+                place = loaded.source.key("contexts", key, "joints", joint)
+                findings.add("CB351", place, names=known, name=joint, what="actuated joint")
+        for (joint, span), limits in zip(starts.items(), body.limits(starts), strict=True):
+            beyond = [i for i, a in enumerate(span) if limits and not limits[0] <= a <= limits[1]]
+            if limits is not None and beyond:
+                node = loaded.source.node(("contexts", key, "joints", joint, beyond[0]))
+                limits_text = limit_details(node.value, span[beyond[0]], limits)
+                findings.add("CB355", node.place, joint=joint, **limits_text)
+
+
+def _reversed_spans(value: object, node: Node) -> Iterator[tuple[Node, tuple[float, float]]]:
+    """The spans in a part of a stage whose upper end is written first."""
+    written = node.value
+    if isinstance(written, dict):
+        for key, child in written.items():
+            inner = value[key] if isinstance(value, dict) else getattr(value, key)
+            yield from _reversed_spans(inner, child)
+    elif isinstance(written, list) and isinstance(value, tuple):
+        if len(value) == 2 and isinstance(value[0], float) and value[0] > value[1]:
+            yield node, value
+        for inner, child in zip(value, written, strict=True):
+            yield from _reversed_spans(inner, child)

@@ -1,0 +1,122 @@
+"""Signals of blobs: velocity, extent and orientation in an image, velocity and volume in space."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cbdsl.documents.robot import RobotDocument
+from cbdsl.sensing.blob import blob_of
+from cbdsl.sensing.observation import Observation
+from cbdsl.sensing.reading import Reading
+from cbdsl.sensing.vision import Vision
+from cbdsl.sensing.visual_signals import VisualSignals
+from cbdsl.types.resource import BlobSignal, Resource, StereoSignal
+
+Floats = NDArray[np.float64]
+
+
+class _Motion(NamedTuple):
+    """Heading in the newest image, and its rate since the one before, rad/s, if that had it."""
+
+    image: int
+    time: float
+    angles: Floats
+    rate: Floats | None
+
+
+class BlobSignals:
+    """Reads the parts of blobs, which no joint is known to move.
+
+    Args:
+        robot: has the cameras.
+        vision: what they see.
+        sight: knows what hands hold.
+        resources: that are read.
+    """
+
+    def __init__(
+        self,
+        robot: RobotDocument,
+        vision: Vision,
+        sight: VisualSignals,
+        resources: Iterable[Resource],
+    ) -> None:
+        self._robot, self._vision, self._sight = robot, vision, sight
+        self._followed = {
+            (each.source.camera, each.source.channel, each.source.instance)
+            for each in resources
+            if isinstance(each.source, BlobSignal) and each.source.part == "velocity"
+        }
+        self.reset()
+
+    def reset(self) -> None:
+        """Forget the episode before."""
+        self._motions: dict[tuple[str, str, int], _Motion] = {}
+        self._joint_velocities: Floats = np.zeros(0)
+
+    def update(self, observation: Observation) -> None:
+        """Compare headings in the newest images with those before; vision must be up to date."""
+        self._joint_velocities = observation.velocities
+        if not (observation.images or observation.regions):
+            return
+        # Instances that are named in two ways may be the same thing.
+        things = {
+            (camera, channel, number)
+            for camera, channel, instance in self._followed
+            if (number := self._vision.number(channel, instance)) is not None
+        }
+        for thing in things:
+            self._follow(thing, observation.time)
+
+    def blob(self, source: BlobSignal) -> Reading | None:
+        """A part of the blob of a thing's region, or ``None`` unless the whole of it is seen."""
+        number = self._vision.number(source.channel, source.instance)
+        if number is None:
+            return None
+        key = source.camera, source.channel, number
+        region = self._vision.region(*key)
+        if region is None or region.clipped:
+            return None
+        if source.part == "velocity":
+            motion = self._motions.get(key)
+            current = motion is not None and motion.image == self._vision.images
+            return self._reading(motion.rate if motion is not None and current else None)
+        blob = blob_of(self._robot.cameras[source.camera], region)
+        if source.part == "extent":
+            return self._reading(blob.extent)
+        return self._reading(None if blob.orientation is None else np.array([blob.orientation]))
+
+    def feature(self, source: StereoSignal) -> Reading | None:
+        """The velocity of what stereo sees, m/s, or its volume, m^3.
+
+        What a hand holds moves with the hand. The volume is that of a ball which looks as large.
+        """
+        number = self._vision.number(source.channel, source.instance)
+        memory = None if number is None else self._vision.memory(source.channel, number)
+        if memory is None:
+            return None
+        if source.part == "velocity":
+            held = self._sight.motion(memory)
+            return self._reading(
+                memory.velocity if held is None else held.dot(self._joint_velocities)
+            )
+        if memory.position is None:
+            return None
+        return self._reading(np.array([4 / 3 * math.pi * memory.radius**3]))
+
+    def _follow(self, thing: tuple[str, str, int], time: float) -> None:
+        seen, image = self._vision.heading(*thing), self._vision.images
+        if seen is None or seen.stamp != image:
+            return
+        before, rate = self._motions.get(thing), None
+        if before is not None and before.image == image - 1:
+            rate = (seen.angles - before.angles) / (time - before.time)
+        self._motions[thing] = _Motion(image, time, seen.angles, rate)
+
+    def _reading(self, value: Floats | None) -> Reading | None:
+        return None if value is None else Reading(value, None, self._vision.images)

@@ -1,0 +1,379 @@
+"""Instances: the things of one channel, kept apart and remembered one by one."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+from functools import partial
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cbdsl.documents.robot import Regions
+from cbdsl.sensing.association import Meeting, Pair, meet, pair
+from cbdsl.sensing.channels import Region
+from cbdsl.sensing.field_of_view import FieldOfView
+from cbdsl.sensing.memory import PositionMemory
+from cbdsl.sensing.sighting import Sighting
+
+Floats = NDArray[np.float64]
+Sightings = Sequence[Sequence[Sighting]]
+
+# A line of sight that passes a remembered thing's middle by its radius and this leads to it, m.
+_BESIDE = 0.03
+# A thing beside others is believed where two images in a row show it within this distance, m.
+_STEADY = 0.02
+# Regions that have grown together look larger than the thing that is known, by this at least.
+_GROWN = 1.04
+# Two round regions grown together are longer than wide, by this at least, and fill less of
+# the ellipse with their moments; a rectangle fills 0.955 of it.
+_LONG = 1.3
+_FILLED = 0.92
+
+
+class Instances:
+    """The things of one channel, by order of discovery, and which of them is attended to.
+
+    A thing keeps its number while it is remembered; a new one takes the lowest that is free.
+    Attention is first on the thing whose image is largest. It stays there while that is remembered,
+    and then goes to the nearest of the others.
+
+    Args:
+        settings: how many are kept apart, and how each is remembered.
+        field: where the cameras look.
+        stereo: whether two cameras look, so that there are positions.
+
+    Attributes:
+        memories: by number, from 0.
+        attended: number of the one attended to.
+        sightings: in the newest images, by camera, of each number that is seen there. What is seen
+            and not remembered goes by the lowest free number.
+    """
+
+    def __init__(self, settings: Regions, field: FieldOfView, cameras: int) -> None:
+        self._settings, self._field, self._cameras = settings, field, cameras
+        self._stereo = cameras == 2
+        count = settings.instances if self._stereo else 0
+        self.memories = tuple(PositionMemory(settings) for _ in range(count))
+        self.reset()
+
+    def reset(self) -> None:
+        """Forget everything."""
+        self.attended = 0
+        self.sightings: list[dict[int, Sighting]] = [{} for _ in range(self._cameras)]
+        self._candidates: list[Floats] = []
+        self._place: Floats | None = None
+        for memory in self.memories:
+            memory.reset()
+
+    @property
+    def known(self) -> list[int]:
+        """Numbers of the things that are remembered."""
+        return [k for k, memory in enumerate(self.memories) if memory.position is not None]
+
+    def number(self, instance: str) -> int | None:
+        """Number of an instance as resources name it, ``None`` while there is none.
+
+        Args:
+            instance: one of ``SELECTIONS``, a number in the order of discovery, from 1, or "" for
+                the thing attended to.
+        """
+        if not instance:
+            return self.attended
+        if instance.isdigit():
+            return int(instance) - 1
+        known = [k for k in self.known if instance != "other" or k != self.attended]
+        return min(known, key=partial(self._rank, instance), default=None)
+
+    def _rank(self, selection: str, number: int) -> tuple[float, int]:
+        """Sorts the selected instance first."""
+        memory = self.memories[number]
+        assert memory.position is not None
+        if selection == "largest":
+            return -memory.radius, number
+        if selection == "other":
+            place = self.memories[self.attended].position
+            return (0.0 if place is None else math.dist(memory.position, place)), number
+        offset = memory.position - self._field.middle
+        if selection == "nearest":
+            return math.hypot(*offset.tolist()), number
+        azimuth = math.atan2(offset[1], offset[0])
+        return (-azimuth if selection == "leftmost" else azimuth), number
+
+    def look(self, time: float, seen: Sightings) -> None:
+        """Take in the newest images.
+
+        Args:
+            time: s.
+            seen: by camera, the sightings of the channel's regions, the largest first.
+        """
+        for each in self.sightings:
+            each.clear()
+        known = self.known
+        if not known:
+            self.attended = 0
+        if self._is_one_thing(seen, known):
+            for each, sightings in zip(self.sightings, seen, strict=True):
+                if sightings:
+                    each[self.attended] = sightings[0]
+            if self._stereo:
+                self._remember(time, self.attended)
+        elif self._stereo:
+            self._tell_apart(time, seen, known)
+        else:
+            for each, sightings in zip(self.sightings, seen, strict=True):
+                each[self.attended] = sightings[0]
+        self._attend()
+
+    def _is_one_thing(self, seen: Sightings, known: Sequence[int]) -> bool:
+        """Whether all that is seen may be the one thing that is known, or be the first one."""
+        if len(known) > 1 or any([len(sightings) > 1 for sightings in seen]):
+            return False
+        if not known:
+            return True
+        self.attended = known[0]
+        memory = self.memories[known[0]]
+        assert memory.position is not None
+        reach, position = memory.radius + _BESIDE, memory.position
+        if all([each.distance(position) <= reach for one in seen for each in one]):
+            return True
+        # What is not where it is looked for has moved.
+        if not self._is_hidden(known[0]):
+            return self._field.shows(position, memory.radius)
+        far = reach + self._settings.hand_radius
+        return all([each.distance(position) <= far for one in seen for each in one])
+
+    def _remember(self, time: float, number: int, *, believed: bool = True) -> None:
+        """Take in what the newest images say of one thing."""
+        memory = self.memories[number]
+        sighting = self._located(number) if believed else None
+        if sighting is not None and (memory.position is not None or self._is_whole(number)):
+            position, _, sizes = sighting
+            if memory.looks_smaller(sizes) and not self._field.is_hidden_by_hand(position):
+                memory.forget_size()
+            if memory.see(time, position, sizes):
+                return
+        if memory.position is not None:
+            memory.miss(time, explained=self._explains(time, number))
+
+    def _is_whole(self, number: int) -> bool:
+        """Whether what is seen for the first time is one thing."""
+        return all(_is_compact(each[number].region) for each in self.sightings)
+
+    def _located(self, number: int) -> Meeting | None:
+        """Where a thing is seen whole by both cameras, or ``None``."""
+        left, right = (each.get(number) for each in self.sightings)
+        if left is None or right is None or left.region.clipped or right.region.clipped:
+            return None
+        meeting = meet(left, right, self._settings.farthest)
+        if meeting is None or meeting.gap > self._settings.ray_gap:
+            return None
+        return meeting
+
+    def _explains(self, time: float, number: int) -> bool:
+        """Whether a thing may well be where it is remembered, although it was not seen there."""
+        memory = self.memories[number]
+        position, radius = memory.position, memory.radius
+        assert position is not None
+        if self._is_hidden(number):
+            return True
+        if not self._field.shows(position, radius):
+            # Nobody knows where a thing that moved has got to.
+            return not memory.is_lost(time)
+        reach, seen = radius + _BESIDE, [each[number] for each in self.sightings if number in each]
+        return any(sighting.distance(position) <= reach for sighting in seen)
+
+    def _is_hidden(self, number: int) -> bool:
+        """Whether a hand or other things are before a thing in every image that would show it."""
+        memory = self.memories[number]
+        assert memory.position is not None
+        if self._field.is_hidden_by_hand(memory.position):
+            return True
+        hidden = self._hidden_by_others(number)
+        if not any(hidden):
+            return False
+        views = self._field.views(memory.position, memory.radius)
+        return all(hides or not view for hides, view in zip(hidden, views, strict=True))
+
+    def _hidden_by_others(self, number: int) -> list[bool]:
+        """Whether other things are before a thing, by camera."""
+        memory = self.memories[number]
+        assert memory.position is not None
+        others = [
+            (other.position, other.radius)
+            for other in self.memories
+            if other is not memory and other.position is not None
+        ]
+        return self._field.hidden_by((memory.position, memory.radius), others)
+
+    def _tell_apart(self, time: float, seen: Sightings, known: Sequence[int]) -> None:
+        """Take in images with several regions, or with a thing that is not the one known."""
+        for each, sightings in zip(self.sightings, seen, strict=True):
+            self._claim(each, sightings, known)
+        for number in known:
+            self._retract(number)
+        grown = {k for k in known if self._has_grown_together(k, known)}
+        for number in known:
+            self._remember(time, number, believed=number not in grown)
+        left, right = (
+            [sighting for sighting in sightings if sighting not in each.values()]
+            for each, sightings in zip(self.sightings, seen, strict=True)
+        )
+        certain, _ = pair(left, right, self._settings)
+        fresh = [each for each in certain if self._may_be_another(each, left, right)]
+        before, self._candidates = self._candidates, [each.meeting.position for each in fresh]
+        for candidate in sorted(fresh, key=lambda candidate: -sum(candidate.meeting.sizes)):
+            if not known or _is_near(candidate.meeting.position, before):
+                sightings = left[candidate.left], right[candidate.right]
+                self._discover(time, sightings, candidate.meeting)
+        self._offer(left, right, certain)
+
+    def _claim(
+        self, claims: dict[int, Sighting], sightings: Sequence[Sighting], known: Sequence[int]
+    ) -> None:
+        """Give each remembered thing the sighting that leads to it, the nearest ones first."""
+        options = []
+        for number in known:
+            memory = self.memories[number]
+            assert memory.position is not None
+            for place, sighting in enumerate(sightings):
+                distance = sighting.distance(memory.position)
+                if distance <= memory.radius + _BESIDE:
+                    options.append((distance, number, place))
+        taken = set()
+        for _, number, place in sorted(options):
+            if number not in claims and place not in taken:
+                claims[number] = sightings[place]
+                taken.add(place)
+
+    def _retract(self, number: int) -> None:
+        """Give up a sighting by one camera where the other ought to see the thing, too."""
+        memory = self.memories[number]
+        assert memory.position is not None
+        claims = [number in each for each in self.sightings]
+        if claims[0] == claims[1] or self._field.is_hidden_by_hand(memory.position):
+            return
+        other = claims.index(False)
+        views = self._field.views(memory.position, memory.radius)
+        if views[other] and not self._hidden_by_others(number)[other]:
+            del self.sightings[1 - other][number]
+
+    def _has_grown_together(self, number: int, known: Sequence[int]) -> bool:
+        """Whether a thing's region may show another thing, too, which has no region of its own."""
+        memory = self.memories[number]
+        assert memory.position is not None
+        for claims in self.sightings:
+            sighting = claims.get(number)
+            if sighting is None:
+                continue
+            reach = sighting.radius(memory.position)
+            if reach < _GROWN * memory.radius:
+                continue
+            for other in known:
+                place = self.memories[other].position
+                if other not in claims and place is not None and sighting.distance(place) < reach:
+                    return True
+        return False
+
+    def _may_be_another(
+        self, candidate: Pair, left: Sequence[Sighting], right: Sequence[Sighting]
+    ) -> bool:
+        """Whether two sightings show a thing, whole, that is none of those remembered."""
+        sightings = left[candidate.left], right[candidate.right]
+        if not candidate.whole or not all(_is_compact(each.region) for each in sightings):
+            return False
+        radius = math.sqrt(max(candidate.meeting.sizes) / math.pi)
+        return all(
+            memory.position is None
+            or math.dist(memory.position, candidate.meeting.position) > max(memory.radius, radius)
+            for memory in self.memories
+        )
+
+    def _discover(
+        self, time: float, sightings: tuple[Sighting, Sighting], meeting: Meeting
+    ) -> None:
+        """Remember a new thing, or one that is not where it was, if there is a number for it."""
+        free = (k for k, each in enumerate(self.memories) if each.position is None)
+        number = next(self._moved(meeting.position), None)
+        number = next(free, None) if number is None else number
+        if number is None:
+            return
+        self.memories[number].reset()
+        self.memories[number].see(time, meeting.position, meeting.sizes)
+        for each, sighting in zip(self.sightings, sightings, strict=True):
+            each[number] = sighting
+
+    def _moved(self, position: Floats) -> Iterator[int]:
+        """Things that are not seen where they are remembered, and may have got to a position."""
+        for number in self.known:
+            memory = self.memories[number]
+            assert memory.position is not None
+            if any(number in each for each in self.sightings):
+                continue
+            if not self._field.shows(memory.position, memory.radius):
+                continue
+            near = math.dist(memory.position, position) <= self._settings.hand_radius
+            if near or not self._is_hidden(number):
+                yield number
+
+    def _attend(self) -> None:
+        """Keep attention where it is, or move it to the nearest thing."""
+        known = self.known
+        if not known:
+            return
+        if self.memories[self.attended].position is None:
+            self.attended = min(known, key=self._priority)
+        self._place = self.memories[self.attended].position
+
+    def _priority(self, number: int) -> tuple[float, float, int]:
+        """Sorts first what is nearest to what was attended to; at the beginning, the largest."""
+        position, place = self.memories[number].position, self._place
+        assert position is not None
+        distance = 0.0 if place is None else math.dist(position, place)
+        area = sum(each[number].region.area for each in self.sightings if number in each)
+        return distance, -area, number
+
+    def _offer(
+        self, left: Sequence[Sighting], right: Sequence[Sighting], certain: Sequence[Pair]
+    ) -> None:
+        """Let the largest region that shows nothing remembered go by the lowest free number.
+
+        So there are headings to what has no position yet, since one camera sees none of it, or a
+        part. Its counterpart in the other image goes by the same number.
+        """
+        free = next((k for k, each in enumerate(self.memories) if each.position is None), None)
+        options = [
+            (-sighting.region.area, row, number)
+            for row, sightings in enumerate((left, right))
+            for number, sighting in enumerate(sightings)
+            if not self._is_part_of_known(sighting)
+        ]
+        if free is None or not options:
+            return
+        _, row, number = min(options)
+        self.sightings[row][free] = (left, right)[row][number]
+        for each in certain:
+            numbers = each.left, each.right
+            if numbers[row] == number:
+                other = 1 - row
+                self.sightings[other][free] = (left, right)[other][numbers[other]]
+
+    def _is_part_of_known(self, sighting: Sighting) -> bool:
+        """Whether a line of sight leads to a remembered thing."""
+        return any(
+            memory.position is not None and sighting.distance(memory.position) <= memory.radius
+            for memory in self.memories
+        )
+
+
+def _is_compact(region: Region) -> bool:
+    """Whether a region is not two round ones that have grown together."""
+    columns, mixed, rows = region.moments
+    middle, half = (columns + rows) / 2, math.hypot((columns - rows) / 2, mixed)
+    longer, shorter = middle + half, max(middle - half, 0.0)
+    ellipse = 4 * math.pi * math.sqrt(longer * shorter)
+    return region.area >= _FILLED * ellipse or longer < _LONG**2 * shorter
+
+
+def _is_near(position: Floats, places: Sequence[Floats]) -> bool:
+    return any(math.dist(position, place) <= _STEADY for place in places)

@@ -1,0 +1,205 @@
+"""Surfaces: level planes that fill images, from their outlines in two of them.
+
+What fills an image has no centre, and what is of one colour nothing else to match. Its outline
+has: a sweep over level planes finds the height at which the outline that one camera sees falls on
+the one that the other sees (plane sweep stereo, Collins 1996). An outline along the baseline does
+so at any height, and tells nothing.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cbdsl.documents.robot import Camera
+from cbdsl.numeric.compiled import compiled_once
+from cbdsl.sensing.channels import Extent
+from cbdsl.sensing.kinematics import Frame
+
+Floats = NDArray[np.float64]
+
+# Planes are tried from this far below the cameras down to that far, m, in steps of so much: an
+# outline's image moves by a pixel or less from one to the next.
+_NEAREST, _FARTHEST, _STEP = 0.3, 1.6, 0.01
+_FINE = 0.001
+# Distance of the points of an outline, and from where on they are outliers, such as those of what
+# hides a part of the surface, px.
+_SPACING, _OUTLIER = 4.0, 3.0
+# A plane has to match this many points of the outline; with a mean squared distance of no more than
+# this, px^2; and every plane that matches half as well has to be no farther away than this, m.
+_LEAST_POINTS, _MISFIT, _AMBIGUOUS = 20, 1.5, 0.03
+# Planes nearer to each other than this are the same surface, m.
+_SAME = 0.03
+# The mean of as many sightings is the height.
+_SIGHTINGS = 10
+
+
+class SurfaceView(NamedTuple):
+    """A surface in the image of one camera."""
+
+    camera: Camera
+    frame: Frame
+    extent: Extent
+
+
+class LevelSurface:
+    """A level surface as both cameras have seen it.
+
+    Attributes:
+        height: m, world frame, or ``None`` while undefined.
+        points: on what was seen of it last, m, world frame, shape (k, 3).
+    """
+
+    def __init__(self) -> None:
+        self.reset()
+
+    def reset(self) -> None:
+        """Forget it."""
+        self.height: float | None = None
+        self.points: Floats = np.empty((0, 3))
+        self._sightings = 0
+
+    def see(self, left: SurfaceView, right: SurfaceView) -> None:
+        """Take in what both cameras see, if that tells the height, or it is known."""
+        # What does not move is measured often enough at some time.
+        settled = self._sightings >= _SIGHTINGS
+        height = None if settled else find_height(left, right)
+        if height is not None:
+            self._correct(height)
+        if self.height is not None and left.extent.cover:
+            self.points = _on_level(left, np.array(left.extent.cover), self.height)
+
+    def _correct(self, height: float) -> None:
+        if self.height is None or abs(height - self.height) > _SAME:
+            self.height, self._sightings = height, 1
+            return
+        self._sightings += 1
+        self.height += (height - self.height) / self._sightings
+
+
+class SurfaceSampler:
+    """Draws points that are spread evenly over the image of a surface."""
+
+    def __init__(self, surface: LevelSurface, rng: np.random.Generator) -> None:
+        self._surface, self._rng = surface, rng
+
+    def draw(self) -> Floats | None:
+        """The next point, m, shape (3,), or ``None`` while there is none."""
+        points = self._surface.points
+        return self._rng.choice(points) if len(points) else None
+
+
+def find_height(left: SurfaceView, right: SurfaceView) -> float | None:
+    """The height of the level plane that both outlines fit, m, or ``None`` if there is not one."""
+    points, segments = _sampled(left.extent.outline), np.array(right.extent.outline)
+    if len(points) < _LEAST_POINTS or not len(segments):
+        return None
+    eye = min(left.frame.position[2], right.frame.position[2])
+    coarse = np.arange(eye - _NEAREST, eye - _FARTHEST, -_STEP)
+    costs = _misfits(left, right, points, segments, coarse)
+    best = int(np.argmin(costs))
+    alike = coarse[costs < max(2 * costs[best], _MISFIT)]
+    if costs[best] > _MISFIT or np.abs(alike - coarse[best]).max() > _AMBIGUOUS:
+        return None
+    fine = coarse[best] + np.arange(-_STEP, _STEP, _FINE)
+    return float(fine[np.argmin(_misfits(left, right, points, segments, fine))])
+
+
+def _sampled(outline: tuple[tuple[float, float, float, float], ...]) -> Floats:
+    """Points along the segments of an outline, px, shape (k, 2)."""
+    points = [np.empty((0, 2))]
+    for segment in outline:
+        ends = np.array(segment).reshape(2, 2)
+        count = max(2, round(math.dist(*ends) / _SPACING))
+        points.append(np.linspace(ends[0], ends[1], count))
+    return np.concatenate(points)
+
+
+def _lines(view: SurfaceView, points: Floats) -> Floats:
+    """Lines of sight of pixels, world frame, shape (k, 3)."""
+    camera = view.camera
+    middle = np.array((camera.width, camera.height)) / 2
+    slopes = (middle - points) / camera.focal_length
+    lines: Floats = np.column_stack([np.ones(len(slopes)), slopes]).dot(view.frame.rotation.T)
+    return lines
+
+
+def _on_level(view: SurfaceView, points: Floats, height: float) -> Floats:
+    """Where lines of sight that lead down meet a level plane, m, shape (k, 3)."""
+    lines = _lines(view, points)
+    lines = lines[lines[:, 2] < -1e-3]
+    depth = (height - view.frame.position[2]) / lines[:, 2]
+    met: Floats = view.frame.position + depth[:, None] * lines
+    return met
+
+
+def _misfits(
+    left: SurfaceView, right: SurfaceView, points: Floats, segments: Floats, heights: Floats
+) -> Floats:
+    camera, costs = right.camera, np.empty(len(heights))
+    lens = np.array((camera.focal_length, camera.width, camera.height), dtype=float)
+    _sweep(
+        left.frame.position, _lines(left, points), right.frame.position, right.frame.rotation,
+        lens, segments, heights, costs,
+    )  # fmt: skip
+    return costs
+
+
+@compiled_once
+def _sweep(
+    eye: Floats,
+    lines: Floats,
+    other_eye: Floats,
+    rotation: Floats,
+    lens: Floats,
+    segments: Floats,
+    heights: Floats,
+    costs: Floats,
+) -> None:
+    """Find how far an outline falls from another one, by way of level planes.
+
+    Args:
+        eye: the camera that sees the one, m, shape (3,).
+        lines: of sight to its points, shape (n, 3).
+        other_eye, rotation: the camera that sees the other, shapes (3,) and (3, 3).
+        lens: its focal length, width and height, px, shape (3,).
+        segments: of the outline that it sees, px, shape (k, 4).
+        heights: of the planes, m, shape (m,).
+        costs: become mean squared distances, px^2, infinite where few points meet, shape (m,).
+    """
+    offset, point = np.empty(3), np.empty(3)
+    for which in range(len(heights)):
+        total, count = 0.0, 0
+        for line in lines:
+            if line[2] > -1e-3:
+                continue
+            depth = (heights[which] - eye[2]) / line[2]
+            for i in range(3):
+                offset[i] = eye[i] + depth * line[i] - other_eye[i]
+            for i in range(3):
+                point[i] = (
+                    rotation[0, i] * offset[0]
+                    + rotation[1, i] * offset[1]
+                    + rotation[2, i] * offset[2]
+                )
+            if point[0] < 0.05:
+                continue
+            column = 0.5 * lens[1] - lens[0] * point[1] / point[0]
+            row = 0.5 * lens[2] - lens[0] * point[2] / point[0]
+            # What is at the border may be matched by what is beyond it.
+            if not (3.0 < column < lens[1] - 3.0 and 3.0 < row < lens[2] - 3.0):
+                continue
+            nearest = _OUTLIER * _OUTLIER
+            for segment in segments:
+                across, down = segment[2] - segment[0], segment[3] - segment[1]
+                share = (column - segment[0]) * across + (row - segment[1]) * down
+                share = min(max(share / (across * across + down * down), 0.0), 1.0)
+                x = column - segment[0] - share * across
+                y = row - segment[1] - share * down
+                nearest = min(nearest, x * x + y * y)
+            total += nearest
+            count += 1
+        costs[which] = total / count if count >= _LEAST_POINTS else math.inf

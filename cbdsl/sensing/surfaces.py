@@ -1,0 +1,59 @@
+"""Surfaces of the channels that a program samples points of."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+from cbdsl.documents.robot import RobotDocument
+from cbdsl.sensing.kinematics import Kinematics
+from cbdsl.sensing.observation import Observation
+from cbdsl.sensing.surface import LevelSurface, SurfaceView
+from cbdsl.sensing.vision import Vision
+from cbdsl.types.resource import Resource, SurfacePoint
+
+
+class Surfaces:
+    """Surfaces by channel, which are remembered until the episode ends: none of them moves.
+
+    Args:
+        robot: has two cameras.
+        kinematics: of the same robot.
+        vision: what they see.
+        resources: that are read.
+    """
+
+    def __init__(
+        self,
+        robot: RobotDocument,
+        kinematics: Kinematics,
+        vision: Vision,
+        resources: Iterable[Resource],
+    ) -> None:
+        self._robot, self._kinematics, self._vision = robot, kinematics, vision
+        sources = [each.source for each in resources]
+        self.by_channel = {
+            source.channel: LevelSurface() for source in sources if isinstance(source, SurfacePoint)
+        }
+
+    def reset(self) -> None:
+        """Forget the episode before."""
+        for surface in self.by_channel.values():
+            surface.reset()
+
+    def update(self, observation: Observation) -> None:
+        """Look at the newest images; vision must be up to date."""
+        if not (observation.images or observation.regions):
+            return
+        for channel, surface in self.by_channel.items():
+            views = [self._view(camera, channel) for camera in self._robot.cameras]
+            left, right = views
+            if left is not None and right is not None:
+                surface.see(left, right)
+
+    def _view(self, name: str, channel: str) -> SurfaceView | None:
+        regions = self._vision.seen.get(name, {}).get(channel, ())
+        extent = next((each.extent for each in regions if each.extent is not None), None)
+        if extent is None:
+            return None
+        camera = self._robot.cameras[name]
+        return SurfaceView(camera, self._kinematics.frame(camera.link), extent)

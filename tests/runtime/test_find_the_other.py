@@ -1,0 +1,38 @@
+"""``find_the_other`` touches both of two things of one colour, and the second is not the first."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+from cbdsl.backends.kinematic.backend import KinematicBackend
+from cbdsl.documents.robot import RobotDocument
+from cbdsl.documents.stage import StageDocument
+from cbdsl.runtime.episode import Runner, Tick
+from cbdsl.sensing.kinematics import Kinematics
+from tests.conftest import Checked
+
+
+@pytest.mark.parametrize("seed", range(70001, 70005))
+def test_both_are_touched_one_after_the_other(
+    dexter: RobotDocument,
+    urdf: Path,
+    kinematics: Kinematics,
+    checked: Checked,
+    stage: Callable[[str], StageDocument],
+    seed: int,
+) -> None:
+    backend = KinematicBackend(dexter, urdf)
+    touched: list[str] = []
+
+    def note(_: Tick) -> None:
+        touched.extend(name for name in ("one", "other") if backend.truth.touched(name))
+
+    runner = Runner(dexter, kinematics, checked("find_the_other"), backend)
+    result = runner.run(stage("two_red_balls"), seed, on_tick=note)
+    backend.close()
+    assert result.rewarded, result.ending
+    assert set(touched) == {"one", "other"}
+    assert touched[0] != touched[-1]

@@ -1,0 +1,235 @@
+"""Instances: several things of one colour are kept apart, and remembered where the head looks away.
+
+On the kinematic backend, whose ideal cameras see them as rendered ones do.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from cbdsl.backends.kinematic.backend import KinematicBackend
+from cbdsl.backends.staging.pose import Pose
+from cbdsl.documents.robot import RobotDocument
+from cbdsl.documents.stage import StageDocument
+from cbdsl.robot.instance_names import instance_names, parse_instance
+from cbdsl.robot.resources import resources
+from cbdsl.sensing.instances import Instances
+from cbdsl.sensing.kinematics import Kinematics
+from cbdsl.sensing.signals import Signals
+
+Floats = NDArray[np.float64]
+RED = "hue_1"
+LEFT, RIGHT = np.array([0.6, 0.07, -0.36]), np.array([0.62, -0.08, -0.37])
+AHEAD, AWAY = {"pan": 0.0, "tilt": 1.15}, {"pan": 1.2, "tilt": 0.3}
+
+
+class Scene:
+    """Red balls on nothing, and a robot that looks at them.
+
+    Attributes:
+        backend: with the balls, by the names ``ball_0`` and on.
+        signals: of the robot.
+    """
+
+    def __init__(self, robot: RobotDocument, urdf: Path) -> None:
+        self.backend = KinematicBackend(robot, urdf)
+        self._named = resources(robot)
+        wanted = [self._named["stereo.red"]]
+        self.signals = Signals(robot, Kinematics(robot, urdf), wanted)
+
+    def show(self, *balls: tuple[Floats, float], **joints: float) -> None:
+        """Begin anew with balls, each a centre and a radius."""
+        fixtures = {
+            f"ball_{number}": {
+                "form": {"shape": "ball", "radius": radius},
+                "position": centre.tolist(),
+                "color": [1, 0, 0],
+            }
+            for number, (centre, radius) in enumerate(balls)
+        }
+        document: dict[str, Any] = {
+            "cbdsl": 1, "kind": "stage", "name": "balls", "robot": "dexter",
+            "fixtures": fixtures, "contexts": {"all": {"joints": joints or AHEAD}},
+        }  # fmt: skip
+        stage = StageDocument.model_validate(document)
+        self.backend.reset(stage, None, np.random.default_rng(0))
+        self.signals.reset()
+        self._reference = self.backend.observe().positions.copy()
+
+    def look(self, seconds: float = 0.3, **joints: float) -> None:
+        """Let time pass, with the head turning to these joints."""
+        for name, angle in joints.items():
+            self._reference[self.signals.joints.index[name]] = angle
+        for _ in range(round(seconds / self.backend.control_period)):
+            self.signals.update(self.backend.observe())
+            self.backend.apply(self._reference)
+            self.backend.step()
+
+    @property
+    def red(self) -> Instances:
+        return self.signals.vision.instances[RED]
+
+    def places(self) -> dict[int, Floats]:
+        """Remembered positions by number."""
+        return {
+            number: memory.position
+            for number, memory in enumerate(self.red.memories)
+            if memory.position is not None
+        }
+
+    def value(self, name: str) -> Floats | None:
+        """Value of a resource, also of an instance's."""
+        resource = self._named.get(name)
+        if resource is None:
+            parsed = parse_instance(name, self._named)
+            assert parsed is not None
+            resource = parsed.resource(name)
+        reading = self.signals.read(resource)
+        return None if reading is None else reading.value
+
+
+@pytest.fixture(scope="module")
+def scene(dexter: RobotDocument, urdf: Path) -> Iterator[Scene]:
+    scene = Scene(dexter, urdf)
+    yield scene
+    scene.backend.close()
+
+
+def near(place: Floats) -> Any:
+    return pytest.approx(place, abs=0.005)
+
+
+def test_two_of_one_hue_have_a_place_each_and_the_larger_is_attended_to(scene: Scene) -> None:
+    scene.show((LEFT, 0.04), (RIGHT, 0.06))
+    scene.look()
+    assert scene.places() == {0: near(RIGHT), 1: near(LEFT)}
+    assert scene.value("stereo.red") == near(RIGHT)
+    assert scene.value("stereo.red.1") == near(RIGHT)
+    assert scene.value("stereo.red.2") == near(LEFT)
+    assert scene.value("stereo.red.3") is None
+
+
+def test_selections_choose_among_those_remembered(scene: Scene) -> None:
+    scene.show((LEFT, 0.04), (RIGHT, 0.06))
+    scene.look()
+    expected = {
+        "leftmost": LEFT, "rightmost": RIGHT, "largest": RIGHT, "nearest": LEFT, "other": LEFT,
+    }  # fmt: skip
+    for selection, place in expected.items():
+        assert scene.value(f"stereo.red.{selection}") == near(place), selection
+
+
+def test_headings_lead_to_the_instance_and_never_between(scene: Scene) -> None:
+    scene.show((LEFT, 0.05), (RIGHT, 0.05))
+    scene.look()
+    for name, place in (("leftmost", LEFT), ("rightmost", RIGHT)):
+        for camera in ("left", "right"):
+            frame = scene.signals.kinematics.frame(f"{camera}_camera")
+            x, y, _ = frame.rotation.T @ (place - frame.position)
+            angles = scene.value(f"{camera}.red.{name}")
+            assert angles is not None
+            assert angles[0] == pytest.approx(math.atan2(y, x), abs=0.01)
+
+
+def test_attention_moves_on_only_when_its_thing_is_forgotten(scene: Scene) -> None:
+    scene.show((LEFT, 0.05), (RIGHT, 0.06))
+    scene.look()
+    assert scene.value("stereo.red") == near(RIGHT)
+    scene.backend.truth.remove("ball_1")
+    scene.look(1.0)
+    assert scene.value("stereo.red") == near(LEFT)
+    assert scene.value("stereo.red.1") is None
+    assert scene.value("stereo.red.2") == near(LEFT)
+
+
+def test_what_is_out_of_view_is_remembered_and_keeps_its_number(scene: Scene) -> None:
+    scene.show((LEFT, 0.05), (RIGHT, 0.06))
+    scene.look()
+    before = scene.places()
+    scene.look(10.0, **AWAY)
+    assert not any(scene.red.sightings)
+    assert scene.places() == {number: near(place) for number, place in before.items()}
+    scene.look(2.0, **AHEAD)
+    assert scene.places() == {number: near(place) for number, place in before.items()}
+
+
+def test_what_is_gone_is_forgotten_once_it_is_looked_for(scene: Scene) -> None:
+    scene.show((LEFT, 0.05), (RIGHT, 0.06))
+    scene.look()
+    scene.look(3.0, **AWAY)
+    scene.backend.truth.remove("ball_1")
+    scene.look(3.0)
+    assert len(scene.places()) == 2
+    scene.look(1.0, **AHEAD)
+    scene.look(1.0)
+    assert list(scene.places().values()) == [near(LEFT)]
+
+
+def test_another_thing_is_not_taken_for_one_out_of_view(scene: Scene) -> None:
+    """It is a second one: the first has not moved."""
+    aside = np.array([0.45, 0.5, -0.36])
+    scene.show((RIGHT, 0.05), (aside, 0.05))
+    scene.look()
+    assert scene.places() == {0: near(RIGHT)}
+    scene.look(3.0, pan=1.2, tilt=1.0)
+    assert scene.places() == {0: near(RIGHT), 1: near(aside)}
+    assert scene.value("stereo.red") == near(RIGHT)
+
+
+def test_what_is_carried_before_another_hides_it(scene: Scene) -> None:
+    eyes = np.array([0.287, 0.0, 0.51])
+    front, aside = eyes + 0.75 * (RIGHT - eyes), np.array([0.56, 0.08, -0.2])
+    scene.show((RIGHT, 0.03), (aside, 0.07))
+    scene.look()
+    assert len(scene.places()) == 2
+    (behind,) = (number for number, place in scene.places().items() if place == near(RIGHT))
+    truth = scene.backend.truth
+    for share in np.linspace(0.0, 1.0, 40):
+        truth.put_back("ball_1", Pose(aside + share * (front - aside), np.eye(3)))
+        scene.look(0.1)
+    scene.look(5.0)
+    assert behind not in scene.red.sightings[0] and behind not in scene.red.sightings[1]
+    assert scene.places() == {behind: near(RIGHT), 1 - behind: near(front)}
+    truth.remove("ball_0")
+    for share in np.linspace(1.0, 0.0, 40):
+        truth.put_back("ball_1", Pose(aside + share * (front - aside), np.eye(3)))
+        scene.look(0.1)
+    scene.look(1.0)
+    assert scene.places() == {1 - behind: near(aside)}
+
+
+def test_a_thing_that_is_moved_keeps_its_number(scene: Scene) -> None:
+    scene.show((LEFT, 0.05), (RIGHT, 0.06))
+    scene.look()
+    truth = scene.backend.truth
+    ball = truth.objects["ball_1"]
+    truth.remove("ball_1")
+    moved = RIGHT + np.array([0.0, -0.05, 0.15])
+    truth.add(ball._replace(pose=Pose(moved, ball.pose.rotation)))
+    scene.look(1.0)
+    assert scene.places() == {0: near(moved), 1: near(LEFT)}
+
+
+def test_every_name_of_an_instance_names_a_resource(dexter: RobotDocument) -> None:
+    named = resources(dexter)
+    names = instance_names(dexter)
+    assert names[:4] == ("1", "2", "3", "4")
+    for name in names:
+        for base in ("left.red", "cyclopean.red", "cameras.red", "stereo.red"):
+            parsed = parse_instance(f"{base}.{name}", named)
+            assert parsed is not None
+            resource = parsed.resource(f"{base}.{name}")
+            assert resource.type == named[base].type
+            assert resource.source.instance == name
+    volume = parse_instance("stereo.red.2.volume", named)
+    assert volume is not None and volume.base == named["stereo.red.volume"]
+    assert parse_instance("right_arm.position", named) is None
+    one_eyed = dexter.model_copy(update={"cameras": {"left": dexter.cameras["left"]}})
+    assert instance_names(one_eyed) == ()
