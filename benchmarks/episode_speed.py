@@ -1,9 +1,11 @@
 """Episodes of ``reachtouch`` with the thing in view: how fast they run, and what takes the time.
 
-The same seeds run with the fast renderer and with the simulator's own, turn by turn. For each it
-prints simulated per wall-clock seconds, with the resets between episodes, and the shares of
-physics (with joints and load cells), rendering (with the images' noise), perception (regions and
-positions), control (signals, controllers, law, program) and everything else. Run with
+The same seeds run in turn on bullet with the fast renderer and with its own, and on mujoco with the
+fast renderer and with ideal cameras. For each it prints simulated per wall-clock seconds, with the
+resets between episodes, that speed over bullet's with the fast renderer, and the shares of physics
+(with joints and load cells), rendering (images with their noise, or regions), perception (regions
+and positions), control (signals, controllers, law, program) and everything else. It ends with 1
+where mujoco is slower than 8 times real time, or than 30 times with ideal cameras. Run with
 ``python benchmarks/episode_speed.py --seeds 0 1 2``.
 """
 
@@ -14,12 +16,14 @@ import json
 import sys
 from collections import defaultdict
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 from stopwatch import Stages, Stopwatch
 
-from cbdsl.backends.bullet.backend import BulletBackend
+from cbdsl.backends.backend import embody
+from cbdsl.backends.cameras.ideal import IdealCameras
 from cbdsl.backends.cameras.rendered import RenderedCameras
+from cbdsl.backends.simulated_backend import SimulatedBackend
 from cbdsl.checking.program import check_program
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.documents.stage import StageDocument
@@ -34,25 +38,47 @@ from cbdsl.yaml_text.library import Library
 
 ROOT = Path(__file__).parents[1]
 STAGES: Stages = {
-    "physics": [(BulletBackend, "step")],
-    "rendering": [(RenderedCameras, "take")],
+    "physics": [(SimulatedBackend, "step")],
+    "rendering": [(RenderedCameras, "take"), (IdealCameras, "take")],
     "perception": [(Vision, "update")],
     "control": [(Signals, "update"), (Actuation, "move"), (ProgramRun, "advance")],
 }
 
 
-class Simulation:
-    """Episodes on Dexter with one kind of renderer, and what they took."""
+class Body(NamedTuple):
+    """A backend, its cameras and their renderer, and how many times real time is wanted of it."""
 
-    def __init__(self, robot: RobotDocument, program: CheckedProgram, renderer: str) -> None:
-        vision = robot.vision.model_copy(update={"renderer": renderer})
+    backend: str
+    cameras: str = "rendered"
+    renderer: str = "auto"
+    target: float = 0.0
+
+
+BODIES = (
+    Body("bullet"),
+    Body("bullet", renderer="tiny"),
+    Body("mujoco", target=8.0),
+    Body("mujoco", cameras="ideal", target=30.0),
+)
+
+
+class Simulation:
+    """Episodes on Dexter with one body, and what they took."""
+
+    def __init__(self, robot: RobotDocument, program: CheckedProgram, body: Body) -> None:
+        vision = robot.vision.model_copy(update={"renderer": body.renderer})
         seeing = robot.model_copy(update={"vision": vision})
         urdf = ROOT / "robots" / robot.model
-        self._backend = BulletBackend(seeing, urdf)
+        self.body = body
+        self._backend = embody(body.backend, seeing, urdf, cameras=body.cameras)
         self._runner = Runner(seeing, Kinematics(seeing, urdf), program, self._backend)
         self._simulated = self._wall = 0.0
         self._rewarded = self._episodes = 0
         self._spent: dict[str, float] = defaultdict(float)
+
+    def warm_up(self, stage: StageDocument) -> None:
+        """One episode that does not count: what is compiled is compiled in it."""
+        self._runner.run(stage, 0, "in_view")
 
     def run(self, stage: StageDocument, seed: int) -> None:
         """One episode, with the clocks on."""
@@ -71,6 +97,7 @@ class Simulation:
         shares = {name: 100 * self._spent[name] / self._wall for name in STAGES}
         shares["other"] = 100 - sum(shares.values())
         return {
+            "backend": self.body.backend,
             "renderer": self._backend.renderer,
             "episodes": self._episodes,
             "rewarded": self._rewarded,
@@ -80,28 +107,37 @@ class Simulation:
 
 
 def main() -> None:
-    """Run episodes and print a line per renderer."""
+    """Run episodes and print two lines per body."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--seeds", type=int, nargs="+", default=[0, 1, 2])
-    parser.add_argument("--json", action="store_true", help="print one JSON object per renderer")
+    parser.add_argument("--json", action="store_true", help="print one JSON object per body")
     options = parser.parse_args()
     library = Library(ROOT)
     robot = library.read(library.locate(RobotDocument, "dexter"), RobotDocument).document
     stage = library.read(library.locate(StageDocument, "table_right"), StageDocument).document
     program = check_program("reachtouch", {}, library)
-    simulations = [Simulation(robot, program, renderer) for renderer in ("auto", "tiny")]
+    simulations = [Simulation(robot, program, body) for body in BODIES]
+    for simulation in simulations:
+        simulation.warm_up(stage)
     for seed in options.seeds:
         for simulation in simulations:
             simulation.run(stage, seed)
-    for summary in [simulation.summary() for simulation in simulations]:
-        if options.json:
-            sys.stdout.write(json.dumps(summary) + "\n")
-            continue
-        shares = "  ".join(f"{name} {share:.0f} %" for name, share in summary["percent"].items())
-        sys.stdout.write(
-            f"{summary['renderer']}: {summary['simulated_per_wall']:.1f} times real time, "
-            f"{summary['rewarded']} of {summary['episodes']} rewarded\n  {shares}\n"
-        )
+    summaries = [simulation.summary() for simulation in simulations]
+    for summary in summaries:
+        ratio = summary["simulated_per_wall"] / summaries[0]["simulated_per_wall"]
+        summary["over_first"] = round(ratio, 2)
+        sys.stdout.write((json.dumps(summary) if options.json else _lines(summary)) + "\n")
+    speeds = [summary["simulated_per_wall"] for summary in summaries]
+    sys.exit(any(speed < body.target for speed, body in zip(speeds, BODIES, strict=True)))
+
+
+def _lines(summary: dict[str, Any]) -> str:
+    shares = "  ".join(f"{name} {share:.0f} %" for name, share in summary["percent"].items())
+    return (
+        f"{summary['backend']}, {summary['renderer']}: {summary['simulated_per_wall']:.1f} times "
+        f"real time, {summary['over_first']:.2f} times bullet's speed, "
+        f"{summary['rewarded']} of {summary['episodes']} rewarded\n  {shares}"
+    )
 
 
 if __name__ == "__main__":

@@ -117,7 +117,7 @@ def placo(scene: Scene) -> Iterator[Peer]:
 def mink(scene: Scene) -> Iterator[Peer]:
     """Weighted tasks in one quadratic program, on MuJoCo."""
     import mink as library
-    import mujoco
+    import mujoco  # noqa: TID251 -- as Mink's users do
 
     text = scene.urdf.read_text("utf-8").replace(
         "</robot>",

@@ -1,10 +1,11 @@
-"""How often ``reachtouch`` and ``tactileprobe`` are rewarded, on seeds of your choice.
+"""How often shipped programs are rewarded, on seeds and a backend of your choice.
 
-Every rewarded episode is checked against the simulator's own contacts: all three fingertips have to
-touch the thing. Rates come with exact (Clopper-Pearson) 95 % intervals. Episodes are spread over
-the processors; each is the same as ``cb run`` gives for its seed.
+Every rewarded episode is checked against the simulator's own contacts: fingertips have to touch the
+thing, all three of a hand in most programs. Rates come with exact (Clopper-Pearson) 95 % intervals.
+Episodes are spread over the processors; each is the same as ``cb run`` gives for its seed.
 
     python benchmarks/success_rates.py --episodes 100 --seed 20000 [--only right,left] [--json]
+        [--backend mujoco] [--cameras ideal]
 """
 
 from __future__ import annotations
@@ -15,7 +16,7 @@ import os
 from collections.abc import Iterable, Mapping
 from concurrent.futures import ProcessPoolExecutor
 from dataclasses import asdict, dataclass, field
-from typing import Any
+from typing import Any, NamedTuple
 
 from cbdsl.reproduction.interval import exact_interval
 
@@ -44,12 +45,22 @@ CONDITIONS = (
     Condition("absent", "absent", "0 %"),
     Condition("thrown away", "thrown", "0 %"),
     Condition("tactileprobe", "held_right", "", program="tactileprobe"),
+    Condition("visualinspect", "spotted_right", "", program="visualinspect"),
+    Condition("bimanualtouch", "table_right", "", program="bimanualtouch"),
 )
 
 
-def run_episodes(condition: Condition, seeds: Iterable[int]) -> list[dict[str, Any]]:
+class Body(NamedTuple):
+    """A backend and its cameras, by name."""
+
+    backend: str
+    cameras: str | None
+
+
+def run_episodes(condition: Condition, body: Body, seeds: Iterable[int]) -> list[dict[str, Any]]:
     """Run one condition on some seeds, in this process."""
-    from cbdsl.backends.bullet.backend import BulletBackend
+    from cbdsl.backends.backend import embody
+    from cbdsl.backends.simulated_backend import SimulatedBackend
     from cbdsl.checking.program import check_program
     from cbdsl.documents.robot import RobotDocument
     from cbdsl.documents.stage import StageDocument
@@ -64,15 +75,15 @@ def run_episodes(condition: Condition, seeds: Iterable[int]) -> list[dict[str, A
     urdf = robot_file.parent / robot.model
     stage_file = library.locate(StageDocument, condition.stage)
     stage = library.read(stage_file, StageDocument).document
-    backend = BulletBackend(robot, urdf)
+    backend = embody(body.backend, robot, urdf, cameras=body.cameras)
+    assert isinstance(backend, SimulatedBackend), "contacts are checked in an engine"
     runner = Runner(robot, Kinematics(robot, urdf), program, backend)
     rows = []
     for seed in seeds:
         row = asdict(runner.run(stage, seed))
         things = [name for name in backend.truth.names() if name not in stage.fixtures]
-        touching = {touch.cell for thing in things for touch in backend.truth.touches(thing)}
-        row["touching"] = len(touching - {None})
-        tops = [fixture.position[2] for fixture in stage.fixtures.values()]
+        row["touching"] = sum(len(backend.truth.touching(thing)) for thing in things)
+        tops = [float(backend.truth.pose(name).position[2]) for name in stage.fixtures]
         row["fallen"] = any(
             backend.truth.pose(thing).position[2] < min(tops) for thing in things if tops
         )
@@ -106,7 +117,10 @@ def main() -> None:
     parser.add_argument("--workers", type=int, default=os.cpu_count() or 1)
     parser.add_argument("--only", help="conditions, separated by commas")
     parser.add_argument("--json", action="store_true")
+    parser.add_argument("--backend", default="bullet")
+    parser.add_argument("--cameras", choices=("rendered", "ideal"))
     options = parser.parse_args()
+    body = Body(options.backend, options.cameras)
     only = options.only.split(",") if options.only else None
     with ProcessPoolExecutor(options.workers) as pool:
         for condition in CONDITIONS:
@@ -114,7 +128,7 @@ def main() -> None:
                 continue
             seeds = range(options.seed, options.seed + options.episodes)
             parts = [seeds[k :: options.workers] for k in range(options.workers)]
-            done = pool.map(run_episodes, [condition] * len(parts), parts)
+            done = pool.map(run_episodes, [condition] * len(parts), [body] * len(parts), parts)
             row = summarise(condition, [row for rows in done for row in rows])
             print(json.dumps(row) if options.json else _line(row), flush=True)
 

@@ -9,10 +9,11 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from cbdsl.control.onset import ONSET, OnsetForm
 from cbdsl.control.potential import Potential, address_of
 from cbdsl.control.predicate import ROOM, reset, room_of
 from cbdsl.control.signal import Floats
-from cbdsl.control.tick import SLOT
+from cbdsl.control.tick import SLOT, reset_slot
 
 Integers = NDArray[np.int64]
 
@@ -29,6 +30,10 @@ class SlotForm(NamedTuple):
         funnel: height, the lateral error within which it ends, m, and slope.
         search: how it acts while its feedback is undefined, or ``None``.
         requires: whether another controller is required.
+        anchor: number of the row that the feedback is kept in at activation; -1 for none.
+        offset: number of the row by which it is displaced.
+        turned: whether that is a rotation.
+        onset: the change of a load before which it is undefined, or ``None``.
     """
 
     potential: Potential
@@ -39,6 +44,10 @@ class SlotForm(NamedTuple):
     funnel: Sequence[float]
     search: Search | None
     requires: bool
+    anchor: int = -1
+    offset: int = -1
+    turned: bool = False
+    onset: OnsetForm | None = None
 
 
 class Search(NamedTuple):
@@ -47,14 +56,16 @@ class Search(NamedTuple):
     Attributes:
         follows: whether it waits for another controller.
         within: how near that one has to be to its reference, in the unit of its error.
-        until: the search is in vain once ``joints`` are all beyond this angle, rad.
+        until: the search is in vain once ``joints`` are all beyond this position, rad or m.
         joints: none for a search without end.
+        closing: 1 where beyond is above, -1 where it is below.
     """
 
     follows: bool
     within: float
     until: float
     joints: Sequence[int]
+    closing: float = 1.0
 
 
 class ControllerPlan:
@@ -66,10 +77,12 @@ class ControllerPlan:
         before: displacements of task coordinates in the tick before.
         windows: of predicates.
         listed: joints that searches look at.
+        onsets: shape (o,) of ``onset.ONSET``.
         version: changes when the arrays do.
     """
 
     def __init__(self) -> None:
+        self.onsets: NDArray[Any] = np.zeros(0, ONSET)
         self.slots: NDArray[Any] = np.zeros(0, SLOT)
         self.parameters, self.before, self.windows = np.zeros(0), np.zeros(0), np.zeros(0)
         self.listed: Integers = np.zeros(0, dtype=np.int64)
@@ -98,7 +111,10 @@ class ControllerPlan:
         slot["seeks"], slot["follows"] = form.search is not None, search.follows
         slot["within"], slot["until"] = search.within, search.until
         slot["joint"], slot["joints"] = len(self.listed), len(search.joints)
+        slot["closing"] = search.closing
         slot["requires"] = form.requires
+        slot["anchor"], slot["offset"] = form.anchor, form.offset
+        slot["turned"], slot["onset"] = form.turned, self._wait(form.onset)
         self.slots = np.concatenate((self.slots, slot))
         self.parameters = np.concatenate((self.parameters, potential.parameters))
         self.before = np.concatenate((self.before, np.zeros(potential.size)))
@@ -109,7 +125,19 @@ class ControllerPlan:
         self.version += 1
         return number
 
+    def reset(self, number: int) -> None:
+        """Forget a slot's activation: its controller is idle."""
+        reset_slot(self.slots, number, self.before, self.onsets)
+
     @property
     def arrays(self) -> tuple[NDArray[Any], ...]:
         """As ``tick`` takes them."""
-        return self.slots, self.parameters, self.before, self.windows, self.listed
+        return self.slots, self.parameters, self.before, self.windows, self.listed, self.onsets
+
+    def _wait(self, form: OnsetForm | None) -> int:
+        """Keep what a slot waits for; returns its number, -1 for nothing."""
+        if form is None:
+            return -1
+        record = np.array([form.record()], ONSET)
+        self.onsets = np.concatenate((self.onsets, record))
+        return len(self.onsets) - 1

@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import math
+from typing import Any
 
 import numpy as np
 
 from cbdsl.control.composition import Booleans, Integers, compose
+from cbdsl.control.load_guard import give_way
 from cbdsl.control.signal import Floats
 from cbdsl.numeric.compiled import compiled, compiled_once
 
@@ -26,10 +28,15 @@ def move(
     total: Floats,
     locked: Booleans,
     values: Floats,
+    load_guards: Any,
+    loads: Floats,
+    table: Any,
+    jacobian: Floats,
 ) -> bool:
     """Compose the displacement of all levels and move references (all,) by it, rad.
 
     Args:
+        load_guards, loads, table, jacobian: as of ``load_guard.give_way``.
         positions: measured, of all joints, rad, shape (all,).
         columns: which joint each of the levels' n is, shape (n,).
         guards: largest displacement, largest damping, singular value below which damping sets in,
@@ -50,6 +57,11 @@ def move(
     )  # fmt: skip
     if math.isnan(total[0]):
         return False
+    if len(load_guards) > 0:
+        give_way(
+            load_guards, loads, table, jacobian, reference, here, columns, newest, rows, ages,
+            wanted, ends, limits, guards, total, locked, values,
+        )  # fmt: skip
     _advance(reference, columns, total, here, guards[3], limits)
     return True
 

@@ -3,10 +3,14 @@
 phi = e . e / 2 with e the difference between reference and feedback in the feedback's type.
 Configurations, positions, headings, forces, torques and wrenches subtract. Orientations differ by a
 rotation vector in the world frame; poses by translation above rotation. Where the tip may turn
-about one of its axes, the residual is in the tip's two other axes.
+about one of its axes, the residual is in the tip's two other axes. Positions, forces and torques
+may be compared along some axes of the world frame alone, which leaves the others to other
+controllers.
 """
 
 from __future__ import annotations
+
+from collections.abc import Sequence
 
 import numpy as np
 
@@ -20,7 +24,15 @@ from cbdsl.program.controller import AlongNormals, Controller
 
 def build(controller: Controller, setting: Setting) -> Potential:
     """The spring of a controller."""
+    if controller.axes is not None:
+        return along_axes(controller.axes, controller.feedback.type.factors)
     return spring(controller.feedback.type.name, _size(controller), controller.free_axis)
+
+
+def along_axes(axes: Sequence[int], factors: int = 1) -> Potential:
+    """The spring of some axes of the world frame, in each of several vectors (3,) in turn."""
+    chosen = [3 * factor + axis for factor in range(factors) for axis in axes]
+    return Potential(chosen_difference, len(chosen), parameters=np.array(chosen, dtype=float))
 
 
 def spring(kind: str, size: int, free_axis: str | None = None) -> Potential:
@@ -55,6 +67,18 @@ def difference(
         residual[i] = reference[i] - value[i]
         phi += 0.5 * residual[i] * residual[i]
     return phi
+
+
+@potential
+def chosen_difference(
+    value: Floats, reference: Floats, parameters: Floats, residual: Floats, slope: Floats
+) -> float:
+    """Half the square of the difference of some components; parameters: which."""
+    for i in range(len(residual)):
+        component = int(parameters[i])
+        residual[i] = reference[component] - value[component]
+        slope[i, component] = 1.0
+    return _half_square(residual)
 
 
 @potential

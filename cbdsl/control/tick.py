@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from cbdsl.control.onset import note_load, restart_onset
 from cbdsl.control.potential import Rule, call_at
 from cbdsl.control.predicate import note, note_undefined, reset
 from cbdsl.control.rate import displace
@@ -21,7 +22,7 @@ from cbdsl.control.signal import Floats
 from cbdsl.control.stack import TICKS
 from cbdsl.numeric.compiled import compiled, compiled_once
 from cbdsl.numeric.vector import copy, fill, norm, scale
-from cbdsl.sensing.refresh import DEFINED, UNDEFINED, refresh
+from cbdsl.sensing.refresh import DEFINED, UNDEFINED, displace_value, refresh
 
 Integers = NDArray[np.int64]
 Booleans = NDArray[np.bool_]
@@ -59,11 +60,12 @@ SLOT = np.dtype(
         # An approach from above: its height, the lateral error within which it ends, and its slope.
         ("funnel", np.float64, 3),
         # Acting while the feedback is undefined: whether, whether once a leader is near, how near,
-        # until which joints are beyond which angle.
+        # until which joints are beyond which position, and on which side that is.
         ("seeks", np.bool_),
         ("follows", np.bool_),
         ("within", np.float64),
         ("until", np.float64),
+        ("closing", np.float64),
         ("joint", np.int64),
         ("joints", np.int64),
         ("requires", np.bool_),
@@ -74,6 +76,14 @@ SLOT = np.dtype(
         ("engaged", np.bool_),
         ("forgotten", np.bool_),
         ("blocked", np.bool_),
+        # A reference relative to the feedback at activation: the row that this is kept in, the
+        # row by which it is displaced, whether that is a rotation, which change of a load has to
+        # come before, and whether it is kept now. -1 for none.
+        ("anchor", np.int64),
+        ("offset", np.int64),
+        ("turned", np.bool_),
+        ("onset", np.int64),
+        ("anchored", np.bool_),
     ]
 )
 
@@ -98,6 +108,7 @@ def tick(
     before: Floats,
     windows: Floats,
     listed: Integers,
+    onsets: Records,
     acting: Integers,
     columns: Integers,
     turn: Integers,
@@ -112,6 +123,7 @@ def tick(
     total: Floats,
     locked: Booleans,
     singular: Floats,
+    load_guards: Records,
 ) -> int:
     """Refresh the rows that a stack needs, let its slots act, and move the references.
 
@@ -126,14 +138,16 @@ def tick(
         before: displacements of their task coordinates in the tick before.
         windows: of their potentials.
         listed: joints that searches look at.
-        acting: which slots act, highest priority first, shape (levels, 3), with the slots that they
-            follow and require, -1 for none that acts with them.
+        onsets: changes of loads that slots wait for, shape (o,) of ``onset.ONSET``.
+        acting: which slots act, those that others require first, shape (levels, 4), with the slots
+            that they follow and require, -1 for none that acts with them, and their places in the
+            order of priority.
         columns: which joint each of the stack's n is for a slot, -1 for one that it does not move,
             shape (levels, n).
         turn, rows, ages, wanted, ends: of the stack, whose next tick begins.
         references: of the actuated joints, rad, shape (all,).
         joints: which joint each of the stack's n is, shape (n,).
-        limits, guards, total, locked, singular: as of ``move``.
+        limits, guards, total, locked, singular, load_guards: as of ``move``.
 
     Returns:
         ``MOVED``; ``RESTED`` where no slot acts; ``UNSOUND`` where the law cannot compute with the
@@ -144,14 +158,17 @@ def tick(
         tree, frames, axes,
     )  # fmt: skip
     turn[0] = (turn[0] + 1) % TICKS
-    newest, anything, start = turn[0], False, 0
-    for place in range(len(acting)):
-        slot = slots[acting[place, 0]]
-        level = rows[newest, start : ends[place]]
+    newest, anything = turn[0], False
+    for number in range(len(acting)):
+        place = int(acting[number, 3])
+        slot = slots[acting[number, 0]]
+        level = rows[newest, ends[place] - slot.size : ends[place]]
         own = columns[place]
-        start = ends[place]
         displacement = before[slot.start : slot.start + slot.size]
-        _decide(slot, slots, acting[place], positions, listed, table, jacobian, own)
+        given = not slot.requires or _is_given(slots, acting[number, 2])
+        if slot.anchor >= 0:
+            _anchor(slot, onsets, table, value, given)
+        _decide(slot, slots, acting[number, 1], given, positions, listed, table, jacobian, own)
         if slot.mode == IDLE:
             ages[place] = 0
             if slot.forgotten:
@@ -159,7 +176,7 @@ def tick(
             continue
         if not _act(slot, table, value, jacobian, parameters, own, level, displacement):
             return place
-        copy(wanted[start - slot.size : start], displacement, 1.0)
+        copy(wanted[ends[place] - slot.size : ends[place]], displacement, 1.0)
         ages[place] = min(ages[place] + 1, TICKS)
         anything = True
         if slot.mode == TRACK:
@@ -172,17 +189,57 @@ def tick(
         return RESTED
     if not move(
         references, positions, joints, newest, rows, ages, wanted, ends, limits, guards,
-        total, locked, singular,
+        total, locked, singular, load_guards, loads, table, jacobian,
     ):  # fmt: skip
         return UNSOUND
     return MOVED
 
 
 @compiled
+def _is_given(slots: Records, required: int) -> bool:
+    """Whether a slot that another requires acts with it, and is engaged; -1 for none."""
+    return bool(required >= 0 and slots[required].engaged)
+
+
+@compiled
+def _anchor(slot: Any, onsets: Records, table: Records, value: Floats, given: bool) -> None:
+    """Keep the feedback at activation, displaced, as the reference.
+
+    A load is kept once it has changed, as what it was before, and forgotten when it is gone.
+    """
+    feedback, row = table[slot.feedback], table[slot.anchor]
+    here = value[feedback.start : feedback.start + feedback.size]
+    present = given and feedback.defined == DEFINED
+    if slot.onset >= 0 and not present:
+        restart_onset(onsets[slot.onset])
+        slot.anchored = False
+        row.defined = UNDEFINED
+    if slot.anchored or not present:
+        return
+    offset = table[slot.offset]
+    change = value[offset.start : offset.start + offset.size]
+    kept = value[row.start : row.start + row.size]
+    if slot.onset >= 0:
+        onset = onsets[slot.onset]
+        tip = here[:0]
+        if onset.tip >= 0:
+            carrier = table[onset.tip]
+            tip = value[carrier.start : carrier.start + carrier.size]
+        if not note_load(onset, here, tip):
+            return
+        displace_value(onset.mean, change, False, kept)
+    else:
+        displace_value(here, change, slot.turned, kept)
+    slot.anchored = True
+    row.defined, row.stamp = DEFINED, feedback.stamp
+
+
+@compiled
 def _decide(
     slot: Any,
     slots: Records,
-    acting: Integers,
+    leader: int,
+    given: bool,
     positions: Floats,
     listed: Integers,
     table: Records,
@@ -190,8 +247,6 @@ def _decide(
     columns: Integers,
 ) -> None:
     """Set a slot's mode, by what is defined and what those that act with it have come to."""
-    leader, condition = acting[1], acting[2]
-    given = not slot.requires or (condition >= 0 and slots[condition].engaged)
     known = slot.reference < 0 or table[slot.reference].defined == DEFINED
     slot.mode = IDLE
     if not given or not known or slot.blocked:
@@ -243,7 +298,7 @@ def _responds(feedback: Any, jacobian: Floats, columns: Integers) -> bool:
 def _beyond(slot: Any, positions: Floats, listed: Integers) -> bool:
     """Whether all joints that a search looks at are beyond its end."""
     for place in range(slot.joint, slot.joint + slot.joints):
-        if not positions[listed[place]] > slot.until:
+        if not slot.closing * positions[listed[place]] > slot.closing * slot.until:
             return False
     return True
 
@@ -352,10 +407,13 @@ def _height(here: Floats, there: Floats, funnel: Floats) -> float:
 
 
 @compiled_once
-def reset_slot(slots: Records, number: int, before: Floats) -> None:
+def reset_slot(slots: Records, number: int, before: Floats, onsets: Records) -> None:
     """Forget a slot's activation: its controller is idle."""
     slot = slots[number]
     slot.phi = slot.error = math.nan
     slot.seeking = slot.exhausted = slot.engaged = slot.forgotten = slot.blocked = False
+    slot.anchored = False
+    if slot.onset >= 0:
+        restart_onset(onsets[slot.onset])
     reset(slot.notes)
     fill(before[slot.start : slot.start + slot.size], 0.0)

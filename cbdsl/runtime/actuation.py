@@ -14,7 +14,9 @@ from cbdsl.control.plan import ControllerPlan
 from cbdsl.control.stack import Stack
 from cbdsl.control.tick import RESTED, UNSOUND, tick
 from cbdsl.documents.robot import RobotDocument
+from cbdsl.program.checked import NO_GUARDS, Guards
 from cbdsl.runtime.controller_run import ControllerRun
+from cbdsl.runtime.load_guards import LoadGuards
 from cbdsl.runtime.program_run import Active
 from cbdsl.sensing.signals import Selection, Signals
 from cbdsl.types.potential import POTENTIALS
@@ -33,8 +35,8 @@ class ControllerBatch:
     Attributes:
         active: the controllers, highest priority first, with those that they act together with.
         runs: the controllers alone.
-        acting: their slots, and those of the controllers that they follow and require, shape
-            (runs, 3).
+        acting: their slots, those that others require first, those of the controllers that they
+            follow and require, and their places in the order of priority, shape (runs, 4).
         joints: indices of the joints that they move among all actuated ones, shape (n,).
         columns: the same for each controller, -1 for joints that it does not move, shape (runs, n).
         law: of these joints.
@@ -68,12 +70,18 @@ class Actuation:
 
     Attributes:
         settings: the law's guards for ticks of this length.
+        load_guards: bounds on what fingers and hands press with.
         reference: position references of all actuated joints, rad, shape (n,).
         step: of the last tick's levels, or ``None`` where nothing acted.
     """
 
     def __init__(
-        self, robot: RobotDocument, signals: Signals, plan: ControllerPlan, period: float
+        self,
+        robot: RobotDocument,
+        signals: Signals,
+        plan: ControllerPlan,
+        period: float,
+        guards: Guards = NO_GUARDS,
     ) -> None:
         control = robot.control
         self._signals, self._plan = signals, plan
@@ -88,11 +96,22 @@ class Actuation:
             lead=control.lead,
         )
         self.reference: Floats = np.zeros(len(signals.joints))
+        self.load_guards = LoadGuards(guards, signals, period)
         self._batches: dict[_Acting, ControllerBatch] = {}
 
     def reset(self, positions: Floats) -> None:
         """Start from measured positions, rad, shape (n,)."""
         self.reference[:] = positions
+        self._forget()
+
+    def resume(self, reference: Floats) -> None:
+        """Start from the references of an episode before, rad, shape (n,)."""
+        self.reference[:] = reference
+        self._forget()
+
+    def _forget(self) -> None:
+        """Forget who acted."""
+        self.load_guards.reset()
         self.step: Step | None = None
         self._last: ControllerBatch | None = None
 
@@ -124,6 +143,7 @@ class Actuation:
         if outcome == UNSOUND:
             batch.step.require_sound(self._signals.positions[batch.joints])
         self.step = None if outcome == RESTED else batch.step
+        self.load_guards.note()
 
     def _take_over(self, active: Sequence[Active]) -> ControllerBatch | None:
         """The controllers that act from now on; ``None`` where a program has ended."""
@@ -156,6 +176,7 @@ class Actuation:
             stack.clock, stack.rows, stack.ages, stack.wanted, stack.ends,
             self.reference, batch.joints, *batch.law.arrays,
             batch.step.displacement, batch.step.locked, batch.step.singular_values,
+            self.load_guards.records,
         )  # fmt: skip
 
     def _batch(self, active: Sequence[Active]) -> ControllerBatch:
@@ -172,11 +193,11 @@ class Actuation:
         names = tuple(dict.fromkeys(joint for run in runs for joint in run.controller.joints))
         joints, limits = signals.joints.pick(names), signals.kinematics
         stack = Stack([(run.controller.name, run.size) for run in runs], len(joints))
-        rows = [row for run in runs for row in run.rows if row >= 0]
+        rows = [row for run in runs for row in run.needs] + self.load_guards.rows
         return ControllerBatch(
             active,
             runs,
-            np.array([[item.run.slot, *_peers(item)] for item in active]),
+            np.array(_required_first(active)),
             joints,
             np.array([np.where(np.isin(joints, run.own), joints, -1) for run in runs]),
             Law(limits.lower[joints], limits.upper[joints], self.settings),
@@ -192,6 +213,21 @@ def _fault_of(runs: Sequence[ControllerRun], error: Exception) -> Exception | No
         if not POTENTIALS.registry.is_builtin(name):
             return POTENTIALS.registry.fault(name, f"{type(error).__name__}: {error}")
     return None
+
+
+def _required_first(active: Sequence[Active]) -> list[tuple[int, int, int, int]]:
+    """Rows of ``ControllerBatch.acting``, in order of priority as far as requirements allow.
+
+    Whatever is required is decided in the same tick before what requires it.
+    """
+    rows = {item.run.slot: (*_peers(item), place) for place, item in enumerate(active)}
+    ordered: dict[int, None] = {}
+    for slot in rows:
+        chain = [slot]
+        while (required := rows[chain[-1]][1]) >= 0 and required not in (*chain, *ordered):
+            chain.append(required)
+        ordered.update(dict.fromkeys(reversed(chain)))
+    return [(slot, *rows[slot]) for slot in ordered]
 
 
 def _peers(item: Active) -> tuple[int, int]:

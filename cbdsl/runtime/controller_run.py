@@ -15,9 +15,8 @@ from cbdsl.control.rate import bounds_of
 from cbdsl.control.registry import build
 from cbdsl.control.setting import Setting
 from cbdsl.control.signal import SignalError, require_finite
-from cbdsl.control.tick import reset_slot
-from cbdsl.program.controller import Controller
-from cbdsl.runtime.controller_rows import bind_rows, search_of
+from cbdsl.program.controller import Controller, Relative
+from cbdsl.runtime.controller_rows import anchor_of, bind_rows, search_of
 from cbdsl.runtime.preparation import Preparation
 from cbdsl.sensing.signals import Signals
 from cbdsl.types.resource import (
@@ -52,7 +51,8 @@ class ControllerRun:
         controller: what runs.
         own: indices of the effector's joints among all actuated ones, shape (m,).
         slot: its number in the plan.
-        rows: of the signal table that it reads.
+        rows: of the signal table that it compares.
+        needs: all rows that it reads.
         preparation: before the tick.
         columns: which joint each of the n of the composition that it acts in is, -1 for those that
             count as still, shape (n,).
@@ -80,6 +80,9 @@ class ControllerRun:
         )
         self.preparation = Preparation(controller, signals, self.rows, self._potential)
         self._tolerance = math.inf if quiescence.tolerance is None else quiescence.tolerance
+        anchor = anchor_of(controller, signals, self.rows, period)
+        own_rows = [row for row in self.rows if row >= 0]
+        self.needs = tuple([*own_rows, *anchor.rows])
         self.slot = plan.add(
             SlotForm(
                 self._potential,
@@ -90,6 +93,7 @@ class ControllerRun:
                 controller.funnel or _NO_FUNNEL,
                 search_of(controller, signals),
                 controller.requires is not None,
+                *anchor,
             )
         )
 
@@ -100,7 +104,7 @@ class ControllerRun:
 
     def deactivate(self) -> None:
         """Forget the activation."""
-        reset_slot(self._plan.slots, self.slot, self._plan.before)
+        self._plan.reset(self.slot)
         self.preparation.forget()
 
     def activate(self) -> None:
@@ -211,4 +215,8 @@ class ControllerRun:
         within = self.controller.quiescence.within
         if within is None:
             return self._tolerance
-        return min(self._tolerance, within * math.hypot(*self._values()[1].tolist()))
+        reference = self.controller.reference
+        values = self._values()[1].tolist()
+        if isinstance(reference, Relative):
+            values = reference.offset
+        return min(self._tolerance, within * math.hypot(*values))

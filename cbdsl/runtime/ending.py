@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 
-from cbdsl.program.controller import AlongNormals, Controller, Literal
+from cbdsl.program.controller import AlongNormals, Controller, Literal, Relative
 from cbdsl.runtime.controller_run import ControllerRun
 from cbdsl.runtime.program_run import ProgramRun
 from cbdsl.types.potential import POTENTIALS
@@ -20,24 +20,40 @@ _UNITS = {
     "configuration": (180 / math.pi, "deg"),
 }
 
+#: Error beyond which what came to rest has not arrived, in SI, where no tolerance says it.
+_FAR = {
+    "position": 0.02,
+    "heading": math.radians(5),
+    "orientation": math.radians(5),
+    "configuration": math.radians(5),
+}
+
+_VERDICTS = {"success": "Succeeded", "failure": "Failed"}
+
 # Potential below which a field's displacement leads to its goal itself.
 _NEAR = 1e-2
 
 
-def describe(run: ProgramRun, seconds: float, at_limits: Sequence[str]) -> str:
+def describe(
+    run: ProgramRun, seconds: float, at_limits: Sequence[str], guards: Sequence[str] = ()
+) -> str:
     """Sentence on how a program ended and what its controllers had to do with it.
 
     Args:
         run: the program, at its end.
         seconds: how long it ran.
         at_limits: joints that their limits held back at the end.
+        guards: a clause for each guard that the motion gave way to.
     """
-    verdict = "Rewarded" if run.rewarded else "Done" if run.predicate == "1" else "Not rewarded"
+    verdict = _VERDICTS.get(run.outcome, "Done" if run.predicate == "1" else "Not rewarded")
+    if run.rewarded and not run.outcome:
+        verdict = "Rewarded"
     reasons = _evidence(run)
-    if at_limits and not run.rewarded:
+    if at_limits and not (run.rewarded or run.outcome == "success"):
         reasons.append(f"at their limits were {', '.join(at_limits)}")
-    if run.predicate != "1":
+    if run.predicate != "1" or run.rewarded:
         reasons.append(run.ending)
+    reasons.extend(guards)
     because = "; ".join(reason for reason in reasons if reason)
     return f"{verdict} after {seconds:.1f} s in state {run.state}: {because}."
 
@@ -56,6 +72,20 @@ def describe_lateness(run: ProgramRun, seconds: float, taken: float, deadline: f
         f"{1000 * taken:.4g} ms, and the backend's deadline is {1000 * deadline:.4g} ms; "
         "references are frozen at the measured positions."
     )
+
+
+def describe_stop(run: ProgramRun, seconds: float, cause: BaseException) -> str:
+    """Sentence on an episode that was interrupted, or failed.
+
+    Args:
+        run: the program, where it stopped.
+        seconds: how long it ran.
+        cause: what stopped it.
+    """
+    where = f"after {seconds:.1f} s in state {run.state}"
+    if isinstance(cause, KeyboardInterrupt):
+        return f"Interrupted {where}."
+    return f"Failed {where}: {cause.__cause__ or cause}."
 
 
 def _evidence(run: ProgramRun) -> list[str]:
@@ -78,6 +108,8 @@ def _clause(lead: ControllerRun) -> str:
     if math.isnan(lead.error):
         return f"{controller.name} had no {_undefined_resource(controller)}"
     verb = "came to rest" if lead.predicate == "1" else "was still"
+    if lead.predicate == "1" and is_far(lead):
+        verb = "came to rest far from its goal,"
     if controller.reference is None:
         return f"{controller.name} {verb} at a potential of {lead.phi:.3g}"
     factor, unit = _UNITS.get(controller.feedback.type.name, (1.0, ""))
@@ -88,12 +120,23 @@ def _clause(lead: ControllerRun) -> str:
     return f"{controller.name} {verb} {distance} from {_goal(controller)}"
 
 
+def is_far(lead: ControllerRun) -> bool:
+    """Whether an error is larger than what its tolerance allows, or than people call near."""
+    if not lead.settled:
+        return True
+    if lead.controller.quiescence.tolerance is not None:
+        return False
+    return lead.error > _FAR.get(lead.controller.feedback.type.name, math.inf)
+
+
 def _goal(controller: Controller) -> str:
     reference = controller.reference
     if reference is None:
         return controller.feedback.name
     if isinstance(reference, (Literal, AlongNormals)):
         return "its reference"
+    if isinstance(reference, Relative):
+        return "its reference" if reference.base is None else f"beside {reference.base.name}"
     return reference.name
 
 

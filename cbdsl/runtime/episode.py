@@ -10,7 +10,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from cbdsl.backends.backend import Backend
+from cbdsl.backends.backend import Backend, BackendError, ResumableBackend
 from cbdsl.control.multigrid import ConvergenceError
 from cbdsl.control.plan import ControllerPlan
 from cbdsl.control.signal import SignalError
@@ -20,7 +20,7 @@ from cbdsl.errors.errors import UsageError
 from cbdsl.program.checked import CheckedProgram
 from cbdsl.program.transition import Transition
 from cbdsl.runtime.actuation import Actuation
-from cbdsl.runtime.ending import describe, describe_lateness
+from cbdsl.runtime.ending import describe, describe_lateness, describe_stop
 from cbdsl.runtime.program_run import ProgramRun
 from cbdsl.sensing.kinematics import Kinematics
 from cbdsl.sensing.observation import Observation
@@ -58,6 +58,9 @@ class EpisodeResult:
         sim_seconds, wall_seconds: how long it took.
         renderer: what made the images.
         ending: how it ended and why, as a sentence.
+        outcome: ``success`` or ``failure`` by its program's states; empty where it has none, or
+            came to none.
+        guards: for each guard that the motion gave way to, how long and at which force.
     """
 
     program: str
@@ -72,6 +75,8 @@ class EpisodeResult:
     wall_seconds: float
     renderer: str
     ending: str
+    outcome: str = ""
+    guards: tuple[str, ...] = ()
 
 
 class Tick(NamedTuple):
@@ -85,6 +90,17 @@ class Tick(NamedTuple):
 
 TickListener = Callable[[Tick], None]
 TransitionListener = Callable[[Transition], None]
+EndListener = Callable[[EpisodeResult], None]
+
+
+class _Begun(NamedTuple):
+    """An episode that was begun: on which stage, in which context, when, and its transitions."""
+
+    stage: str
+    context: str
+    seed: int
+    time: float
+    passed: list[Transition]
 
 
 class Runner:
@@ -116,7 +132,11 @@ class Runner:
         self.signals = Signals(robot, kinematics, resources_of(program))
         plan, period = ControllerPlan(), backend.control_period
         self._run = ProgramRun(program, self.signals, plan, period)
-        self._actuation = Actuation(robot, self.signals, plan, period)
+        self._actuation = Actuation(robot, self.signals, plan, period, program.all_guards)
+        # The runner of the last episode, and whether its world goes on in this one.
+        self._before: Runner | None = None
+        self._goes_on = False
+        self._ticks = 0
 
     def run(
         self,
@@ -125,8 +145,18 @@ class Runner:
         context: str | None = None,
         on_transition: TransitionListener = lambda transition: None,
         on_tick: TickListener | None = None,
+        on_end: EndListener = lambda result: None,
     ) -> EpisodeResult:
         """Run one episode; the same seed gives the same episode.
+
+        Args:
+            stage: who is shown what, where.
+            seed: of all chance.
+            context: of the stage; drawn without one.
+            on_transition: is told of each transition.
+            on_tick: is told of each control tick.
+            on_end: is told the result, also of an episode that was begun and is then interrupted
+                or fails.
 
         Raises:
             BackendError: the stage names something that it or the robot does not have.
@@ -138,8 +168,7 @@ class Runner:
         """
         began = time.perf_counter()
         world_rng, own_rng = (np.random.default_rng([seed, stream]) for stream in (0, 1))
-        drawn = self._backend.reset(stage, context, world_rng, self.signals.vision.channels)
-        self.signals.reset()
+        drawn = self._resume(stage, context) or self._reset(stage, context, world_rng)
         passed: list[Transition] = []
 
         def note(transition: Transition) -> None:
@@ -148,38 +177,91 @@ class Runner:
             on_transition(transition)
 
         self._run.begin(own_rng, note, self._policy)
+        self._ticks = 0
+        begun = _Begun(stage.name, drawn, seed, began, passed)
         try:
-            ticks, late = self._control(seed, on_tick)
-        except BaseException:
+            late = self._control(seed, on_tick)
+        except BaseException as error:
             self._backend.halt()
+            on_end(self._result(begun, describe_stop(self._run, self._seconds, error)))
             raise
-        seconds, run = ticks * self._backend.control_period, self._run
-        result = EpisodeResult(
-            program=self._program.name,
-            stage=stage.name,
-            context=drawn,
-            seed=seed,
-            rewarded=run.rewarded,
-            predicates=("X" * len(self._program.members), *(t.next_state for t in passed)),
-            actions=tuple(t.action for t in passed),
-            ticks=ticks,
-            sim_seconds=round(seconds, 6),
-            wall_seconds=time.perf_counter() - began,
-            renderer=self._backend.renderer,
-            ending=late or describe(run, seconds, self._actuation.at_limits()),
-        )
+        result = self._result(begun, late)
+        on_end(result)
         if late:
             raise DeadlineError(result)
         return result
 
-    def _control(self, seed: int, on_tick: TickListener | None) -> tuple[int, str]:
-        """Run the control ticks of an episode.
+    def take_over(self, before: Runner) -> None:
+        """Go on where another program left the same robot, on a stage whose world is persistent."""
+        self._before = before
+
+    def _resume(self, stage: StageDocument, context: str | None) -> str | None:
+        """Begin an episode in the world as it is, on a stage that asks for it, after another one.
+
+        References and tare stay, so that what is in a hand is held, and felt.
 
         Returns:
-            How many there were, and why the episode ends if the last one was late.
+            The name of the context; ``None`` where the world has to be reset.
+
+        Raises:
+            BackendError: the backend's world cannot go on.
+        """
+        before, backend = self._before, self._backend
+        if not stage.world.persistent or before is None:
+            return None
+        if not isinstance(backend, ResumableBackend):
+            raise BackendError(
+                f"stage '{stage.name}' has a persistent world, and this backend offers none"
+            )
+        drawn = backend.resume(stage, context, self.signals.vision.channels)
+        if drawn is not None:
+            self.signals.resume(before.signals)
+            self._actuation.resume(before._actuation.reference)
+            self._before, self._goes_on = self, True
+        return drawn
+
+    def _reset(self, stage: StageDocument, context: str | None, rng: np.random.Generator) -> str:
+        """Begin an episode in a new world; returns the name of its context."""
+        drawn = self._backend.reset(stage, context, rng, self.signals.vision.channels)
+        self.signals.reset()
+        self._before, self._goes_on = self, False
+        return drawn
+
+    def _result(self, begun: _Begun, ending: str) -> EpisodeResult:
+        """Outcome so far; without an ending of its own that of the program."""
+        run, passed = self._run, begun.passed
+        guards = self._actuation.load_guards.clauses
+        return EpisodeResult(
+            program=self._program.name,
+            stage=begun.stage,
+            context=begun.context,
+            seed=begun.seed,
+            rewarded=run.rewarded,
+            predicates=("X" * len(self._program.members), *(t.next_state for t in passed)),
+            actions=tuple(t.action for t in passed),
+            ticks=self._ticks,
+            sim_seconds=round(self._seconds, 6),
+            wall_seconds=time.perf_counter() - begun.time,
+            renderer=self._backend.renderer,
+            ending=ending or describe(run, self._seconds, self._actuation.at_limits(), guards),
+            outcome=run.outcome,
+            guards=guards,
+        )
+
+    @property
+    def _seconds(self) -> float:
+        """Simulated time of the episode so far, s."""
+        return self._ticks * self._backend.control_period
+
+    def _control(self, seed: int, on_tick: TickListener | None) -> str:
+        """Run the control ticks of an episode, and count them.
+
+        Returns:
+            Why the episode ends, if the last tick was late.
         """
         run, backend = self._run, self._backend
         for ticks in count():
+            self._ticks = ticks
             began = self._clock()
             observation = backend.observe()
             self._advance(observation, seed, first=ticks == 0)
@@ -190,17 +272,18 @@ class Runner:
                 break
             if backend.deadline is not None and taken > backend.deadline:
                 backend.halt()
-                return ticks, describe_lateness(run, observation.time, taken, backend.deadline)
+                return describe_lateness(run, observation.time, taken, backend.deadline)
             backend.apply(self._actuation.reference)
             backend.step()
-        return ticks, ""
+        return ""
 
     def _advance(self, observation: Observation, seed: int, *, first: bool) -> None:
         """Take in an observation, and find the next reference and predicates."""
         try:
             self.signals.update(observation)
             if first:
-                self._actuation.reset(observation.positions)
+                if not self._goes_on:
+                    self._actuation.reset(observation.positions)
                 self._run.activate()
             self._actuation.move(self._run.active())
             self._run.advance()
@@ -219,4 +302,6 @@ def resources_of(program: CheckedProgram) -> Sequence[Resource]:
     for action in program.actions:
         if action.program is not None:
             resources.update(dict.fromkeys(resources_of(action.program)))
+    if program.schema is not None:
+        resources.update(dict.fromkeys(program.schema.features.values()))
     return list(resources)

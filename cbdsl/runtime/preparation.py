@@ -12,13 +12,13 @@ from cbdsl.control.field import NoPathError
 from cbdsl.control.obstacle import Obstacle
 from cbdsl.control.potential import Potential
 from cbdsl.control.signal import require_finite
-from cbdsl.program.controller import Ball, Controller, Modifier
+from cbdsl.program.controller import Ball, Controller, Modifier, Relative
 from cbdsl.runtime.controller_rows import ControllerRows
 from cbdsl.sensing.density import Sampler
 from cbdsl.sensing.reading import Reading
 from cbdsl.sensing.signals import Signals
 from cbdsl.types.modifier import MODIFIERS
-from cbdsl.types.resource import Origin, Resource
+from cbdsl.types.resource import DRAWN, Resource
 
 Floats = NDArray[np.float64]
 Change = Callable[[Floats, Floats, float, Mapping[str, float]], Floats]
@@ -28,7 +28,7 @@ class Preparation:
     """Prepares one controller's rows and parameters in Python, before the compiled tick.
 
     Attributes:
-        samples: whether the reference is drawn from an internal model.
+        samples: whether the reference is drawn from an internal model or a surface.
         is_needed: whether there is anything to prepare.
         no_path: why no free path leads to the reference; empty where one does.
     """
@@ -40,7 +40,10 @@ class Preparation:
         self._controller, self._signals, self._rows = controller, signals, rows
         self._solve = potential.prepare
         self._changes = [(each, change_of(each)) for each in controller.modifiers]
-        self.samples = isinstance(reference, Resource) and reference.origin is Origin.MODEL
+        self.samples = isinstance(reference, Resource) and reference.origin in DRAWN
+        is_anchored = isinstance(reference, Relative) and reference.base is None
+        # Drawn or kept at each activation.
+        self._is_renewed = self.samples or is_anchored
         self.is_needed = self.samples or bool(self._changes) or self._solve is not None
         self.no_path = ""
 
@@ -50,9 +53,9 @@ class Preparation:
         self._sampler: Sampler | None = None
 
     def forget(self) -> None:
-        """Forget the sample and the path: the controller was deactivated."""
+        """Forget the sample, the value at activation and the path: it was deactivated."""
         self.no_path = ""
-        if self.samples:
+        if self._is_renewed:
             self._signals.table.forget(self._rows.declared)
 
     def prepare(self, parameters: Floats) -> bool:
@@ -69,7 +72,9 @@ class Preparation:
         """
         table, rows = self._signals.table, self._rows
         if self.samples and not table.is_defined(rows.declared):
-            table.write(rows.declared, Reading(self._draw(), None, 0))
+            drawn = self._draw()
+            if drawn is not None:
+                table.write(rows.declared, Reading(drawn, None, 0))
         if self._changes:
             self._change_reference()
         if self._solve is None or not all(map(table.is_defined, (rows.feedback, rows.reference))):
@@ -82,7 +87,7 @@ class Preparation:
         self.no_path = ""
         return True
 
-    def _draw(self) -> Floats:
+    def _draw(self) -> Floats | None:
         resource = self._controller.reference
         assert isinstance(resource, Resource)
         if self._sampler is None:

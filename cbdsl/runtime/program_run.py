@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import NamedTuple
 
@@ -11,10 +12,13 @@ from cbdsl.control.plan import ControllerPlan
 from cbdsl.control.predicate import PREDICATE
 from cbdsl.program.checked import Action, CheckedProgram
 from cbdsl.program.controller import Composition, Controller, Primitive
+from cbdsl.program.schema_policy import ContextPolicy, SchemaPolicy
 from cbdsl.program.transition import Transition
+from cbdsl.runtime.context import ContextReader
 from cbdsl.runtime.controller_run import ControllerRun
 from cbdsl.sensing.signals import Signals
 from cbdsl.types.policy import Policy, WrittenPolicy
+from cbdsl.types.state import matches
 
 Listener = Callable[[Transition], None]
 
@@ -32,23 +36,31 @@ class _Lead(NamedTuple):
     Attributes:
         place: the member's place in the state.
         run: the controller with the highest priority.
-        optimising: its other controllers that have no reference, and no goal but their rest.
-        rewarded: whether its quiescence counts.
+        awaited: its other controllers that it is not at rest before: those that have no reference,
+            and no goal but their rest, and those that are rewarded.
+        earners: its controllers that all have to be at rest for a reward; empty for no reward.
     """
 
     place: int
     run: ControllerRun
-    optimising: tuple[ControllerRun, ...]
-    rewarded: bool
+    awaited: tuple[ControllerRun, ...]
+    earners: tuple[ControllerRun, ...]
 
     @property
     def predicate(self) -> str:
-        """The leading controller's; at rest only when what is optimised below it is, too."""
+        """The leading controller's; at rest only when what is awaited below it is, too."""
         leading = self.run.predicate
-        for run in self.optimising:
+        for run in self.awaited:
             if leading == "1" and run.predicate == "0":
                 return "0"
         return leading
+
+    @property
+    def is_earned(self) -> bool:
+        """Whether all that is rewarded in it is at rest where it should be."""
+        if not self.earners:
+            return False
+        return all([run.predicate == "1" and run.settled for run in self.earners])
 
 
 class ProgramRun:
@@ -58,7 +70,8 @@ class ProgramRun:
         program: what runs.
         state: predicates, one character per member.
         predicate: of the program as an action: 0 running, 1 achieved, - ended without, X idle.
-        rewarded: whether its last transition was rewarded.
+        rewarded: whether a transition was rewarded: the last, if that ends it.
+        outcome: ``success`` or ``failure`` where its state says so; empty otherwise.
         ending: why it ended, as a clause; empty while it runs.
     """
 
@@ -74,7 +87,11 @@ class ProgramRun:
         self._signals = signals
         self._period = period
         self._depth = depth
-        self._written = WrittenPolicy(program.policy)
+        schema = program.schema
+        self._context = None if schema is None else ContextReader(schema, signals)
+        self._written: Policy = (
+            WrittenPolicy(program.policy) if schema is None else SchemaPolicy(program)
+        )
         self._actions = {action.name: action for action in program.actions}
         first = len(plan.slots)
         make = _ControllerRuns(signals, plan, period)
@@ -125,6 +142,8 @@ class ProgramRun:
         """
         self._listener = listener
         self._policy = policy or self._written
+        # What is learned is how to be rewarded.
+        self._reward_ends = self.program.reward_ends or policy is not None
         for run in self.runs:
             run.begin(rng)
         for child in self.children.values():
@@ -139,11 +158,12 @@ class ProgramRun:
             child.deactivate()
         self.predicate = "X"
         self.state = "X" * len(self.program.members)
-        self.ending = ""
+        self.ending = self.outcome = ""
         self.rewarded = False
         self.transitions = 0
         self._action: Action | None = None
-        self._ticks = self._idle_ticks = 0
+        self._features: Mapping[str, float] = {}
+        self._ticks = self._idle_ticks = self._all_ticks = 0
 
     def activate(self) -> None:
         """Start anew unless it is running."""
@@ -151,6 +171,8 @@ class ProgramRun:
             return
         self.deactivate()
         self.predicate = "0"
+        if isinstance(self._policy, ContextPolicy) and self._context is not None:
+            self._policy.begin(self._context.read)
         for run in self._background:
             run.activate()
         self._choose(changed=True)
@@ -192,6 +214,7 @@ class ProgramRun:
         if child is not None:
             child.advance()
         self._ticks += 1
+        self._all_ticks += 1
         self._restart_quiescence(self._action)
         state = self._read_state(self._action)
         # A program has transitions of its own to run out of. It may also end the way it ended
@@ -199,6 +222,10 @@ class ProgramRun:
         overdue = child.predicate != "0" if child else self._is_overdue(self._action, state)
         if state != self.state or overdue:
             self._transit(state)
+        limit = self.program.episode_time
+        if limit is not None and self.predicate == "0" and self._all_ticks * self._period >= limit:
+            name = self.program.name
+            self._end("1" if self.rewarded else "-", f"the {limit:g} s of {name} were over")
 
     def _is_overdue(self, action: Action, state: str) -> bool:
         """Whether an action has lasted as long as it may, in all or with nothing on its way."""
@@ -236,7 +263,7 @@ class ProgramRun:
     def _transit(self, state: str) -> None:
         assert self._action is not None
         changed = state != self.state
-        rewarding = self._rewarding(self._action, state) if changed else ()
+        rewarding = self._rewarding(self._action, state)
         self.transitions += 1
         self._listener(
             Transition(
@@ -249,25 +276,38 @@ class ProgramRun:
                 self._ticks,
                 len(rewarding),
                 rewarding,
+                self._action.allocation,
+                self._features,
             )
         )
         self.state = state
-        if rewarding:
-            self.rewarded = True
+        self.rewarded |= bool(rewarding)
+        if self._concludes(state):
+            return
+        if rewarding and self._reward_ends:
             self._end("1", "")
         elif self.transitions >= self.program.transitions:
             self._end("-", f"{self.program.name} used up its {self.transitions} transitions")
         else:
             self._choose(changed=changed)
 
+    def _concludes(self, state: str) -> bool:
+        """Whether a state is one of success or of failure, by which the program has ended."""
+        program = self.program
+        for outcome, patterns in (("success", program.success), ("failure", program.failure)):
+            for pattern in patterns:
+                if matches(pattern, state):
+                    self.outcome = outcome
+                    self._end("1" if outcome == "success" else "-", "")
+                    return True
+        return False
+
     def _rewarding(self, action: Action, state: str) -> tuple[str, ...]:
         """The members that newly quiesce on a signal from the environment (Eq 4.2-4.4)."""
         return tuple(
             self.program.members[lead.place]
             for lead in self._leads.get(action.name, ())
-            if lead.rewarded
-            and state[lead.place] == "1" != self.state[lead.place]
-            and lead.run.settled
+            if state[lead.place] == "1" != self.state[lead.place] and lead.is_earned
         )
 
     def _choose(self, *, changed: bool) -> None:
@@ -276,6 +316,9 @@ class ProgramRun:
             self._end(self._outcome(changed), self._no_action(changed))
             return
         before, self._action = self._action, self._actions[name]
+        if self._context is not None:
+            read = self._context.read()
+            self._features = {k: value for k, value in read.items() if not math.isnan(value)}
         self._noted = b""
         self._ticks = self._idle_ticks = 0
         if before is not None:
@@ -295,6 +338,8 @@ class ProgramRun:
                 run.deactivate()
 
     def _no_action(self, changed: bool) -> str:
+        if isinstance(self._policy, ContextPolicy) and self._policy.reason:
+            return f"{self.program.name}: {self._policy.reason}"
         if changed:
             return f"{self.program.name} has no action for state {self.state}"
         seconds = self._ticks * self._period
@@ -308,7 +353,9 @@ class ProgramRun:
         action came to rest.
         """
         leads = [lead for some in self._leads.values() for lead in some]
-        rewardable = any(lead.rewarded for lead in leads)
+        rewardable = any(lead.earners for lead in leads)
+        if self.rewarded and not self._reward_ends:
+            return "1"
         return "1" if changed and not rewardable and "1" in self.state else "-"
 
     def _end(self, predicate: str, ending: str) -> None:
@@ -358,8 +405,13 @@ class _ControllerRuns:
     def lead(self, primitive: Primitive, place: int) -> _Lead:
         """Controllers that give the predicate of a primitive at this place of the state."""
         optimising = [each for each in primitive.controllers[:-1] if each.reference is None]
-        others = tuple(self.run(controller) for controller in optimising)
-        return _Lead(place, self.run(primitive.lead), others, primitive.rewarded)
+        awaited = dict.fromkeys((*optimising, *primitive.earners))
+        awaited.pop(primitive.lead, None)
+        others, earners = (
+            tuple(self.run(controller) for controller in some)
+            for some in (awaited, primitive.earners)
+        )
+        return _Lead(place, self.run(primitive.lead), others, earners)
 
     @property
     def all(self) -> tuple[ControllerRun, ...]:

@@ -3,9 +3,7 @@
 from __future__ import annotations
 
 import json
-import os
-import tempfile
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from dataclasses import asdict
 from pathlib import Path
 from typing import Any
@@ -17,13 +15,14 @@ from numpy.typing import NDArray
 from cbdsl.backends.staging.world_state import Part, WorldState
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.program.checked import CheckedProgram
-from cbdsl.program.controller import AlongNormals, Controller, Literal
+from cbdsl.program.controller import AlongNormals, Controller, Literal, Relative
 from cbdsl.program.transition import Transition
 from cbdsl.robot.joints import Joints
 from cbdsl.runtime.episode import EpisodeResult, Tick, resources_of
 from cbdsl.runtime.explanation import LIMITS, Explanation, LevelExplanation, named_runs
+from cbdsl.runtime.recording_folder import RecordingFolder, replace_file
 from cbdsl.sensing.signals import Signals
-from cbdsl.types.resource import Centroid, Origin, Resource, StereoPosition, Tip
+from cbdsl.types.resource import DRAWN, Centroid, Resource, StereoPosition, Tip
 
 #: Of the files; raised where a reader of older ones would be misled.
 VERSION = 2
@@ -49,17 +48,6 @@ _LEVEL = {
 _ABSENT = (-1, np.nan, 0, np.nan, np.nan, -1)
 
 
-def require_writable(directory: Path) -> None:
-    """Make sure that recordings can be kept in a folder.
-
-    Raises:
-        OSError: it cannot be made or written.
-    """
-    directory.mkdir(parents=True, exist_ok=True)
-    with tempfile.TemporaryFile(dir=directory):
-        pass
-
-
 class Recording:
     """Keeps one episode and writes it to two files: numbers as NPZ, the rest as JSON.
 
@@ -72,7 +60,7 @@ class Recording:
     ``image_<camera>``.
 
     Args:
-        program: what runs; what it draws from internal models is no signal.
+        program: what runs; what it draws is no signal.
         robot: on what.
         urdf: its model.
         scenery: the world, for people who look at the recording; nothing else asks for it.
@@ -87,13 +75,13 @@ class Recording:
     ) -> None:
         self._program, self._robot, self._urdf = program, robot, urdf
         self._joints = Joints(robot).names
-        self._resources = [
-            each for each in resources_of(program) if each.origin is not Origin.MODEL
-        ]
+        self._resources = [each for each in resources_of(program) if each.origin not in DRAWN]
         self._rows: dict[str, list[Any]] = {
             key: [] for key in ("time", "positions", "references", "potentials", "errors", "loads")
         }
         self._rows |= {f"signal_{each.name}": [] for each in self._resources}
+        self._rows["guard_held"] = []
+        self._guards: list[str] = []
         self._explanation = Explanation()
         self._levels: list[list[tuple[float, ...]]] = []
         self._at_limits: list[list[bool]] = []
@@ -107,6 +95,12 @@ class Recording:
         self._controllers: dict[str, Controller] = {}
         self._cells: tuple[str, ...] = ()
         self._singular_value = robot.control.singular_value
+        self._ticks = 0
+
+    @property
+    def ticks(self) -> int:
+        """Control ticks that are kept in full."""
+        return self._ticks
 
     def note_transition(self, transition: Transition) -> None:
         """Keep a transition."""
@@ -128,6 +122,8 @@ class Recording:
             "errors": [run.error for _, run in runs],
             "loads": list(observation.loads.values()),
         }
+        self._guards = tick.actuation.load_guards.names
+        row["guard_held"] = tick.actuation.load_guards.records["held"].tolist()
         row |= {f"signal_{each.name}": _value(each, tick.signals) for each in self._resources}
         for key, value in row.items():
             self._rows[key].append(value)
@@ -138,6 +134,7 @@ class Recording:
         for camera, image in observation.images.items():
             small = cv2.resize(image, None, fx=_THUMBNAIL_SCALE, fy=_THUMBNAIL_SCALE)
             self._images.setdefault(f"image_{camera}", []).append(small)
+        self._ticks += 1  # an interrupt may come anywhere before
 
     def _note_levels(self, tick: Tick) -> None:
         explained = self._explanation.note(tick)
@@ -164,29 +161,35 @@ class Recording:
         """Write ``episode_<seed>.npz`` and ``.json`` below ``directory``; returns the latter.
 
         Raises:
-            OSError: the directory cannot be written.
+            OSError: they cannot be written; it names the file.
         """
         directory.mkdir(parents=True, exist_ok=True)
-        stem = directory / f"episode_{result.seed}"
-        _write_arrays(stem.with_suffix(".npz"), self._arrays())
+        arrays_file, summary_file = RecordingFolder(directory).files(result.seed)
+        arrays = self._arrays()
+        replace_file(
+            arrays_file,
+            lambda file: np.savez_compressed(file, allow_pickle=False, **arrays),
+        )
         text = json.dumps(self._summary(result), indent=1, ensure_ascii=False)
-        _replace(stem.with_suffix(".json"), text.encode())
-        return stem.with_suffix(".json")
+        replace_file(summary_file, lambda file: file.write(text.encode()))
+        return summary_file
 
     def _arrays(self) -> dict[str, NDArray[Any]]:
+        ticks = self._ticks
         arrays: dict[str, NDArray[Any]] = {
-            key: np.array(rows, dtype=float) for key, rows in self._rows.items()
+            key: np.array(rows[:ticks], dtype=float) for key, rows in self._rows.items()
         }
-        levels = np.array(self._levels, dtype=float)
-        levels = levels.reshape(len(self._levels), len(self._controllers), len(_LEVEL))
+        levels = np.array(self._levels[:ticks], dtype=float)
+        levels = levels.reshape(ticks, len(self._controllers), len(_LEVEL))
         for index, (key, kind) in enumerate(_LEVEL.items()):
             arrays[key] = levels[:, :, index].astype(kind)
-        arrays["at_limits"] = np.array(self._at_limits, dtype=bool)
+        arrays["at_limits"] = np.array(self._at_limits[:ticks], dtype=bool)
         gone = [np.nan] * 7
-        scene = [[poses.get(name, gone) for name in self._bodies] for poses in self._poses]
+        scene = [[poses.get(name, gone) for name in self._bodies] for poses in self._poses[:ticks]]
         arrays["scene"] = np.array(scene, dtype=float).reshape(len(scene), len(self._bodies), 7)
-        arrays |= {key: np.array(images) for key, images in self._images.items()}
-        arrays["image_time"] = np.array(self._image_time)
+        images = min([len(self._image_time), *map(len, self._images.values())])
+        arrays |= {key: np.array(rows[:images]) for key, rows in self._images.items()}
+        arrays["image_time"] = np.array(self._image_time[:images])
         return arrays
 
     def _summary(self, result: EpisodeResult) -> dict[str, object]:
@@ -198,7 +201,8 @@ class Recording:
             "joints": self._joints,
             "controllers": list(self._controllers),
             "load_cells": self._cells,
-            "predicates": self._predicates,
+            "guards": self._guards,
+            "predicates": self._predicates[: self._ticks],
             "transitions": [asdict(transition) for transition in self._transitions],
             "members": _members(self._program),
             "triples": {name: _triple(each) for name, each in self._controllers.items()},
@@ -245,6 +249,8 @@ def _triple(controller: Controller) -> dict[str, object]:
         shown = ", ".join(f"{value:g}" for value in reference.values)
     elif isinstance(reference, AlongNormals):
         shown = f"{reference.force:g} N along normals"
+    elif isinstance(reference, Relative):
+        shown = str(reference)
     else:
         shown = "" if reference is None else reference.name
     return {
@@ -267,21 +273,3 @@ def _value(resource: Resource, signals: Signals) -> NDArray[np.float64]:
     if reading is not None:
         return reading.value
     return np.full(_SHAPES.get(resource.type.name, (resource.type.size,)), np.nan)
-
-
-def _write_arrays(path: Path, arrays: Mapping[str, NDArray[Any]]) -> None:
-    with tempfile.TemporaryFile() as buffer:
-        np.savez_compressed(buffer, allow_pickle=False, **arrays)
-        buffer.seek(0)
-        _replace(path, buffer.read())
-
-
-def _replace(path: Path, content: bytes) -> None:
-    """Write a file so that nobody ever sees half of it."""
-    partial = path.with_name(f"{path.name}.{os.getpid()}.partial")
-    try:
-        partial.write_bytes(content)
-        os.replace(partial, path)
-    except BaseException:
-        partial.unlink(missing_ok=True)
-        raise

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from cbdsl.control.rotation import exp
-from cbdsl.control.spring import spring
+from cbdsl.control.spring import along_axes, spring
 from tests.control.evaluation import Signal, evaluate
 
 EYE = np.eye(3)
@@ -43,3 +43,19 @@ def test_opposite_axis_is_turned_round(axis: int, off: float) -> None:
     assert np.linalg.norm(evaluation.residual) == pytest.approx(np.pi - off, abs=1e-7)
     turned = exp(evaluation.jacobian.T @ evaluation.residual) @ rotation
     np.testing.assert_allclose(turned[:, axis], wanted[:, axis], atol=1e-12)
+
+
+@pytest.mark.parametrize("axes", [(0,), (2,), (0, 1), (0, 2)])
+@pytest.mark.parametrize("factors", [1, 2])
+def test_axes_that_are_not_compared_are_free(axes: tuple[int, ...], factors: int) -> None:
+    rng = np.random.default_rng(2)
+    value, reference = rng.normal(size=3 * factors), rng.normal(size=3 * factors)
+    jacobian = rng.normal(size=(3 * factors, 5))
+    spring_ = along_axes(axes, factors)
+    evaluation = evaluate(spring_, Signal(value, jacobian), reference)
+    chosen = [3 * factor + axis for factor in range(factors) for axis in axes]
+    np.testing.assert_array_equal(evaluation.residual, (reference - value)[chosen])
+    np.testing.assert_array_equal(evaluation.jacobian, jacobian[chosen])
+    others = [place for place in range(3 * factors) if place not in chosen]
+    value[others] += 1.0
+    assert evaluate(spring_, Signal(value, jacobian), reference).phi == evaluation.phi

@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 
 from cbdsl.control.law import Law, LawSettings, Step
+from cbdsl.control.load_guard import LOAD_GUARD
 from cbdsl.control.manipulability import of_jacobian
 from cbdsl.control.plan import ControllerPlan, Search, SlotForm
 from cbdsl.control.potential import Potential, Rule, potential
@@ -105,7 +106,7 @@ class Bench:
         self.step = Step.of(self.stack)
         mine = rng.random((len(cases), len(JOINTS))) < 0.7
         self.columns = np.where(mine, JOINTS, -1)
-        self.acting = np.array([(slot, -1, -1) for slot in range(len(cases))])
+        self.acting = np.array([(slot, -1, -1, slot) for slot in range(len(cases))])
         self.positions, self.references = np.zeros(ALL), np.zeros(ALL)
 
     def write(self, place: int, reading: Reading, reference: Floats | None, stamp: int = 0) -> None:
@@ -129,7 +130,7 @@ class Bench:
             *self.plan.arrays, self.acting, self.columns,
             stack.clock, stack.rows, stack.ages, stack.wanted, stack.ends,
             self.references, JOINTS, *law.arrays,
-            step.displacement, step.locked, step.singular_values,
+            step.displacement, step.locked, step.singular_values, np.zeros(0, LOAD_GUARD),
         )  # fmt: skip
 
     def predicates(self) -> str:

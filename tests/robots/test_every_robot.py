@@ -31,8 +31,12 @@ ARMS = [
     for name, arm in robot.effectors.items()
     if arm.tip is not None
 ]
-# Every robot but Dexter, whose programs have tests of their own, has a program of this name.
-OTHERS = [f"{name}_reach" for name in ROBOTS if name != "dexter"]
+# Programs that reach, of robots other than Dexter, whose programs have tests of their own.
+OTHERS = [
+    name
+    for name in (f"{each}_reach" for each in ROBOTS)
+    if (ROOT / "programs" / f"{name}.yaml").exists()
+]
 
 STEP = 1e-6
 

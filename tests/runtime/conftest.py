@@ -15,7 +15,7 @@ from cbdsl.documents.robot import RobotDocument
 from cbdsl.documents.stage import StageDocument
 from cbdsl.program.checked import CheckedProgram
 from cbdsl.program.transition import Transition
-from cbdsl.runtime.episode import EpisodeResult, Runner, Tick
+from cbdsl.runtime.episode import EndListener, EpisodeResult, Runner, Tick
 from cbdsl.sensing.kinematics import Kinematics
 from cbdsl.sensing.observation import Observation
 from cbdsl.types.policy import Policy
@@ -63,6 +63,7 @@ def play(dexter: RobotDocument, urdf: Path, kinematics: Kinematics) -> Play:
         seed: int = 0,
         policy: Policy | None = None,
         watch: Watch = lambda tick: None,
+        on_end: EndListener = lambda result: None,
     ) -> Played:
         backend = SyntheticBackend(dexter, urdf, begin or (lambda rng: on_table()), direct)
         runner = Runner(dexter, kinematics, program, backend, policy)
@@ -74,7 +75,11 @@ def play(dexter: RobotDocument, urdf: Path, kinematics: Kinematics) -> Play:
             watch(tick)
 
         result = runner.run(
-            made_stage(joints or {}), seed, on_transition=transitions.append, on_tick=note
+            made_stage(joints or {}),
+            seed,
+            on_transition=transitions.append,
+            on_tick=note,
+            on_end=on_end,
         )
         return Played(result, backend, transitions, observations)
 

@@ -94,8 +94,8 @@ def test_the_same_controllers_beside_others_are_another_composition(
     found = [actuation._batch(active) for active in (together, alone, together)]
     assert found[0].runs == found[1].runs
     assert found[0] is found[2] is not found[1]
-    assert (found[0].acting[:, 1:] >= 0).any()
-    assert (found[1].acting[:, 1:] == -1).all()
+    assert (found[0].acting[:, 1:3] >= 0).any()
+    assert (found[1].acting[:, 1:3] == -1).all()
 
 
 @pytest.mark.parametrize(("angle", "end"), [(1.7, "upper"), (-1.7, "lower")])

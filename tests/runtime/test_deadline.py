@@ -13,7 +13,7 @@ from cbdsl.backends.kinematic.backend import KinematicBackend
 from cbdsl.cli.main import main
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.documents.stage import StageDocument
-from cbdsl.runtime.episode import DeadlineError, EpisodeError, Runner, Tick
+from cbdsl.runtime.episode import DeadlineError, EpisodeError, EpisodeResult, Runner, Tick
 from cbdsl.sensing.kinematics import Kinematics
 from cbdsl.sensing.observation import Observation
 from tests.conftest import Checked
@@ -95,9 +95,13 @@ def test_ctrl_c_halts_the_backend(
     runner: Make, absent: StageDocument, dexter: RobotDocument, urdf: Path
 ) -> None:
     backend = SyntheticBackend(dexter, urdf)
+    ended: list[EpisodeResult] = []
     with pytest.raises(KeyboardInterrupt):
-        runner(backend).run(absent, 0, on_tick=_interrupt)
+        runner(backend).run(absent, 0, on_tick=_interrupt, on_end=ended.append)
     assert backend.halts == 1
+    (result,) = ended
+    assert result.ending == "Interrupted after 0.1 s in state 0."
+    assert result.ticks == len(backend.applied)
 
 
 def test_a_broken_sensor_halts_the_backend(
@@ -109,9 +113,13 @@ def test_a_broken_sensor_halts_the_backend(
 ) -> None:
     broken = {("right_hand", "finger_1"): np.full(6, np.nan)}
     backend = SyntheticBackend(dexter, urdf, begin=lambda rng: World(broken=broken))
+    ended: list[EpisodeResult] = []
+    broken_runner = Runner(dexter, kinematics, checked("reachtouch"), backend)
     with pytest.raises(EpisodeError):
-        Runner(dexter, kinematics, checked("reachtouch"), backend).run(stage("absent"), 0)
+        broken_runner.run(stage("absent"), 0, on_end=ended.append)
     assert backend.halts == 1
+    assert ended[0].ending.startswith("Failed after 0.0 s in state ")
+    assert "finger_1" in ended[0].ending
 
 
 def test_a_command_ends_as_for_an_episode_that_cannot_go_on(

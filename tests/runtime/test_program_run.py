@@ -508,3 +508,75 @@ def test_a_transition_says_when_and_for_how_long(played: Callable[[str], Played]
     ends: list[Transition] = episode.at(0)
     lengths = [after.time - before.time for before, after in pairwise(ends)]
     assert lengths == pytest.approx([each.ticks * period for each in ends[1:]])
+
+
+@pytest.mark.parametrize(
+    ("ends", "outcome", "verdict"),
+    [
+        ("success: ['01']", "success", "Succeeded"),
+        ("failure: ['01']", "failure", "Failed"),
+        ("success: ['1X']", "", "Rewarded"),
+    ],
+)
+def test_a_program_ends_in_its_states_of_success_and_failure(
+    written: Written, play: Play, ends: str, outcome: str, verdict: str
+) -> None:
+    program = written(
+        f"controllers: {{turn: {TURN}, close: {CLOSE}}}\nactions: [turn, close, turn <| close]\n"
+        f'policy: {{"**": turn <| close}}\n{ends}\nlimits: {{transition_time: 3 s}}\n'
+    )
+    result = play(program, lambda rng: on_table(), joints={"tilt": -0.9, "pan": 1.2}).result
+    assert result.predicates[-1] in ("01", "11")
+    expected = outcome if result.predicates[-1] == "01" else ""
+    assert result.outcome == expected
+    assert result.ending.startswith(verdict)
+
+
+def test_a_reward_need_not_end_an_episode_and_time_does(written: Written, play: Play) -> None:
+    program = written(
+        f"controllers: {{turn: {TURN}, close: {CLOSE}}}\nactions: [turn, close, turn <| close]\n"
+        'policy: {"**": turn <| close}\n'
+        "limits: {reward_ends: false, episode_time: 6 s, transition_time: 60 s}\n"
+    )
+    result = play(program, lambda rng: on_table()).result
+    assert result.rewarded
+    assert result.sim_seconds == pytest.approx(6.0, abs=0.05)
+    assert result.ending.startswith("Rewarded")
+    assert "6 s of" in result.ending
+
+
+def test_whoever_learns_ends_with_the_reward(written: Written, play: Play) -> None:
+    program = written(
+        f"controllers: {{close: {CLOSE}}}\nactions: [close]\npolicy: {{'*': close}}\n"
+        "limits: {reward_ends: false, episode_time: 6 s, transition_time: 60 s}\n"
+    )
+    learned = play(program, lambda rng: on_table(), policy=WrittenPolicy(program.policy)).result
+    assert learned.rewarded
+    assert learned.sim_seconds < 5.0
+
+
+@pytest.mark.parametrize("rewards", ["", "rewards: {take: [close]}\n"])
+def test_parts_of_a_composition_are_rewarded_where_the_program_says_so(
+    written: Written, play: Play, rewards: str
+) -> None:
+    program = written(
+        f"controllers: {{turn: {TURN}, close: {CLOSE}, take: close <| turn}}\n"
+        f"actions: [take]\npolicy: {{'*': take}}\n{rewards}limits: {{transition_time: 4 s}}\n"
+    )
+    result = play(program, lambda rng: on_table()).result
+    assert result.rewarded == bool(rewards)
+
+
+def test_what_is_required_may_have_the_lower_priority(written: Written, play: Play) -> None:
+    """Both become defined in the same tick."""
+    turn = TURN.replace("}", ", requires: close}")
+    seen: dict[str, set[str]] = {}
+    for order in ("close <| turn", "turn <| close"):
+        program = written(
+            f"controllers: {{turn: {turn}, close: {CLOSE}}}\nactions: [turn, close, {order}]\n"
+            f"policy: {{'**': {order}}}\nlimits: {{transition_time: 4 s}}\n"
+        )
+        result = play(program, lambda rng: on_table()).result
+        seen[order] = set(result.predicates)
+        assert "0-" not in result.predicates
+    assert seen["close <| turn"] == seen["turn <| close"]

@@ -11,9 +11,11 @@ import pytest
 
 from cbdsl.backends.staging.world_state import Part
 from cbdsl.documents.robot import RobotDocument
-from cbdsl.runtime.episode import Tick, resources_of
+from cbdsl.reporting.page import page
+from cbdsl.reporting.recorded import read_recording
+from cbdsl.runtime.episode import EpisodeResult, Tick, resources_of
 from cbdsl.runtime.explanation import LIMITS, Explanation
-from cbdsl.runtime.recording import Recording, require_writable
+from cbdsl.runtime.recording import Recording
 from cbdsl.sensing.reading import Reading
 from cbdsl.types.resource import Origin
 from tests.conftest import Checked
@@ -192,10 +194,33 @@ def test_others_may_read_it(recorded: tuple[Played, Recording], tmp_path: Path) 
         assert file.stat().st_mode == plain.stat().st_mode
 
 
-def test_a_folder_that_cannot_be_written_is_told_beforehand(tmp_path: Path) -> None:
-    require_writable(tmp_path / "new")
-    assert not list((tmp_path / "new").iterdir())
-    (tmp_path / "file").touch()
-    for folder in (tmp_path / "file", tmp_path / "file" / "below"):
-        with pytest.raises(OSError):
-            require_writable(folder)
+@pytest.mark.parametrize("interrupted", ["_note_levels", "_note_scene"])
+def test_of_a_tick_that_was_interrupted_nothing_is_kept(
+    interrupted: str,
+    checked: Checked,
+    play: Play,
+    dexter: RobotDocument,
+    urdf: Path,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    program = checked("searchtrack")
+    recording, calls = Recording(program, dexter, urdf), 0
+    noted = getattr(recording, interrupted)
+
+    def interrupt(*given: Tick) -> None:
+        nonlocal calls
+        calls += 1
+        if calls == 4:
+            raise KeyboardInterrupt
+        noted(*given)
+
+    monkeypatch.setattr(recording, interrupted, interrupt)
+    ended: list[EpisodeResult] = []
+    with pytest.raises(KeyboardInterrupt):
+        play(program, watch=recording.note_tick, on_end=ended.append)
+    recorded = read_recording(recording.write(tmp_path, ended[0]))
+    assert recording.ticks == 3 == len(recorded.arrays["time"])
+    assert len(recorded.arrays["image_time"]) == len(recorded.arrays["image_left"]) <= 3
+    assert recorded.summary["result"]["ending"].startswith("Interrupted after 0.1 s in state ")
+    assert page(recorded)

@@ -1,0 +1,152 @@
+"""Guards of loads: bounds on the force of a finger or hand that motion gives way to; compiled.
+
+The law composes a tick's displacement as if there were no bound. Where that would press further on
+what is touched than a guard allows, what is left of the tips' motion becomes the level of highest
+priority, and the law composes again, so that whatever the bound leaves is still done in order of
+priority. Towards the bound a hand may approach ever more slowly; beyond it, it backs off, and
+references that press from afar come back to their joints.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from cbdsl.control.composition import Booleans, Integers, compose
+from cbdsl.control.signal import Floats
+from cbdsl.numeric.compiled import compiled
+from cbdsl.numeric.vector import add, dot, fill, norm, scale
+
+#: Speed with which a hand approaches what it does not press on, and backs off from twice the bound.
+PACE = 0.04  # m/s
+
+# Share of a pressing lead that is left after a tick beyond the bound.
+_KEPT = 0.8
+# Share of the bound below which a guard does nothing.
+_NEAR = 0.5
+
+#: A guard: the first load cell and the one after its last, whose forces add up; the row whose
+#: Jacobian is that of their place; the bound, N; the pace, m per tick; the force in this tick, N,
+#: and whether the motion gave way to it.
+LOAD_GUARD = np.dtype(
+    [
+        ("first", np.int64),
+        ("last", np.int64),
+        ("row", np.int64),
+        ("bound", np.float64),
+        ("pace", np.float64),
+        ("force", np.float64),
+        ("held", np.bool_),
+    ]
+)
+
+
+@compiled
+def give_way(
+    load_guards: Any,
+    loads: Floats,
+    table: Any,
+    jacobian: Floats,
+    reference: Floats,
+    here: Floats,
+    columns: Integers,
+    newest: int,
+    rows: Floats,
+    ages: Integers,
+    wanted: Floats,
+    ends: Integers,
+    limits: Floats,
+    guards: Floats,
+    total: Floats,
+    locked: Booleans,
+    values: Floats,
+) -> None:
+    """Compose a displacement again, below the guards that it would violate.
+
+    Args:
+        load_guards: shape (g,) of ``LOAD_GUARD``; each becomes whether it held.
+        loads: of the load cells, N, world frame, shape (cells, 6).
+        table, jacobian: of the signal table.
+        reference: of all joints, rad, shape (all,); leads of pressing joints shrink beyond a bound.
+        here: measured positions of the levels' joints, rad, shape (n,).
+        total: displacement of these, rad, shape (n,); becomes the one that gives way.
+
+    The others are those of ``reference.move``.
+    """
+    joints, held = len(columns), 0
+    tips, ways = np.zeros((3 * len(load_guards), joints)), np.zeros(3 * len(load_guards))
+    normals, allowed, force = (
+        np.zeros((len(load_guards), joints)),
+        np.zeros(len(load_guards)),
+        np.empty(3),
+    )
+    for number in range(len(load_guards)):
+        guard = load_guards[number]
+        row = table[guard.row].row
+        tip, way = tips[3 * held : 3 * held + 3], ways[3 * held : 3 * held + 3]
+        _add_up(guard, loads, force)
+        _place(jacobian[row : row + 3], columns, total, tip, way)
+        share, pressing = guard.force / guard.bound, dot(force, way)
+        most = guard.pace * min(max(1.0 - share, -1.0), 1.0)
+        guard.held = share > _NEAR and pressing > most
+        if not guard.held:
+            continue
+        # Across the force the tip moves as before, or it would slide aside instead.
+        add(way, force, most - pressing)
+        normal, allowed[held] = normals[held], most
+        for k in range(3):
+            add(normal, tip[k], force[k])
+        held += 1
+        if share > 1.0:
+            _relieve(reference, here, columns, normal)
+    if held == 0:
+        return
+    # Two levels: along the forces, and below that all of the tips' motion.
+    size, first = len(wanted), 4 * held
+    own_rows = np.zeros((rows.shape[0], first + size, joints))
+    own_rows[:, first:] = rows
+    own_rows[newest, :held], own_rows[newest, held:first] = normals[:held], tips[: 3 * held]
+    own_ages, own_ends = np.ones(2 + len(ages), np.int64), np.full(2 + len(ends), first, np.int64)
+    own_ages[2:] = ages
+    own_ends[0] = held
+    own_ends[2:] += ends
+    own_wanted, own_values = np.empty(first + size), np.zeros(first + size)
+    own_wanted[:held], own_wanted[held:first] = allowed[:held], ways[: 3 * held]
+    own_wanted[first:] = wanted
+    compose(
+        here, newest, own_rows, own_ages, own_wanted, own_ends, limits, guards[0], guards[1],
+        guards[2], total, locked, own_values,
+    )  # fmt: skip
+    values[:] = own_values[first:]
+
+
+@compiled
+def _add_up(guard: Any, loads: Floats, force: Floats) -> None:
+    """Find a guard's force; ``force`` becomes its direction, shape (3,), 0 without any."""
+    fill(force, 0.0)
+    for cell in range(guard.first, guard.last):
+        add(force, loads[cell, :3], 1.0)
+    guard.force = norm(force)
+    if guard.force > 0.0:
+        scale(force, 1.0 / guard.force)
+
+
+@compiled
+def _place(jacobian: Floats, columns: Integers, total: Floats, tip: Floats, way: Floats) -> None:
+    """Find how a tip moves per joint, shape (3, n), and by a displacement, m, shape (3,)."""
+    for k in range(3):
+        for place in range(len(columns)):
+            tip[k, place] = jacobian[k, columns[place]]
+        way[k] = dot(tip[k], total)
+
+
+@compiled
+def _relieve(reference: Floats, here: Floats, columns: Integers, normal: Floats) -> None:
+    """Let references that lead their joints come back along a force, where they press."""
+    lead, square = 0.0, dot(normal, normal)
+    for place in range(len(columns)):
+        lead += normal[place] * (reference[columns[place]] - here[place])
+    if lead > 0.0 and square > 0.0:
+        for place in range(len(columns)):
+            reference[columns[place]] -= (1.0 - _KEPT) * lead / square * normal[place]

@@ -1,0 +1,71 @@
+"""A robot with a gripper whose fingers slide, by documents alone."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from cbdsl.backends.bullet.backend import BulletBackend
+from cbdsl.backends.kinematic.tree import Tree
+from cbdsl.checking.program import check_program
+from cbdsl.documents.robot import RobotDocument
+from cbdsl.documents.stage import StageDocument
+from cbdsl.robot.joints import Joints
+from cbdsl.robot.urdf import read_urdf
+from cbdsl.runtime.episode import Runner
+from cbdsl.sensing.kinematics import Kinematics
+from cbdsl.yaml_text.library import Library
+from tests.conftest import ROOT
+
+URDF = ROOT / "robots" / "panda.urdf"
+
+
+@pytest.fixture(scope="module")
+def panda(library: Library) -> RobotDocument:
+    return library.read(library.locate(RobotDocument, "panda"), RobotDocument).document
+
+
+def test_both_forward_kinematics_slide_the_fingers(panda: RobotDocument) -> None:
+    kinematics, model = Kinematics(panda, URDF), read_urdf(URDF)
+    tree = Tree(model, Joints(panda), panda.base)
+    rng = np.random.default_rng(0)
+    for _ in range(20):
+        posture = rng.uniform(kinematics.lower, kinematics.upper)
+        kinematics.update(posture)
+        tree.update(posture)
+        for link in ("panda_hand", "panda_leftfinger_pad", "panda_rightfinger_pad"):
+            frame = kinematics.frame(link)
+            assert tree.pose(link).position == pytest.approx(frame.position, abs=1e-12)
+            assert tree.pose(link).rotation == pytest.approx(frame.rotation, abs=1e-12)
+        left, right = (tree.pose(f"panda_{side}finger_pad").position for side in ("left", "right"))
+        assert np.linalg.norm(left - right) == pytest.approx(2 * posture[-1])
+
+
+def test_a_joint_without_end_has_no_limits(tmp_path: Path, panda: RobotDocument) -> None:
+    file = tmp_path / "endless.urdf"
+    text = URDF.read_text().replace(
+        '<joint name="panda_joint1" type="revolute">',
+        '<joint name="panda_joint1" type="continuous">',
+    )
+    file.write_text(text)
+    kinematics = Kinematics(panda, file)
+    assert (kinematics.lower[0], kinematics.upper[0]) == (-np.inf, np.inf)
+    assert kinematics.lower[1:] == pytest.approx(Kinematics(panda, URDF).lower[1:])
+    turned = np.zeros(len(kinematics.joints))
+    kinematics.update(turned)
+    before = kinematics.frame("panda_hand").rotation
+    kinematics.update(turned + np.eye(len(turned))[0] * 4 * np.pi)
+    assert kinematics.frame("panda_hand").rotation == pytest.approx(before, abs=1e-12)
+
+
+@pytest.mark.slow
+def test_it_puts_a_cube_where_it_belongs(panda: RobotDocument, library: Library) -> None:
+    program = check_program("panda_pick", {}, library)
+    stage = library.read(library.locate(StageDocument, program.stage), StageDocument).document
+    backend = BulletBackend(panda, URDF)
+    Runner(panda, Kinematics(panda, URDF), program, backend).run(stage, 1)
+    cube = backend.truth.pose("cube")
+    assert cube.position == pytest.approx([0.45, 0.30, 0.0225], abs=0.02)
+    backend.close()

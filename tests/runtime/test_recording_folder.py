@@ -1,0 +1,67 @@
+"""Folders of recordings: nothing is written over unasked, nor by two at once, nor in part."""
+
+from __future__ import annotations
+
+import resource
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+import pytest
+
+from cbdsl.errors.errors import UsageError
+from cbdsl.runtime.recording_folder import RecordingFolder, replace_file
+
+
+def test_a_folder_that_cannot_be_written_is_told_beforehand(tmp_path: Path) -> None:
+    RecordingFolder(tmp_path / "new").require_ready([0])
+    assert not list((tmp_path / "new").iterdir())
+    (tmp_path / "file").touch()
+    for folder in (tmp_path / "file", tmp_path / "file" / "below"):
+        with pytest.raises(OSError):
+            RecordingFolder(folder).require_ready([0])
+
+
+@pytest.mark.parametrize("there", ["episode_7.json", "episode_7.npz"])
+def test_what_is_there_is_replaced_only_when_asked_for(there: str, tmp_path: Path) -> None:
+    (tmp_path / there).write_text("kept")
+    RecordingFolder(tmp_path).require_ready(range(7))
+    with pytest.raises(UsageError, match=f"{there}.*--overwrite"):
+        RecordingFolder(tmp_path).require_ready(range(8))
+    with pytest.raises(UsageError, match=there), RecordingFolder(tmp_path).claim(7):
+        pass
+    RecordingFolder(tmp_path, overwrite=True).require_ready(range(8))
+    with RecordingFolder(tmp_path, overwrite=True).claim(7):
+        pass
+    assert [file.name for file in tmp_path.iterdir()] == [there]
+
+
+def test_an_episode_is_recorded_by_one_at_a_time(tmp_path: Path) -> None:
+    one, other = RecordingFolder(tmp_path, overwrite=True), RecordingFolder(tmp_path)
+    with one.claim(3):
+        with pytest.raises(UsageError, match=r"another process.*seed 3"), other.claim(3):
+            pass
+        with other.claim(4):  # of another seed there is no quarrel
+            pass
+    with other.claim(3):
+        pass
+    assert not list(tmp_path.iterdir())
+
+
+@contextmanager
+def no_file_larger_than(size: int) -> Iterator[None]:
+    before = resource.getrlimit(resource.RLIMIT_FSIZE)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (size, before[1]))
+    try:
+        yield
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, before)
+
+
+def test_a_write_that_fails_names_its_file_and_leaves_what_was_there(tmp_path: Path) -> None:
+    path = tmp_path / "file"
+    replace_file(path, lambda file: file.write(b"before"))
+    with pytest.raises(OSError) as caught, no_file_larger_than(100):
+        replace_file(path, lambda file: file.write(b"x" * 200_000))
+    assert caught.value.filename == str(path) and caught.value.strerror
+    assert [file.read_bytes() for file in tmp_path.iterdir()] == [b"before"]
