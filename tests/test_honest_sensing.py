@@ -74,9 +74,9 @@ def test_what_the_kinematic_backend_observes_is_exactly_that(
     for found in observation.regions.values():
         assert type(found) is dict and found
         assert set(found) <= channels, "no names of things"
-        for region in found.values():
+        for region in (region for regions in found.values() for region in regions):
             assert type(region) is Region
-            assert set(region._fields) == {"area", "column", "row", "clipped"}
+            assert set(region._fields) == {"area", "column", "row", "clipped", "moments", "extent"}
 
 
 def test_the_runtime_needs_nothing_but_the_protocol(

@@ -39,6 +39,34 @@ class Compositions:
             elif not document.parameters:
                 self._triple(key, key, document, {}, {})
 
+    def check_rewards(self) -> None:
+        """Check that what earns rewards is part of a composition, and can."""
+        document, source = self._context.document, self._context.source
+        for key, parts in document.rewards.items():
+            if not isinstance(document.controllers.get(key), str):
+                names = [
+                    name for name, each in document.controllers.items() if isinstance(each, str)
+                ]
+                problem = f"'{key}' is no composition below 'controllers'"
+                place = source.key("rewards", key)
+                self._context.add("CB482", place, name=key, names=names, problem=problem)
+                continue
+            controllers = self._built.get(key)
+            if controllers is None:
+                continue
+            can = {each.name: each.rewarded for each in controllers}
+            for i, part in enumerate(parts):
+                if not can.get(part, False):
+                    names = [name for name, is_rewarded in can.items() if is_rewarded]
+                    why = (
+                        "reads nothing of the environment"
+                        if part in can
+                        else f"is no part of '{key}'"
+                    )
+                    place = source.place("rewards", key, i)
+                    problem = f"'{part}' {why}"
+                    self._context.add("CB482", place, name=part, names=names, problem=problem)
+
     def checked(self) -> list[tuple[str, Controller]]:
         """The controllers without faults, each with its key in the document."""
         return [
@@ -57,7 +85,9 @@ class Compositions:
     def primitive(self, term: Term, steps: Steps) -> Primitive | None:
         """The primitive that a term names, or ``None`` where it has faults."""
         controllers = self._controllers(term, steps, ())
-        return None if controllers is None else Primitive(str(term), controllers)
+        if controllers is None:
+            return None
+        return Primitive(str(term), controllers, self._context.document.rewards.get(term.name, ()))
 
     def _controllers(
         self, term: Term, steps: Steps, stack: tuple[str, ...]

@@ -13,6 +13,12 @@ from cbdsl.checking.robot.checked_robot import CheckedRobot
 from cbdsl.documents.program import ProgramDocument
 from cbdsl.errors.diagnostic import Place
 from cbdsl.language.expression import Expression, Span
+from cbdsl.robot.instance_names import (
+    InstanceName,
+    instance_names,
+    is_meant_as_instance,
+    parse_instance,
+)
 from cbdsl.types.resource import Resource
 from cbdsl.yaml_text.loaded import Loaded
 from cbdsl.yaml_text.source_map import SourceMap, Step
@@ -104,6 +110,26 @@ class ProgramContext:
         if name is None:
             return None
         resource = self.body.resources.get(name)
-        if resource is None and not self._is_unknown(name):
+        if resource is not None or self._is_unknown(name):
+            return resource
+        instance = parse_instance(name, self.body.resources)
+        if instance is None or not is_meant_as_instance(instance.instance):
             self._missing.report(text, name, steps, scope)
-        return resource
+            return None
+        return self._instance(name, instance, steps)
+
+    def _instance(self, name: str, parsed: InstanceName, steps: Steps) -> Resource | None:
+        """The resource of an instance of a channel, if there can be such an instance."""
+        robot, given = self.body.document, parsed.instance
+        allowed, base = instance_names(robot), parsed.base.name
+        if given in allowed:
+            return parsed.resource(name)
+        hint = (
+            f"; {robot.vision.regions.instances} things of a channel are kept apart"
+            if allowed
+            else "; only two cameras tell the things of a channel apart"
+        )
+        place = self.source.place(*steps)
+        details = {"name": base, "instance": given, "hint": hint}
+        self.add("CB565", place, names=allowed, given=given, **details)
+        return None

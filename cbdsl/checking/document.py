@@ -2,20 +2,25 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from importlib import import_module
 from pathlib import Path
 
+from cbdsl.checking.calibration import check_own_calibration
 from cbdsl.checking.causes import causes_first
 from cbdsl.checking.findings import Findings
 from cbdsl.checking.lookup.documents import find_document
 from cbdsl.checking.program import examine_program
+from cbdsl.checking.schema import checked_schema
 from cbdsl.checking.session import Session
 from cbdsl.documents.document import Document
 from cbdsl.documents.kinds import KINDS, kind_name, kind_of
 from cbdsl.documents.program import ProgramDocument
 from cbdsl.documents.robot import RobotDocument
+from cbdsl.documents.schema import SchemaDocument
 from cbdsl.errors.diagnostic import Diagnostic
 from cbdsl.errors.errors import DiagnosticsError
+from cbdsl.program.checked import CheckedProgram
 from cbdsl.yaml_text.loaded import Loaded
 from cbdsl.yaml_text.unknown import UNKNOWN
 
@@ -45,6 +50,7 @@ def check_document(path: Path, session: Session | None = None) -> list[Diagnosti
 def check_robot(loaded: Loaded[RobotDocument], session: Session, findings: Findings) -> None:
     """Check a robot; the session keeps what was found."""
     session.body(loaded.path, findings)
+    check_own_calibration(loaded, session, findings)
 
 
 def check_program(loaded: Loaded[ProgramDocument], session: Session, findings: Findings) -> None:
@@ -52,6 +58,15 @@ def check_program(loaded: Loaded[ProgramDocument], session: Session, findings: F
     parameters = loaded.document.parameters
     values = {key: value for key, value in session.values.items() if key in parameters}
     examine_program(loaded.path, values, session, findings)
+
+
+def check_schema(loaded: Loaded[SchemaDocument], session: Session, findings: Findings) -> None:
+    """Check a schema and the program that it allocates."""
+
+    def examine(path: Path, values: Mapping[str, str], own: Findings) -> CheckedProgram | None:
+        return examine_program(path, values, session, own)
+
+    checked_schema(loaded, session, findings, examine)
 
 
 def _named_like_its_file(loaded: Loaded[Document], findings: Findings) -> None:

@@ -6,11 +6,15 @@ from collections.abc import Iterator, Mapping
 from pathlib import Path
 
 from cbdsl.checking.actions import Actions
+from cbdsl.checking.allotments import check_allotments
 from cbdsl.checking.causes import causes_first
 from cbdsl.checking.compositions import Compositions
 from cbdsl.checking.context import ProgramContext, Steps
+from cbdsl.checking.controller.axes import check_contradictions
 from cbdsl.checking.dependencies import Dependencies
+from cbdsl.checking.ends import check_ends, read_ends
 from cbdsl.checking.findings import Findings
+from cbdsl.checking.guards import check_guards
 from cbdsl.checking.knowledge.states import check_states
 from cbdsl.checking.lookup.scope import Scope
 from cbdsl.checking.session import Session
@@ -20,7 +24,7 @@ from cbdsl.checking.used_programs import Budget, UsedPrograms
 from cbdsl.documents.program import ProgramDocument
 from cbdsl.errors.errors import DiagnosticsError, UsageError
 from cbdsl.errors.nearest import suggestion
-from cbdsl.program.checked import Action, CheckedProgram
+from cbdsl.program.checked import Action, CheckedProgram, Guards
 from cbdsl.program.controller import Composition, Primitive
 from cbdsl.yaml_text.library import Library
 from cbdsl.yaml_text.loaded import Loaded
@@ -138,6 +142,7 @@ class _ProgramCheck:
     def check(self) -> CheckedProgram | None:
         context, actions = self._context, self._actions
         background = self._background()
+        check_guards(context)
         checked = actions.check()
         are_complete = actions.are_complete
         are_shown = not (are_complete and actions.only_composed())
@@ -145,16 +150,21 @@ class _ProgramCheck:
         is_known = actions.are_read and are_shown and not actions.lack_a_member
         members = actions.members if is_known else None
         check_states(policy, members, context.source, context.findings)
+        ends = read_ends(context, members)
         used = frozenset(context.used)
         self._compositions.check_all()
+        self._compositions.check_rewards()
+        check_allotments(context)
         self._conditions(_primitives(checked), are_complete and are_shown and None not in checked)
         self._used.report_values(context.wrong_parameters)
         if context.findings.failed:
             return None
         check_unused(context, used)
         program = self._program(checked, policy, background)
+        check_ends(context, program, ends)
+        check_contradictions(context, program, self._actions.places)
         check_suspicious(context, program, self._compositions.checked(), actions.places)
-        return program
+        return None if context.findings.failed else program
 
     def _program(
         self,
@@ -176,6 +186,11 @@ class _ProgramCheck:
             transitions=document.limits.transitions,
             transition_time=document.limits.transition_time,
             idle_time=document.limits.idle_time,
+            episode_time=document.limits.episode_time,
+            reward_ends=document.limits.reward_ends,
+            success=document.success,
+            failure=document.failure,
+            guards=Guards(document.guards.finger_force, document.guards.hand_force),
         )
 
     def _background(self) -> Composition | None:

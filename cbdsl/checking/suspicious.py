@@ -7,12 +7,13 @@ from collections.abc import Iterable, Mapping
 from cbdsl.checking.context import ProgramContext, Steps
 from cbdsl.checking.knowledge.impossible import check_possible, reads_what_is_known
 from cbdsl.checking.robot.pace import check_gain, check_window
+from cbdsl.checking.waiting import check_waiting
 from cbdsl.documents import program as written
 from cbdsl.program.checked import Action, CheckedProgram
-from cbdsl.program.controller import AlongNormals, Controller, Literal
+from cbdsl.program.controller import AlongNormals, Controller, Literal, Relative
 from cbdsl.program.dry_run import StackLevel, levels
 from cbdsl.types.potential import POTENTIALS
-from cbdsl.types.resource import Heading, Headings, Resource, StereoPosition
+from cbdsl.types.resource import VISUAL, Resource
 from cbdsl.types.state import ANY
 
 
@@ -35,6 +36,7 @@ def check_suspicious(
         document = context.document.controllers[key]
         assert isinstance(document, written.ControllerSection), "compositions are no controllers"
         _ControllerCheck(context, key, document, controller).all()
+    check_waiting(context, checked)
     _hasty(context, checked, program)
     _start(context, program)
     _background(context, program)
@@ -71,11 +73,6 @@ class _ControllerCheck:
         if isinstance(reference, Resource) and _are_same(reference, controller.feedback):
             place = source.place(*self._steps, "reference")
             self._context.add("CB708", place, name=reference.name)
-        once = None if controller.seek is None else controller.seek.once
-        for steps, waited_for in ((("seek", "once"), once), (("requires",), controller.requires)):
-            if waited_for == controller.name:
-                place = source.place(*self._steps, *steps)
-                self._context.add("CB710", place, name=controller.name)
 
     def _zero_share(self) -> None:
         """A share of a reference of norm 0 is no residual that can be reached."""
@@ -94,7 +91,7 @@ class _ControllerCheck:
             check_gain(controller.gain, robot, source, self._steps, context.findings)
         window = controller.quiescence.window
         if self._document.quiescence is not None:
-            seen = isinstance(controller.feedback.source, (Heading, Headings, StereoPosition))
+            seen = isinstance(controller.feedback.source, VISUAL)
             seen = seen and bool(robot.cameras)
             check_window(window, seen, robot, source, self._steps, context.findings)
 
@@ -110,6 +107,8 @@ def _is_zero(controller: Controller) -> bool:
             return not any(values)
         case AlongNormals(force=force):
             return force == 0
+        case Relative(offset=offset):
+            return not any(offset)
     return False
 
 
@@ -131,7 +130,8 @@ def _hasty(
 def _start(context: ProgramContext, program: CheckedProgram) -> None:
     """Every program begins with no predicate active."""
     patterns = [pattern for pattern in program.policy if not pattern.strip("X" + ANY)]
-    if program.policy and not patterns:
+    # One that is not there may be learned, one that is empty begins nowhere.
+    if context.source.holds("policy") and not patterns:
         state = "X" * len(program.members)
         context.add("CB706", context.source.key("policy"), state=state)
 

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Mapping
+from collections.abc import Collection, Mapping
 from pathlib import Path
+from typing import TypeVar
 
 from cbdsl.checking.context import Steps
 from cbdsl.checking.dependencies import Dependencies
@@ -11,20 +12,22 @@ from cbdsl.checking.findings import Findings
 from cbdsl.checking.knowledge.learned import check_policy, with_policy
 from cbdsl.checking.lookup.documents import find_document
 from cbdsl.checking.lookup.scope import Scope
+from cbdsl.checking.schema import Examine, checked_schema
 from cbdsl.checking.session import Session
 from cbdsl.documents.policy import PolicyDocument
 from cbdsl.documents.program import ProgramDocument, Use
+from cbdsl.documents.schema import SchemaDocument
 from cbdsl.errors.errors import DiagnosticsError
 from cbdsl.program.checked import CheckedProgram
 from cbdsl.yaml_text.loaded import Loaded
+
+K = TypeVar("K", PolicyDocument, SchemaDocument)
 
 # Programs within one another, and programs that one uses in all, each with other values.
 _DEEPEST = 64
 _MOST = 256
 # Where these are found, to check anything again with other values would go on and on.
 _ENDLESS = frozenset({"CB409", "CB605", "CB610"})
-
-Examine = Callable[[Path, Mapping[str, str], Findings], CheckedProgram | None]
 
 
 class Budget:
@@ -102,6 +105,8 @@ class UsedPrograms:
                 return None
             faults = own  # with its own values it has faults already
         self._findings.extend(faults.sorted())
+        if program is not None and use.schema_ is not None:
+            return self._allocated(use.schema_, program, values, ("use", name, "schema"))
         if program is None or use.policy is None:
             return program
         return self._learned(use.policy, program, path, ("use", name, "policy"))
@@ -169,20 +174,36 @@ class UsedPrograms:
                 values[key] = value
         return values
 
+    def _allocated(
+        self, name: str, program: CheckedProgram, values: Mapping[str, str], steps: Steps
+    ) -> CheckedProgram | None:
+        """A used program that a schema allocates, or ``None`` where that does not fit."""
+        loaded = self._knowledge(SchemaDocument, name, program, steps)
+        if loaded is None:
+            return None
+        return checked_schema(loaded, self._session, self._findings, self._examine, values)
+
     def _learned(
         self, name: str, program: CheckedProgram, path: Path, steps: Steps
     ) -> CheckedProgram | None:
         """A used program under a policy of its own, or ``None`` where that does not fit."""
-        source, library = self._source, self._session.library
-        file = find_document(PolicyDocument, name, source.place(*steps), library, self._findings)
-        loaded = self._session.read(file, PolicyDocument, self._findings)
+        loaded = self._knowledge(PolicyDocument, name, program, steps)
         if loaded is None:
-            return None
-        if loaded.document.program != program.name:
-            details = {"name": name, "other": loaded.document.program, "program": program.name}
-            self._findings.add("CB626", source.place(*steps), **details)
             return None
         findings = Findings()
         check_policy(loaded, program, path, self._session, findings)
         self._findings.extend(findings.sorted())
-        return None if findings.failed else with_policy(program, loaded, library)
+        return None if findings.failed else with_policy(program, loaded, self._session.library)
+
+    def _knowledge(
+        self, kind: type[K], name: str, program: CheckedProgram, steps: Steps
+    ) -> Loaded[K] | None:
+        """A policy or schema of a used program, or ``None`` where it is missing or of another."""
+        place, library = self._source.place(*steps), self._session.library
+        file = find_document(kind, name, place, library, self._findings)
+        loaded = self._session.read(file, kind, self._findings)
+        if loaded is None or loaded.document.program == program.name:
+            return loaded
+        details = {"name": name, "other": loaded.document.program, "program": program.name}
+        self._findings.add("CB626", place, **details)
+        return None

@@ -78,10 +78,11 @@ def _examine(paths: Iterable[str], values: Mapping[str, str], stdin: Path) -> Va
     from cbdsl.cli.terminal import print_problem
     from cbdsl.cli.validation_report import ValidationReport
     from cbdsl.documents.kinds import KINDS
+    from cbdsl.yaml_text.composer import MOST_BYTES
     from cbdsl.yaml_text.library import Library
 
     words = list(paths)
-    given = {stdin: sys.stdin.buffer.read()} if STANDARD_INPUT in words else {}
+    given = {stdin: sys.stdin.buffer.read(MOST_BYTES + 1)} if STANDARD_INPUT in words else {}
     library = Library(given=given)
     files = [file for word in words for file in _documents(word, stdin, library)]
     session = Session(library, values)
@@ -107,7 +108,8 @@ def _documents(word: str, stdin: Path, library: Library) -> Iterator[Path]:
     if not path.is_dir():
         yield from library.locate_any(word)
         return
-    files = sorted(file for file in path.rglob("*") if file.suffix in (".yaml", ".yml"))
+    named = (file for file in path.rglob("*") if file.suffix in (".yaml", ".yml"))
+    files = sorted(file for file in named if not file.is_dir())
     if not files:
         raise UsageError(f"{path} holds no documents (*.yaml)")
     yield from files

@@ -5,18 +5,21 @@ from __future__ import annotations
 import inspect
 import re
 import shlex
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from cbdsl.cli.simulation import BackendName
+from cbdsl.cli.workers import require_workers, warn_of_open_scheduler
 from cbdsl.documents.json_schema import docstrings
 from cbdsl.learning.constants import AccommodateConstants, read_constants
 
 if TYPE_CHECKING:
     from cbdsl.cli.run_request import RunRequest
+    from cbdsl.documents.digest import ProgramDigest
     from cbdsl.documents.document import Section
     from cbdsl.program.checked import CheckedProgram
     from cbdsl.training.learning_task import LearningTask
@@ -38,7 +41,6 @@ Stage = Annotated[
 ]
 Episodes = Annotated[int, typer.Option("--episodes", min=1, help="How many episodes in all.")]
 Seed = Annotated[int, typer.Option("--seed", min=0, help="Seed of all chance.")]
-BackendName = Annotated[str, typer.Option("--backend", help="What embodies the robot.")]
 Cameras = Annotated[
     str | None,
     typer.Option("--cameras", help="Its cameras: rendered or ideal [the backend's own]."),
@@ -79,6 +81,12 @@ Sequential = Annotated[
 ]
 LearnerName = Annotated[
     str, typer.Option("--learner", help="Algorithm, of those that cb show learners has.")
+]
+From = Annotated[
+    str | None,
+    typer.Option(
+        "--from", help="Learned policy that a schema keeps to, its file or name; for assimilate."
+    ),
 ]
 Set = Annotated[
     list[str],
@@ -150,6 +158,7 @@ def learn(
     resume: Resume = False,
     sequential: Sequential = False,
     learner: LearnerName = "accommodate",
+    from_: From = None,
     set_: Set = [],  # noqa: B006 (typer)
     transitions: Transitions = None,
     transition_time: TransitionTime = None,
@@ -175,7 +184,15 @@ def learn(
 
     _require_name(out)
     _require_one_place(workers, scheduler)
-    request = read_request(program, stage, None, read_assignments(with_))
+    require_workers(workers)
+    if scheduler is not None:
+        warn_of_open_scheduler(scheduler)
+    values = read_assignments(with_)
+    request = read_request(program, stage, None, values)
+    _require_declarative(learner, from_)
+    learned, digest = request.program, program_digest(request.program_file, request.library)
+    if from_ is not None:
+        learned, digest = _to_assimilate(request, from_, values, digest)
     _tell_of_no_reward(request)
     given = read_assignments(set_, "--set") | {n: v for n, v in constants.items() if v is not None}
     with needing_simulation():
@@ -184,8 +201,8 @@ def learn(
 
         chosen = read_constants(LEARNERS.get(learner).Constants, given, learner)
         first = LearningTask(
-            program=_limited(request.program, sequential, transitions, transition_time, idle_time),
-            program_sha256=program_digest(request.program_file, request.library),
+            program=_limited(learned, sequential, transitions, transition_time, idle_time),
+            digest=digest,
             robot=request.robot,
             urdf=request.urdf.absolute(),
             stage=request.stage,
@@ -207,6 +224,33 @@ def learn(
             one_by_one(tasks, request)
         else:
             side_by_side(tasks, at_once, scheduler)
+
+
+def _require_declarative(learner: str, policy: str | None) -> None:
+    from cbdsl.errors.errors import UsageError
+    from cbdsl.learning.learner import ASSIMILATE
+
+    if learner == ASSIMILATE and policy is None:
+        raise UsageError("assimilate learns the resources of a policy: name that with --from")
+    if learner != ASSIMILATE and policy is not None:
+        raise UsageError(f"--from is for --learner {ASSIMILATE}, which learns no policy of its own")
+
+
+def _to_assimilate(
+    request: RunRequest, policy: str, values: Mapping[str, str], digest: ProgramDigest
+) -> tuple[CheckedProgram, ProgramDigest]:
+    """Program with all its allocations under a policy, and the digest of both."""
+    from cbdsl.checking.assimilation import program_to_assimilate
+    from cbdsl.checking.knowledge.digest import policy_digest
+    from cbdsl.checking.session import Session
+    from cbdsl.cli.run_request import read_policy
+
+    loaded = read_policy(request.program, policy, request.program_file, request.library)
+    session = Session(request.library)
+    program = program_to_assimilate(request.program_file, loaded, session, values)
+    own = policy_digest(loaded.document.name, request.program_file, request.library)
+    policies = {loaded.document.name: own, **digest.policies}
+    return program, digest._replace(policies=policies)
 
 
 def _tell_of_no_reward(request: RunRequest) -> None:

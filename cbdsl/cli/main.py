@@ -17,7 +17,8 @@ if TYPE_CHECKING:
 
 #: Command by command, the module that defines a function or an app of the same name.
 COMMANDS = (
-    "validate", "run", "explain", "show", "reproduce", "new", "schema", "replay", "learn", "report",
+    "validate", "list", "run", "explain", "show", "reproduce", "new", "schema", "replay", "learn",
+    "report", "calibrate",
 )  # fmt: skip
 
 
@@ -30,7 +31,6 @@ def build_app(names: Iterable[str] = COMMANDS) -> typer.Typer:
     app = typer.Typer(
         help="Declare, check and run robot behaviour as data.",
         no_args_is_help=True,
-        add_completion=False,
         rich_markup_mode=None,
         pretty_exceptions_enable=False,
     )

@@ -7,7 +7,7 @@ from textwrap import wrap
 
 from cbdsl.errors.counting import count
 from cbdsl.program.checked import Action, CheckedProgram
-from cbdsl.program.controller import AlongNormals, Controller, Literal, Reference
+from cbdsl.program.controller import AlongNormals, Controller, Literal, Reference, Relative
 from cbdsl.program.dry_run import controllers, coverage, levels, resources, rewarding
 from cbdsl.types.potential import POTENTIALS
 from cbdsl.types.resource import Resource
@@ -34,6 +34,8 @@ def reference_text(reference: Reference | None, unit: str) -> str:
         return f"[{', '.join(f'{value:g}' for value in reference.values)}] {unit}"
     if isinstance(reference, AlongNormals):
         return f"{reference.force:g} N along normals"
+    if isinstance(reference, Relative):
+        return f"{reference} {unit}"
     return reference.name
 
 

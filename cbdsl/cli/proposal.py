@@ -86,11 +86,15 @@ def _effector(chain: Chain) -> str:
 
 
 def _limits(joint: UrdfJoint) -> str:
+    if joint.endless:
+        return "without end"
+    if joint.slides:
+        return f"{joint.lower:g} to {joint.upper:g} m"
     return f"{math.degrees(joint.lower):.0f} to {math.degrees(joint.upper):.0f} deg"
 
 
 def _ready(joint: UrdfJoint) -> float:
-    """Zero where a joint can be there, else the middle of its range; rad."""
+    """Zero where a joint can be there, else the middle of its range; rad or m."""
     if joint.lower <= 0.0 <= joint.upper:
         return 0.0
     return round((joint.lower + joint.upper) / 2, 4)
@@ -102,7 +106,7 @@ def _passive(model: UrdfModel, effectors: Sequence[Chain]) -> dict[str, Mimic]:
     return {
         joint.name: joint.mimic
         for joint in model.joints.values()
-        if joint.revolute and joint.mimic is not None and joint.mimic.joint in actuated
+        if joint.movable and joint.mimic is not None and joint.mimic.joint in actuated
     }
 
 

@@ -9,6 +9,8 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from cbdsl.cli.workers import require_workers
+
 if TYPE_CHECKING:
     from cbdsl.reproduction.experiment import Experiment, Result, RunSettings
 
@@ -94,6 +96,7 @@ def reproduce(
     if list_them:
         _list(as_json)
         return
+    require_workers(workers or 1)
     if name is None:
         raise UsageError("which experiment? cb reproduce --list names them, 'all' is all of them")
     chosen = _chosen(name)

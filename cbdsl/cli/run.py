@@ -2,14 +2,18 @@
 
 from __future__ import annotations
 
+from contextlib import nullcontext
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from cbdsl.cli.simulation import BackendName
+
 if TYPE_CHECKING:
     from cbdsl.backends.backend import Backend
+    from cbdsl.cli.recorder import Recorder
     from cbdsl.cli.run_request import RunRequest
     from cbdsl.documents.stage import StageDocument
     from cbdsl.program.transition import Transition
@@ -35,7 +39,6 @@ Seed = Annotated[int, typer.Option("--seed", min=0, help="Seed of the first epis
 Episodes = Annotated[
     int, typer.Option("--episodes", min=1, help="How many, with successive seeds.")
 ]
-BackendName = Annotated[str, typer.Option("--backend", help="What embodies the robot.")]
 Cameras = Annotated[
     str | None,
     typer.Option("--cameras", help="Its cameras: rendered or ideal [the backend's own]."),
@@ -44,14 +47,29 @@ Policy = Annotated[
     str | None,
     typer.Option("--policy", help="A policy: its file, or its name [the program's own]."),
 ]
+Schema = Annotated[
+    str | None,
+    typer.Option("--schema", help="A schema that chooses the resources: its file, or its name."),
+]
 With = Annotated[
     list[str],
     typer.Option("--with", help="A parameter of the program, as arm=left_arm; may be repeated."),
+]
+Calibration = Annotated[
+    str | None,
+    typer.Option("--calibration", help="Where its cameras are: a file or a name [the robot's]."),
+]
+BodyNumber = Annotated[
+    int | None,
+    typer.Option("--body", min=0, help="Number of the body, which keeps its cameras' errors."),
 ]
 Gui = Annotated[bool, typer.Option("--gui", help="Open the simulator's window.")]
 Record = Annotated[
     Path | None,
     typer.Option("--record", help="Folder to keep every tick of each episode in, as NPZ and JSON."),
+]
+Overwrite = Annotated[
+    bool, typer.Option("--overwrite", help="Let --record replace recordings of the same seeds.")
 ]
 Explain = Annotated[
     bool,
@@ -62,19 +80,29 @@ Explain = Annotated[
 Json = Annotated[bool, typer.Option("--json", help="Print one JSON object per episode.")]
 
 
+#: Exit codes of a program that states success or failure.
+_FAILED, _UNDECIDED = 3, 4
+
+
 @dataclass(frozen=True)
 class Telling:
     """Who gets to know what of an episode.
 
     Attributes:
-        record: folder for recordings.
+        recorder: of the episodes, if they are recorded.
         explain: whether people are told of the stack's levels.
         as_json: whether scripts are told, instead of people.
     """
 
-    record: Path | None
+    recorder: Recorder | None
     explain: bool
     as_json: bool
+
+    def print(self, result: EpisodeResult) -> None:
+        """Print the outcome of an episode."""
+        from cbdsl.cli.narration import json_line
+
+        print(json_line(result) if self.as_json else f"  {result.ending}", flush=True)
 
 
 def run(
@@ -87,9 +115,13 @@ def run(
     backend: BackendName = "bullet",
     cameras: Cameras = None,
     policy: Policy = None,
+    schema: Schema = None,
     with_: With = [],  # noqa: B006 (typer)
+    calibration: Calibration = None,
+    body: BodyNumber = None,
     gui: Gui = False,
     record: Record = None,
+    overwrite: Overwrite = False,
     explain: Explain = False,
     as_json: Json = False,
 ) -> None:
@@ -97,33 +129,60 @@ def run(
 
     Programs and stages are files or names; a wrong name lists the known ones.
 
-    Exit 0 when it ran, rewarded or not, 1 when a document has errors, 2 when it could not run.
+    Exit 0 when it ran, rewarded or not. Of a program that states success or failure: 0 when all
+    episodes succeeded, 3 when one failed, 4 when none failed and one came to neither. Exit 1 when a
+    document has errors, 2 when it could not run, 130 when it was interrupted, by Ctrl-C or SIGTERM;
+    what was recorded by then is kept.
     """
     from cbdsl.cli.assignments import read_assignments
     from cbdsl.cli.quiet import shown_on_failure
+    from cbdsl.cli.recorder import Recorder
     from cbdsl.cli.run_request import read_request
     from cbdsl.cli.simulation import simulation
+    from cbdsl.cli.termination import termination_interrupts
     from cbdsl.errors.errors import UsageError
 
     if explain and as_json:
         raise UsageError("--explain tells people and --json tells scripts: choose one")
-    request = read_request(program, stage, policy, read_assignments(with_))
+    if overwrite and record is None:
+        raise UsageError("--overwrite is about recordings: give their folder with --record")
+    if policy is not None and schema is not None:
+        raise UsageError("a schema names its policy: give --policy or --schema, not both")
+    values = read_assignments(with_)
+    request = read_request(
+        program, stage, policy, values, schema=schema, calibration=calibration, body=body
+    )
     _require_context(request.stage, context)
     opened = simulation(request, backend, gui=gui, cameras=cameras)
-    with shown_on_failure(), opened as (embodied, kinematics):
+    with shown_on_failure(), termination_interrupts(), opened as (embodied, kinematics):
         runner = _runner(request, kinematics, embodied)
+        seeds = range(seed, seed + episodes)
+        recorder = None
         if record is not None:
-            _require_folder(record)
-        telling = Telling(record, explain, as_json)
+            tells = not as_json
+            recorder = Recorder(record, request, embodied, seeds, overwrite=overwrite, tells=tells)
+        telling = Telling(recorder, explain, as_json)
         if not as_json:
             print(_introduction(request, embodied))
         results: list[EpisodeResult] = []
-        for index in range(episodes):
+        for index, each in enumerate(seeds):
             if not as_json:
-                print(_heading(seed + index, index, episodes, results))
-            results.append(_episode(embodied, runner, request, seed + index, context, telling))
+                print(_heading(each, index, episodes, results))
+            results.append(_episode(runner, request, each, context, telling))
     if episodes > 1 and not as_json:
         _summarise(results)
+    _conclude(request, results)
+
+
+def _conclude(request: RunRequest, results: list[EpisodeResult]) -> None:
+    """Exit by the outcomes of episodes whose program states some."""
+    if not (request.program.success or request.program.failure):
+        return
+    outcomes = {result.outcome for result in results}
+    if "failure" in outcomes:
+        raise typer.Exit(_FAILED)
+    if "" in outcomes:
+        raise typer.Exit(_UNDECIDED)
 
 
 def _introduction(request: RunRequest, backend: Backend) -> str:
@@ -142,18 +201,6 @@ def _require_context(stage: StageDocument, context: str | None) -> None:
     raise UsageError(f"stage '{stage.name}' has no context '{context}'{near} (known: {known})")
 
 
-def _require_folder(folder: Path) -> None:
-    """Find out before the episodes, not after, whether recordings can be kept."""
-    from cbdsl.errors.errors import UsageError
-    from cbdsl.errors.reason import reason
-    from cbdsl.runtime.recording import require_writable
-
-    try:
-        require_writable(folder)
-    except OSError as error:
-        raise UsageError(f"--record {folder}: {reason(error)}") from error
-
-
 def _runner(request: RunRequest, kinematics: Kinematics, backend: Backend) -> Runner:
     from cbdsl.runtime.episode import Runner
 
@@ -161,43 +208,31 @@ def _runner(request: RunRequest, kinematics: Kinematics, backend: Backend) -> Ru
 
 
 def _episode(
-    backend: Backend,
-    runner: Runner,
-    request: RunRequest,
-    seed: int,
-    context: str | None,
-    telling: Telling,
+    runner: Runner, request: RunRequest, seed: int, context: str | None, telling: Telling
 ) -> EpisodeResult:
+    """Run an episode and tell how it ended; a recording is kept whatever stopped it."""
     from cbdsl.backends.backend import BackendError
-    from cbdsl.cli.narration import json_line
     from cbdsl.errors.errors import UsageError
     from cbdsl.runtime.episode import DeadlineError
 
-    recording = None if telling.record is None else _recording(backend, request)
-    on_transition, on_tick = _listeners(telling, recording)
-    try:
-        result = runner.run(request.stage, seed, context, on_transition, on_tick)
-    except BackendError as error:
-        raise UsageError(f"seed {seed}: {error}") from error
-    except DeadlineError as error:
-        if telling.as_json:
-            print(json_line(error.result), flush=True)
-        raise
-    if recording is not None and telling.record is not None:
-        file = recording.write(telling.record, result)
-        if not telling.as_json:
-            print(f"  recorded in {file}")
-    print(json_line(result) if telling.as_json else f"  {result.ending}", flush=True)
-    return result
-
-
-def _recording(backend: Backend, request: RunRequest) -> Recording:
-    from cbdsl.backends.staging.world_state import GroundTruthProvider
-    from cbdsl.runtime.recording import Recording
-
-    # What a backend knows of its world is in the recording only: people look at that.
-    scenery = (lambda: backend.truth) if isinstance(backend, GroundTruthProvider) else None
-    return Recording(request.program, request.robot, request.urdf, scenery)
+    ended: list[EpisodeResult] = []
+    recorder = telling.recorder
+    with nullcontext() if recorder is None else recorder.episode(seed, ended) as recording:
+        on_transition, on_tick = _listeners(telling, recording)
+        try:
+            runner.run(request.stage, seed, context, on_transition, on_tick, ended.append)
+        except BackendError as error:
+            raise UsageError(f"seed {seed}: {error}") from error
+        except DeadlineError:
+            if telling.as_json:
+                telling.print(ended[0])
+            raise
+        except KeyboardInterrupt:
+            if ended and not telling.as_json:
+                telling.print(ended[0])
+            raise
+        telling.print(ended[0])
+    return ended[0]
 
 
 def _listeners(

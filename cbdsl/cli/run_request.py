@@ -9,10 +9,12 @@ from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from cbdsl.documents.document import Document
+    from cbdsl.documents.policy import PolicyDocument
     from cbdsl.documents.robot import RobotDocument
     from cbdsl.documents.stage import StageDocument
     from cbdsl.program.checked import CheckedProgram
     from cbdsl.yaml_text.library import Library
+    from cbdsl.yaml_text.loaded import Loaded
 
 
 @dataclass(frozen=True)
@@ -37,7 +39,15 @@ class RunRequest:
 
 
 def read_request(
-    program: str, stage: str | None, policy: str | None, values: Mapping[str, str]
+    program: str,
+    stage: str | None,
+    policy: str | None,
+    values: Mapping[str, str],
+    *,
+    schema: str | None = None,
+    calibration: str | None = None,
+    body: int | None = None,
+    uncalibrated: bool = False,
 ) -> RunRequest:
     """Read and check what a user asks for.
 
@@ -46,12 +56,18 @@ def read_request(
         stage: a file or a name; without it the program's own.
         policy: a file or a name; without it the program's own.
         values: of the program's parameters.
+        schema: a file or a name, which brings its own policy; without it nothing is allocated.
+        calibration: of the robot's cameras, a file or a name; without it the robot's own.
+        body: number of the simulated body; without it the stage's.
+        uncalibrated: whether the robot takes its cameras to be where its model has them.
 
     Raises:
         DiagnosticsError: a document has errors.
         UsageError: there is no such document, or they do not fit each other.
     """
     from cbdsl.checking.program import check_program
+    from cbdsl.cli.calibration import read_calibration, require_body, with_body
+    from cbdsl.documents.calibration import calibrated, with_corrections
     from cbdsl.documents.program import ProgramDocument
     from cbdsl.documents.robot import RobotDocument
     from cbdsl.yaml_text.library import Library
@@ -62,12 +78,23 @@ def read_request(
     robot_file = library.find(RobotDocument, checked.robot, path)
     assert robot_file is not None, "a checked program has a robot"
     robot = library.read(robot_file, RobotDocument).document
+    learned = checked
+    if policy is not None:
+        learned = _under_policy(checked, policy, path, library)
+    elif schema is not None:
+        learned = _as_schema(checked, schema, path, library, values)
+    shown = with_body(_read_stage(stage, checked, path, library), body)
+    if uncalibrated:
+        robot = with_corrections(robot, {})
+    elif known := read_calibration(calibration, robot, robot_file, library):
+        require_body(known, shown)
+        robot = calibrated(robot, known)
     return RunRequest(
-        program=checked if policy is None else _under_policy(checked, policy, path, library),
+        program=learned,
         program_file=path,
         robot=robot,
         urdf=robot_file.parent / robot.model,
-        stage=_read_stage(stage, checked, path, library),
+        stage=shown,
         library=library,
     )
 
@@ -75,6 +102,7 @@ def read_request(
 def _read_stage(
     name: str | None, program: CheckedProgram, program_file: Path, library: Library
 ) -> StageDocument:
+    from cbdsl.cli.clean import require_clean
     from cbdsl.documents.stage import StageDocument
     from cbdsl.errors.errors import UsageError
 
@@ -83,7 +111,7 @@ def _read_stage(
         known = _stages_for(program.robot, program_file, library)
         raise UsageError(f"{program.name} names no stage; give one with --stage (known: {known})")
     file = _locate(StageDocument, wanted, program_file, library)
-    _require_clean(file, library)
+    require_clean(file, library)
     stage = library.read(file, StageDocument).document
     if stage.robot != program.robot:
         raise UsageError(
@@ -111,19 +139,74 @@ def _under_policy(
     program: CheckedProgram, name: str, program_file: Path, library: Library
 ) -> CheckedProgram:
     from cbdsl.checking.knowledge.learned import with_policy
+
+    return with_policy(program, read_policy(program, name, program_file, library), library)
+
+
+def read_policy(
+    program: CheckedProgram, name: str, program_file: Path, library: Library
+) -> Loaded[PolicyDocument]:
+    """Read a policy that serves a program.
+
+    Args:
+        program: the program.
+        name: a file, or a name beside the program or here.
+        program_file: the program's document.
+        library: where it is found by name.
+
+    Raises:
+        DiagnosticsError: it has errors.
+        UsageError: there is no such policy, or it serves another program.
+    """
+    from cbdsl.cli.clean import require_clean
     from cbdsl.documents.policy import PolicyDocument
     from cbdsl.errors.errors import UsageError
 
     file = _locate(PolicyDocument, name, program_file, library)
     if _is_recording(file):
         raise UsageError(f"{file}: this is no policy document; it looks like a recording")
-    _require_clean(file, library)
+    require_clean(file, library)
     loaded = library.read(file, PolicyDocument)
     if loaded.document.program != program.name:
         raise UsageError(
             f"{file}: this policy serves program '{loaded.document.program}', not '{program.name}'"
         )
-    return with_policy(program, loaded, library)
+    return loaded
+
+
+def _as_schema(
+    program: CheckedProgram,
+    name: str,
+    program_file: Path,
+    library: Library,
+    values: Mapping[str, str],
+) -> CheckedProgram:
+    """A program that is allocated by a schema."""
+    from cbdsl.checking.causes import causes_first
+    from cbdsl.checking.findings import Findings
+    from cbdsl.checking.program import examine_program
+    from cbdsl.checking.schema import checked_schema
+    from cbdsl.checking.session import Session
+    from cbdsl.cli.clean import require_clean
+    from cbdsl.documents.schema import SchemaDocument
+    from cbdsl.errors.errors import DiagnosticsError, UsageError
+
+    file = _locate(SchemaDocument, name, program_file, library)
+    require_clean(file, library)
+    loaded, findings = library.read(file, SchemaDocument), Findings()
+    if loaded.document.program != program.name:
+        raise UsageError(
+            f"{file}: this schema is of program '{loaded.document.program}', not '{program.name}'"
+        )
+    session = Session(library)
+
+    def examine(path: Path, with_: Mapping[str, str], own: Findings) -> CheckedProgram | None:
+        return examine_program(path, with_, session, own)
+
+    checked = checked_schema(loaded, session, findings, examine, values)
+    if checked is None:
+        raise DiagnosticsError(causes_first(findings.sorted(), library))
+    return checked
 
 
 def _is_recording(file: Path) -> bool:
@@ -132,13 +215,3 @@ def _is_recording(file: Path) -> bool:
         return False
     is_summary = file.suffix == ".json" and b'"kind": "recording"' in file.read_bytes()
     return is_summary or file.suffix == ".npz"
-
-
-def _require_clean(file: Path, library: Library) -> None:
-    from cbdsl.checking.document import check_document
-    from cbdsl.checking.session import Session
-    from cbdsl.errors.errors import DiagnosticsError
-
-    diagnostics = check_document(file, session=Session(library))
-    if any(diagnostic.is_error for diagnostic in diagnostics):
-        raise DiagnosticsError(diagnostics)

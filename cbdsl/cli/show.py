@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from cbdsl.cli.show_allocations import show_allocations
 from cbdsl.cli.show_plugins import (
     show_backends,
     show_kinds,
@@ -109,6 +110,7 @@ show.command("learners")(show_learners)
 show.command("kinds")(show_kinds)
 show.command("backends")(show_backends)
 show.command("program")(show_program)
+show.command("allocations")(show_allocations)
 show.command("policy")(show_policy)
 
 

@@ -4,12 +4,23 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from contextlib import contextmanager
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Annotated
+
+import typer
 
 if TYPE_CHECKING:
     from cbdsl.backends.backend import Backend
     from cbdsl.cli.run_request import RunRequest
     from cbdsl.sensing.kinematics import Kinematics
+
+BackendName = Annotated[
+    str,
+    typer.Option(
+        "--backend",
+        help="What embodies the robot: bullet or mujoco (physics), kinematic (without), or one "
+        "of another package; cb show backends lists all.",
+    ),
+]
 
 
 @contextmanager

@@ -67,7 +67,10 @@ def print_problem(message: str) -> None:
 @cache
 def _text(file: str) -> str | None:
     """A file's text for snippets, or ``None`` where it has none."""
+    from cbdsl.errors.errors import DiagnosticsError
+    from cbdsl.yaml_text.reader import read_text
+
     try:
-        return Path(file).read_text(encoding="utf-8-sig")
-    except (OSError, UnicodeDecodeError):
+        return read_text(Path(file))
+    except DiagnosticsError:
         return None

@@ -2,9 +2,24 @@
 
 import hashlib
 import json
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
+from typing import NamedTuple
 
 from cbdsl.documents.document import Document
+
+
+class ProgramDigest(NamedTuple):
+    """Digest of a program, and of the learned policies that run inside of it.
+
+    Attributes:
+        sha256: of the program without its own policy, and of the programs and models that it uses;
+            whatever was learned for a program holds for it as long as this is the same.
+        policies: SHA-256 of each learned policy that it uses, itself or by a program that it uses,
+            with the models that belong to it, by name.
+    """
+
+    sha256: str
+    policies: Mapping[str, str]
 
 
 def digest(document: Document, leave_out: Iterable[str] = ()) -> str:

@@ -100,6 +100,7 @@ SpeedSpan = Annotated[tuple[float, float], _span(_SPEED)]
 TimeSpan = Annotated[tuple[float, float], _span(_TIME)]
 Vector = Annotated[tuple[float, float, float], _several(_NUMBER, 3)]
 Point = Annotated[tuple[float, float, float], _several(_LENGTH, 3)]
+Turn = Annotated[tuple[float, float, float], _several(_ANGLE, 3)]
 Color = Annotated[tuple[float, float, float], _several(_SHARE, 3)]
 
 

@@ -6,11 +6,13 @@ from collections.abc import Mapping
 from pathlib import PurePosixPath
 from typing import TYPE_CHECKING, Any, NamedTuple, get_args
 
+from cbdsl.documents.calibration import CalibrationDocument
 from cbdsl.documents.document import Document
 from cbdsl.documents.model import ModelDocument
 from cbdsl.documents.policy import PolicyDocument
 from cbdsl.documents.program import ProgramDocument
 from cbdsl.documents.robot import RobotDocument
+from cbdsl.documents.schema import SchemaDocument
 from cbdsl.documents.stage import StageDocument
 from cbdsl.types.registry import PluginError, Registry
 
@@ -47,6 +49,7 @@ ROBOT = Kind(
     folder="robots",
     checker="cbdsl.checking.document:check_robot",
     unknown="CB601",
+    references={"calibration": "calibration"},
     stand_ins={
         "model": "unknown",
         "base": "unknown",
@@ -65,7 +68,7 @@ PROGRAM = Kind(
 STAGE = Kind(
     StageDocument,
     folder="programs/stages",
-    checker="cbdsl.checking.stage:examine_stage",
+    checker="cbdsl.checking.stage.stage:examine_stage",
     unknown="CB602",
     references={"robot": "robot"},
     stand_ins={"robot": "unknown", "contexts": {"unknown": {}}},
@@ -85,6 +88,29 @@ MODEL = Kind(
     unknown="CB632",
     references={"robot": "robot"},
     stand_ins={"robot": "unknown"},
+)
+SCHEMA = Kind(
+    SchemaDocument,
+    folder="knowledge/schemas",
+    checker="cbdsl.checking.document:check_schema",
+    unknown="CB641",
+    references={"program": "program"},
+    stand_ins={
+        "program": "unknown",
+        "policy": "unknown",
+        "features": {"unknown": "unknown"},
+        "allocations": {"unknown": {}},
+        "choose": "unknown",
+        "otherwise": ["unknown"],
+    },
+)
+CALIBRATION = Kind(
+    CalibrationDocument,
+    folder="knowledge/calibrations",
+    checker="cbdsl.checking.calibration:examine_calibration",
+    unknown="CB675",
+    references={"robot": "robot"},
+    stand_ins={"robot": "unknown", "cameras": {}},
 )
 
 
@@ -127,6 +153,8 @@ KINDS: Registry[Kind] = Registry(
         "stage": f"{__name__}:STAGE",
         "policy": f"{__name__}:POLICY",
         "model": f"{__name__}:MODEL",
+        "schema": f"{__name__}:SCHEMA",
+        "calibration": f"{__name__}:CALIBRATION",
     },
     _record,
 )

@@ -10,13 +10,16 @@ from cbdsl.types.state import STATE
 State = Annotated[str, Field(pattern=STATE)]
 """Predicates, one letter each."""
 
+Sha256 = Annotated[str, Field(pattern=r"^[0-9a-f]{64}$")]
+"""SHA-256 in hexadecimal."""
+
 
 class Identity(Section):
     """Which document it was, and what was in it."""
 
     name: Name
     """Name of the document."""
-    sha256: Annotated[str, Field(pattern=r"^[0-9a-f]{64}$")]
+    sha256: Sha256
     """Of its content; comments, layout and what cannot matter are left out."""
 
 
@@ -27,6 +30,8 @@ class Provenance(Section):
     """Command that learns it again."""
     program: Identity
     """Program that was run."""
+    policies: dict[Name, Sha256] = {}
+    """Learned policies that ran inside of it, by name, each with the models that belong to it."""
     parameters: dict[Name, str] = {}
     """Values of its parameters."""
     actions: Annotated[tuple[str, ...], Field(min_length=1)]

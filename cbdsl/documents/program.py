@@ -6,7 +6,6 @@ from typing import Annotated, ClassVar, Literal, Self
 from pydantic import Field, field_validator, model_validator
 
 from cbdsl.documents.document import (
-    Angle,
     AnyAcceleration,
     AnySpeed,
     Coordinate,
@@ -21,6 +20,9 @@ from cbdsl.documents.document import (
     PositiveCount,
     Rate,
     Section,
+    Speed,
+    Tolerance,
+    quantity,
 )
 from cbdsl.documents.robot import QuiescenceSection
 
@@ -62,8 +64,23 @@ class SeekSection(Section):
     it is a part of is not at rest meanwhile, and judged anew when the search has ended."""
     within: Length = 0.02
     """How near ``once`` has to be."""
-    until: Angle | None = None
+    until: Coordinate | None = None
     """Angle of the flexing joints past which nothing will be found."""
+
+
+class OnsetSection(Section):
+    """How a load has to change before a controller acts on it, as when what is held touches down.
+
+    The load is compared with its own mean from the activation on, which is the weight of what is
+    held for as long as that touches nothing else.
+    """
+
+    change: Tolerance
+    """Smallest change towards the reference."""
+    window: Duration = 0.05
+    """For how long it has to last."""
+    pace: Speed = 0.1
+    """Speed of the hand above which no change counts: a load that is accelerated changes, too."""
 
 
 class ObstacleSection(Section):
@@ -117,7 +134,9 @@ class ControllerSection(Section):
     feedback: Text
     """The resource sigma that is measured."""
     reference: Text | tuple[Text | Number, ...] | Number | None = None
-    """The reference rho: a resource, or a literal such as ``[0 deg, 0 deg]``."""
+    """The reference rho: a resource, a literal such as ``[0 deg, 0 deg]``, or either ``here``, the
+    feedback's value at activation, or a resource displaced by a literal in the world frame:
+    ``here + [0 cm, 0 cm, 15 cm]``."""
     effector: Text
     """The resource tau that is moved."""
     gain: Rate | None = None
@@ -129,6 +148,9 @@ class ControllerSection(Section):
     quiescence: QuiescenceSection | None = None
     free_axis: Literal["x", "y", "z"] | None = None
     """Axis of the tip about which an orientation may turn freely."""
+    axes: tuple[Literal["x", "y", "z"], ...] | None = None
+    """Axes of the world frame along which a position, force or torque is compared; all without it.
+    The reference has one component for each."""
     manipulator: Literal["position", "pose"] | None = None
     """Which Jacobian of the tip a manipulability is of; of its position without it."""
     standoff: StandoffSection | None = None
@@ -137,6 +159,8 @@ class ControllerSection(Section):
     requires: Text | None = None
     """Undefined without this controller, written as in ``actions``: acts from when that is defined,
     until that neither is nor seeks to be. What is done with a thing needs a hand that holds it."""
+    onset: OnsetSection | None = None
+    """Undefined until the load has changed; for a force or torque whose reference is ``here``."""
     field: FieldSection | None = None
     modifiers: dict[Name, dict[Name, Text | Number]] = {}
     """Changes of the reference in every tick, in turn, by kinds that other packages add; with the
@@ -174,6 +198,8 @@ class Use(Section):
     """Values of its parameters; ``$name`` refers to this program's own."""
     policy: Name | None = None
     """Learned policy that takes the place of the one that is written in it."""
+    schema_: Annotated[Name | None, Field(alias="schema")] = None
+    """Schema that chooses its resources, with a policy of its own."""
 
 
 class Limits(Section):
@@ -185,6 +211,19 @@ class Limits(Section):
     """Simulated time that one action may run without a change of state."""
     idle_time: Duration | None = None
     """The same while no predicate of the state is 0 and nothing is sought, if that is less."""
+    episode_time: Duration | None = None
+    """Simulated time of an episode, after which it is over whatever it does."""
+    reward_ends: bool = True
+    """Whether the first reward ends an episode. While it is learned from, it always does."""
+
+
+class GuardsSection(Section):
+    """Bounds on what a program's motion may press with; it gives way to what exceeds them."""
+
+    finger_force: Annotated[float, quantity("force", gt=0)] | None = None
+    """Largest force of a fingertip, in all directions together."""
+    hand_force: Annotated[float, quantity("force", gt=0)] | None = None
+    """Largest net force of a hand."""
 
 
 class ProgramDocument(Document):
@@ -198,6 +237,9 @@ class ProgramDocument(Document):
     """Training context used unless another is named."""
     parameters: dict[Name, str] = {}
     """Names that resources and compositions may refer to as ``$name``, with defaults."""
+    resources: dict[Name, Annotated[dict[Name, Text], Field(min_length=1)]] = {}
+    """Kinds of resources that parameters may stand for, such as ``effector of position``; those in
+    one group are replaced together, as an arm with its hand."""
     use: dict[Name, Use] = {}
     """Other programs, usable as actions."""
     models: dict[Name, Name] = {}
@@ -210,4 +252,12 @@ class ProgramDocument(Document):
     """Controllers, compositions of controllers, or programs."""
     policy: dict[str, Text] = {}
     """Action by state: one of X - 0 1, or * for any, per controller and program of ``actions``."""
+    success: tuple[str, ...] = ()
+    """Patterns of states in which the program has succeeded and ends."""
+    failure: tuple[str, ...] = ()
+    """Patterns of states in which it has failed and ends."""
+    rewards: dict[Name, tuple[Text, ...]] = {}
+    """By composition that is used as one controller, those of its parts whose rest is rewarded;
+    nothing else in it is."""
+    guards: GuardsSection = GuardsSection.model_construct()
     limits: Limits = Limits.model_construct()

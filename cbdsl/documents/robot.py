@@ -9,6 +9,7 @@ from cbdsl.documents.document import (
     AngularSpeed,
     AnyAcceleration,
     AnySpeed,
+    Coordinate,
     Count,
     Document,
     Duration,
@@ -28,6 +29,7 @@ from cbdsl.documents.document import (
     Time,
     Tolerance,
     Torque,
+    Turn,
     Vector,
 )
 
@@ -48,8 +50,8 @@ class Effector(Section):
     """Actuated joints of the URDF, in order."""
     tip: TipSection | None = None
     """The frame that gives this effector a position and an orientation."""
-    postures: dict[Name, tuple[Angle, ...]] = {}
-    """Named joint postures, each with one angle per joint."""
+    postures: dict[Name, tuple[Coordinate, ...]] = {}
+    """Named joint postures: an angle per joint, or a length where it slides."""
     start: Name | None = None
     """Posture at the start of an episode; without it, zero within the limits."""
 
@@ -67,7 +69,7 @@ class Coupling(Section):
     follows: JointName
     """The actuated joint."""
     ratio: Number
-    """Angle of the passive joint per angle of the actuated one."""
+    """Motion of the passive joint per motion of the actuated one."""
 
 
 def _require_direction(vector: Vector) -> Vector:
@@ -82,7 +84,7 @@ class LoadCell(Section):
     link: LinkName
     """Link of the URDF that carries the cell."""
     joint: JointName
-    """Actuated joint that flexes this finger."""
+    """Actuated joint that flexes this finger, or slides it."""
     normal: Annotated[Vector, AfterValidator(_require_direction)]
     """Direction in the link's frame in which the finger presses."""
     share: Positive = 1.0
@@ -102,6 +104,15 @@ class Sensor(Section):
     """Numbers that the kind asks for."""
 
 
+class Correction(Section):
+    """Displacement of a camera from its link, as a calibration found it."""
+
+    position: Point = (0.0, 0.0, 0.0)
+    """The optical centre, in the link's frame."""
+    rotation: Turn = (0.0, 0.0, 0.0)
+    """Rotation vector from the link's axes to the camera's: its axis times its angle."""
+
+
 class Camera(Section):
     """A pinhole camera; its frame looks along +x, with +y to its left and +z up."""
 
@@ -113,6 +124,8 @@ class Camera(Section):
     """Image height, px."""
     focal_length: Pixels
     """Focal length at this width, px."""
+    correction: Correction | None = None
+    """Where it is instead of exactly at the link, as far as the robot knows."""
 
 
 class Channels(Section):
@@ -143,6 +156,8 @@ class Regions(Section):
     """Largest distance between the two lines of sight at their crossing."""
     farthest: Length = 2.5
     """Farthest position that is believed."""
+    instances: Annotated[int, Field(ge=1, le=6)] = 4
+    """How many things of one channel are kept apart."""
     least_visible: NonNegative = 0.98
     """Share of the largest apparent size below which a region counts as hidden in part."""
     linger: Time = 0.25
@@ -213,7 +228,8 @@ class Control(Section):
     tasks: dict[str, TaskSettings]
     """Settings by the type of the feedback."""
     stiffness: Positive = 5.0
-    """Fingertip force per joint angle assumed by force -> displacement, N/rad."""
+    """Fingertip force per joint angle assumed by force -> displacement, N/rad; N/m of joints that
+    slide."""
     contact_stiffness: Positive = 100.0
     """Force per displacement of the link that feels it assumed by force -> displacement, N/m."""
     contact_torsion: Positive = 1.0
@@ -229,6 +245,8 @@ class Contact(Section):
     """Standard deviation of each measured component."""
     filter: Time = 0.02
     """Time constant of the load cells' low-pass filter."""
+    self_contact: Length = 0.04
+    """Fingertips of two hands that feel something and are no farther apart feel each other."""
 
 
 class TipSurface(Section):
@@ -242,6 +260,26 @@ class TipSurface(Section):
     """Contact stiffness, N/m; rigid without it."""
     damping: Number | None = None
     """Contact damping, N s/m."""
+    friction_anchor: bool = False
+    """Whether points of contact that stick return to where they first touched. Without it, those of
+    soft surfaces creep under a steady load."""
+
+
+class MujocoSection(Section):
+    """Constants of the engine ``mujoco``; the defaults hold things that are grasped."""
+
+    servo_frequency: Rate = 90.0
+    """Natural frequency of the joint servos, rad/s: their stiffness per inertia, square root."""
+    armature: NonNegative = 1.0
+    """Inertia of the joints' drives, as a share of what each joint moves; 1 is matched gearing."""
+    contact_time: Duration = 0.01
+    """Time constant with which contacts push things apart."""
+    spinning_friction: Length = 0.005
+    """Torque about the normal of a contact that friction bears, per force of the contact."""
+    friction_stiffness: Positive = 3.0
+    """How much stiffer contacts are along the surfaces than across them; contacts creep less."""
+    noslip_iterations: Count = 0
+    """Iterations that end all creeping: things stay in the hand, and fingers jam where they rub."""
 
 
 class Simulation(Section):
@@ -261,6 +299,7 @@ class Simulation(Section):
     """Materials of links; the others have those of the URDF."""
     no_contact: tuple[tuple[LinkName, ...], ...] = ()
     """Groups of links whose mutual contacts are ignored; a trailing * matches any ending."""
+    mujoco: MujocoSection = MujocoSection.model_construct()
 
 
 class RobotDocument(Document):
@@ -282,6 +321,8 @@ class RobotDocument(Document):
     """Load cells by hand (an effector) and finger."""
     cameras: dict[Name, Camera] = {}
     """Cameras, by name; two of them triangulate."""
+    calibration: Name | None = None
+    """Calibration that corrects where they are."""
     sensors: dict[Name, Sensor] = {}
     """Sensors of kinds that other packages add, by name."""
     vision: VisionSection = VisionSection.model_construct()

@@ -13,13 +13,21 @@ _ROBOT = _HEAD.format("robot") + "model: example.urdf\nbase: base\neffectors:\n"
 _CONTROL = "control: {rate: 120 Hz, tasks: {}}\n"
 _BALL = "things:\n  ball: {form: {shape: ball, radius: 4 cm}, mass: 100 g}\n"
 
+_SCHEMA = (
+    _HEAD.format("schema") + "program: reachtouch\npolicy: reachtouch\n"
+    "features: {place: stereo.sat_10}\nallocations:\n"
+    "  right: {arm: right_arm, hand: right_hand}\n  left: {arm: left_arm, hand: left_hand}\n"
+)
+
 #: Frames of examples: ``$name`` is the file's, ``$body`` what the catalogue has.
 _FRAMES = {
     "program": f"{_HEAD.format('program')}$body\n",
     "robot": f"{_HEAD.format('robot')}$body\n",
     "stage": f"{_HEAD.format('stage')}$body\n",
     "policy": f"{_HEAD.format('policy')}$body\n",
+    "calibration": f"{_HEAD.format('calibration')}$body\n",
     "model": f"{_HEAD.format('model')}$body\n",
+    "schema": f"{_SCHEMA}$body\n",
     "tracking": f"{_DEXTER}{_TRACK}\n$body\n",
     "controller": f"{_DEXTER}{{$body}}\nactions: [track]\n",
     "effectors": f"{_ROBOT}$body\n{_CONTROL}",

@@ -16,6 +16,7 @@ from cbdsl.documents.program import ProgramDocument
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.errors.counting import count
 from cbdsl.errors.errors import DiagnosticsError, UsageError
+from cbdsl.errors.reason import reason
 from cbdsl.reporting.drawing.policy_transitions import require_legible
 from cbdsl.robot.urdf import UrdfError, read_urdf
 from cbdsl.yaml_text.library import Library, is_of
@@ -218,13 +219,26 @@ def _from_journal(file: Path, wanted: int) -> list[Episode]:
     if not path.exists():
         return []
     try:
-        lines = path.read_text("utf-8").splitlines()[1 : 1 + wanted]
-        episodes = [_episode(json.loads(line)) for line in lines]
-    except (OSError, ValueError, KeyError, TypeError, IndexError) as error:
-        raise UsageError(f"{path}: no journal of a trial, or a damaged one ({error!r})") from error
+        lines = path.read_bytes().split(b"\n")[1 : 1 + wanted]
+    except OSError as error:
+        raise UsageError(f"{path}: {reason(error)}") from error
+    episodes = [
+        _read_episode(line, f"{path}: no journal of a trial, or a damaged one; line {n}")
+        for n, line in enumerate(lines, 2)
+        if line
+    ]
     if len(episodes) < wanted:
         raise UsageError(f"{path}: holds {len(episodes)} episodes, and {file.name} {wanted}")
     return episodes
+
+
+def _read_episode(line: bytes, journal: str) -> Episode:
+    try:
+        return _episode(json.loads(line))
+    except KeyError as error:
+        raise UsageError(f"{journal} lacks {error}") from error
+    except (ValueError, TypeError, IndexError) as error:
+        raise UsageError(f"{journal} is no episode ({error})") from error
 
 
 def _episode(row: dict[str, Any]) -> Episode:

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
-from urllib.parse import unquote
 
 import numpy as np
 from numpy.typing import NDArray
@@ -28,26 +27,6 @@ class Mesh(NamedTuple):
 
     corners: Floats
     triangles: Triangles
-
-
-def find_mesh(name: str, folder: Path) -> Path | None:
-    """The file that a URDF in ``folder`` names, or ``None`` where it is not there any more.
-
-    ``package://name/path`` is looked for below every folder above, with and without its name.
-    """
-    plain = unquote(name)
-    if "://" not in plain:
-        file = folder / plain
-        return file if file.is_file() else None
-    scheme, _, path = plain.partition("://")
-    if scheme == "file":
-        return Path(path) if Path(path).is_file() else None
-    inner = path.partition("/")[2]
-    for base in (folder, *folder.parents):
-        for candidate in (base / path, base / inner):
-            if inner and candidate.is_file():
-                return candidate
-    return None
 
 
 def read_mesh(file: Path, scale: Sequence[float]) -> Mesh | None:

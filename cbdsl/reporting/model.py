@@ -6,33 +6,15 @@ from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from cbdsl.reporting.mesh import Mesh, find_mesh, read_mesh
+from cbdsl.reporting.link_shape import LinkShape
+from cbdsl.reporting.link_shape import Numbers as _Numbers
+from cbdsl.reporting.mesh import read_mesh
+from cbdsl.reporting.skeleton import skeleton
+from cbdsl.robot.mesh_file import find_mesh
 from cbdsl.robot.urdf import UrdfJoint, UrdfModel, UrdfOrigin, UrdfShape, parse_urdf
-
-_Numbers = tuple[float, ...]
 
 _GREY = (0.7, 0.7, 0.7)
 _KINDS = {"revolute": "turn", "continuous": "turn", "prismatic": "slide"}
-
-
-class LinkShape(NamedTuple):
-    """A visible part of a link.
-
-    Attributes:
-        shape: ``ball``, ``box``, ``cylinder`` or ``mesh``.
-        size: radius; edge lengths; radius and height along z; for a mesh nothing; m.
-        position: in the link's frame, m.
-        quaternion: in the link's frame, as (x, y, z, w).
-        color: red, green and blue, each from 0 to 1.
-        mesh: the triangles of a mesh.
-    """
-
-    shape: str
-    size: _Numbers
-    position: _Numbers
-    quaternion: _Numbers
-    color: _Numbers
-    mesh: Mesh | None = None
 
 
 class DrawnLink(NamedTuple):
@@ -65,6 +47,8 @@ class DrawnLink(NamedTuple):
 def read_links(robot: Mapping[str, Any], joints: Sequence[str]) -> list[DrawnLink]:
     """The links of a recorded robot, each behind the one that it hangs on.
 
+    Where nothing of the robot can be shown, it is a skeleton.
+
     Args:
         robot: as the recording has it: ``urdf`` (text), ``folder`` (where meshes are looked for)
             and ``couplings``.
@@ -73,10 +57,12 @@ def read_links(robot: Mapping[str, Any], joints: Sequence[str]) -> list[DrawnLin
     folder = Path(robot["folder"])
     model = parse_urdf(robot["urdf"], folder / "model.urdf")
     above = {joint.child: joint for joint in model.joints.values()}
+    seen = {name: tuple(_shapes(body.visuals, folder)) for name, body in model.bodies.items()}
+    shown = seen if any(seen.values()) else skeleton(model.joints.values())
     links: list[DrawnLink] = []
     places: dict[str, int] = {}
     for name in _outwards(model, above):
-        shapes = tuple(_shapes(model.bodies[name].visuals, folder))
+        shapes = shown.get(name, ())
         places[name] = len(links)
         joint = above.get(name)
         if joint is None:

@@ -71,8 +71,7 @@ def find_recordings(path: Path) -> list[Path]:
     files |= {each.with_suffix(".json") for each in path.glob("episode_*.npz")}
     if not files:
         raise UsageError(
-            f"{path}: no recording is in this folder; {_MAKING}, and none for a run that was "
-            "ended before"
+            f"{path}: no recording is in this folder; {_MAKING}, and none for a run that was killed"
         )
     return sorted(files, key=lambda each: (len(each.name), each.name))
 

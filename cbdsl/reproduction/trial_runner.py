@@ -191,7 +191,7 @@ class TrialRunner:
         settings, episodes = self._settings, self.episodes(series)
         stage = self._stage(series)
         setting = TrialSetting(
-            program_sha256=program_digest(self._file(series), self._library),
+            digest=program_digest(self._file(series), self._library),
             robot=self._robot,
             stage=stage,
             backend=settings.backend,

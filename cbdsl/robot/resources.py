@@ -10,6 +10,7 @@ from cbdsl.errors.errors import UsageError
 from cbdsl.robot.channel_names import channel_names
 from cbdsl.robot.source_kind import SOURCES
 from cbdsl.types.resource import (
+    BlobSignal,
     Centroid,
     EffectorConfiguration,
     FingerForces,
@@ -23,16 +24,23 @@ from cbdsl.types.resource import (
     Resource,
     Separation,
     StereoPosition,
+    StereoSignal,
+    SurfacePoint,
     Tip,
     UniformSample,
 )
 from cbdsl.types.resource_type import (
+    AXIS,
+    EXTENT,
     FORCE,
     HEADING,
+    HEADING_RATE,
     ORIENTATION,
     POSE,
     POSITION,
     TORQUE,
+    VELOCITY,
+    VOLUME,
     WRENCH,
     configuration,
 )
@@ -40,8 +48,11 @@ from cbdsl.types.resource_type import (
 CYCLOPEAN = "cyclopean"
 CAMERAS = "cameras"
 STEREO = "stereo"
+SURFACE = "surface"
 
 _TIP_PARTS = {"position": POSITION, "orientation": ORIENTATION, "pose": POSE}
+_BLOB_PARTS = {"velocity": HEADING_RATE, "extent": EXTENT, "orientation": AXIS}
+_STEREO_PARTS = {"velocity": VELOCITY, "volume": VOLUME}
 _LOAD_PARTS = {"force": FORCE, "torque": TORQUE, "wrench": WRENCH}
 
 
@@ -57,8 +68,14 @@ def resources(robot: RobotDocument) -> dict[str, Resource]:
     ``hand.net.force/torque/wrench``          sum over fingers     environment
     ``hand.finger_forces``                    force x fingers      environment
     ``camera.channel, cyclopean.channel``     heading              environment
+    ``camera.channel.velocity``               heading_rate         environment
+    ``camera.channel.extent``                 extent               environment
+    ``camera.channel.orientation``            axis                 environment
     ``cameras.channel``                       heading x 2          environment
     ``stereo.channel``                        position             triangulation
+    ``stereo.channel.velocity``               velocity             triangulation
+    ``stereo.channel.volume``                 volume               triangulation
+    ``surface.channel``                       position             visible surface
     ``effector.posture``                      configuration[n]     constant
     ``effector.uniform``                      configuration[n]     internal model
     ``group``, ``group.posture/uniform``      configuration[n]     as of effectors
@@ -66,6 +83,9 @@ def resources(robot: RobotDocument) -> dict[str, Resource]:
     ``group.centroid, group.separation``      position             kinematics
     ``group.net_forces``                      force x members      environment
     ========================================  ===================  ==============
+
+    Those of a channel are of the thing attended to. Instances of a channel have names of their own,
+    such as ``stereo.red.2``, which are not listed: see ``instance_names``.
     """
     by_name: dict[str, Resource] = {}
     for some in (_effectors, _loads, _vision, _groups, _sensors):
@@ -148,6 +168,21 @@ def _vision(robot: RobotDocument) -> Iterator[Resource]:
             yield Resource(f"{CAMERAS}.{name}", pair, Origin.ENVIRONMENT, Headings(channel))
             position = StereoPosition(channel)
             yield Resource(f"{STEREO}.{name}", POSITION, Origin.TRIANGULATION, position)
+        yield from _features(robot, name, channel)
+
+
+def _features(robot: RobotDocument, name: str, channel: str) -> Iterator[Resource]:
+    """Parts of the blobs of a channel, and of what they belong to."""
+    for camera in robot.cameras:
+        for part, kind in _BLOB_PARTS.items():
+            blob = BlobSignal(camera, channel, part)
+            yield Resource(f"{camera}.{name}.{part}", kind, Origin.ENVIRONMENT, blob)
+    if len(robot.cameras) == 2:
+        for part, kind in _STEREO_PARTS.items():
+            seen = StereoSignal(channel, part)
+            yield Resource(f"{STEREO}.{name}.{part}", kind, Origin.TRIANGULATION, seen)
+        point = SurfacePoint(channel)
+        yield Resource(f"{SURFACE}.{name}", POSITION, Origin.SURFACE, point)
 
 
 def _named_channels(channels: Channels) -> Iterator[tuple[str, str]]:

@@ -36,16 +36,13 @@ class UnsupportedJoint(NamedTuple):
 
 
 _FIXED = UnsupportedJoint("fixed")
-_CONTINUOUS = UnsupportedJoint(
-    "continuous, and programs move only between limits",
-    f'write type="revolute" and {_LIMIT} in the model, with limits in rad',
-)
 _LIMITLESS = UnsupportedJoint(
     "revolute without lower and upper limits",
     f"write limits in the model, in rad, such as {_LIMIT}",
 )
-_NO_ROOM = UnsupportedJoint(
-    "revolute, with a lower limit that is not below the upper", "mend the limits in the model"
+_LIMITLESS_SLIDE = UnsupportedJoint(
+    "prismatic without lower and upper limits",
+    f"write limits in the model, in m, such as {_LIMIT.replace('3.14', '0.04')}",
 )
 
 
@@ -53,10 +50,10 @@ def unsupported(joint: UrdfJoint) -> UnsupportedJoint | None:
     """Reason why an effector cannot move a joint, or ``None``."""
     if joint.kind == "fixed":
         return _FIXED
-    if joint.kind == "continuous":
-        return _CONTINUOUS
-    if not joint.revolute:
-        trait = f"{joint.kind}, and programs move only joints that turn about one axis"
+    if not joint.movable:
+        trait = (
+            f"{joint.kind}, and programs move only joints that turn about or slide along one axis"
+        )
         return UnsupportedJoint(trait)
     if joint.mimic is not None:
         master, ratio = joint.mimic.joint, joint.mimic.ratio
@@ -64,9 +61,13 @@ def unsupported(joint: UrdfJoint) -> UnsupportedJoint | None:
         return UnsupportedJoint(
             trait, f"write in couplings that it follows {master}, at ratio {ratio:g}"
         )
+    if joint.endless:
+        return None
     if not joint.limited:
-        return _LIMITLESS
-    return None if joint.lower < joint.upper else _NO_ROOM
+        return _LIMITLESS_SLIDE if joint.slides else _LIMITLESS
+    trait = f"{joint.kind}, with a lower limit that is not below the upper"
+    no_room = UnsupportedJoint(trait, "mend the limits in the model")
+    return None if joint.lower < joint.upper else no_room
 
 
 def unsupported_joints(joints: Iterable[UrdfJoint]) -> dict[UnsupportedJoint, list[UrdfJoint]]:

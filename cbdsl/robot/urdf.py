@@ -8,7 +8,12 @@ from pathlib import Path
 from typing import NamedTuple
 from xml.etree import ElementTree
 
+from cbdsl.documents.contents import contents
+
 Numbers = tuple[float, ...]
+
+# The largest public models, of humanoids, have a tenth of it; meshes have files of their own.
+_MOST_BYTES = 16_000_000
 
 
 class UrdfError(ValueError):
@@ -35,6 +40,16 @@ class UrdfOrigin(NamedTuple):
             cr * sp * cy + sr * cp * sy,
             cr * cp * sy - sr * sp * cy,
             cr * cp * cy + sr * sp * sy,
+        )
+
+    @property
+    def rotation(self) -> tuple[tuple[float, float, float], ...]:
+        """The rotation, as three rows of a matrix."""
+        (cr, sr), (cp, sp), (cy, sy) = ((math.cos(a), math.sin(a)) for a in self.rpy)
+        return (
+            (cy * cp, cy * sp * sr - sy * cr, cy * sp * cr + sy * sr),
+            (sy * cp, sy * sp * sr + cy * cr, sy * sp * cr - cy * sr),
+            (-sp, cp * sr, cp * cr),
         )
 
 
@@ -87,7 +102,7 @@ class UrdfJoint(NamedTuple):
     Attributes:
         name: of the joint.
         parent, child: the links that it joins.
-        kind: the URDF's type; only ``revolute`` joints can be moved by programs.
+        kind: the URDF's type.
         lower, upper: limits; infinite without them, and where the joint is continuous.
         limited: whether the model states limits of its position.
         mimic: the joint that it follows, if any.
@@ -111,9 +126,19 @@ class UrdfJoint(NamedTuple):
     effort: float = math.inf
 
     @property
-    def revolute(self) -> bool:
-        """Whether it turns between limits."""
-        return self.kind == "revolute"
+    def movable(self) -> bool:
+        """Whether it turns about, or slides along, one axis."""
+        return self.kind in ("revolute", "continuous", "prismatic")
+
+    @property
+    def slides(self) -> bool:
+        """Whether its position is a length, m, and no angle."""
+        return self.kind == "prismatic"
+
+    @property
+    def endless(self) -> bool:
+        """Whether it turns without limits."""
+        return self.kind == "continuous"
 
     @property
     def fixed(self) -> bool:
@@ -121,9 +146,15 @@ class UrdfJoint(NamedTuple):
         return self.kind == "fixed"
 
     @property
+    def directed(self) -> bool:
+        """Whether it moves along or about an axis that has a direction, if it moves."""
+        return self.fixed or any(self.axis)
+
+    @property
     def length(self) -> float:
-        """Distance between the frames of its two links, m, unless it slides."""
-        return math.hypot(*self.origin.xyz)
+        """Largest distance between the frames of its two links, m; infinite without limits."""
+        slide = max(abs(self.lower), abs(self.upper)) if self.slides else 0.0
+        return math.hypot(*self.origin.xyz) + slide
 
 
 @dataclass(frozen=True, eq=False)
@@ -134,18 +165,27 @@ class UrdfModel:
         path: its file.
         links: names of all links.
         joints: all joints by name.
-        turning: by link, the names of the revolute joints above it, from the link upwards.
+        moving: by link, the names of the movable joints above it, from the link upwards.
     """
 
     path: Path
     links: frozenset[str]
     joints: Mapping[str, UrdfJoint]
-    turning: Mapping[str, tuple[str, ...]]
+    moving: Mapping[str, tuple[str, ...]]
     _root: ElementTree.Element = field(repr=False)
+
+    @property
+    def meshes(self) -> Mapping[str, str]:
+        """Files of meshes as the model names them, each with a link that it is a part of."""
+        return {
+            mesh.get("filename", ""): link.get("name", "")
+            for link in self._root.findall("link")
+            for mesh in link.iter("mesh")
+        }
 
     @cached_property
     def bodies(self) -> Mapping[str, UrdfLink]:
-        """All links by name, read when they are first asked for: the checker never does.
+        """All links by name, read when they are first asked for.
 
         Raises:
             UrdfError: a link has something else where numbers should be.
@@ -158,25 +198,27 @@ class UrdfModel:
         return {body.name: body for body in bodies}
 
     @property
-    def revolute(self) -> tuple[str, ...]:
-        """Names of the joints that turn between limits, in the file's order."""
-        return tuple(joint.name for joint in self.joints.values() if joint.revolute)
+    def movable(self) -> tuple[str, ...]:
+        """Names of the joints that turn about or slide along one axis, in the file's order."""
+        return tuple(joint.name for joint in self.joints.values() if joint.movable)
 
     def above(self, link: str) -> tuple[str, ...]:
-        """Names of the revolute joints between a link and the root, from the link upwards."""
-        return self.turning.get(link, ())
+        """Names of the movable joints between a link and the root, from the link upwards."""
+        return self.moving.get(link, ())
 
     def reach(self, base: str, link: str) -> float | None:
-        """A bound on the distance of a link's frame from another's, m, wherever joints turn.
+        """A bound on the distance of a link's frame from another's, m, wherever joints are.
 
         Returns:
-            ``None`` where something between them slides, so that there is no such bound.
+            ``None`` where something between them slides without limits, floats or moves in a plane.
         """
-        between = set(self._way(base)).symmetric_difference(self._way(link))
-        turn = all(joint.kind in ("fixed", "revolute", "continuous") for joint in between)
-        return sum(joint.length for joint in between) if turn else None
+        between = set(self.way(base)).symmetric_difference(self.way(link))
+        bounded = all(joint.fixed or joint.movable for joint in between)
+        reach = sum(joint.length for joint in between)
+        return reach if bounded and math.isfinite(reach) else None
 
-    def _way(self, link: str) -> tuple[UrdfJoint, ...]:
+    def way(self, link: str) -> tuple[UrdfJoint, ...]:
+        """All joints between a link and the root, from the link upwards."""
         return _way(link, {joint.child: joint for joint in self.joints.values()})
 
 
@@ -196,7 +238,7 @@ def read_urdf(path: Path) -> UrdfModel:
         UrdfError: there is no such file, or it is no URDF.
     """
     try:
-        return parse_urdf(path.read_bytes(), path)
+        return parse_urdf(contents(path, _MOST_BYTES), path)
     except OSError as error:
         raise UrdfError(f"{path}: {error.strerror}") from None
 
@@ -222,14 +264,15 @@ def parse_urdf(text: bytes | str, path: Path) -> UrdfModel:
     links = frozenset(link.get("name", "") for link in root.findall("link"))
     try:
         _require_distinct(root)
+        _require_masses(root)
         joints = [_joint(element, links) for element in root.findall("joint")]
         _require_tree(links, joints)
     except ValueError as error:
         raise UrdfError(f"{path}: {error}") from None
     parents = {joint.child: joint for joint in joints}
     ways = {link: _way(link, parents) for link in links}
-    turning = {link: tuple(j.name for j in way if j.revolute) for link, way in ways.items()}
-    return UrdfModel(path, links, {joint.name: joint for joint in joints}, turning, root)
+    moving = {link: tuple(j.name for j in way if j.movable) for link, way in ways.items()}
+    return UrdfModel(path, links, {joint.name: joint for joint in joints}, moving, root)
 
 
 def _require_distinct(root: ElementTree.Element) -> None:
@@ -310,7 +353,22 @@ def _problem(kind: str, limit: ElementTree.Element | None) -> str | None:
     for key in ("effort", "velocity"):
         if limit.get(key) is None:
             return f"has a <limit> without {key}; write it as in {_EXAMPLE}"
+        if limit.get(key, "").lstrip().startswith("-"):
+            return f"has the {key} limit {limit.get(key)}; limits are 0, for none, or more"
     return None
+
+
+def _require_masses(root: ElementTree.Element) -> None:
+    """No link weighs less than nothing.
+
+    Raises:
+        ValueError: one does.
+    """
+    for link in root.findall("link"):
+        mass = link.find("inertial/mass")
+        text = "0" if mass is None else mass.get("value", "0")
+        if text.lstrip().startswith("-"):
+            raise ValueError(f"link '{link.get('name')}' has the mass {text}, which is below 0")
 
 
 _COUNTS = {"xyz": 3, "rpy": 3, "lower": 1, "upper": 1, "effort": 1, "velocity": 1}

@@ -3,10 +3,13 @@
 from __future__ import annotations
 
 import logging
+import signal
+import threading
 import time
 from collections.abc import Iterator, Sequence
 from concurrent.futures import CancelledError
-from contextlib import contextmanager, suppress
+from contextlib import ExitStack, contextmanager, suppress
+from multiprocessing import resource_tracker
 from pathlib import Path
 from tempfile import NamedTemporaryFile
 from typing import Protocol, TypeVar
@@ -114,25 +117,54 @@ def _connected(workers: int, scheduler: str | None) -> Iterator[Client]:
             client = Client(scheduler, timeout="10s")
         except (OSError, ValueError) as error:
             raise UsageError(f"--scheduler {scheduler}: nothing answers there ({error})") from error
+        except TypeError as error:  # as Dask says that it lacks certificates
+            raise UsageError(
+                f"--scheduler {scheduler}: TLS needs certificates, which Dask's settings name, "
+                "such as DASK_DISTRIBUTED__COMM__TLS__CA_FILE"
+            ) from error
         with client:
             yield client
         return
-    with (
-        dask.config.set(_UNWATCHED),
-        LocalCluster(
-            n_workers=workers,
-            threads_per_worker=1,
-            processes=True,
-            dashboard_address=None,
-            # Any free port: the usual one may be another cluster's, which Dask would warn of.
-            scheduler_kwargs={"dashboard_address": "127.0.0.1:0"},
-            silence_logs=logging.CRITICAL,
-            env=_ONE_THREAD,
-            preload="cbdsl.training.worker",
-        ) as cluster,
-        Client(cluster) as client,
-    ):
-        yield client
+    with dask.config.set(_UNWATCHED), ExitStack() as begun:
+        with _interrupts_put_off():
+            cluster = LocalCluster(
+                n_workers=workers,
+                threads_per_worker=1,
+                processes=True,
+                dashboard_address=None,
+                # Any free port: the usual one may be another cluster's, which Dask would warn of.
+                scheduler_kwargs={"dashboard_address": "127.0.0.1:0"},
+                silence_logs=logging.CRITICAL,
+                env=_ONE_THREAD,
+                preload="cbdsl.training.worker",
+            )
+            begun.enter_context(cluster)
+        yield begun.enter_context(Client(cluster))
+
+
+@contextmanager
+def _interrupts_put_off() -> Iterator[None]:
+    """Have Ctrl-C and SIGTERM wait until a cluster has begun: Dask cannot end half of one.
+
+    Ctrl-C goes to all processes of a terminal, and workers that are still importing would each
+    print where that was. They inherit that the signal is blocked, and never hear of it.
+    """
+    if threading.current_thread() is not threading.main_thread():
+        yield  # where no signal comes
+        return
+    came: list[int] = []
+    resource_tracker.ensure_running()  # which would unblock the signal at its first use
+    handler = signal.signal(signal.SIGTERM, lambda number, _: came.append(number))
+    mask = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGTERM, handler)
+        try:
+            for number in came:
+                signal.raise_signal(number)
+        finally:
+            signal.pthread_sigmask(signal.SIG_SETMASK, mask)
 
 
 def _supervise(

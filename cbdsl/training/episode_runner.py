@@ -102,6 +102,8 @@ class BackendEpisodeRunner:
             if before is program and chooser is policy:
                 return runner
         runner = Runner(self._robot, self._kinematics, program, self._backend, policy)
+        if self._last is not None:
+            runner.take_over(self._last[2])
         self._last = program, policy, runner
         return runner
 

@@ -68,7 +68,8 @@ class Journal:
         rows, sound = rows_of(self._file.read(), path)
         if rows:
             _require_same(path, rows[0], identity)
-        finished = tuple(entry_of(row, path).experience for row in rows[1:])
+        entries = (entry_of(row, path, line) for line, row in enumerate(rows[1:], 2))
+        finished = tuple(entry.experience for entry in entries)
         self._file.truncate(sound)
         self._file.seek(sound)
         if not rows:
@@ -112,36 +113,58 @@ class Journal:
         os.fsync(self._file.fileno())
 
 
-def rows_of(data: bytes, path: Path) -> tuple[list[dict[str, Any]], int]:
+def rows_of(data: bytes, path: Path, first: int = 1) -> tuple[list[dict[str, Any]], int]:
     """Complete lines in a part of a journal, and where they end.
 
     Args:
         data: from the beginning of a line; what follows the last end of a line is left out.
         path: of the journal, for messages.
+        first: the number of its first line.
 
     Raises:
         JournalError: it is no journal.
     """
     sound = data.rfind(b"\n") + 1
+    lines = data[:sound].split(b"\n")[:-1]
+    return [_row(line, path, number) for number, line in enumerate(lines, first)], sound
+
+
+def _row(line: bytes, path: Path, number: int) -> dict[str, Any]:
     try:
-        rows = [json.loads(line) for line in data[:sound].splitlines()]
+        row = json.loads(line)
     except ValueError as error:
-        raise JournalError(f"{path} is no journal of a trial: {error}") from error
-    if not all(isinstance(row, dict) for row in rows):
-        raise JournalError(f"{path} is no journal of a trial: a line is no JSON object")
-    return rows, sound
+        raise _damaged(path, number, f"it is no JSON ({error})") from error
+    if not isinstance(row, dict):
+        raise _damaged(path, number, "it is no JSON object")
+    return row
 
 
-def entry_of(row: Mapping[str, Any], path: Path) -> JournalEntry:
+def _damaged(path: Path, number: int, problem: str) -> JournalError:
+    if number == 1:
+        return JournalError(f"{path} is no journal of a trial: of line 1, {problem}")
+    return JournalError(
+        f"{path}, line {number}: {problem}; the journal is damaged. What stands above is whole: "
+        f"delete this line and those below, and --resume goes on there"
+    )
+
+
+def entry_of(row: Mapping[str, Any], path: Path, line: int) -> JournalEntry:
     """Episode in a line of a journal.
+
+    Args:
+        row: the line.
+        path: of the journal, for messages.
+        line: its number.
 
     Raises:
         JournalError: there is none.
     """
     try:
         return _entry(row)
-    except (KeyError, TypeError, ValueError, AttributeError) as error:
-        raise JournalError(f"{path} is no journal of a trial: {error!r} in a line") from error
+    except KeyError as error:
+        raise _damaged(path, line, f"it lacks {error}") from error
+    except (TypeError, ValueError, AttributeError) as error:
+        raise _damaged(path, line, f"it is no episode ({error})") from error
 
 
 def require_usable(path: Path, identity: Mapping[str, Any]) -> None:

@@ -19,7 +19,7 @@ class JournalFollower:
     """
 
     def __init__(self, path: Path) -> None:
-        self._path, self._read = path, 0
+        self._path, self._read, self._lines = path, 0, 0
         self.identity: dict[str, Any] = {}
 
     def poll(self) -> list[JournalEntry]:
@@ -32,10 +32,12 @@ class JournalFollower:
         try:
             with self._path.open("rb") as file:
                 file.seek(self._read)
-                rows, length = rows_of(file.read(), self._path)
+                rows, length = rows_of(file.read(), self._path, self._lines + 1)
         except FileNotFoundError:
             return []
         self._read += length
-        if rows and not self.identity:
-            self.identity = rows.pop(0)
-        return [entry_of(row, self._path) for row in rows]
+        numbered = list(enumerate(rows, self._lines + 1))
+        self._lines += len(rows)
+        if numbered and not self.identity:
+            self.identity = numbered.pop(0)[1]
+        return [entry_of(row, self._path, line) for line, row in numbered]

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from cbdsl.backends.backend import Backend
+from cbdsl.documents.digest import ProgramDigest
 from cbdsl.documents.document import Section
 from cbdsl.documents.policy import Provenance
 from cbdsl.documents.robot import RobotDocument
@@ -34,7 +35,7 @@ class LearningTask:
 
     Attributes:
         program: what is learned, with the actions and limits of the trial.
-        program_sha256: of its text; see ``program_digest``.
+        digest: of its text and of the policies that it uses.
         robot: what runs it.
         urdf: the robot's model, at the same place for everybody.
         stage: the training context.
@@ -50,7 +51,7 @@ class LearningTask:
     """
 
     program: CheckedProgram
-    program_sha256: str
+    digest: ProgramDigest
     robot: RobotDocument
     urdf: Path
     stage: StageDocument
@@ -109,5 +110,5 @@ class LearningTask:
         return Trial(self.program, self.constants, self.seed, self.number, self.learner)
 
     def _provenance(self, trial: Trial, renderer: str) -> Provenance:
-        setting = TrialSetting(self.program_sha256, self.robot, self.stage, self.backend, renderer)
+        setting = TrialSetting(self.digest, self.robot, self.stage, self.backend, renderer)
         return provenance_of(trial, setting, self.episodes, self.command)

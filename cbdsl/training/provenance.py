@@ -8,7 +8,7 @@ from importlib.metadata import PackageNotFoundError, version
 from typing import Any
 
 from cbdsl.backends.backend import BACKENDS
-from cbdsl.documents.digest import digest
+from cbdsl.documents.digest import ProgramDigest, digest
 from cbdsl.documents.document import Document
 from cbdsl.documents.policy import Identity, Provenance
 from cbdsl.documents.robot import RobotDocument
@@ -26,14 +26,14 @@ class TrialSetting:
     """Surroundings of a trial that its outcome depends on.
 
     Attributes:
-        program_sha256: of the program's text; see ``program_digest``.
+        digest: of the program's text and of the policies that it uses.
         robot: what runs it.
         stage: where.
         backend: name of what embodies the robot.
         renderer: what makes its images.
     """
 
-    program_sha256: str
+    digest: ProgramDigest
     robot: RobotDocument
     stage: StageDocument
     backend: str
@@ -58,7 +58,8 @@ def provenance_of(trial: Trial, setting: TrialSetting, episodes: int, command: s
     constants = trial.constants.model_dump() | limits
     return Provenance(
         command=command,
-        program=Identity(name=program.name, sha256=setting.program_sha256),
+        program=Identity(name=program.name, sha256=setting.digest.sha256),
+        policies=dict(setting.digest.policies),
         parameters=dict(program.parameters),
         actions=tuple(action.name for action in program.actions),
         robot=_identity(setting.robot),

@@ -6,7 +6,7 @@ import numpy as np
 
 from cbdsl.documents.document import Section
 from cbdsl.learning.experience import Experience
-from cbdsl.learning.learner import ACCOMMODATE, LEARNERS, replay
+from cbdsl.learning.learner import ACCOMMODATE, LEARNERS, SchemaLearner, replay
 from cbdsl.program.binding import bind, density_source, internal_models
 from cbdsl.program.checked import CheckedProgram
 from cbdsl.training.episode_runner import EpisodeRunner
@@ -45,6 +45,8 @@ class Trial:
         self.algorithm = algorithm
         actions = [action.name for action in program.actions]
         self.learner = LEARNERS.get(algorithm)(actions, constants, used_programs(program))
+        if isinstance(self.learner, SchemaLearner):
+            self.learner.adopt(program)
         self.experiences: list[Experience] = []
 
     def replay(self, experience: Experience) -> None:

@@ -35,6 +35,8 @@ MOST_NODES = 10_000
 MOST_ENTRIES = 2_000
 MOST_CHARACTERS = 256_000
 LONGEST_TEXT = 10_000
+#: No text of that many characters has more, a byte order mark included.
+MOST_BYTES = 4 * MOST_CHARACTERS + 3
 
 LOADER: Any = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
 
@@ -90,10 +92,15 @@ def require_readable(text: str, file: str) -> None:
         DiagnosticsError: it does.
     """
     if len(text) > MOST_CHARACTERS:
-        bound = f"{MOST_CHARACTERS} characters"
-        raise DiagnosticsError([diagnostic("CB108", Place(file), bound=bound)])
+        raise too_large(file)
     if control := control_in(text):
         raise DiagnosticsError([unseen("CB103", control, file)])
+
+
+def too_large(file: str) -> DiagnosticsError:
+    """Refusal of a text that is longer than any person writes."""
+    bound = f"{MOST_CHARACTERS} characters"
+    return DiagnosticsError([diagnostic("CB108", Place(file), bound=bound)])
 
 
 def unseen(code: str, match: re.Match[str], file: str) -> Diagnostic:

@@ -2,15 +2,18 @@
 
 from __future__ import annotations
 
+import os
 import re
 from collections.abc import Iterable, Iterator, Mapping
 from pathlib import Path
 from typing import Any, TypeVar
 
+from cbdsl.documents.contents import contents
 from cbdsl.documents.document import Document
 from cbdsl.documents.kinds import KINDS, kind_name, kind_of, models
 from cbdsl.errors.errors import UsageError
 from cbdsl.errors.nearest import suggestion
+from cbdsl.yaml_text.composer import MOST_BYTES
 from cbdsl.yaml_text.loaded import Loaded
 from cbdsl.yaml_text.reader import decode, flawless, read_sound_parts, read_text
 
@@ -41,7 +44,7 @@ class Library:
             given: what stands in for the bytes of files, such as what an editor has not saved.
         """
         self.here = here or Path.cwd()
-        self._given = {path.resolve(): data for path, data in (given or {}).items()}
+        self._given = {Path(os.path.realpath(path)): data for path, data in (given or {}).items()}
         self._read: dict[Path, Loaded[Any]] = {}
         self._files_by_name: dict[tuple[type[Document], str, Path | None], Path] = {}
         self._named: dict[Path, set[Path]] = {}
@@ -50,7 +53,8 @@ class Library:
     def real(self, path: Path) -> Path:
         """The file itself, whichever links lead to it; the disk is asked once."""
         if path not in self._real:
-            self._real[path] = path.resolve()
+            # Path.resolve fails on links that lead to themselves; their reader tells of them.
+            self._real[path] = Path(os.path.realpath(path))
         return self._real[path]
 
     def find(self, kind: type[Document], name: str, beside: Path | None = None) -> Path | None:
@@ -180,7 +184,7 @@ class Library:
 def is_of(kind: type[Document], path: Path) -> bool:
     """Whether a file says that it is of a kind; its other faults are for its reader to tell."""
     try:
-        declared = _KIND_LINE.search(path.read_text(encoding="utf-8"))
+        declared = _KIND_LINE.search(contents(path, MOST_BYTES).decode("utf-8"))
     except (OSError, UnicodeDecodeError):
         return False
     return declared is not None and declared[1] == kind_name(kind)

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import errno
 from pathlib import Path
 from typing import Any, TypeVar
 
 from pydantic import ValidationError
 
+from cbdsl.documents.contents import contents
 from cbdsl.documents.document import Document
 from cbdsl.documents.kinds import KINDS
 from cbdsl.errors.diagnostic import Place
@@ -15,7 +17,7 @@ from cbdsl.errors.lines import lines_of
 from cbdsl.errors.nearest import nearest_name
 from cbdsl.errors.wording import diagnostic
 from cbdsl.yaml_text.characters import is_suspect
-from cbdsl.yaml_text.composer import SyntaxFaultError, compose
+from cbdsl.yaml_text.composer import MOST_BYTES, SyntaxFaultError, compose, too_large
 from cbdsl.yaml_text.loaded import Loaded
 from cbdsl.yaml_text.source_map import SourceMap
 
@@ -95,7 +97,8 @@ def _named_alike(path: Path) -> list[str]:
 
     Endings do not count: all have the same, which would make any two short names alike.
     """
-    beside = {file.stem: file.name for file in path.parent.glob("*.y*ml")}
+    near = (file.name for file in path.parent.glob("*.y*ml") if file.name != path.name)
+    beside = {Path(name).stem: name for name in near}
     nearest = nearest_name(path.stem, beside)
     return [str(path.with_name(beside[nearest]))] if nearest else []
 
@@ -104,14 +107,17 @@ def read_text(path: Path) -> str:
     """The text of a file.
 
     Raises:
-        DiagnosticsError: it cannot be read, or is not UTF-8.
+        DiagnosticsError: it cannot be read, is too large, or is not UTF-8.
     """
     try:
-        data = path.read_bytes()
+        data = contents(path, MOST_BYTES)
     except OSError as error:
+        if error.errno == errno.EFBIG:
+            raise too_large(str(path)) from None
         reason = error.strerror or str(error)
-        where, beside = Place(str(path)), _named_alike(path)
-        raise _error("CB101", where, candidates=beside, reason=reason, name=str(path)) from None
+        beside = _named_alike(path) if isinstance(error, FileNotFoundError) else []
+        details = {"reason": reason, "name": str(path)}
+        raise _error("CB101", Place(str(path)), candidates=beside, **details) from None
     return decode(data, str(path))
 
 
@@ -119,8 +125,10 @@ def decode(data: bytes, file: str) -> str:
     """The text that bytes hold; a byte order mark at its start is left out.
 
     Raises:
-        DiagnosticsError: they are not UTF-8.
+        DiagnosticsError: they are too many, or not UTF-8.
     """
+    if len(data) > MOST_BYTES:
+        raise too_large(file)
     try:
         return data.decode("utf-8-sig")
     except UnicodeDecodeError as error:

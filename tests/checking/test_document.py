@@ -53,7 +53,8 @@ def test_findings(path: Path, session: Session) -> None:
 #: Cases with several findings, and the reason for each group: one mended mistake leaves the others.
 SEVERAL = {
     "the same kind of mistake in several places": """
-        background_unknown compared_with_itself elbow_bent_backwards field_obstacle_shape
+        words_for_quantities background_unknown compared_with_itself elbow_bent_backwards
+        field_obstacle_shape
         funnel_below half_a_standoff light_touch short_windows beside_the_table
         looks_too_far negative_radius standoff_behind alias_hides_a_channel alias_of_nothing
         far_behind negative_constants no_contact_of_nothing no_speed_at_all

@@ -9,7 +9,7 @@ import pytest
 
 from cbdsl.checking.program import check_program
 from cbdsl.errors.errors import DiagnosticsError, UsageError
-from cbdsl.program.controller import AlongNormals, Literal
+from cbdsl.program.controller import AlongNormals, Literal, Relative
 from cbdsl.yaml_text.library import Library
 
 HEAD = "cbdsl: 1\nkind: program\nname: own\nrobot: dexter\n"
@@ -146,3 +146,63 @@ def test_a_faulty_part_does_not_hide_the_others_from_whoever_runs_it(tmp_path: P
     with pytest.raises(DiagnosticsError) as error:
         check_program(path, {"feature": "hue_1"}, Library(tmp_path))
     assert [d.code for d in error.value.diagnostics] == ["CB204", "CB205", "CB501"]
+
+
+def references(tmp_path: Path, *bodies: str) -> list[object]:
+    """The references of controllers of the right arm's tip, as they were checked."""
+    tip = "potential: spring, feedback: right_arm.position, effector: right_arm.position"
+    lines = [f"  c{i}: {{{tip}, {body}}}\n" for i, body in enumerate(bodies)]
+    names = ", ".join(f"c{i}" for i in range(len(bodies)))
+    text = f"parameters: {{up: 3 cm}}\ncontrollers:\n{''.join(lines)}actions: [{names}]\n"
+    program = check_program(write(tmp_path, text))
+    return [primitive.lead.reference for primitive in program.primitives.values()]
+
+
+def test_references_relative_to_the_activation_or_a_resource(tmp_path: Path) -> None:
+    found = references(
+        tmp_path,
+        "reference: here",
+        'reference: "here + [1 cm, 0 cm, $up]"',
+        "reference: here-2 cm, axes: [y]",
+        'reference: "stereo.red + [0 m, 0 m, 0.1 m]"',
+        "reference: stereo.red - $up, axes: [z]",
+        "reference: [1 cm, 2 cm], axes: [z, x]",
+    )
+    assert found[0] == Relative(None, (0, 0, 0))
+    assert found[1] == Relative(None, (0.01, 0, 0.03))
+    assert found[2] == Relative(None, (0, -0.02, 0))
+    red, above = found[3], found[4]
+    assert isinstance(red, Relative) and isinstance(above, Relative)
+    assert red.base is not None and red.base.name == "stereo.red" and red.offset == (0, 0, 0.1)
+    assert above.offset == (0, 0, -0.03)
+    # In the order of the axes, however they are listed.
+    assert found[5] == Literal((0.01, 0.0, 0.02))
+
+
+@pytest.mark.parametrize(
+    ("body", "code"),
+    [
+        ("reference: here + 2 N, axes: [z]", "CB506"),
+        ("reference: here + 2 cm", "CB505"),
+        ("reference: here + up, axes: [z]", "CB506"),
+        ("reference: right_arm + 2 cm, axes: [z]", "CB504"),
+        ("reference: stereo.rad + 2 cm, axes: [z]", "CB501"),
+        ("reference: here, axes: []", "CB580"),
+        ("reference: here, axes: [x, x]", "CB580"),
+        (
+            "reference: here + [1 cm, 2 cm], axes: [x, y], funnel: {height: 1 cm, within: 1 cm}",
+            "CB58",
+        ),
+        ("reference: here, standoff: {clearance: 1 cm, least: 1 cm, most: 2 cm}", "CB583"),
+    ],
+)
+def test_a_reference_that_does_not_fit_is_one_finding(tmp_path: Path, body: str, code: str) -> None:
+    with pytest.raises(DiagnosticsError) as refused:
+        references(tmp_path, body.replace("here + [1 cm, 2 cm]", "'here + [1 cm, 2 cm]'"))
+    (finding,) = refused.value.diagnostics
+    assert finding.code.startswith(code)
+
+
+def test_parameters_stand_in_lists(tmp_path: Path) -> None:
+    (found,) = references(tmp_path, "reference: [1 cm, $up, 0 cm]")
+    assert found == Literal((0.01, 0.03, 0.0))

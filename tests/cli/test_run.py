@@ -2,15 +2,22 @@
 
 from __future__ import annotations
 
+import errno
 import json
 import os
+import signal
 import subprocess
 import sys
 from pathlib import Path
 
+import numpy as np
 import pytest
 
+from cbdsl.backends.backend import BACKENDS
 from cbdsl.control import multigrid
+from cbdsl.reporting.recorded import read_recording
+from cbdsl.runtime.episode import Tick
+from cbdsl.runtime.recording import Recording
 from tests.cli import test_main
 from tests.conftest import ROOT
 
@@ -102,6 +109,8 @@ MISTAKES = [
     (["searchtrack", "--episodes", "0"], 2, ["--episodes"]),
     (["searchtrack", "--seed", "one"], 2, ["--seed"]),
     (["searchtrack", "--explain", "--json"], 2, ["--explain", "--json", "choose"]),
+    (["searchtrack", "--overwrite"], 2, ["--overwrite", "--record"]),
+    (["searchtrack", "--record", ".", "--seed", "1"], 2, ["episode_1.json", "--overwrite"]),
     (["searchtrack", "--record", "elsewhere.yaml"], 2, ["a file exists where a folder is needed"]),
     ([], 2, ["program"]),
 ]
@@ -206,7 +215,8 @@ def test_what_stops_an_episode_is_one_clear_message(
     monkeypatch.setattr(multigrid, "_CYCLES", 0)
     assert cb(monkeypatch, "stuck.yaml", "--backend", "kinematic", "--seed", "3") == 2
     _, err = capfd.readouterr()
-    assert err.splitlines() == ["cb: seed 3, 0.00 s: no convergence in 0 cycles"]
+    told = [line for line in err.splitlines() if not line.startswith("compiling")]
+    assert told == ["cb: seed 3, 0.00 s: no convergence in 0 cycles"]
 
 
 def test_images_are_spoken_of_only_where_there_are_cameras(
@@ -216,3 +226,73 @@ def test_images_are_spoken_of_only_where_there_are_cameras(
     assert "image" not in capfd.readouterr().out
     cb(monkeypatch, "posture", "--backend", "kinematic")
     assert "images by ideal cameras" in capfd.readouterr().out
+
+
+REACH = ("sixaxis_reach", "--backend", "kinematic", "--record", "kept")
+
+
+def test_a_recording_that_is_there_stays_unless_it_is_to_be_replaced(
+    here: Path, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
+) -> None:
+    assert cb(monkeypatch, *REACH) == 0
+    files = sorted(file.name for file in (here / "kept").iterdir())
+    assert files == ["episode_0.json", "episode_0.npz"]
+    (here / "kept" / "episode_0.json").write_text("mine")
+    capfd.readouterr()
+    assert cb(monkeypatch, *REACH, "--episodes", "2") == 2
+    out, err = capfd.readouterr()
+    assert (out, err.count("\n")) == ("", 1) and "kept/episode_0.npz" in err
+    assert (here / "kept" / "episode_0.json").read_text() == "mine"
+    assert cb(monkeypatch, *REACH, "--overwrite") == 0
+    assert "recording" in (here / "kept" / "episode_0.json").read_text()
+
+
+def test_an_episode_that_cannot_be_kept_is_told_all_the_same(
+    here: Path, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
+) -> None:
+    def full(*_: object, **__: object) -> None:
+        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+
+    monkeypatch.setattr(np, "savez_compressed", full)
+    assert cb(monkeypatch, *REACH, "--json") == 2
+    out, err = capfd.readouterr()
+    assert json.loads(out)["seed"] == 0
+    assert err == "cb: --record kept/episode_0.npz: No space left on device\n"
+    assert not list((here / "kept").iterdir())
+
+
+@pytest.mark.parametrize("sent", [signal.SIGTERM, signal.SIGINT])
+def test_what_is_recorded_until_an_interrupt_is_kept(
+    sent: signal.Signals,
+    here: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capfd: pytest.CaptureFixture[str],
+) -> None:
+    ticks = 0
+
+    def interrupt(recording: Recording, tick: Tick) -> None:
+        nonlocal ticks
+        ticks += 1
+        noted(recording, tick)
+        if ticks == 20:
+            os.kill(os.getpid(), sent)
+
+    noted = Recording.note_tick
+    monkeypatch.setattr(Recording, "note_tick", interrupt)
+    before = signal.getsignal(signal.SIGTERM)
+    assert cb(monkeypatch, *REACH) == 130
+    assert signal.getsignal(signal.SIGTERM) is before
+    out, err = capfd.readouterr()
+    assert "  Interrupted after " in out and "recorded in kept/episode_0.json" in out
+    assert "Traceback" not in err
+    assert len(read_recording(here / "kept" / "episode_0.json").arrays["time"]) == 20
+    assert len(list((here / "kept").iterdir())) == 2
+
+
+@pytest.mark.parametrize("command", ["run", "learn"])
+def test_the_help_names_the_backends(
+    command: str, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
+) -> None:
+    assert test_main.cb(monkeypatch, command, "--help") == 0
+    told = " ".join(capfd.readouterr().out.split())
+    assert all(name in told for name in (*BACKENDS.builtins, "cb show backends"))

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import io
 import json
+import os
 import re
 import subprocess
 import sys
@@ -21,6 +22,7 @@ from tests.cli.test_main import BAD, HEAVY, ROOT, cb
 
 CLASH = BAD / "programs" / "type_clash.yaml"
 UNUSED = BAD / "programs" / "unused_controller.yaml"
+CB = (sys.executable, "-c", "from cbdsl.cli.main import main; main()")
 SEARCHTRACK = shipped() / "programs" / "searchtrack.yaml"
 
 
@@ -219,7 +221,7 @@ def codes(folder: Path, text: str) -> list[str]:
         (HEAD + IDLE + REST + "# cb: ignore CB701 too late\n", ["CB701", "CB801"]),
         (HEAD + IDLE + REST + 'description: "a # cb: ignore CB701 b"\n', ["CB701"]),
         (HEAD + IDLE + REST + "description: >\n  a\n  # cb: ignore CB701 b\n", ["CB701"]),
-        (HEAD + IDLE + REST + "stage: [ # cb: ignore CB104 half a document", ["CB801", "CB104"]),
+        (HEAD + IDLE + REST + "stage: [ # cb: ignore CB104 half a document", []),
         (HEAD + IDLE.replace("head,", "hed,") + " # cb: ignore CB501 not yet" + REST, []),
     ],
 )
@@ -273,3 +275,48 @@ def test_of_a_flood_the_first_findings_are_told(tmp_path: Path, printed: Any) ->
     data = json.loads(text)
     assert code == 1
     assert data["left_out"] > 1000 and len(data["findings"]) == 100
+
+
+# -- files that are none ----------------------------------------------------------------------
+
+
+def test_special_files_are_one_finding_each_and_the_rest_is_checked(tmp_path: Path) -> None:
+    (tmp_path / "type_clash.yaml").write_bytes(CLASH.read_bytes())
+    os.mkfifo(tmp_path / "pipe.yaml")
+    for name, target in {"zero": "/dev/zero", "loop": "loop.yaml", "lost": "gone.yaml"}.items():
+        (tmp_path / f"{name}.yaml").symlink_to(target)
+    with (tmp_path / "large.yaml").open("wb") as file:
+        file.truncate(1 << 40)  # without a byte on the disk
+    (tmp_path / "folder.yaml").mkdir()
+    (tmp_path / "folder.yaml" / "up.yaml").symlink_to("..")
+    command = [*CB, "validate", "--json", "."]
+    done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, timeout=60)
+    findings = json.loads(done.stdout)["findings"]
+    assert {(each["place"]["file"], each["code"]) for each in findings} == {
+        ("large.yaml", "CB108"),
+        *((f"{name}.yaml", "CB101") for name in ("loop", "lost", "pipe", "zero")),
+        ("type_clash.yaml", "CB504"),
+    }
+    assert len(findings) == 6
+    assert all(not each["nearest"] for each in findings if each["code"] == "CB101")
+
+
+@pytest.mark.parametrize("document", ["program", "robot"])
+def test_a_command_that_is_given_a_pipe_does_not_wait(document: str, tmp_path: Path) -> None:
+    os.mkfifo(tmp_path / "pipe.yaml")
+    words = {"program": ["run", "pipe.yaml"], "robot": ["validate", "robot.yaml"]}[document]
+    robot = "cbdsl: 1\nkind: robot\nname: robot\nmodel: pipe.yaml\nbase: base\neffectors:\n"
+    robot += "  arm: {joints: [joint]}\ncontrol: {rate: 120 Hz, tasks: {}}\n"
+    (tmp_path / "robot.yaml").write_text(robot, "utf-8")
+    done = subprocess.run([*CB, *words], cwd=tmp_path, capture_output=True, text=True, timeout=60)
+    assert done.returncode == 1
+    assert "it is a named pipe" in done.stdout
+
+
+def test_a_standard_input_without_an_end_is_too_large(
+    monkeypatch: pytest.MonkeyPatch, printed: Any
+) -> None:
+    with open("/dev/zero", "rb") as endless:
+        monkeypatch.setattr(sys, "stdin", io.TextIOWrapper(endless))
+        code, text = printed("-")
+    assert code == 1 and "CB108" in text

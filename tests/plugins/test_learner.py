@@ -76,7 +76,7 @@ def test_it_is_listed_with_its_constants(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     assert cb(monkeypatch, "show", "learners", "--json") == 0
-    _, shown = json.loads(capsys.readouterr().out)
+    *_, shown = json.loads(capsys.readouterr().out)
     assert (shown["learner"], shown["package"]) == ("monte_carlo", "demo 1.0")
     patience = {"constant": "patience", "default": 60.0, "unit": "s"}
     assert patience.items() <= shown["constants"][2].items()

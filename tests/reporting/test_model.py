@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 
 import numpy as np
@@ -10,7 +11,9 @@ import pytest
 
 from cbdsl.backends.staging.pose import rotations
 from cbdsl.documents.robot import RobotDocument
+from cbdsl.reporting.link_shape import LinkShape
 from cbdsl.reporting.model import DrawnLink, read_links
+from cbdsl.robot.urdf import parse_urdf
 from cbdsl.sensing.kinematics import Kinematics
 from cbdsl.yaml_text.library import Library
 from tests.conftest import ROOT
@@ -40,6 +43,10 @@ def placed(links: list[DrawnLink], angles: np.ndarray) -> dict[str, np.ndarray]:
             half = (driven + link.offset) / 2
             axis = np.array(link.axis) / np.linalg.norm(link.axis)
             frame = frame @ transform((0, 0, 0), (*(np.sin(half) * axis), np.cos(half)))
+        elif link.motion == "slide":
+            driven = link.ratio * angles[link.column] if link.column >= 0 else 0.0
+            axis = np.array(link.axis) / np.linalg.norm(link.axis)
+            frame = frame @ transform(tuple((driven + link.offset) * axis), (0, 0, 0, 1))
         frames.append(frame)
     return dict(zip((link.name for link in links), frames, strict=True))
 
@@ -74,7 +81,8 @@ def test_everything_visible_has_a_shape_and_a_color(robot: RobotDocument) -> Non
     sizes = {"ball": 1, "box": 3, "cylinder": 2}
     assert all(len(shape.size) == sizes[shape.shape] for shape in shapes)
     assert all(0 <= part <= 1 for shape in shapes for part in shape.color)
-    assert len({shape.color for shape in shapes}) > 1
+    colors = set(re.findall(r'<color rgba="[^"]*"', urdf.read_text("utf-8")))
+    assert len({shape.color for shape in shapes}) == len(colors)
 
 
 def test_meshes_are_found_beside_the_model_and_left_out_where_they_have_gone(
@@ -86,7 +94,31 @@ def test_meshes_are_found_beside_the_model_and_left_out_where_they_have_gone(
     assert len(shapes) == 8 and {shape.shape for shape in shapes} == {"mesh"}
     gone = read_links({**robot, "folder": str(tmp_path)}, ())
     assert len(gone) == 8
-    assert not [shape for link in gone for shape in link.shapes]
+    assert {shape.shape for link in gone for shape in link.shapes} == {"ball", "cylinder"}
+
+
+@pytest.mark.parametrize("robot", ROBOTS, ids=[robot.name for robot in ROBOTS])
+def test_a_model_that_shows_nothing_is_a_skeleton_from_joint_to_joint(robot: RobotDocument) -> None:
+    urdf = ROOT / "robots" / robot.model
+    described = told(robot, urdf)
+    bare = re.sub(r"<visual>.*?</visual>", "", described["urdf"], flags=re.DOTALL)
+    joints = parse_urdf(bare, urdf).joints.values()
+    links = read_links({**described, "urdf": bare}, Kinematics(robot, urdf).joints.names)
+    shapes = {link.name: link.shapes for link in links}
+    for joint in joints:
+        own = shapes[joint.parent]
+        assert any(s.shape == "ball" and s.position == joint.origin.xyz for s in own)
+        if joint.length and joint.kind != "prismatic":  # whose rod is as long as it slides
+            ends = [end for s in own if s.shape == "cylinder" for end in ends_of(s)]
+            assert any(np.allclose(end, joint.origin.xyz) for end in ends)
+            assert any(np.allclose(end, 0.0) for end in ends)
+
+
+def ends_of(rod: LinkShape) -> list[np.ndarray]:
+    """Both ends of a cylinder's axis, m."""
+    x, y, z, w = rod.quaternion
+    axis = np.array([2 * (x * z + y * w), 2 * (y * z - x * w), 1 - 2 * (x * x + y * y)])
+    return [np.array(rod.position) + sign * rod.size[1] / 2 * axis for sign in (-1, 1)]
 
 
 def test_a_mimicking_joint_moves_with_the_one_it_follows() -> None:

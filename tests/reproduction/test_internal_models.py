@@ -69,9 +69,10 @@ def directions(stage: StageDocument) -> dict[str, tuple[float, float]]:
     place, window = stage.contexts["presented"].place, stage.fixtures["window"]
     assert isinstance(place, PlaceSection) and isinstance(window.form, BoxForm)
     depth = max(window.form.size[1]) / 2
+    stands_x, stands_y = (span[0] for span in window.position[:2])
     corners = {
         "presented": [(a, b) for a in place.x for b in place.y],
-        "window": [(window.position[0], window.position[1] + each) for each in (-depth, depth)],
+        "window": [(stands_x, stands_y + each) for each in (-depth, depth)],
     }
     angles = {
         name: [float(np.arctan2(b - y, a - x)) for a, b in found] for name, found in corners.items()

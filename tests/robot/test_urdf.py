@@ -35,10 +35,10 @@ def test_joints_and_limits(tmp_path: Path) -> None:
         )
     )
     assert model.links == {"a", "b", "c", "d"}
-    assert model.revolute == ("one",)
+    assert model.movable == ("one", "three")
     assert (model.joints["one"].lower, model.joints["one"].upper) == (-1, 2)
     assert (model.joints["three"].lower, model.joints["three"].upper) == (-math.inf, math.inf)
-    assert list(model.above("d")) == ["one"]
+    assert list(model.above("d")) == ["three", "one"]
     assert list(model.above("a")) == []
 
 
@@ -53,7 +53,7 @@ def test_a_prismatic_joint_is_described(tmp_path: Path) -> None:
         UrdfOrigin((3, 0, 4), (0, 0, 1)),
     )
     assert (slide.lower, slide.upper, slide.effort, slide.velocity) == (-1, 2, 30, math.inf)
-    assert slide.mimic == ("b", 1, 2) and slide.length == 5
+    assert slide.mimic == ("b", 1, 2) and slide.slides and slide.length == 7
 
 
 def test_links_have_shapes_and_inertia(tmp_path: Path) -> None:
@@ -108,6 +108,10 @@ def test_the_shipped_model() -> None:
         ("<robot name='m'/>", "no <link>"),
         ("<robot name='m'><link name='b'/><link name='b'/></robot>", "two links of the name 'b'"),
         (LINKS + "</robot>", "'b' and 'c' are not joined"),
+        (
+            "<robot name='m'><link name='b'><inertial><mass value='-2'/></inertial></link></robot>",
+            "link 'b' has the mass -2, which is below 0",
+        ),
         (LINKS + "<joint name='a' type='fixed'/></robot>", "'a' has no parent"),
         (LINKS + "<joint type='fixed'/></robot>", "joints has no name"),
         (LINKS + JOINT.format("a", "fixed", "b", "d", "") + "</robot>", "link 'd'"),
@@ -121,6 +125,8 @@ def test_the_shipped_model() -> None:
                 "": "has no <limit>, such as",
                 "<limit lower='-1' upper='1'/>": "without effort",
                 "<limit effort='1'/>": "without velocity",
+                "<limit effort='-5' velocity='1'/>": "has the effort limit -5; limits are 0",
+                "<limit effort='5' velocity=' -1'/>": "has the velocity limit  -1; limits are 0",
                 LIMIT.format("lower='x'"): 'lower="x", which should be a number',
                 LIMIT.format("lower='inf'"): 'lower="inf", which should be a number',
                 LIMIT.format("")

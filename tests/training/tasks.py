@@ -27,7 +27,7 @@ def made_tasks(folder: Path, trials: int, episodes: int) -> list[LearningTask]:
     document = library.read(robot, RobotDocument).document
     first = LearningTask(
         program=check_program("searchtrack", {}, library),
-        program_sha256=program_digest(library.locate(ProgramDocument, "searchtrack"), library),
+        digest=program_digest(library.locate(ProgramDocument, "searchtrack"), library),
         robot=document,
         urdf=robot.parent / document.model,
         stage=library.read(stage, StageDocument).document,

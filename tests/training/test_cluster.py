@@ -4,12 +4,15 @@ from __future__ import annotations
 
 import itertools
 import json
+import os
+import shutil
 import signal
 import subprocess
 import sys
 import threading
 import time
 from collections.abc import Callable, Iterator, Sequence
+from contextlib import suppress
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -19,6 +22,7 @@ import pytest
 from cbdsl.errors.errors import UsageError
 from cbdsl.training.learning_task import LearningTask
 from cbdsl.training.provenance import versions
+from tests.conftest import ROOT
 from tests.training.tasks import made_tasks, outcome, run_here
 
 distributed = pytest.importorskip("distributed", reason="trials side by side: extra 'learn'")
@@ -253,3 +257,107 @@ def test_no_address_of_a_scheduler_is_told(tmp_path: Path, address: str) -> None
     with pytest.raises(UsageError, match=rf"--scheduler {address}: nothing answers"):
         run_all(made_tasks(tmp_path, 1, 1), 1, address, Notes())
     assert list(tmp_path.iterdir()) == []
+
+
+def certificates(folder: Path) -> dict[str, str]:
+    """Settings of Dask for TLS with a certificate that signs itself."""
+    pem, key = folder / "mine.pem", folder / "mine.key"
+    make = ["openssl", "req", "-x509", "-newkey", "rsa:2048", "-nodes", "-days", "2"]
+    make += ["-subj", "/CN=localhost", "-keyout", str(key), "-out", str(pem)]
+    subprocess.run(make, check=True, capture_output=True)
+    tls = "DASK_DISTRIBUTED__COMM__TLS__"
+    settings = {f"{tls}CA_FILE": str(pem), "DASK_DISTRIBUTED__COMM__REQUIRE_ENCRYPTION": "True"}
+    for role in ("SCHEDULER", "WORKER", "CLIENT"):
+        settings |= {f"{tls}{role}__CERT": str(pem), f"{tls}{role}__KEY": str(key)}
+    return settings
+
+
+LEARN = """
+import sys
+from pathlib import Path
+from cbdsl.errors.errors import UsageError
+from cbdsl.training.cluster import run_all
+from tests.training.tasks import made_tasks
+from tests.training.test_cluster import Notes
+if __name__ == "__main__":
+    notes = Notes()
+    try:
+        run_all(made_tasks(Path(sys.argv[1]), 1, 1), 1, sys.argv[2], notes)
+    except UsageError as error:
+        print(error)
+    print(notes.failures, len(notes.files))
+"""
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(not shutil.which("openssl"), reason="makes the certificates")
+def test_daskes_own_settings_let_in_who_has_a_certificate_and_nobody_else(tmp_path: Path) -> None:
+    settings = certificates(tmp_path)
+    inside = {**os.environ, **settings, "PYTHONPATH": str(ROOT)}
+    outside = {**os.environ, "PYTHONPATH": str(ROOT)}
+    address = tmp_path / "scheduler.json"
+    dask = [sys.executable, "-m", "dask"]
+    quiet = {"env": inside, "stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL}
+    options = ["--protocol", "tls", "--port", "0", "--no-dashboard", "--interface", "lo"]
+    scheduler = subprocess.Popen(
+        [*dask, "scheduler", *options, "--scheduler-file", str(address)], **quiet
+    )
+    script = [sys.executable, "-c", LEARN]
+    try:
+        until(address.exists)
+        at = json.loads(address.read_text())["address"]
+        assert at.startswith("tls://")
+        worker = subprocess.Popen(
+            [*dask, "worker", at, "--nthreads", "1", "--no-dashboard", "--no-nanny"], **quiet
+        )
+        try:
+            for environment, told in ((outside, "needs certificates"), (inside, "[] 2")):
+                folder = tmp_path / told[:2]
+                folder.mkdir()
+                done = subprocess.run(
+                    [*script, str(folder), at], env=environment, capture_output=True, text=True
+                )
+                assert told in done.stdout and "Traceback" not in done.stderr
+        finally:
+            worker.kill()
+    finally:
+        scheduler.kill()
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("sent", [signal.SIGINT, signal.SIGTERM])
+def test_an_interrupt_while_workers_begin_is_one_line(sent: signal.Signals, tmp_path: Path) -> None:
+    script = tmp_path / "main.py"
+    script.write_text(
+        "import signal\nsignal.signal(signal.SIGINT, signal.default_int_handler)\n"
+        "from cbdsl.cli.main import main\nif __name__ == '__main__':\n    main()\n"
+    )
+    command = ["learn", "searchtrack", "--stage", "searchtrack_training", "--episodes", "100000"]
+    command += ["--backend", "kinematic", "--out", "p.yaml", "--trials", "3", "--workers", "2"]
+    process = subprocess.Popen(
+        [sys.executable, str(script), *command],
+        cwd=tmp_path,
+        env={**os.environ, "PYTHONPATH": str(ROOT)},
+        stdout=subprocess.PIPE,
+        stderr=subprocess.STDOUT,
+        text=True,
+        start_new_session=True,
+    )
+
+    def workers() -> int:
+        children = psutil.Process(process.pid).children()
+        return sum("spawn_main" in " ".join(each.cmdline()) for each in children)
+
+    try:
+        until(lambda: process.poll() is not None or workers() >= 2)
+        if sent == signal.SIGINT:  # as a terminal does
+            os.killpg(process.pid, sent)
+        else:
+            process.send_signal(sent)
+        told = process.communicate(timeout=120)[0]
+    finally:
+        with suppress(ProcessLookupError):
+            os.killpg(process.pid, signal.SIGKILL)
+    assert process.returncode == 130
+    assert told.splitlines()[-1].startswith("cb: interrupted")
+    assert all(line.startswith("workers: ") for line in told.splitlines()[:-1])

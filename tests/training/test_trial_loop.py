@@ -6,16 +6,25 @@ import errno
 import multiprocessing
 import os
 import signal
+from collections.abc import Callable
 from pathlib import Path
 
 import pytest
 
 from cbdsl.checking.document import check_document
 from cbdsl.checking.session import Session
-from cbdsl.training.journal import JournalError
+from cbdsl.training.journal import Journal, JournalError
+from cbdsl.training.journal_follower import JournalFollower
 from cbdsl.training.trial_loop import journal_file
 from cbdsl.yaml_text.library import Library
-from tests.training.toy import EPISODES, ROOT, ToyEpisodeRunner, take, take_and_die
+from tests.training.toy import (
+    EPISODES,
+    ROOT,
+    ToyEpisodeRunner,
+    take,
+    take_and_die,
+    toy_trial,
+)
 
 FILES = ("policy.yaml", "policy_head.yaml")
 
@@ -116,3 +125,34 @@ def test_a_file_that_is_no_journal_is_left_alone(tmp_path: Path, text: str) -> N
     with pytest.raises(JournalError, match=r"policy\.episodes\.jsonl"):
         take(tmp_path / "policy.yaml", 3, resume=True)
     assert journal.read_text("utf-8") == text
+
+
+@pytest.mark.parametrize(
+    ("damage", "problem"),
+    [
+        (lambda line: line.replace('"seed"', '"sead"'), "it lacks 'seed'"),
+        (lambda line: line[:-20], "it is no JSON ("),
+        (lambda line: "[1, 2]", "it is no JSON object"),
+        (lambda line: line.replace('"rewarded": {', '"rewarded": 7, "r": {'), "it is no episode ("),
+    ],
+)
+def test_a_damaged_line_is_told_by_its_number_and_how_to_go_on(
+    damage: Callable[[str], str], problem: str, tmp_path: Path
+) -> None:
+    path = tmp_path / "policy.episodes.jsonl"
+    trial, runner = toy_trial(), ToyEpisodeRunner()
+    with Journal(path, {"trial": 1}) as journal:
+        for _ in range(3):
+            journal.append(trial.run(runner), 0.1)
+    lines = path.read_text("utf-8").splitlines()
+    lines[2] = damage(lines[2])
+    path.write_text("\n".join(lines) + "\n", "utf-8")
+    followed = JournalFollower(path)
+    for read in (lambda: Journal(path, {"trial": 1}), followed.poll):
+        with pytest.raises(JournalError) as caught:
+            read()
+        told = str(caught.value)
+        assert told.startswith(f"{path}, line 3: {problem}") and "--resume" in told
+    path.write_text("\n".join(lines[:2]) + "\n", "utf-8")  # as the message says
+    with Journal(path, {"trial": 1}) as journal:
+        assert len(journal.finished) == 1

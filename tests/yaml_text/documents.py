@@ -6,11 +6,13 @@ from typing import Any
 
 from hypothesis import strategies as st
 
+from cbdsl.documents.calibration import CalibrationDocument
 from cbdsl.documents.document import Document
 from cbdsl.documents.model import ModelDocument
 from cbdsl.documents.policy import PolicyDocument
 from cbdsl.documents.program import ProgramDocument
 from cbdsl.documents.robot import RobotDocument
+from cbdsl.documents.schema import SchemaDocument
 from cbdsl.documents.stage import StageDocument
 
 Data = st.SearchStrategy[dict[str, Any]]
@@ -73,6 +75,8 @@ CONTROLLER = data(
         "speed": POSITIVE,
         "quiescence": QUIESCENCE,
         "free_axis": st.sampled_from("xyz"),
+        "axes": st.lists(st.sampled_from("xyz"), max_size=3),
+        "onset": data({"change": POSITIVE}, {"window": POSITIVE, "pace": NUMBER}),
         "seek": data({}, {"once": NAME, "within": NUMBER, "until": NUMBER}),
         "requires": NAME,
     },
@@ -169,6 +173,49 @@ KERNEL = data(
 )
 MODEL = data({**head("model"), "robot": NAME, "effector": NAME, "density": GAUSSIAN | KERNEL})
 
+LEAF = st.one_of(NAME, st.lists(NAME, max_size=2))
+SCHEMA = data(
+    {
+        **head("schema"),
+        "program": NAME,
+        "policy": NAME,
+        "features": many(TEXT, least=1),
+        "allocations": many(many(NAME), least=1),
+        "choose": st.recursive(
+            LEAF, lambda tree: data({"if": TEXT, "then": tree, "else": tree}), max_leaves=4
+        ),
+        "otherwise": st.lists(NAME, min_size=1, max_size=2),
+    },
+    {
+        "actions": many(data({"potential": NAME, "in": TEXT, "out": TEXT})),
+        "reward": st.recursive(
+            SHARE, lambda tree: data({"if": TEXT, "then": tree, "else": tree}), max_leaves=4
+        ),
+        "least_reward": SHARE,
+    },
+)
+TRIPLE = st.lists(NUMBER, min_size=3, max_size=3)
+CALIBRATION = data(
+    {
+        **head("calibration"),
+        "robot": NAME,
+        "cameras": many(
+            data(
+                {
+                    "position": TRIPLE,
+                    "rotation": TRIPLE,
+                    "position_deviation": POSITIVE,
+                    "rotation_deviation": NUMBER,
+                    "views": st.integers(1, 99),
+                    "error_before": POSITIVE,
+                    "error_after": POSITIVE,
+                }
+            ),
+            least=1,
+        ),
+    }
+)
+
 #: Documents of each kind.
 DOCUMENTS: dict[str, st.SearchStrategy[Document]] = {
     "robot": ROBOT.map(RobotDocument.model_validate),
@@ -176,4 +223,6 @@ DOCUMENTS: dict[str, st.SearchStrategy[Document]] = {
     "stage": STAGE.map(StageDocument.model_validate),
     "policy": POLICY.map(PolicyDocument.model_validate),
     "model": MODEL.map(ModelDocument.model_validate),
+    "schema": SCHEMA.map(SchemaDocument.model_validate),
+    "calibration": CALIBRATION.map(CalibrationDocument.model_validate),
 }

@@ -11,6 +11,7 @@ from cbdsl.documents import program as written
 from cbdsl.errors.counting import count
 from cbdsl.errors.diagnostic import Place
 from cbdsl.program.controller import Reference
+from cbdsl.types.casts import FEATURES
 from cbdsl.types.potential import POTENTIALS, PotentialType
 from cbdsl.types.resource import Resource
 
@@ -56,7 +57,7 @@ class Agreement:
         Returns:
             The reference, where it can be compared with the feedback.
         """
-        if self._is_exchanged(feedback):
+        if self._is_exchanged(feedback) or self._is_feature(feedback):
             return None
         context, document, effector = self._context, self._document, self._effector
         of = {part: Findings() for part in ("potential", "reference", "effector", "options")}
@@ -117,6 +118,15 @@ class Agreement:
         question = f"'{feedback.name}' moves it: are feedback and effector exchanged?"
         related = [(self._place("feedback"), question)]
         self._context.add("CB507", self._place("effector"), related=related, name=effector.name)
+        return True
+
+    def _is_feature(self, feedback: Resource) -> bool:
+        """Report a feedback of a type that no cast leads from."""
+        why = FEATURES.get(feedback.type.name)
+        if why is None:
+            return False
+        details = {"name": feedback.name, "feedback": feedback.type, "why": why}
+        self._context.add("CB570", self._place("feedback"), names=self._suitable(), **details)
         return True
 
     def _accepts(self, potential: PotentialType, feedback: Resource, findings: Findings) -> bool:

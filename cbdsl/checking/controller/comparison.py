@@ -5,10 +5,18 @@ from __future__ import annotations
 from typing import NamedTuple
 
 from cbdsl.checking.context import ProgramContext, Steps
-from cbdsl.checking.controller.references import LiteralError, is_literal, read_literal
+from cbdsl.checking.controller.axes import SPATIAL
+from cbdsl.checking.controller.references import (
+    HERE,
+    LiteralError,
+    RelativeText,
+    is_literal,
+    read_literal,
+    read_relative,
+)
 from cbdsl.checking.findings import Findings
 from cbdsl.checking.lookup.scope import Scope
-from cbdsl.program.controller import AlongNormals, Literal, Reference
+from cbdsl.program.controller import AlongNormals, Literal, Reference, Relative
 from cbdsl.types.resource import Resource
 
 Written = str | float | tuple[str | float, ...]
@@ -19,27 +27,37 @@ class Comparison(NamedTuple):
 
     Attributes:
         resource: what it names, if that is known.
-        literal: its quantities, where it has some.
+        literal: its quantities, where it has some; those of the displacement of a relative one.
+        relative: its parts, where it is relative.
+        axes: along which the feedback is compared; ``None`` for all.
     """
 
     resource: Resource | None = None
     literal: Written | None = None
+    relative: RelativeText | None = None
+    axes: tuple[int, ...] | None = None
 
     def suits(self, feedback: Resource) -> bool:
         """Whether a feedback can be compared with it, as far as anybody knows."""
-        if self.resource is not None:
-            return self.resource.type == feedback.type
+        if self.resource is not None and self.resource.type != feedback.type:
+            return False
+        if self.axes is not None and feedback.type.name not in SPATIAL:
+            return False
         if self.literal is None:
             return True
         try:
-            read_literal(self.literal, feedback)
+            read_literal(self.literal, feedback, self.axes)
         except LiteralError:
             return False
         return True
 
 
 def read_comparison(
-    context: ProgramContext, steps: Steps, value: Written | None, scope: Scope
+    context: ProgramContext,
+    steps: Steps,
+    value: Written | None,
+    scope: Scope,
+    axes: tuple[int, ...] | None = None,
 ) -> Comparison:
     """The reference of a controller; what it names and nobody knows is reported.
 
@@ -48,15 +66,35 @@ def read_comparison(
         steps: path of the reference.
         value: the reference in the document.
         scope: values of the program's and the controller's parameters.
+        axes: along which the feedback is compared; ``None`` for all.
     """
+    if isinstance(value, tuple):
+        items = [_item(context, (*steps, i), item, scope) for i, item in enumerate(value)]
+        known = tuple(item for item in items if item is not None)
+        return Comparison(literal=known, axes=axes) if len(known) == len(value) else Comparison()
     if not isinstance(value, str):
-        return Comparison(literal=value)
+        return Comparison(literal=value, axes=axes)
     text = context.substitute(value, steps, scope)
     if text is None:
         return Comparison()
     if is_literal(text):
-        return Comparison(literal=text)
-    return Comparison(context.resource(value, steps, scope))
+        return Comparison(literal=text, axes=axes)
+    relative = read_relative(text)
+    if relative is None:
+        return Comparison(context.resource(value, steps, scope), axes=axes)
+    if relative.base == HERE:
+        return Comparison(None, relative.offset, relative, axes)
+    written = read_relative(value)
+    base = context.resource(written.base if written else relative.base, steps, scope)
+    # Of what nobody knows, nothing can be said.
+    return Comparison() if base is None else Comparison(base, relative.offset, relative, axes)
+
+
+def _item(
+    context: ProgramContext, steps: Steps, item: str | float, scope: Scope
+) -> str | float | None:
+    """A component with its parameters replaced, or ``None`` where one is unknown."""
+    return context.substitute(item, steps, scope) if isinstance(item, str) else item
 
 
 def compare(
@@ -75,11 +113,19 @@ def compare(
         feedback: what is compared.
         findings: where findings go.
     """
-    if comparison.resource is not None:
-        return _of_its_type(context, steps, comparison.resource, feedback, findings)
-    if comparison.literal is not None:
-        return _in_its_units(context, steps, comparison.literal, feedback, findings)
-    return None
+    base = comparison.resource
+    if base is not None:
+        base = _of_its_type(context, steps, base, feedback, findings)
+        if base is None or comparison.relative is None:
+            return base
+    if comparison.literal is None:
+        return None
+    literal = _in_its_units(context, steps, comparison, feedback, findings)
+    if comparison.relative is None or literal is None:
+        return literal
+    assert isinstance(literal, Literal)
+    sign = comparison.relative.sign
+    return Relative(base, tuple(sign * value for value in literal.values))
 
 
 def _of_its_type(
@@ -113,11 +159,16 @@ def _of_its_type(
 
 
 def _in_its_units(
-    context: ProgramContext, steps: Steps, literal: Written, feedback: Resource, findings: Findings
+    context: ProgramContext,
+    steps: Steps,
+    comparison: Comparison,
+    feedback: Resource,
+    findings: Findings,
 ) -> Literal | AlongNormals | None:
     source, steps = context.source, (*steps, "reference")
+    assert comparison.literal is not None
     try:
-        return read_literal(literal, feedback)
+        return read_literal(comparison.literal, feedback, comparison.axes)
     except LiteralError as error:
         from cbdsl.yaml_text.comma import decimal_comma  # only a fault needs it
 
@@ -125,6 +176,7 @@ def _in_its_units(
         if comma is not None and error.code == "CB505":
             findings.add("CB506", source.place(*steps), problem=comma)
             return None
-        item = () if error.item is None else (error.item,)
+        whole = error.item is None or comparison.relative is not None
+        item = () if whole else (error.item,)
         findings.add(error.code, source.place(*steps, *item), **error.details)
         return None

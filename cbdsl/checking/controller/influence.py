@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from cbdsl.checking.robot.checked_robot import CheckedRobot
 from cbdsl.types.casts import chains
-from cbdsl.types.resource import Origin, Resource
+from cbdsl.types.resource import DRAWN, Origin, Resource
 
 # What is drawn or written down is no measurement, and stays as it is.
-_STILL = (Origin.MODEL, Origin.CONSTANT)
+_STILL = DRAWN | {Origin.CONSTANT}
 
 
 def is_measured(resource: Resource) -> bool:

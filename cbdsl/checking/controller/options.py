@@ -7,11 +7,13 @@ from typing import NamedTuple, TypeVar
 
 from cbdsl.checking.context import ProgramContext, Steps
 from cbdsl.checking.findings import Findings
+from cbdsl.checking.robot.limits import is_of_another_kind, unit_of
 from cbdsl.checking.robot.settings import check_settings
 from cbdsl.documents import program as written
 from cbdsl.documents.robot import TaskSettings
 from cbdsl.program.controller import Quiescence
-from cbdsl.types.resource import FingerForces, NetForces, Resource, Tip
+from cbdsl.types.casts import FEATURES
+from cbdsl.types.resource import FingerForces, Resource, Tip, palms_of
 from cbdsl.types.resource_type import TYPES
 
 MANIPULABILITY = "manipulability"
@@ -26,23 +28,42 @@ class ControllerSettings(NamedTuple):
     quiescence: Quiescence
 
 
-def misplaced(document: written.ControllerSection, feedback: Resource) -> Iterator[Steps]:
-    """Paths of the options that mean nothing for a feedback."""
-    is_position = isinstance(feedback.source, Tip) and feedback.type.name == "position"
-    is_of_hands = isinstance(feedback.source, NetForces)
+class Misplaced(NamedTuple):
+    """An option that means nothing where it is.
+
+    Attributes:
+        path: of the option, below its controller.
+        purpose: what it is for.
+        instead: what is there, as a clause.
+    """
+
+    path: Steps
+    purpose: str
+    instead: str
+
+
+def misplaced(document: written.ControllerSection, feedback: Resource) -> Iterator[Misplaced]:
+    """The options that mean nothing for a feedback, or for the potential."""
+    kind, source = feedback.type.name, feedback.source
+    instead = f"the feedback is '{feedback.name}', {feedback.type}"
+    is_position = isinstance(source, Tip) and kind == "position"
+    is_of_hands = palms_of(source) is not None
+    position = "the position of a tip"
     meaningful = {
-        "free_axis": feedback.type.name == "orientation",
-        "standoff": is_position,
-        "funnel": is_position,
-        "seek": isinstance(feedback.source, FingerForces) or is_of_hands,
-        "manipulator": document.potential == MANIPULABILITY,
+        "free_axis": (kind == "orientation", "orientations"),
+        "standoff": (is_position, position),
+        "funnel": (is_position, position),
+        "seek": (isinstance(source, FingerForces) or is_of_hands, "forces of fingers or hands"),
     }
-    for key, fits in meaningful.items():
+    for key, (fits, purpose) in meaningful.items():
         if getattr(document, key) is not None and not fits:
-            yield (key,)
+            yield Misplaced((key,), purpose, instead)
+    if document.manipulator is not None and document.potential != MANIPULABILITY:
+        potential = f"the potential is {document.potential}"
+        yield Misplaced(("manipulator",), f"the potential {MANIPULABILITY}", potential)
     # Only fingers flex.
     if is_of_hands and document.seek is not None and document.seek.until is not None:
-        yield ("seek", "until")
+        yield Misplaced(("seek", "until"), "forces of fingers", instead)
 
 
 def check_options(
@@ -61,16 +82,36 @@ def check_options(
         feedback: what it measures.
         findings: where findings go.
     """
-    for path in misplaced(document, feedback):
-        place = context.source.key(*steps, *path)
-        findings.add("CB513", place, name=path[-1], feedback=feedback.type)
+    for option in misplaced(document, feedback):
+        place = context.source.key(*steps, *option.path)
+        details = {"name": option.path[-1], "purpose": option.purpose, "instead": option.instead}
+        findings.add("CB513", place, **details)
     check_settings(feedback.type.name, context.source, steps, findings)
+    if isinstance(feedback.source, FingerForces) and document.seek is not None:
+        _check_end(context, (*steps, "seek", "until"), feedback.source, findings)
+
+
+def _check_end(
+    context: ProgramContext, steps: Steps, source: FingerForces, findings: Findings
+) -> None:
+    """Check that the end of a search has the unit of the joints that close the fingers."""
+    model, robot = context.body.model, context.body.document
+    if model is None or not context.source.holds(*steps):
+        return
+    node = context.source.node(steps)
+    for cell in robot.load_cells[source.hand].values():
+        joint = model.joints.get(cell.joint)
+        if joint is not None and is_of_another_kind(node.value, unit_of(joint)):
+            findings.add("CB590", node.place, name=cell.joint, unit=unit_of(joint))
+            return
 
 
 def settings_of(
     context: ProgramContext, steps: Steps, document: written.ControllerSection, feedback: Resource
 ) -> ControllerSettings | None:
     """The controller's own settings, and the robot's for the rest; ``None`` where some lack."""
+    if feedback.type.name in FEATURES:
+        return None  # which is no feedback, as has been reported
     robot = context.body.document
     general = robot.control.tasks.get(feedback.type.name)
     candidates: list[written.ControllerSection | TaskSettings] = [document]

@@ -3,13 +3,18 @@
 from __future__ import annotations
 
 import re
+from typing import NamedTuple
 
 from cbdsl.errors.counting import count
 from cbdsl.program.controller import AlongNormals, Literal
-from cbdsl.types.resource import FingerForces, NetForces, Resource
+from cbdsl.types.resource import FingerForces, NetForces, Resource, palms_of
 from cbdsl.types.unit import QuantityError, is_quantity, read_quantity
 
+#: The feedback of a controller at its activation.
+HERE = "here"
+
 _ALONG_NORMALS = re.compile(r"(?P<force>.*\S)\s+along\s+normals\s*\Z")
+_RELATIVE = re.compile(r"(?P<base>[^\s+-]+)\s*(?:(?P<sign>[+-])\s*(?P<offset>.*))?", re.DOTALL)
 _NUMBER = re.compile(r"\s*[-+.]?\.?\d")
 
 # Physical dimensions of a value's components; several share the components evenly.
@@ -22,6 +27,11 @@ _DIMENSIONS: dict[str, tuple[str, ...]] = {
     "pose": ("length", "angle"),
     "position": ("length",),
     "orientation": ("angle",),
+    "velocity": ("speed",),
+    "volume": ("volume",),
+    "heading_rate": ("angular speed",),
+    "extent": ("angle",),
+    "axis": ("angle",),
 }
 
 
@@ -46,10 +56,42 @@ def is_literal(text: str) -> bool:
     return _NUMBER.match(text) is not None
 
 
+class RelativeText(NamedTuple):
+    """A reference that is written as a base and a displacement, such as ``here + [0 cm, 2 cm]``.
+
+    Attributes:
+        base: name of a resource, or ``HERE``.
+        sign: of the displacement, 1 or -1.
+        offset: its quantities; a single 0 where none is written.
+    """
+
+    base: str
+    sign: int
+    offset: tuple[str, ...]
+
+
+def read_relative(text: str) -> RelativeText | None:
+    """The parts of a relative reference, or ``None`` where a text is none."""
+    match = _RELATIVE.fullmatch(text.strip())
+    if match is None or (match["sign"] is None and match["base"] != HERE):
+        return None
+    offset = (match["offset"] or "0").strip()
+    inner = offset[1:-1] if offset[:1] == "[" and offset[-1:] == "]" else offset
+    items = tuple(item.strip() for item in inner.split(","))
+    return RelativeText(match["base"], -1 if match["sign"] == "-" else 1, items)
+
+
 def read_literal(
-    value: str | float | tuple[str | float, ...], feedback: Resource
+    value: str | float | tuple[str | float, ...],
+    feedback: Resource,
+    axes: tuple[int, ...] | None = None,
 ) -> Literal | AlongNormals:
     """A reference literal in SI.
+
+    Args:
+        value: its quantities.
+        feedback: what it is compared with.
+        axes: of which there is a component each; ``None`` for all. The others become 0.
 
     Raises:
         LiteralError: it does not suit the feedback.
@@ -58,18 +100,27 @@ def read_literal(
         return _along_normals(match["force"], feedback)
     items = value if isinstance(value, tuple) else (value,)
     kind = feedback.type
-    if len(items) not in (1, kind.size):
-        raise _wrong_count(len(items), feedback)
+    places = range(kind.size) if axes is None else _places(axes, kind.factors)
+    if len(items) not in (1, len(places)):
+        raise _wrong_count(len(items), feedback, axes)
     numbers = tuple(_component(item, i, feedback) for i, item in enumerate(items))
-    if len(numbers) == kind.size:
-        return Literal(numbers)
-    if numbers[0] != 0:
-        raise _wrong_count(1, feedback)
-    return Literal((0.0,) * kind.size)
+    if len(numbers) < len(places):
+        if numbers[0] != 0:
+            raise _wrong_count(1, feedback, axes)
+        numbers = (0.0,) * len(places)
+    values = [0.0] * kind.size
+    for place, number in zip(places, numbers, strict=True):
+        values[place] = number
+    return Literal(tuple(values))
+
+
+def _places(axes: tuple[int, ...], factors: int) -> list[int]:
+    """Places of the components along some axes, in each of several vectors in turn."""
+    return [3 * factor + axis for factor in range(factors) for axis in axes]
 
 
 def _along_normals(force: str, feedback: Resource) -> AlongNormals:
-    if not isinstance(feedback.source, (FingerForces, NetForces)):
+    if not isinstance(feedback.source, FingerForces) and palms_of(feedback.source) is None:
         details = {"name": feedback.name, "feedback": feedback.type}
         raise LiteralError("CB512", dict(details))
     return AlongNormals(_quantity(force, ("force",), None))
@@ -98,10 +149,13 @@ def _quantity(value: str | float, dimensions: tuple[str, ...], item: int | None)
         raise LiteralError("CB506", {"problem": quantity_problem(value, error)}, item) from None
 
 
-def _wrong_count(number: int, feedback: Resource) -> LiteralError:
+def _wrong_count(number: int, feedback: Resource, axes: tuple[int, ...] | None) -> LiteralError:
     kind = feedback.type
     given = f"{count(number, 'number')} {'is' if number == 1 else 'are'}"
     wanted = count(kind.size, "component")
+    if axes is not None:
+        named = ", ".join("xyz"[axis] for axis in axes)
+        wanted = f"{count(len(axes) * kind.factors, 'component')} along axes [{named}]"
     if isinstance(feedback.source, (FingerForces, NetForces)):
         wanted += "; '2 N along normals' gives each a force along its own normal"
     details = {"found": given, "feedback": kind, "wanted": wanted}

@@ -14,7 +14,12 @@ from cbdsl.errors.counting import count
 from cbdsl.program.controller import AlongNormals, Literal, Reference
 from cbdsl.types.resource import EffectorConfiguration, Resource
 
-_POSITIVE: list[Steps] = [("standoff", "most"), ("funnel", "height"), ("seek", "within")]
+_POSITIVE: list[Steps] = [
+    ("standoff", "most"),
+    ("funnel", "height"),
+    ("seek", "within"),
+    ("onset", "pace"),
+]
 _NOT_NEGATIVE: list[Steps] = [
     ("standoff", "clearance"),
     ("standoff", "least"),
@@ -27,7 +32,8 @@ def check_numbers(
 ) -> None:
     """Check the distances that a controller keeps or waits for."""
     source = context.source
-    if document.standoff is None and document.funnel is None and document.seek is None:
+    sections = (document.standoff, document.funnel, document.seek, document.onset)
+    if not any(sections):
         return  # most controllers
     check_signs(document, source, steps, _POSITIVE, _NOT_NEGATIVE, context.findings)
     standoff = document.standoff

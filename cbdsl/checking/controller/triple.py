@@ -4,15 +4,25 @@ from __future__ import annotations
 
 from cbdsl.checking.context import ProgramContext, Steps
 from cbdsl.checking.controller.agreement import Agreement
-from cbdsl.checking.controller.comparison import read_comparison
+from cbdsl.checking.controller.axes import check_axes, read_axes
+from cbdsl.checking.controller.comparison import Comparison, read_comparison
 from cbdsl.checking.controller.field import ControllerSpec, check_field
 from cbdsl.checking.controller.modifiers import read_modifiers
 from cbdsl.checking.controller.options import MANIPULABILITY, ControllerSettings, settings_of
+from cbdsl.checking.controller.relative import check_relative
 from cbdsl.checking.controller.soundness import check_numbers, check_reference, suits_body
 from cbdsl.checking.lookup.scope import Scope
 from cbdsl.documents import program as written
 from cbdsl.errors.diagnostic import Place
-from cbdsl.program.controller import Controller, Field, Funnel, Reference, Seek, Standoff
+from cbdsl.program.controller import (
+    Controller,
+    Field,
+    Funnel,
+    Onset,
+    Reference,
+    Seek,
+    Standoff,
+)
 from cbdsl.types.casts import Cast, chains, held_chain
 from cbdsl.types.potential import POTENTIALS, PotentialType
 from cbdsl.types.resource import Headings, Origin, Resource
@@ -62,7 +72,11 @@ class _Triple:
         # What a potential does not read is wrong whatever it names.
         is_read = potential is None or potential.reference
         value = document.reference if is_read else None
-        comparison = read_comparison(self._context, steps, value, self._scope)
+        has_axes = feedback is None or check_axes(self._context, self._steps, document, feedback)
+        axes = read_axes(document)
+        comparison = read_comparison(self._context, steps, value, self._scope, axes)
+        if not has_axes:
+            comparison = Comparison()
         agreement = Agreement(self._context, self._steps, document, potential, comparison, effector)
         if feedback is None:
             agreement.check_without_feedback()
@@ -70,6 +84,8 @@ class _Triple:
         reference = agreement.check(feedback)
         check_numbers(self._context, self._steps, document)
         check_reference(self._context, self._steps, reference, feedback)
+        if not check_relative(self._context, self._steps, document, reference, feedback):
+            return None
         if not self._has_tip(feedback) or not self._has_rigid_cameras(feedback):
             return None
         settings = settings_of(self._context, self._steps, document, feedback)
@@ -110,6 +126,8 @@ class _Triple:
             requires=self._call(document.requires, "requires"),
             field=self._field(potential, ControllerSpec(feedback, reference, joints)),
             modifiers=read_modifiers(self._context, self._steps, document, feedback),
+            axes=read_axes(document),
+            onset=_onset(document.onset),
         )
 
     def _field(self, potential: PotentialType, wish: ControllerSpec) -> Field | None:
@@ -186,6 +204,12 @@ def _standoff(document: written.StandoffSection | None) -> Standoff | None:
     if document is None:
         return None
     return Standoff(document.clearance, document.least, document.most)
+
+
+def _onset(document: written.OnsetSection | None) -> Onset | None:
+    if document is None:
+        return None
+    return Onset(document.change, document.window, document.pace)
 
 
 def _funnel(document: written.FunnelSection | None) -> Funnel | None:

@@ -2,51 +2,93 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from pathlib import Path
 
-from cbdsl.documents.digest import digest, digest_of_text
+from cbdsl.documents.digest import ProgramDigest, digest, digest_of_text
 from cbdsl.documents.document import Document
 from cbdsl.documents.model import ModelDocument
 from cbdsl.documents.policy import PolicyDocument
 from cbdsl.documents.program import ProgramDocument
+from cbdsl.documents.schema import SchemaDocument
 from cbdsl.yaml_text.library import Library
 
-# Of the program itself: what is learned stands in for its policy, on whatever stage.
-_BESIDE_THE_POINT = ("policy", "stage")
+# Of the program itself: what is learned stands in for its policy, on whatever stage, and holds for
+# the resources that it was learned with, whatever else might take their place.
+_BESIDE_THE_POINT = ("policy", "stage", "resources")
 # Of a learned policy: how it was learned.
 _HISTORY = ("values", "transitions", "curve", "provenance")
 
 
-def program_digest(path: Path, library: Library) -> str:
-    """SHA-256 of a program without its own policy, and of the programs and models that it uses.
-
-    Whatever was learned for a program holds for it as long as this is the same.
+def program_digest(path: Path, library: Library) -> ProgramDigest:
+    """Digest of a program with all that it uses.
 
     Args:
         path: the file of a program without findings.
         library: where documents are found by name.
     """
     document = library.read(path, ProgramDocument).document
-    return digest_of_text(digest(document, _BESIDE_THE_POINT) + _parts(document, path, library))
+    whole = digest(document, _BESIDE_THE_POINT) + _parts(document, path, library)
+    policies = {
+        name: policy_digest(name, path, library)
+        for name in sorted(_policies(document, path, library))
+    }
+    return ProgramDigest(digest_of_text(whole), policies)
+
+
+def policy_digest(name: str, beside: Path, library: Library) -> str:
+    """SHA-256 of what a learned policy does, with the models that belong to it.
+
+    Args:
+        name: the policy's.
+        beside: a document that names it.
+        library: where it is found by name.
+    """
+    return digest_of_text(_learned(name, beside, library))
+
+
+def _policies(document: ProgramDocument, path: Path, library: Library) -> Iterator[str]:
+    """Names of the learned policies that a program and the programs that it uses run under."""
+    for use in document.use.values():
+        if use.schema_ is not None:
+            yield _read_schema(use.schema_, path, library).policy
+        elif use.policy is not None:
+            yield use.policy
+        used = _document_file(ProgramDocument, use.program, path, library)
+        yield from _policies(library.read(used, ProgramDocument).document, used, library)
 
 
 def _parts(document: ProgramDocument, path: Path, library: Library) -> str:
-    used = sorted({(use.program, use.policy or "") for use in document.use.values()})
+    plain = [use for use in document.use.values() if use.schema_ is None]
+    used = sorted({(use.program, use.policy or "") for use in plain})
     programs = (_whole(program, policy, path, library) for program, policy in used)
+    named = sorted({(u.program, u.schema_) for u in document.use.values() if u.schema_ is not None})
+    schemas = (_allocated(program, schema, path, library) for program, schema in named)
     models = (
         digest(
             library.read(_document_file(ModelDocument, name, path, library), ModelDocument).document
         )
         for name in sorted(set(document.models.values()))
     )
-    return "".join((*programs, *models))
+    return "".join((*programs, *schemas, *models))
+
+
+def _allocated(program: str, name: str, beside: Path, library: Library) -> str:
+    """Digest of a used program with the schema that allocates it, and the policy of that."""
+    schema = _read_schema(name, beside, library)
+    return digest(schema, _HISTORY) + _whole(program, schema.policy, beside, library)
+
+
+def _read_schema(name: str, beside: Path, library: Library) -> SchemaDocument:
+    path = _document_file(SchemaDocument, name, beside, library)
+    return library.read(path, SchemaDocument).document
 
 
 def _whole(program: str, policy: str, beside: Path, library: Library) -> str:
     """Digest of a used program with its policy, its own or another, which matters here."""
     path = _document_file(ProgramDocument, program, beside, library)
     document = library.read(path, ProgramDocument).document
-    own = digest(document, _BESIDE_THE_POINT if policy else ("stage",))
+    own = digest(document, _BESIDE_THE_POINT if policy else ("stage", "resources"))
     return (
         own
         + (_learned(policy, beside, library) if policy else "")

@@ -22,8 +22,9 @@ def reads_what_is_known(controller: Controller) -> bool:
 
 def is_always_defined(controller: Controller) -> bool:
     """Whether the potential of a controller can be computed at any time, as is certain for some."""
+    waits = (controller.standoff, controller.requires, controller.onset)
     is_residual = POTENTIALS[controller.potential].residual
-    return is_residual and controller.standoff is None and reads_what_is_known(controller)
+    return is_residual and not any(waits) and reads_what_is_known(controller)
 
 
 def check_possible(

@@ -87,7 +87,10 @@ class _PolicyCheck:
         provenance = self._document.provenance
         if provenance is None:
             return
-        learned, now = provenance.program, program_digest(program_file, self._session.library)
+        learned, now = (
+            provenance.program,
+            program_digest(program_file, self._session.library).sha256,
+        )
         if (learned.name, learned.sha256) != (self._program.name, now):
             place = self._source.place("provenance", "program", "sha256")
             details = {"program": self._program.name, "command": provenance.command}

@@ -6,6 +6,7 @@ from collections.abc import Iterator, Mapping, Sequence
 
 from cbdsl.checking.findings import Findings
 from cbdsl.errors.counting import count
+from cbdsl.errors.diagnostic import Place
 from cbdsl.types.state import ANY, PREDICATES, matches, overlap, split
 from cbdsl.yaml_text.source_map import SourceMap
 
@@ -30,7 +31,7 @@ def check_states(
     sound = {
         pattern: action
         for pattern, action in policy.items()
-        if _is_sound(pattern, members, source, findings)
+        if is_sound(pattern, members, source.key("policy", pattern), findings)
     }
     if members is None:
         return
@@ -81,10 +82,15 @@ def _idle(sound: Mapping[str, str], patience: _Patience) -> Iterator[str]:
             yield pattern
 
 
-def _is_sound(
-    pattern: str, members: Sequence[str] | None, source: SourceMap, findings: Findings
-) -> bool:
-    place = source.key("policy", pattern)
+def is_sound(pattern: str, members: Sequence[str] | None, place: Place, findings: Findings) -> bool:
+    """Whether a pattern has known letters, one for each member; what is wrong is reported.
+
+    Args:
+        pattern: of states.
+        members: what the letters are of, or ``None`` where nobody knows.
+        place: where it stands.
+        findings: where findings go.
+    """
     wrong = [letter for letter in pattern if letter not in PREDICATES + ANY]
     if wrong:
         suggestion = _MEANT.get(wrong[0])

@@ -85,6 +85,10 @@ class MissingResources:
         place, details = self._source.place(*steps), {"name": name, "robot": self._robot}
         first = name.split(".")[0]
         siblings = [known for known in self._known if known.split(".")[0] == first]
+        if siblings and _is_load(name) and not any(map(_is_load, siblings)):
+            loads = list(dict.fromkeys(k.split(".")[0] for k in self._known if _is_load(k)))
+            self._findings.add("CB586", place, effector=first, name=name, names=loads, given="")
+            return
         signed = self._with_sign(text, scope)
         if signed is not None:
             names = siblings or self._firsts()
@@ -120,3 +124,8 @@ class MissingResources:
             return None
         name = re.sub(r"\$(\w+)", lambda match: scope.values.get(match[1], ""), signed)
         return signed if name in self._known else None
+
+
+def _is_load(name: str) -> bool:
+    """Whether a resource's name is that of a force or torque."""
+    return name.endswith((".force", ".torque", ".wrench", ".finger_forces"))

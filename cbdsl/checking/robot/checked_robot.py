@@ -10,6 +10,8 @@ from cbdsl.errors.diagnostic import Place
 from cbdsl.robot.resources import CYCLOPEAN
 from cbdsl.robot.urdf import UrdfModel
 from cbdsl.types.resource import (
+    VISUAL,
+    BlobSignal,
     Centroid,
     EffectorConfiguration,
     FingerForces,
@@ -26,6 +28,8 @@ from cbdsl.types.resource import (
     Separation,
     Source,
     StereoPosition,
+    StereoSignal,
+    SurfacePoint,
     Tip,
     UniformSample,
 )
@@ -73,9 +77,13 @@ class CheckedRobot(NamedTuple):
                 return ("sensors", sensor)
             case Centroid(group=name) | Separation(group=name) | NetForces(group=name):
                 return ("groups", name)
-            case Heading(camera=camera) if camera in self.document.cameras:
+            case Heading(camera=camera) | BlobSignal(camera=camera) if (
+                camera in self.document.cameras
+            ):
                 return ("cameras", camera)
             case Heading() | Headings() | StereoPosition():
+                return ("cameras",)
+            case BlobSignal() | StereoSignal() | SurfacePoint():
                 return ("cameras",)
             case (
                 EffectorConfiguration(effector=name)
@@ -117,7 +125,7 @@ class CheckedRobot(NamedTuple):
     def with_idle_tips(self) -> Self:
         """The same robot, of which ``idle`` is known."""
         model, effectors = self.model, self.document.effectors
-        sound = set() if model is None else set(model.revolute)
+        sound = set() if model is None else set(model.movable)
         return self._replace(
             idle=frozenset(
                 name
@@ -147,9 +155,7 @@ class CheckedRobot(NamedTuple):
 
     def sensing(self, resource: Resource) -> frozenset[str] | None:
         """The joints that move the cameras which see a resource; ``None`` if nothing sees it."""
-        if self.model is None or not isinstance(
-            resource.source, (Heading, Headings, StereoPosition)
-        ):
+        if self.model is None or not isinstance(resource.source, VISUAL):
             return None
         links = self._camera_links(resource.source)
         if not self.model.links.issuperset(links):
@@ -180,9 +186,9 @@ class CheckedRobot(NamedTuple):
                 return [robot.load_cells[source.hand][source.finger].link]
             case NetLoad(hand=name) | FingerForces(hand=name) | NetForces(group=name):
                 return self._cell_links(robot.members(name))
-            case Heading() | Headings():
+            case Heading() | Headings() | BlobSignal():
                 return self._camera_links(source) + self._holding_links()
-            case StereoPosition():
+            case StereoPosition() | StereoSignal():
                 return self._holding_links()
             case SensorSignal(links=links):
                 return list(links)
@@ -190,7 +196,7 @@ class CheckedRobot(NamedTuple):
 
     def _camera_links(self, source: Source) -> list[str]:
         cameras = self.document.cameras
-        if isinstance(source, Heading) and source.camera != CYCLOPEAN:
+        if isinstance(source, (Heading, BlobSignal)) and source.camera != CYCLOPEAN:
             return [cameras[source.camera].link]
         return [camera.link for camera in cameras.values()]
 

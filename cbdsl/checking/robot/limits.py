@@ -1,22 +1,40 @@
-"""Joint limits in the unit of the angle that is held against them."""
+"""Joint limits in the unit of the position that is held against them."""
 
 from __future__ import annotations
 
-from cbdsl.types.unit import QuantityError, parse_quantity
+from cbdsl.robot.urdf import UrdfJoint
+from cbdsl.types.unit import UNITS, QuantityError, parse_quantity
 
 
-def limit_details(written: object, angle: float, limits: tuple[float, float]) -> dict[str, str]:
-    """Details of messages about an angle and the limits of its joint.
+def unit_of(joint: UrdfJoint) -> str:
+    """The unit of a joint's position."""
+    return "m" if joint.slides else "rad"
+
+
+def is_of_another_kind(written: object, unit: str) -> bool:
+    """Whether a position is written as a length where the joint turns, or the other way round."""
+    try:
+        given = parse_quantity(written)[1] if isinstance(written, str) else None
+    except QuantityError:
+        return False  # which is reported
+    return given is not None and given.dimension != UNITS[unit].dimension
+
+
+def limit_details(
+    written: object, angle: float, limits: tuple[float, float], unit: str = "rad"
+) -> dict[str, str]:
+    """Details of messages about a position and the limits of its joint.
 
     Args:
-        written: the angle in its document, whose unit is used; radians without one.
-        angle: rad.
-        limits: lower and upper, rad.
+        written: the position in its document, whose unit is used; without one that of the joint.
+        angle: the position, rad or m.
+        limits: lower and upper, rad or m.
+        unit: of the joint.
     """
     try:
-        unit = parse_quantity(written)[1] if isinstance(written, str) else None
+        given = parse_quantity(written)[1] if isinstance(written, str) else None
     except QuantityError:
-        unit = None
-    symbol, factor = ("rad", 1.0) if unit is None else (unit.symbol, unit.factor)
+        given = None
+    symbol, factor = (unit, 1.0) if given is None else (given.symbol, given.factor)
     numbers = {"angle": angle, "lower": limits[0], "upper": limits[1]}
     return {"unit": symbol} | {key: f"{value / factor:.4g}" for key, value in numbers.items()}

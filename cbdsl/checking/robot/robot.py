@@ -8,9 +8,10 @@ from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, S
 from pathlib import Path
 
 from cbdsl.checking.findings import Findings
+from cbdsl.checking.robot.beyond_reason import check_meshes, check_speeds
 from cbdsl.checking.robot.checked_robot import CheckedRobot
 from cbdsl.checking.robot.constants import check_constants, check_margins
-from cbdsl.checking.robot.limits import limit_details
+from cbdsl.checking.robot.limits import is_of_another_kind, limit_details, unit_of
 from cbdsl.checking.robot.names import check_names
 from cbdsl.checking.robot.settings import check_settings
 from cbdsl.documents.robot import Effector, RobotDocument
@@ -45,12 +46,14 @@ def examine_robot(loaded: Loaded[RobotDocument], findings: Findings) -> CheckedR
     _RobotCheck(loaded, findings, _unclaimed(robot, model), _unmovable(model)).all()
     check_names(loaded, findings)
     check_constants(loaded, findings)
+    check_speeds(loaded, findings)
     missed = frozenset(finding.given for finding in findings.sorted() if finding.code == "CB308")
     missed |= frozenset(_lacking(robot, missed))
     body = CheckedRobot(loaded, resources(robot), model, missed).with_idle_tips()
     if model is not None:
         _ModelCheck(body, findings, model).all()
         check_margins(loaded, model, findings)
+        check_meshes(loaded, model, findings)
     return body
 
 
@@ -74,9 +77,9 @@ def _models_near(folder: Path) -> list[str]:
 def _unclaimed(robot: RobotDocument, model: UrdfModel | None) -> frozenset[str]:
     """Joints that an effector may have had in mind where it names one that is not there."""
     named = {joint for effector in robot.effectors.values() for joint in effector.joints}
-    if model is None or named.issubset(model.revolute):
+    if model is None or named.issubset(model.movable):
         return frozenset()
-    return frozenset(model.revolute) - named
+    return frozenset(model.movable) - named
 
 
 def _unmovable(model: UrdfModel | None) -> frozenset[str]:
@@ -223,7 +226,7 @@ class _ModelCheck:
         self._findings = findings
         self._model = model
         named = {joint for effector in self._robot.effectors.values() for joint in effector.joints}
-        self._free = [joint for joint in model.revolute if joint not in named]
+        self._free = [joint for joint in model.movable if joint not in named]
         #: The joint that moves a link, by the link's name, where that is no joint's name as well.
         self._movers = {
             joint.child: joint.name
@@ -237,8 +240,18 @@ class _ModelCheck:
         self._turning(("couplings",), self._robot.couplings, self._free)
         self._named_links()
         efforts: Steps = ("simulation", "efforts")
-        self._turning(efforts, self._robot.simulation.efforts, self._model.revolute)
+        self._turning(efforts, self._robot.simulation.efforts, self._model.movable)
         self._base()
+        self._axes()
+
+    def _axes(self) -> None:
+        """Joints of the model move along or about something."""
+        for joint in self._model.joints.values():
+            if not joint.directed:
+                model = self._model.path.name
+                self._findings.add(
+                    "CB361", self._source.place("model"), joint=joint.name, model=model
+                )
 
     def _effector(self, name: str, effector: Effector) -> None:
         steps: Steps = ("effectors", name, "joints")
@@ -252,7 +265,7 @@ class _ModelCheck:
     def _turning(self, steps: Steps, joints: Iterable[str], names: Sequence[str]) -> None:
         """Joints that are passive, or have a torque, turn."""
         places = {joint: self._source.key(*steps, joint) for joint in joints}
-        self._joints(places, lambda joint: None if joint.revolute else unsupported(joint), names)
+        self._joints(places, lambda joint: None if joint.movable else unsupported(joint), names)
 
     def _joints(
         self,
@@ -353,9 +366,15 @@ class _ModelCheck:
         for posture, angles in effector.postures.items():
             for i, (joint, angle) in enumerate(zip(effector.joints, angles, strict=False)):
                 limits = self._model.joints.get(joint)
-                if limits is not None and not limits.lower <= angle <= limits.upper:
-                    node = self._source.node(("effectors", name, "postures", posture, i))
-                    limits_text = limit_details(node.value, angle, (limits.lower, limits.upper))
+                if limits is None:
+                    continue
+                node = self._source.node(("effectors", name, "postures", posture, i))
+                unit = unit_of(limits)
+                if is_of_another_kind(node.value, unit):
+                    self._findings.add("CB390", node.place, name=joint, unit=unit)
+                elif not limits.lower <= angle <= limits.upper:
+                    span = limits.lower, limits.upper
+                    limits_text = limit_details(node.value, angle, span, unit)
                     hint = _degrees_meant(angle, limits) if limits_text["unit"] == "rad" else ""
                     self._findings.add("CB305", node.place, joint=joint, hint=hint, **limits_text)
 

@@ -29,6 +29,7 @@ def check_settings(
         ("speed",): _SPEEDS.get(kind, ("angular speed",)),
         ("acceleration",): _ACCELERATIONS.get(kind, ("angular acceleration",)),
         ("quiescence", "tolerance"): _TOLERANCES.get(kind, ("angle",)),
+        ("onset", "change"): _TOLERANCES.get(kind, ("angle",)),
     }
     for keys, dimensions in allowed.items():
         path = (*steps, *keys)

@@ -31,9 +31,22 @@ def repair(path: Path, kind: type[D], text: str) -> Loaded[D]:
     """
     composed = mend(text, str(path))
     source = SourceMap(path, composed.lines, composed.root)
+    _require_version(source)
     model, findings = identify(source, composed.findings)
     if not issubclass(model, kind):
         place, given = source.place("kind"), str(source.node(("kind",)).value)
         wrong = diagnostic("CB201", place, wanted=kind_name(kind), found=given)
         raise DiagnosticsError([wrong])
     return salvage(source, model, findings)
+
+
+def _require_version(source: SourceMap) -> None:
+    """Refuse a later version of the language, in which nobody knows what the keys mean.
+
+    Raises:
+        DiagnosticsError: the document is written in one.
+    """
+    root = source.root.value
+    version = root.get("cbdsl") if isinstance(root, dict) else None
+    if version is not None and isinstance(version.value, int) and version.value > 1:
+        raise DiagnosticsError([diagnostic("CB240", version.place, version=version.value)])

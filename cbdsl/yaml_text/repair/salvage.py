@@ -29,6 +29,8 @@ from cbdsl.yaml_text.unknown import UNKNOWN
 
 Steps = tuple[Step, ...]
 
+# Of a word that YAML 1.1 takes for true or false.
+_WORD = "CB114"
 # Each round leaves out what encloses the faults of the one before.
 _MOST_ROUNDS = 12
 
@@ -60,6 +62,7 @@ class _Salvage(Generic[D]):
 
     def salvage(self) -> Loaded[D]:
         if self._faults:
+            self._judge_words()
             self._leave_out(_faulty(self._source.root, ()))
         for _ in range(_MOST_ROUNDS):
             try:
@@ -71,6 +74,32 @@ class _Salvage(Generic[D]):
                 source = self._source._replace(broken=self._broken)
                 return Loaded(document, source, tuple(self._faults))
         raise self._hopeless()
+
+    def _judge_words(self) -> None:
+        """Take words such as ``off`` for texts where no text is wanted: what is says more.
+
+        To put them in quotes is a remedy only where a text may be.
+        """
+        words = {finding.place for finding in self._faults if finding.code == _WORD}
+        if not words:
+            return
+        wrong = {path_of(error, self._source) for error in self._errors()}
+        places = set()
+        for path in _faulty(self._source.root, ()):
+            node = self._source.node(path)
+            if path in wrong and node.place in words:
+                node.faulty = False
+                places.add(node.place)
+        self._faults = [
+            each for each in self._faults if each.code != _WORD or each.place not in places
+        ]
+
+    def _errors(self) -> list[ErrorDetails]:
+        try:
+            self._model.model_validate(self._source.root.plain())
+        except ValidationError as error:
+            return error.errors(include_url=False)
+        return []
 
     def _mend(self, errors: list[ErrorDetails]) -> None:
         """Report what is wrong, and take it away."""

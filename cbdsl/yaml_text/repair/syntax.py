@@ -38,6 +38,7 @@ _COMMENT = re.compile(r"\s*(?P<sign>//|--|;|%)\s*(?P<text>.*)")
 _STATE_IN_BRACKETS = re.compile(r"\s*(?P<state>[\[({][X01*,\s-]+[\])}])\s*:(?=\s)")
 _UNQUOTED_KEY = re.compile(r"(?P<text>[^\s:#]+)(?=\s*:(?:\s|$))")
 _UNQUOTED = re.compile(r"(?P<text>[^,\[\]{}#]*[^,\[\]{}#\s])")
+_BEGINS = re.compile(r"\s*(?:- |---|\.\.\.|(?:- +)*['\"]?[\w$*-]+['\"]?:(?:\s|$))")
 _FENCE = re.compile(r"\s*(?:```|~~~)\w*\s*\Z")
 # Words of a line that may be a key and its value.
 _LONGEST_ENTRY = 7
@@ -106,6 +107,19 @@ class _Trouble(NamedTuple):
         numbers = range(self.line - 1, 0, -1)
         return next((n for n in numbers if not re.match(r"\s*(#|$)", self.lines[n - 1])), 0)
 
+    @property
+    def at_end(self) -> bool:
+        """Whether nothing but comments is left of the text."""
+        left = [self.rest, *self.lines[self.line :]]
+        return all(re.match(r"\s*(#|$)", line) for line in left)
+
+    @property
+    def is_outside(self) -> bool:
+        """Whether a line begins here that is indented too little to be within brackets."""
+        row = self.opened[0]
+        indents = [len(text) - len(text.lstrip()) for text in (self.text, self.lines[row - 1])]
+        return row < self.line and indents[0] <= indents[1] and _BEGINS.match(self.text) is not None
+
     def instead(self, line: str) -> Mapping[int, str]:
         """Another line in place of this one."""
         return {self.line: line}
@@ -118,8 +132,11 @@ def find_slip(error: yaml.MarkedYAMLError, lines: Sequence[str]) -> Slip:
         error: what libyaml says.
         lines: of the text.
     """
-    trouble = _trouble(error, lines)
-    slips = (explain(trouble) for explain in _EXPLANATIONS) if trouble.line <= len(lines) else ()
+    # libyaml may give up behind the last line.
+    trouble = _trouble(error, [*lines, ""])
+    slips = (
+        (explain(trouble) for explain in _EXPLANATIONS) if trouble.line <= len(lines) + 1 else ()
+    )
     slip = next((slip for slip in slips if slip is not None), None)
     return slip or Slip(trouble.problem, trouble.line, trouble.column)
 
@@ -215,14 +232,14 @@ def _within_brackets(trouble: _Trouble) -> Slip | None:
         return None
     opening, closing = _OPENED[trouble.problem]
     line, column = trouble.opened
-    at, begins = trouble.rest[:1], re.fullmatch(r"\s*[\w'\"-]*", trouble.before)
+    at = trouble.rest[:1]
     if at in ("]", "}"):
         problem = f"this '{at}' does not close the '{opening}' in line {line}; write '{closing}'"
         return Slip(problem, trouble.line, trouble.column)
     if trouble.before.endswith("$"):
         problem = "a parameter is written without braces, as $name"
         return Slip(problem, trouble.line, trouble.column)
-    if at == ":" and begins and line < trouble.line:
+    if trouble.at_end or trouble.is_outside:
         problem = f"this '{opening}' is never closed; a '{closing}' is missing"
         return Slip(problem, line, column)
     problem = "a ',' is missing before this"
@@ -347,9 +364,22 @@ def _colon_above(trouble: _Trouble) -> Slip | None:
     return _no_colon(trouble.lines, number) if is_text else None
 
 
+def _never_closed(trouble: _Trouble) -> Slip | None:
+    """The bracket at the end of a text that lacks what follows it."""
+    line = trouble.above
+    before = trouble.lines[line - 1].partition(" #")[0].rstrip()
+    closing = {"[": "]", "{": "}"}.get(before[-1:])
+    if closing is None:
+        return None
+    problem = f"this '{before[-1]}' is never closed; a '{closing}' is missing"
+    return Slip(problem, line, len(before))
+
+
 def _missing_value(trouble: _Trouble) -> Slip | None:
     if trouble.problem != _NO_CONTENT:
         return None
+    if trouble.at_end:
+        return _never_closed(trouble)
     at = trouble.rest[:1]
     problem = f"a value is missing before this '{at}', or the '{at}' is one too many"
     return Slip(problem, trouble.line, trouble.column)

@@ -63,7 +63,7 @@ def checked(folder: Path) -> CheckedProgram:
 
 
 def digest(folder: Path) -> str:
-    return program_digest(folder / "programs" / "reachtouch.yaml", Library(folder))
+    return program_digest(folder / "programs" / "reachtouch.yaml", Library(folder)).sha256
 
 
 def test_a_used_program_runs_under_its_learned_policy_and_draws_from_its_models(
@@ -121,6 +121,19 @@ def test_a_digest_changes_with_what_learning_depends_on(
     before = digest(folder)
     change(folder / file, old, new)
     assert (digest(folder) != before) == differs
+
+
+def test_the_policies_that_run_inside_of_a_program_have_digests_of_their_own(folder: Path) -> None:
+    program = folder / "programs" / "outer.yaml"
+    text = SHIPPED["searchtrack"].replace("name: searchtrack", "name: outer")
+    use = "use: {grasp: {program: reachtouch}}\ncontrollers:"
+    program.write_text(text.replace("controllers:", use, 1), encoding="utf-8")
+    before = program_digest(program, Library(folder)).policies
+    assert list(before) == ["learned"]
+    change(folder / "knowledge/models/looks.yaml", "0.25", "0.3")
+    assert program_digest(program, Library(folder)).policies != before
+    change(folder / "programs/reachtouch.yaml", "policy: learned, ", "")
+    assert program_digest(program, Library(folder)).policies == {}
 
 
 def test_the_policy_of_a_used_program_matters_where_no_other_takes_its_place(folder: Path) -> None:

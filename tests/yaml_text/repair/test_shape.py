@@ -10,20 +10,32 @@ from pydantic import BaseModel
 
 from cbdsl.documents.kinds import models
 from cbdsl.documents.program import ControllerSection, ProgramDocument
-from cbdsl.documents.stage import BallForm, BoxForm, CylinderForm, StageDocument, ThingSection
+from cbdsl.documents.stage import (
+    BallForm,
+    BoxForm,
+    CylinderForm,
+    OpenBoxForm,
+    StageDocument,
+    ThingSection,
+    TubeForm,
+)
 from cbdsl.yaml_text.repair.shape import SchemaShape
 
 KINDS = models()
 
 
-def _sections(model: type[BaseModel]) -> Iterator[type[BaseModel]]:
-    """A document's model and all sections below it."""
+def _sections(
+    model: type[BaseModel], above: tuple[type[BaseModel], ...] = ()
+) -> Iterator[type[BaseModel]]:
+    """A document's model and all sections below it; trees have sections within themselves."""
+    if model in above:
+        return
     yield model
     for key in SchemaShape((model,)).keys:
         shape = SchemaShape((model,)).child(key)
         for part in (shape, shape.child(""), shape.child(0)):
             for section in part.sections:
-                yield from _sections(section)
+                yield from _sections(section, (*above, model))
 
 
 @pytest.mark.parametrize("kind", KINDS)
@@ -39,7 +51,11 @@ def test_what_is_required_is_known_and_completes_a_section(kind: str) -> None:
     ("model", "steps", "kinds"),
     [
         (StageDocument, ("things", "cup"), (ThingSection,)),
-        (StageDocument, ("things", "cup", "form"), (BallForm, BoxForm, CylinderForm)),
+        (
+            StageDocument,
+            ("things", "cup", "form"),
+            (BallForm, BoxForm, CylinderForm, TubeForm, OpenBoxForm),
+        ),
         (StageDocument, ("things", "cup", "unknown"), ()),
         (StageDocument, ("things", 0), ()),
         (ProgramDocument, ("controllers", "reach"), (ControllerSection, str)),

@@ -1,0 +1,102 @@
+"""Axes of the world along which a controller compares, and whether they contradict each other."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from cbdsl.checking.context import ProgramContext, Steps
+from cbdsl.checking.knowledge.impossible import is_always_defined
+from cbdsl.documents import program as written
+from cbdsl.program.checked import CheckedProgram
+from cbdsl.program.controller import Controller
+from cbdsl.program.dry_run import levels
+from cbdsl.types.resource import Resource
+
+AXES = "xyz"
+
+#: Types whose components are those of a vector in the world frame.
+SPATIAL = ("position", "force", "torque")
+
+
+def read_axes(document: written.ControllerSection) -> tuple[int, ...] | None:
+    """The axes that a controller compares along, in order; ``None`` for all."""
+    axes = tuple(i for i, axis in enumerate(AXES) if axis in (document.axes or AXES))
+    return None if len(axes) == len(AXES) else axes
+
+
+def check_axes(
+    context: ProgramContext,
+    steps: Steps,
+    document: written.ControllerSection,
+    feedback: Resource,
+) -> bool:
+    """Whether the axes of a controller make sense for its feedback; what is wrong is reported."""
+    axes = document.axes
+    if axes is None:
+        return True
+    place = context.source.place(*steps, "axes")
+    if not axes or len(set(axes)) < len(axes):
+        twice = next((axis for axis in axes if axes.count(axis) > 1), None)
+        problem = f"'{twice}' is given twice" if twice else "an empty list leaves nothing to do"
+        context.add("CB580", place, problem=problem)
+        return False
+    key = context.source.key(*steps, "axes")
+    along_normals = isinstance(document.reference, str) and "along normals" in document.reference
+    if document.potential != "spring":
+        problem = f"a {document.potential} potential is a function of its whole feedback"
+    elif feedback.type.name not in SPATIAL:
+        problem = f"'{feedback.name}' is of type {feedback.type}"
+    elif along_normals:
+        problem = "forces along normals have directions of their own"
+    elif document.funnel is not None:
+        problem = "a funnel raises what is compared along all of them"
+    else:
+        return True
+    context.add("CB581", key, problem=problem)
+    return False
+
+
+def check_contradictions(
+    context: ProgramContext, program: CheckedProgram, actions: Mapping[str, Steps]
+) -> None:
+    """Report actions in which two controllers state an axis that only one of them can have.
+
+    Args:
+        context: the program's document.
+        program: what became of it.
+        actions: the paths of its actions in the document, by name.
+    """
+    reported: set[tuple[str, str]] = set()
+    for action in program.actions:
+        own = [level.controller for level in levels(program, action) if not level.background]
+        for place, above in enumerate(own):
+            for below in own[place + 1 :]:
+                pair = above.name, below.name
+                shared = _shared(above, below)
+                if shared and pair not in reported:
+                    reported.add(pair)
+                    context.add(
+                        "CB582",
+                        context.source.place(*actions[action.name]),
+                        above=above.name,
+                        below=below.name,
+                        axes=" and ".join(AXES[axis] for axis in sorted(shared)),
+                    )
+
+
+def _shared(above: Controller, below: Controller) -> set[int]:
+    """Axes that both of two controllers state of what the same joints do, and only one can have."""
+    if above.axes is None or below.axes is None:
+        return set()
+    if "torque" in (above.feedback.type.name, below.feedback.type.name):
+        return set()
+    if set(above.joints).isdisjoint(below.joints) or _takes_over(above, below):
+        return set()
+    return set(above.axes) & set(below.axes)
+
+
+def _takes_over(above: Controller, below: Controller) -> bool:
+    """Whether one controller may be undefined while another, below it, is not."""
+    if above.onset is not None or above.requires != below.requires:
+        return True
+    return above.feedback != below.feedback and not is_always_defined(above)

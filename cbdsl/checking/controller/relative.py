@@ -1,0 +1,59 @@
+"""References relative to the activation, and loads whose change a controller waits for."""
+
+from __future__ import annotations
+
+from cbdsl.checking.context import ProgramContext, Steps
+from cbdsl.documents import program as written
+from cbdsl.program.controller import Reference, Relative
+from cbdsl.types.potential import POTENTIALS
+from cbdsl.types.resource import DRAWN, FingerLoad, NetLoad, Resource
+
+
+def check_relative(
+    context: ProgramContext,
+    steps: Steps,
+    document: written.ControllerSection,
+    reference: Reference | None,
+    feedback: Resource,
+) -> bool:
+    """Whether a relative reference and an onset make sense; what is wrong is reported.
+
+    Args:
+        context: the program.
+        steps: path of the controller.
+        document: the controller.
+        reference: its reference, if there is such a one.
+        feedback: what it measures.
+    """
+    is_here = isinstance(reference, Relative) and reference.base is None
+    problem = _problem(document, reference, is_here=is_here)
+    if problem:
+        context.add("CB583", context.source.place(*steps, "reference"), problem=problem)
+    fault = document.onset is not None and reference is not None and _fault(reference, feedback)
+    if fault:
+        context.add("CB584", context.source.key(*steps, "onset"), problem=fault)
+    return not (problem or fault)
+
+
+def _problem(
+    document: written.ControllerSection, reference: Reference | None, *, is_here: bool
+) -> str:
+    """The fault of a relative reference, as a clause; empty where there is none."""
+    if is_here and document.standoff is not None:
+        return "a tip cannot stand off from 'here', where it is itself"
+    if is_here and POTENTIALS[document.potential].field:
+        return "a field is solved for before it is known where 'here' is"
+    base = reference.base if isinstance(reference, Relative) else None
+    if base is not None and base.origin in DRAWN:
+        return f"'{base.name}' is drawn anew, and nothing is displaced from a draw"
+    return ""
+
+
+def _fault(reference: Reference, feedback: Resource) -> str:
+    """The fault of an onset, as a clause; empty where there is none."""
+    loads = (NetLoad, FingerLoad)
+    if not isinstance(feedback.source, loads) or feedback.type.name == "wrench":
+        return f"'{feedback.name}' is no force and no torque of a hand or a finger"
+    if not (isinstance(reference, Relative) and reference.base is None and any(reference.offset)):
+        return "the load changes from 'here' towards a reference such as 'here - 2 N'"
+    return ""

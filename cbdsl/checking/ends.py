@@ -1,0 +1,68 @@
+"""Ends of a program: states of success and of failure, which have to occur and to differ."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+from cbdsl.checking.context import ProgramContext, Steps
+from cbdsl.checking.knowledge.impossible import is_always_defined
+from cbdsl.checking.knowledge.states import is_sound
+from cbdsl.program.checked import Action, CheckedProgram
+from cbdsl.types.state import ANY, Predicate, overlap
+
+
+class End(NamedTuple):
+    """A pattern of final states, and where it stands."""
+
+    pattern: str
+    steps: Steps
+
+
+def read_ends(context: ProgramContext, members: Sequence[str] | None) -> list[End]:
+    """The patterns of success and failure that are patterns; the others are reported."""
+    document, ends = context.document, []
+    for key, patterns in (("success", document.success), ("failure", document.failure)):
+        for i, pattern in enumerate(patterns):
+            steps: Steps = (key, i)
+            if is_sound(pattern, members, context.source.place(*steps), context.findings):
+                ends.append(End(pattern, steps))
+    return ends
+
+
+def check_ends(context: ProgramContext, program: CheckedProgram, ends: Sequence[End]) -> None:
+    """Report final states that never occur, and those of success that are also of failure."""
+    possible = []
+    for end in ends:
+        reasons = [_reason(end.pattern, action, program) for action in program.actions]
+        if all(reasons):
+            place = context.source.place(*end.steps)
+            context.add("CB480", place, state=end.pattern, problem=min(reasons, key=len))
+        else:
+            possible.append(end)
+    for i, one in enumerate(possible):
+        for other in possible[i + 1 :]:
+            both = overlap(one.pattern, other.pattern)
+            if both is not None and one.steps[0] != other.steps[0]:
+                related = [(context.source.place(*one.steps), f"'{one.pattern}' is here")]
+                place = context.source.place(*other.steps)
+                details = {"state": other.pattern, "other": one.pattern, "example": both}
+                context.add("CB481", place, related=related, **details)
+
+
+def _reason(pattern: str, action: Action, program: CheckedProgram) -> str:
+    """Why a pattern never occurs while an action runs, as a clause; empty where it may."""
+    shown = {action.name}
+    if action.composition is not None:
+        shown = {primitive.name for primitive in action.composition.primitives}
+    for member, letter in zip(program.members, pattern, strict=True):
+        if letter == ANY:
+            continue
+        if (member in shown) == (letter == Predicate.INACTIVE):
+            together = "inactive" if member in shown else "active"
+            return f"no action leaves '{member}' {together} beside the others"
+        primitive = program.primitives.get(member)
+        known = primitive is not None and is_always_defined(primitive.lead)
+        if letter == Predicate.UNDEFINED and known:
+            return f"'{member}' is always defined"
+    return ""

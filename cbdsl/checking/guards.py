@@ -1,0 +1,28 @@
+"""Guards of a program, which load cells have to feel and tell from their noise."""
+
+from __future__ import annotations
+
+from cbdsl.checking.context import ProgramContext
+
+# A reading of noise alone is hardly ever as many standard deviations away from 0.
+_DEVIATIONS = 5.0
+
+
+def check_guards(context: ProgramContext) -> None:
+    """Report bounds that noise alone exceeds, and bounds of a robot that feels nothing."""
+    guards, source = context.document.guards, context.source
+    if not context.has_body:
+        return
+    robot = context.body.document
+    least = max(robot.contact.threshold, _DEVIATIONS * robot.contact.noise)
+    for key in ("finger_force", "hand_force"):
+        bound = getattr(guards, key)
+        if bound is None:
+            continue
+        place = source.place("guards", key)
+        if not robot.load_cells:
+            problem = f"'{robot.name}' has no load cells that would feel it"
+            context.add("CB587", place, problem=problem)
+        elif 0 < bound <= least:
+            problem = f"{bound:g} N is no more than what its load cells take for noise, {least:g} N"
+            context.add("CB587", place, problem=problem)

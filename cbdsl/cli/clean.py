@@ -1,0 +1,24 @@
+"""Documents without errors."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from cbdsl.yaml_text.library import Library
+
+
+def require_clean(file: Path, library: Library) -> None:
+    """Check a document on which a command relies.
+
+    Raises:
+        DiagnosticsError: it has errors.
+    """
+    from cbdsl.checking.document import check_document
+    from cbdsl.checking.session import Session
+    from cbdsl.errors.errors import DiagnosticsError
+
+    diagnostics = check_document(file, session=Session(library))
+    if any(diagnostic.is_error for diagnostic in diagnostics):
+        raise DiagnosticsError(diagnostics)

@@ -1,0 +1,78 @@
+"""``cb list``: the documents that commands find by name."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+if TYPE_CHECKING:
+    from cbdsl.documents.document import Document
+    from cbdsl.yaml_text.library import Library
+
+Kind = Annotated[
+    str | None, typer.Argument(metavar="[KIND]", help="Only robots, programs, stages and so on.")
+]
+Json = Annotated[bool, typer.Option("--json", help="Print JSON instead of a table.")]
+
+# Of a description; the rest is in the document.
+_LONGEST = 76
+
+
+def list(kind: Kind = None, as_json: Json = False) -> None:
+    """List the documents that commands find by name from here, and where they are."""
+    from cbdsl.cli.plugins import warn_of_faults
+    from cbdsl.cli.terminal import print_json, print_table
+    from cbdsl.documents.kinds import KINDS, models
+    from cbdsl.yaml_text.library import Library
+
+    known = models()
+    warn_of_faults(KINDS)
+    chosen = known if kind is None else {name: known[name] for name in [_kind(kind, known)]}
+    library = Library()
+    rows = [row for name, model in chosen.items() for row in _rows(name, model, library)]
+    if as_json:
+        print_json(rows)
+    elif rows:
+        print_table("Documents", rows)
+    else:
+        print("no documents")
+
+
+def _kind(word: str, known: dict[str, type[Document]]) -> str:
+    """The kind of this name, in the singular or the plural."""
+    from cbdsl.errors.errors import UsageError
+
+    plurals = {f"{name[:-1]}ies" if name.endswith("y") else f"{name}s": name for name in known}
+    if word in known or word in plurals:
+        return plurals.get(word, word)
+    raise UsageError.unknown("kind of document", word, plurals)
+
+
+def _rows(kind: str, model: type[Document], library: Library) -> Iterator[dict[str, str]]:
+    for name in library.names(model):
+        file = library.find(model, name)
+        if file is not None:
+            robot, description = _robot_and_description(file, model, library)
+            yield {
+                "kind": kind,
+                "name": name,
+                "robot": robot,
+                "description": description,
+                "file": str(file),
+            }
+
+
+def _robot_and_description(file: Path, model: type[Document], library: Library) -> tuple[str, str]:
+    """The robot that a document is for, and the first words on it, as far as it can be read."""
+    from cbdsl.errors.errors import DiagnosticsError
+
+    try:
+        document = library.read_sound_parts(file, model).document
+    except DiagnosticsError:
+        return "", "(has errors: cb validate tells them)"
+    text = " ".join((document.description or "").split())
+    short = text if len(text) <= _LONGEST else f"{text[:_LONGEST].rpartition(' ')[0]} …"
+    return str(getattr(document, "robot", "")), short

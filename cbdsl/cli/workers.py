@@ -1,0 +1,50 @@
+"""Workers: how many processes a machine bears, and who may reach those of a cluster."""
+
+from __future__ import annotations
+
+import os
+
+# Each simulates without a pause, and takes a few hundred megabytes; beyond the processors they only
+# wait for each other.
+_PER_PROCESSOR = 4
+_ALWAYS = 8
+_HERE = ("localhost", "::1", "")
+
+
+def require_workers(workers: int) -> None:
+    """Refuse more processes than this machine could ever keep busy.
+
+    Raises:
+        UsageError: there are more.
+    """
+    from cbdsl.errors.counting import count
+    from cbdsl.errors.errors import UsageError
+
+    processors = len(os.sched_getaffinity(0))
+    most = max(_ALWAYS, _PER_PROCESSOR * processors)
+    if workers > most:
+        raise UsageError(
+            f"--workers {workers}: at most {most} here, of a machine with "
+            f"{count(processors, 'processor')}; more machines are used by --scheduler"
+        )
+
+
+def warn_of_open_scheduler(address: str) -> None:
+    """Warn of a scheduler off this machine whose connections are neither encrypted nor checked.
+
+    Whoever reaches one can run any code on its workers, and on this machine by what they answer.
+    """
+    from urllib.parse import urlsplit
+
+    from cbdsl.cli.terminal import print_problem
+
+    scheme, _, rest = address.rpartition("://")
+    try:
+        host = urlsplit(f"//{rest}").hostname or ""
+    except ValueError:
+        return  # no address, as is told when nothing answers there
+    if scheme in ("", "tcp", "ws") and host not in _HERE and not host.startswith("127."):
+        print_problem(
+            f"warning: {address} is neither encrypted nor asks who connects: whoever reaches it "
+            "runs code on it and here. Dask's TLS is a tls:// address and certificates"
+        )

@@ -1,0 +1,47 @@
+"""Contents of files that other people name: regular files only, up to a size."""
+
+from __future__ import annotations
+
+import errno
+import os
+import stat
+from pathlib import Path
+
+_KINDS = {
+    stat.S_IFIFO: "a named pipe",
+    stat.S_IFCHR: "a device",
+    stat.S_IFBLK: "a device",
+    stat.S_IFSOCK: "a socket",
+    stat.S_IFDIR: "a folder",
+}
+
+
+def contents(path: Path, most: int) -> bytes:
+    """Bytes of a file.
+
+    A pipe would keep its reader waiting for ever, a device may never end: neither is opened.
+
+    Args:
+        path: of the file.
+        most: bytes that it may have.
+
+    Raises:
+        OSError: it is not there, or no file, or may not be read; ``EFBIG``: it has more bytes.
+    """
+    try:
+        status = path.stat()
+    except FileNotFoundError:
+        if path.is_symlink():
+            raise FileNotFoundError(
+                errno.ENOENT, f"it is a link to {os.readlink(path)}, which is not there", str(path)
+            ) from None
+        raise
+    if not stat.S_ISREG(status.st_mode):
+        kind = _KINDS.get(stat.S_IFMT(status.st_mode), "no file")
+        raise OSError(errno.EINVAL, f"it is {kind}", str(path))
+    if status.st_size <= most:
+        with path.open("rb") as file:
+            data = file.read(most + 1)  # it may have grown since, or say nothing of its size
+        if len(data) <= most:
+            return data
+    raise OSError(errno.EFBIG, f"it is larger than {most} bytes", str(path))

@@ -1,0 +1,115 @@
+"""Convex bodies: balls, boxes and cylinders somewhere, and the distance between two of them."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+Floats = NDArray[np.float64]
+
+_STEPS = 64
+# Squared distances and their gain by a step below which there is no more to gain, m^2.
+_CLOSE = 1e-12
+# Of a point's share in the nearest one, below which it does not take part.
+_ROUNDING = 1e-12
+
+
+@dataclass(frozen=True)
+class Convex:
+    """A ball, box or cylinder in the world; a cylinder lies along its z axis.
+
+    Attributes:
+        kind: which of them.
+        halves: half its extents along its own axes, m.
+        position: of its centre, m, shape (3,).
+        rotation: its axes as columns, shape (3, 3).
+    """
+
+    kind: Literal["ball", "box", "cylinder"]
+    halves: tuple[float, float, float]
+    position: Floats
+    rotation: Floats
+
+    @property
+    def radius(self) -> float:
+        """Radius of the ball around its centre that contains it, m."""
+        return self.halves[0] if self.kind == "ball" else math.hypot(*self._half_diagonal)
+
+    @property
+    def _half_diagonal(self) -> tuple[float, ...]:
+        a, b, c = self.halves
+        return (a, c) if self.kind == "cylinder" else (a, b, c)
+
+    def support(self, direction: Floats) -> Floats:
+        """The point of the body that is farthest in a direction, m, shape (3,)."""
+        u, v, w = (float(part) for part in direction @ self.rotation)
+        a, b, c = self.halves
+        if self.kind == "box":
+            own = (math.copysign(a, u), math.copysign(b, v), math.copysign(c, w))
+        elif self.kind == "cylinder":
+            across = math.hypot(u, v) or 1.0
+            own = (a * u / across, a * v / across, math.copysign(c, w))
+        else:
+            size = math.hypot(u, v, w) or 1.0
+            own = (a * u / size, a * v / size, a * w / size)
+        point: Floats = self.position + self.rotation @ np.array(own)
+        return point
+
+    def shrunk(self, margin: float) -> Convex:
+        """The body with its surface ``margin`` further inside, m, or half way to its centre."""
+        a, b, c = (max(half - margin, half / 2) for half in self.halves)
+        return replace(self, halves=(a, b, c))
+
+
+def gap(one: Convex, other: Convex) -> float:
+    """Distance between two bodies, m; 0 where they touch or overlap.
+
+    The point of least norm of their difference, found by Wolfe's algorithm (Mathematical
+    Programming 11, 1976): of up to four points of the difference, the nearest point of their hull
+    decides which point of the difference comes next.
+    """
+    nearest = one.position - other.position
+    points, shares = np.empty((0, 3)), np.empty(0)
+    for _ in range(_STEPS):
+        point = one.support(-nearest) - other.support(nearest)
+        square = float(nearest @ nearest)
+        if len(points) and square - float(nearest @ point) <= _CLOSE:
+            break
+        points, shares = np.vstack((points, point)), np.append(shares, 0.0 if len(points) else 1.0)
+        points, shares = _nearest_shares(points, shares)
+        nearest = shares @ points
+        if float(nearest @ nearest) <= _CLOSE:
+            return 0.0
+    return math.sqrt(float(nearest @ nearest))
+
+
+def _nearest_shares(points: Floats, shares: Floats) -> tuple[Floats, Floats]:
+    """The points that span the hull's nearest point to the origin, and their shares in it."""
+    while True:
+        wanted = _affine_shares(points)
+        outside = wanted <= _ROUNDING
+        if not outside.any():
+            return points, wanted
+        # Go from the shares before towards the wanted ones until the first becomes none.
+        steps = shares[outside] / np.maximum(shares[outside] - wanted[outside], _ROUNDING)
+        shares = shares + min(1.0, float(steps.min())) * (wanted - shares)
+        kept = shares > _ROUNDING
+        if kept.all():  # by rounding only
+            kept[np.argmin(np.where(outside, shares, np.inf))] = False
+        points, shares = points[kept], shares[kept] / shares[kept].sum()
+
+
+def _affine_shares(points: Floats) -> Floats:
+    """Shares, of sum 1, of points in the point of their affine hull nearest to the origin."""
+    count = len(points)
+    system = np.ones((count + 1, count + 1))
+    system[0, 0] = 0.0
+    system[1:, 1:] = points @ points.T
+    right = np.zeros(count + 1)
+    right[0] = 1.0
+    solution = np.linalg.lstsq(system, right, rcond=None)[0]
+    return np.asarray(solution[1:], dtype=np.float64)

@@ -1,0 +1,48 @@
+"""Skeleton of a robot whose model shows nothing: its joints as balls, joined by rods."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Iterator, Mapping
+
+from cbdsl.reporting.link_shape import LinkShape, Numbers
+from cbdsl.robot.urdf import UrdfJoint
+
+_COLOR = (0.35, 0.5, 0.65)
+# Thickness of the rods by the length of the longest, so that a hand and a crane both look like one.
+_SLENDERNESS = 0.06
+
+
+def skeleton(joints: Iterable[UrdfJoint]) -> Mapping[str, tuple[LinkShape, ...]]:
+    """Shapes of each link by name: a rod to every joint that hangs on it, and a ball there.
+
+    Args:
+        joints: all of a model.
+    """
+    below: dict[str, list[UrdfJoint]] = {}
+    for joint in joints:
+        below.setdefault(joint.parent, []).append(joint)
+    longest = max((joint.length for own in below.values() for joint in own), default=0.0)
+    radius = _SLENDERNESS * (longest or 1.0)
+    return {link: tuple(_shapes(own, radius)) for link, own in below.items()}
+
+
+def _shapes(joints: Iterable[UrdfJoint], radius: float) -> Iterator[LinkShape]:
+    upright = (0.0, 0.0, 0.0, 1.0)
+    for joint in joints:
+        end = joint.origin.xyz
+        size = 1.3 if not joint.fixed else 1.0
+        yield LinkShape("ball", (size * radius,), end, upright, _COLOR)
+        if joint.length > 0.0:
+            middle = tuple(value / 2 for value in end)
+            rod = (radius / 2, joint.length)
+            yield LinkShape("cylinder", rod, middle, _along(end), _COLOR)
+
+
+def _along(direction: Numbers) -> Numbers:
+    """Quaternion (x, y, z, w) of the shortest turn from the z axis to a direction."""
+    x, y, z = (value / math.hypot(*direction) for value in direction)
+    if z < -1 + 1e-9:
+        return (1.0, 0.0, 0.0, 0.0)
+    length = math.sqrt(2 * (1 + z))
+    return (-y / length, x / length, 0.0, length / 2)

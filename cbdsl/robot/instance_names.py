@@ -1,0 +1,56 @@
+"""Names of the instances of a channel: ``stereo.red.2`` is the second red thing."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import NamedTuple
+
+from cbdsl.documents.robot import RobotDocument
+from cbdsl.errors.nearest import nearest_name
+from cbdsl.types.resource import SELECTIONS, Resource
+
+
+class InstanceName(NamedTuple):
+    """A resource's name with an instance behind its channel.
+
+    Attributes:
+        base: the resource of the thing attended to.
+        instance: what stands behind its channel.
+    """
+
+    base: Resource
+    instance: str
+
+    def resource(self, name: str) -> Resource:
+        """The resource of the instance, by its whole name."""
+        source = self.base.source._replace(instance=self.instance)  # type: ignore[call-arg]
+        return self.base._replace(name=name, source=source)
+
+
+def parse_instance(name: str, named: Mapping[str, Resource]) -> InstanceName | None:
+    """The parts of a name such as ``stereo.red.2``; ``None`` where it names no channel.
+
+    Args:
+        name: of a resource.
+        named: the robot's resources by name.
+    """
+    parts = name.split(".")
+    if len(parts) < 3:
+        return None
+    base = named.get(".".join((*parts[:2], *parts[3:])))
+    if base is None or not hasattr(base.source, "instance"):
+        return None
+    return InstanceName(base, parts[2])
+
+
+def instance_names(robot: RobotDocument) -> tuple[str, ...]:
+    """Instances that a robot's programs may name: numbers and selections."""
+    if len(robot.cameras) != 2:
+        return ()
+    numbers = range(1, robot.vision.regions.instances + 1)
+    return (*map(str, numbers), *SELECTIONS)
+
+
+def is_meant_as_instance(text: str) -> bool:
+    """Whether a text is a number, or like the name of a selection."""
+    return text.isdigit() or nearest_name(text, SELECTIONS) is not None

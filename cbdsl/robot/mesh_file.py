@@ -1,0 +1,26 @@
+"""Files of the meshes that a URDF names."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from urllib.parse import unquote
+
+
+def find_mesh(name: str, folder: Path) -> Path | None:
+    """The file that a URDF in ``folder`` names, or ``None`` where it is not there any more.
+
+    ``package://name/path`` is looked for below every folder above, with and without its name.
+    """
+    plain = unquote(name)
+    if "://" not in plain:
+        file = folder / plain
+        return file if file.is_file() else None
+    scheme, _, path = plain.partition("://")
+    if scheme == "file":
+        return Path(path) if Path(path).is_file() else None
+    inner = path.partition("/")[2]
+    for base in (folder, *folder.parents):
+        for candidate in (base / path, base / inner):
+            if inner and candidate.is_file():
+                return candidate
+    return None

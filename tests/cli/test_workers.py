@@ -1,0 +1,65 @@
+"""Workers: no more than a machine bears, and a word on clusters that let anyone in."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+
+import pytest
+
+from cbdsl.cli.workers import require_workers, warn_of_open_scheduler
+from cbdsl.errors.errors import UsageError
+from tests.cli.test_main import cb
+
+
+def test_a_machine_bears_four_workers_a_processor(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(os, "sched_getaffinity", lambda _: set(range(10)))
+    require_workers(40)
+    with pytest.raises(UsageError, match="--workers 41: at most 40 here"):
+        require_workers(41)
+    monkeypatch.setattr(os, "sched_getaffinity", lambda _: {0})
+    require_workers(8)
+
+
+@pytest.mark.parametrize(
+    "command",
+    [
+        ["learn", "searchtrack", "--out", "policy.yaml", "--trials", "500"],
+        ["reproduce", "fig_4_5"],
+    ],
+)
+def test_too_many_are_refused_before_anything_begins(
+    command: list[str],
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    assert cb(monkeypatch, *command, "--workers", "5000") == 2
+    assert capsys.readouterr().err.startswith("cb: --workers 5000: at most ")
+    assert not list(tmp_path.iterdir())
+
+
+@pytest.mark.parametrize(
+    ("address", "is_open"),
+    [
+        ("tcp://login:8786", True),
+        ("login:8786", True),
+        ("tcp://10.0.0.7:8786", True),
+        ("tcp://[2001:db8::1]:8786", True),
+        ("ws://login:80", True),
+        ("tls://login:8786", False),
+        ("wss://login:443", False),
+        ("tcp://127.0.0.1:8786", False),
+        ("tcp://[::1]:8786", False),
+        ("localhost:8786", False),
+        ("tcp://[nonsense", False),
+    ],
+)
+def test_a_plain_scheduler_elsewhere_is_warned_of(
+    address: str, is_open: bool, capsys: pytest.CaptureFixture[str]
+) -> None:
+    warn_of_open_scheduler(address)
+    told = capsys.readouterr().err
+    assert told.startswith(f"cb: warning: {address} is neither encrypted") == is_open
+    assert bool(told) == is_open

@@ -1,0 +1,84 @@
+"""What is built from this checkout, and what a bare environment has of it."""
+
+from __future__ import annotations
+
+import json
+import subprocess
+import tarfile
+import venv
+import zipfile
+from pathlib import Path
+
+import pytest
+
+from tests.conftest import ROOT
+
+pytestmark = pytest.mark.slow
+
+SHIPPED = ("robots", "programs", "knowledge", "schemas")
+
+
+def made(folder: Path) -> Path:
+    """A bare environment; its ``bin``."""
+    venv.create(folder, with_pip=True)
+    return folder / "bin"
+
+
+@pytest.fixture(scope="module")
+def built(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A folder with the wheel and the sdist, the wheel built from the sdist."""
+    folder = tmp_path_factory.mktemp("built")
+    tools = made(folder / "tools")
+    pip = subprocess.run([tools / "pip", "install", "-q", "build"], capture_output=True, text=True)
+    if pip.returncode:
+        pytest.skip("pip reaches no package index")
+    command = [tools / "python", "-m", "build", "-o", folder / "dist", ROOT]
+    subprocess.run(command, check=True, capture_output=True)
+    return folder / "dist"
+
+
+def test_the_wheel_holds_the_package_its_types_and_what_is_shipped(built: Path) -> None:
+    (wheel,) = built.glob("*.whl")
+    names = zipfile.ZipFile(wheel).namelist()
+    assert {"cbdsl/py.typed", "cbdsl/cli/main.py", "cbdsl/errors/codes/CB1.toml"} <= {*names}
+    assert any(name.endswith("licenses/LICENSE") for name in names)
+    for folder in SHIPPED:
+        tracked = {
+            file.relative_to(ROOT) for file in (ROOT / folder).rglob("*.*") if file.is_file()
+        }
+        tracked = {file for file in tracked if "__pycache__" not in file.parts}
+        assert {f"cbdsl/shipped/{file.as_posix()}" for file in tracked} <= {*names}
+    assert {name.split("/")[0].split("-")[0] for name in names} == {"cbdsl"}
+
+
+def test_the_sdist_can_be_tested(built: Path) -> None:
+    (sdist,) = built.glob("*.tar.gz")
+    with tarfile.open(sdist) as archive:
+        names = {name.partition("/")[2] for name in archive.getnames()}
+    wanted = {"LICENSE", "README.md", "CHANGELOG.md", "SECURITY.md", "pyproject.toml", "Makefile"}
+    assert wanted | {"tests/conftest.py", "docs/documents.md", "robots/dexter.urdf"} <= names
+    assert not [name for name in names if name.startswith((".venv", ".git/", "dist"))]
+
+
+def test_a_bare_environment_checks_documents_and_says_what_running_needs(
+    built: Path, tmp_path: Path
+) -> None:
+    (wheel,) = built.glob("*.whl")
+    bare, here = made(tmp_path / "bare"), tmp_path / "here"
+    here.mkdir()
+    subprocess.run([bare / "pip", "install", "-q", wheel], check=True, capture_output=True)
+
+    def cb(*words: str) -> subprocess.CompletedProcess[str]:
+        return subprocess.run([bare / "cb", *words], cwd=here, capture_output=True, text=True)
+
+    assert cb("--version").stdout.startswith("cbdsl ")
+    names = {row["name"] for row in json.loads(cb("list", "--json").stdout)}
+    assert {"dexter", "reachtouch", "table_right"} <= names
+    assert cb("validate", "reachtouch", "dexter").returncode == 0
+    assert cb("new", "program", "mine").returncode == 0
+    assert cb("validate", ".").returncode == 0
+    run = cb("run", "mine")
+    assert run.returncode == 2 and "pip install 'cbdsl[sim]'" in run.stderr
+    for words in (["explain", "CB101"], ["schema", "program"], ["show", "types"], ["--help"]):
+        done = cb(*words)
+        assert (done.returncode, done.stderr) == (0, "")
