@@ -23,7 +23,7 @@ from cbdsl.reproduction.chart import Chart, Line
 from cbdsl.reproduction.claim import above, at_least, at_most, below
 from cbdsl.reproduction.estimate import mean_of
 from cbdsl.reproduction.experiment import Result, RunSettings
-from cbdsl.reproduction.interval import resampled_interval
+from cbdsl.reproduction.interval import TAIL, resampled_interval
 from cbdsl.reproduction.percentage import percentage
 from cbdsl.reproduction.quantity import Quantity
 from cbdsl.reproduction.simulation_fixture import SimulationFixture, simulation_fixture
@@ -192,6 +192,7 @@ def _fall(law: str, runs: Sequence[_Reach], seed: int) -> Quantity:
         _rise(curves),
         at_most(_STEADY),
         interval=resampled_interval(curves, _rise, seed) if len(curves) > 1 else None,
+        chance=TAIL,
         note=f"so it is in {single} of {len(runs)} reaches by themselves",
     )
 

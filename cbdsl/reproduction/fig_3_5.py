@@ -13,7 +13,7 @@ from cbdsl.reproduction.claim import above, at_least, at_most, near
 from cbdsl.reproduction.estimate import mean_of
 from cbdsl.reproduction.experiment import Result, RunSettings
 from cbdsl.reproduction.inspection import InspectionRun, Look, inspection
-from cbdsl.reproduction.interval import resampled_interval
+from cbdsl.reproduction.interval import TAIL, resampled_interval
 from cbdsl.reproduction.percentage import percentage
 from cbdsl.reproduction.quantity import Quantity
 
@@ -143,6 +143,7 @@ def _ratio(place: str, table: Sequence[float], values: Sequence[float], seed: in
         near(printed, _OFF * printed),
         above(1.0),
         resampled_interval(ends, _quotient, seed) if len(ends) > 1 else None,
+        TAIL,
         note="at the depths above, which differ a little from the source's",
     )
 

@@ -12,6 +12,8 @@ if TYPE_CHECKING:
     Floats = NDArray[np.float64]
 
 Sample = TypeVar("Sample")
+#: How often an interval lies beyond the value on one side, by its construction.
+TAIL = 0.025
 
 
 def exact_interval(hits: int, trials: int) -> tuple[float, float]:
@@ -28,9 +30,8 @@ def exact_interval(hits: int, trials: int) -> tuple[float, float]:
         raise ValueError(f"{hits} of {trials} is no proportion")
     from scipy.special import betaincinv
 
-    tail = 0.025
-    lower = 0.0 if hits == 0 else float(betaincinv(hits, trials - hits + 1, tail))
-    upper = 1.0 if hits == trials else float(betaincinv(hits + 1, trials - hits, 1 - tail))
+    lower = 0.0 if hits == 0 else float(betaincinv(hits, trials - hits + 1, TAIL))
+    upper = 1.0 if hits == trials else float(betaincinv(hits + 1, trials - hits, 1 - TAIL))
     return lower, upper
 
 

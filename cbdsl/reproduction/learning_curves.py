@@ -14,7 +14,12 @@ from cbdsl.reproduction.checks import Check, checks, schedule
 from cbdsl.reproduction.claim import Claim, above, near
 from cbdsl.reproduction.estimate import estimate
 from cbdsl.reproduction.experiment import Result, RunSettings
-from cbdsl.reproduction.interval import interquartile_interval, interquartile_mean, interval_of
+from cbdsl.reproduction.interval import (
+    TAIL,
+    interquartile_interval,
+    interquartile_mean,
+    interval_of,
+)
 from cbdsl.reproduction.learned_in import learned_in_quantities
 from cbdsl.reproduction.quantity import Quantity
 from cbdsl.reproduction.series import COARTICULATED, SEQUENTIAL, Series
@@ -131,6 +136,7 @@ def _times(sequential: Curves, both: Curves, seed: int) -> Quantity:
         near(2, 0.5),
         ordering=above(1),
         interval=(float(low), float(high)) if len(both.trials) > 1 else None,
+        chance=TAIL,
         note=f"{twice} by {once} episodes",
     )
 
