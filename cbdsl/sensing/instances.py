@@ -260,20 +260,36 @@ class Instances:
 
     def _has_grown_together(self, number: int, known: Sequence[int]) -> bool:
         """Whether a thing's region may show another thing, too, which has no region of its own."""
-        memory = self.memories[number]
+        return any(
+            other not in claims and self._touches(claims[number], other)
+            for row, claims in enumerate(self.sightings)
+            if number in claims
+            for other in known
+            if not self._is_just_before(row, number, other)
+        )
+
+    def _touches(self, sighting: Sighting, other: int) -> bool:
+        """Whether a region reaches to where a remembered thing would be seen."""
+        memory = self.memories[other]
         assert memory.position is not None
-        for claims in self.sightings:
-            sighting = claims.get(number)
-            if sighting is None:
-                continue
-            reach = sighting.radius(memory.position)
-            if reach < _GROWN * memory.radius:
-                continue
-            for other in known:
-                place = self.memories[other].position
-                if other not in claims and place is not None and sighting.distance(place) < reach:
-                    return True
-        return False
+        gap = sighting.distance(memory.position) - memory.radius
+        return gap < sighting.radius(memory.position)
+
+    def _is_just_before(self, row: int, number: int, other: int) -> bool:
+        """Whether a camera sees a thing whole, and as large as it is, before another one.
+
+        Of a thing that a hand hides in part nobody can tell how large its own part of a region is.
+        """
+        memory, behind = self.memories[number], self.memories[other]
+        assert memory.position is not None
+        assert behind.position is not None
+        if self._field.is_hidden_by_hand(memory.position):
+            return False
+        sighting = self.sightings[row][number]
+        if sighting.radius(memory.position) >= _GROWN * memory.radius:
+            return False
+        ball = behind.position, behind.radius
+        return self._field.hidden_by(ball, [(memory.position, memory.radius)])[row]
 
     def _may_be_another(
         self, candidate: Pair, left: Sequence[Sighting], right: Sequence[Sighting]
