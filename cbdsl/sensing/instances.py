@@ -181,7 +181,21 @@ class Instances:
             # Nobody knows where a thing that moved has got to.
             return not memory.is_lost(time)
         reach, seen = radius + _BESIDE, [each[number] for each in self.sightings if number in each]
-        return any(sighting.distance(position) <= reach for sighting in seen)
+        if any(sighting.distance(position) <= reach for sighting in seen):
+            return True
+        return not memory.is_lost(time) and self._is_within_another(number)
+
+    def _is_within_another(self, number: int) -> bool:
+        """Whether a thing may be seen as a part of another one's region, which has grown."""
+        for claims in self.sightings:
+            for other, sighting in claims.items():
+                memory = self.memories[other]
+                if other == number or memory.position is None:
+                    continue
+                grown = sighting.radius(memory.position) >= _GROWN * memory.radius
+                if grown and self._touches(sighting, number):
+                    return True
+        return False
 
     def _is_hidden(self, number: int) -> bool:
         """Whether a hand or other things are before a thing in every image that would show it."""
