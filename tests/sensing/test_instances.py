@@ -116,6 +116,19 @@ def test_two_of_one_hue_have_a_place_each_and_the_larger_is_attended_to(scene: S
     assert scene.value("stereo.red.3") is None
 
 
+def test_how_many_are_remembered_is_counted(scene: Scene) -> None:
+    scene.show((LEFT, 0.05), (RIGHT, 0.06))
+    assert scene.value("count.red") is None, "before the first image"
+    scene.look()
+    assert scene.value("count.red") == 2
+    scene.look(2.0, **AWAY)
+    assert scene.value("count.red") == 2, "out of view, and remembered"
+    scene.backend.truth.remove("ball_1")
+    scene.look(3.0, **AHEAD)
+    assert scene.value("count.red") == 1
+    assert parse_instance("count.red.2", resources(scene.signals.robot)) is None
+
+
 def test_selections_choose_among_those_remembered(scene: Scene) -> None:
     scene.show((LEFT, 0.04), (RIGHT, 0.06))
     scene.look()
