@@ -60,7 +60,7 @@ def test_what_lies_in_something_hollow_stays_there(unseeing: Simulated) -> None:
         assert (near < 0.011) == (context == "in_tube")
 
 
-TROUGH = {
+GUTTER = {
     "shape": "composed",
     "pieces": [
         {"form": {"shape": "box", "size": [0.16, 0.12, 0.02]}},
@@ -75,30 +75,30 @@ TROUGH = {
 }
 
 
-def trough_with_a_ball(colour: tuple[float, ...] = (0, 0.4, 1)) -> StageDocument:
+def gutter_with_a_ball(colour: tuple[float, ...] = (0, 0.4, 1)) -> StageDocument:
     """Something composed on a fixture, and a ball that is let go of in it."""
     bench = {"form": {"shape": "box", "size": [0.6, 1.2, 0.04]}, "position": [0.6, 0, -0.44]}
     ball = {"form": {"shape": "ball", "radius": 0.03}, "mass": 0.1}
     place = {"on": "bench", "x": [0.6, 0.6], "y": [-0.1, -0.1], "yaw": [0.3, 0.3]}
     placed = {
-        "trough": {"things": ["trough"], "place": place},
-        "ball": {"things": ["ball"], "place": {"on": "trough", "y": [-0.03, -0.03]}},
+        "gutter": {"things": ["gutter"], "place": place},
+        "ball": {"things": ["ball"], "place": {"on": "gutter", "y": [-0.03, -0.03]}},
     }
     joints = {"pan": -0.15, "tilt": 1.15}
     return made_stage(
         {"placed": placed, "joints": joints},
         fixtures={"bench": bench},
-        things={"trough": {"form": TROUGH, "mass": 0.4, "color": colour}, "ball": ball},
+        things={"gutter": {"form": GUTTER, "mass": 0.4, "color": colour}, "ball": ball},
     )
 
 
 def test_a_composed_thing_stands_and_keeps_what_falls_into_it(unseeing: Simulated) -> None:
-    unseeing.reset(trough_with_a_ball(), None, np.random.default_rng(0))
+    unseeing.reset(gutter_with_a_ball(), None, np.random.default_rng(0))
     run(unseeing, 1.0)
-    trough, ball = unseeing.truth.pose("trough"), unseeing.truth.pose("ball")
+    gutter, ball = unseeing.truth.pose("gutter"), unseeing.truth.pose("ball")
     # It is 9 cm high, the top of its ball included.
-    assert trough.position == pytest.approx([0.6, -0.1, -0.42 + 0.045], abs=3e-3)
-    x, y, z = trough.rotation.T @ (ball.position - trough.position)
+    assert gutter.position == pytest.approx([0.6, -0.1, -0.42 + 0.045], abs=3e-3)
+    x, y, z = gutter.rotation.T @ (ball.position - gutter.position)
     assert abs(x) < 0.031 and abs(y) < 0.06
     assert z == pytest.approx(-0.045 + 0.02 + 0.03, abs=3e-3)
 
@@ -109,7 +109,7 @@ def test_both_kinds_of_cameras_see_as_much_of_something_composed(dexter: RobotDo
     rendered = BulletBackend(dexter, URDF, cameras="rendered")
     ideal = KinematicBackend(dexter, URDF)
     for backend in (rendered, ideal):
-        backend.reset(trough_with_a_ball(), None, np.random.default_rng(0))
+        backend.reset(gutter_with_a_ball(), None, np.random.default_rng(0))
     for camera, image in rendered.observe().images.items():
         (seen,) = channels.regions(image)[hue]
         (region,) = ideal.observe().regions[camera][hue]

@@ -42,17 +42,17 @@ def write_stl(file: Path, triangles: np.ndarray) -> Path:
     return file
 
 
-def trough() -> np.ndarray:
+def gutter() -> np.ndarray:
     """Three cuboids side by side, of which the middle one is lower; mm."""
     parts = [(0, 20, 60), (20, 60, 20), (60, 80, 60)]
     return np.concatenate([cuboid((a, 0, 0), (b, 100, c)) for a, b, c in parts])
 
 
 def test_a_mesh_becomes_the_form_of_a_thing(run: Run, tmp_path: Path) -> None:
-    file = write_stl(tmp_path / "trough.stl", trough())
+    file = write_stl(tmp_path / "gutter.stl", gutter())
     result = run("show", "mesh", str(file), "--scale", "0.001")
     assert result.code == 0
-    assert "3 boxes, which fill 100 % of trough.stl" in result.out
+    assert "3 boxes, which fill 100 % of gutter.stl" in result.out
     thing = ThingSection.model_validate({"mass": 0.2, **yaml.safe_load(result.out)})
     shape = SolidShape.draw(thing.form, np.random.default_rng(0))
     assert shape.halves == pytest.approx((0.04, 0.05, 0.03), abs=2e-3)
@@ -81,6 +81,6 @@ def test_what_is_no_mesh_is_told(
 
 
 def test_a_mesh_in_millimetres_is_too_large_for_a_thing(run: Run, tmp_path: Path) -> None:
-    result = run("show", "mesh", str(write_stl(tmp_path / "trough.stl", trough())))
+    result = run("show", "mesh", str(write_stl(tmp_path / "gutter.stl", gutter())))
     assert result.code == 2
     assert "100 m long; things are 1 mm to 2 m" in result.err and "--scale" in result.err
