@@ -22,7 +22,7 @@ from cbdsl.program.controller import Controller
 from cbdsl.program.schema import Ranking, Schema, components
 from cbdsl.program.state_values import state_values
 from cbdsl.types.decision_tree import Leaf, Split, Tree
-from cbdsl.types.resource import Resource
+from cbdsl.types.resource import InstanceCount, Resource
 from cbdsl.types.unit import QuantityError, parse_quantity
 from cbdsl.yaml_text.loaded import Loaded
 from cbdsl.yaml_text.source_map import Step
@@ -68,6 +68,8 @@ class _SchemaCheck:
         self._session, self._findings = session, findings
         self._examine, self._values = examine, values
         self._dimensions: dict[str, str] = {}
+        #: Features that count things, and how many can be told apart.
+        self._counts: dict[str, int] = {}
 
     def check(self) -> CheckedProgram | None:
         own = Findings()
@@ -167,6 +169,8 @@ class _SchemaCheck:
                 self._findings.add("CB636", place, names=list(resources), name=wanted)
                 continue
             features[name] = resources[wanted]
+            if body is not None and isinstance(resources[wanted].source, InstanceCount):
+                self._counts[name] = body.document.vision.regions.instances
             for component in components(name, resources[wanted]):
                 self._dimensions[component] = resources[wanted].type.unit
         return features
@@ -219,7 +223,20 @@ class _SchemaCheck:
             if self._dimensions:
                 self._findings.add("CB638", place, names=list(self._dimensions), name=feature)
             return "", 0.0, True
-        return feature, self._threshold(limit, self._dimensions[feature], steps), sign == ">"
+        threshold = self._threshold(limit, self._dimensions[feature], steps)
+        self._occurs(feature, threshold, sign, steps)
+        return feature, threshold, sign == ">"
+
+    def _occurs(self, feature: str, threshold: float, sign: str, steps: Steps) -> None:
+        """Tell of a question about a number of things that has one answer only."""
+        most = self._counts.get(feature)
+        if most is None:
+            return
+        above = [count > threshold for count in range(most + 1)]
+        below = [count < threshold for count in range(most + 1)]
+        if len(set(above if sign == ">" else below)) == 1:
+            details = {"feature": feature, "most": most}
+            self._findings.add("CB643", self._source.place(*steps), **details)
 
     def _threshold(self, text: str, unit: str, steps: Steps) -> float:
         place = self._source.place(*steps)

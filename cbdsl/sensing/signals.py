@@ -48,6 +48,7 @@ from cbdsl.types.resource import (
     GaussianSample,
     Heading,
     Headings,
+    InstanceCount,
     KernelSample,
     NetForces,
     NetLoad,
@@ -141,6 +142,7 @@ class Signals:
             StereoPosition: self.sight.position,
             BlobSignal: self.blobs.blob,
             StereoSignal: self.blobs.feature,
+            InstanceCount: self.blobs.count,
         }
         self.reset()
 

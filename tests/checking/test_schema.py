@@ -68,6 +68,16 @@ def checked(folder: Path) -> CheckedProgram:
     return program
 
 
+def test_a_number_of_things_is_a_condition(folder: Path) -> None:
+    file = folder / "knowledge/schemas/pick.yaml"
+    text = SCHEMA.replace("volume: stereo.$feature.volume", "number: count.$feature")
+    file.write_text(text.replace("volume < 2 l", "number > 1"), encoding="utf-8")
+    schema = checked(folder).schema
+    assert schema is not None and schema.choice is not None
+    assert decide(schema.choice, {"place.y": 0.0, "number": 2.0}) == ("right", "left")
+    assert decide(schema.choice, {"place.y": 0.0, "number": 1.0}) == ("left",)
+
+
 def test_trees_decide_as_they_read_in_si(folder: Path) -> None:
     schema = checked(folder).schema
     assert schema is not None and schema.choice is not None and schema.reward is not None

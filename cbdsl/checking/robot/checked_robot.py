@@ -19,6 +19,7 @@ from cbdsl.types.resource import (
     GaussianSample,
     Heading,
     Headings,
+    InstanceCount,
     KernelSample,
     NetForces,
     NetLoad,
@@ -83,7 +84,7 @@ class CheckedRobot(NamedTuple):
                 return ("cameras", camera)
             case Heading() | Headings() | StereoPosition():
                 return ("cameras",)
-            case BlobSignal() | StereoSignal() | SurfacePoint():
+            case BlobSignal() | StereoSignal() | InstanceCount() | SurfacePoint():
                 return ("cameras",)
             case (
                 EffectorConfiguration(effector=name)
