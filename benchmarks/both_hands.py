@@ -1,9 +1,9 @@
 """How often both hands take a large thing from the table, judged by the simulator's contacts.
 
-``take_with_both`` on balls of 12 to 15 cm radius and boxes of 30 cm. A reward counts as one with contact
-where both hands pressed on the thing within 0.1 s before. A thing is lifted where it is higher by 5 cm
-at the end, and borne by nothing but the hands. Shares come with exact (Clopper-Pearson) 95 %
-intervals. Exits with 1 where a target is missed.
+``take_with_both`` on balls of 12 to 15 cm radius and boxes of 30 cm. A reward counts as one with
+contact where both hands pressed on the thing within 0.1 s before. A thing is lifted where it is
+higher by 5 cm at the end, and borne by nothing but the hands. Shares come with exact
+(Clopper-Pearson) 95 % intervals. Exits with 1 where a target is missed.
 
     python benchmarks/both_hands.py --episodes 40 --seed 5000000 [--only ball] [--json]
 """

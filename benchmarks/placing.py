@@ -1,10 +1,11 @@
 """How well a hand puts down what it holds: ``take_and_put_down``, judged by the simulator.
 
-A report of contact is the moment at which the controller that waits for an onset becomes defined. It
-is false where what is held touched nothing but the hand within 0.1 s before, and missed where it
+A report of contact is the moment at which the controller that waits for an onset becomes defined.
+It is false where what is held touched nothing but the hand within 0.1 s before, and missed where it
 touched something for 1 s without a report. A thing is placed when it stands within 2 cm of where it
-was held, by itself, at rest, and tilted by less than 10 degrees. Shares come with exact
-(Clopper-Pearson) 95 % intervals. Exits with 1 where a target is missed.
+was held, by itself, at rest, and tilted by less than 10 degrees. Shares are of the things that were
+held off the table; they come with exact (Clopper-Pearson) 95 % intervals. Exits with 1 where a
+target is missed.
 
     python benchmarks/placing.py --episodes 200 --seed 5000000 [--left] [--json]
 """
@@ -201,7 +202,9 @@ def _interval(successes: int, count: int) -> list[float]:
 
 def _quantiles(values: Sequence[float]) -> list[float]:
     """Median, nine of ten, largest."""
-    return [round(float(each), 1) for each in np.quantile(values, [0.5, 0.9, 1.0])] if values else []
+    if not values:
+        return []
+    return [round(float(each), 1) for each in np.quantile(values, [0.5, 0.9, 1.0])]
 
 
 def main() -> None:

@@ -89,7 +89,7 @@ def describe_stop(run: ProgramRun, seconds: float, cause: BaseException) -> str:
 
 
 def stayed_far(run: ProgramRun) -> tuple[str, ...]:
-    """Controllers of the last action that came to rest far from their goals, highest priority first."""
+    """Controllers of the last action at rest far from their goals, highest priority first."""
     action = run.action
     if action is None:
         return ()
