@@ -8,7 +8,8 @@ import numpy as np
 import pytest
 
 from cbdsl.backends.cameras import mesh as primitives
-from cbdsl.reporting.mesh import Mesh, read_mesh, simplified
+from cbdsl.reporting.mesh import read_mesh, simplified
+from cbdsl.robot.mesh_reader import Mesh
 from cbdsl.robot.mesh_file import find_mesh
 
 

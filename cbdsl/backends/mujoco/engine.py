@@ -55,7 +55,7 @@ class MujocoEngine(Engine):
         spec = make_robot_spec(robot, model, timestep)
         self._servos = MujocoServos(spec, robot, model)
         add_sensors(spec, robot)
-        self._world = MujocoWorld(spec, model, robot.simulation.mujoco)
+        self._world = MujocoWorld(spec, robot, model)
         self._window = window
         bare = self._world.bare
         # MuJoCo's first body is the world, and the robot's are next.
