@@ -29,24 +29,25 @@ _EXTENTS = {"ball": 1, "box": 3, "cylinder": 2, "capsule": 2}
 
 
 def add_shape(spec: Any, body: Any, shape: UrdfShape, name: str, urdf: Path) -> Any:
-    """Add a colliding shape of the robot's model to a body.
+    """Add a colliding shape of the robot's model, named ``link/number``, to the link's body.
 
     A mesh collides as its convex hull, as in most engines.
 
     Raises:
         BackendError: it is a mesh that cannot be read, or a shape that MuJoCo does not know.
     """
-    place = _placement(shape)
+    link = name.rpartition("/")[0]
+    place = {"name": name, **_placement(shape)}
     if shape.kind == "mesh":
-        hull = _add_hull(spec, shape, urdf, body.name)
-        return body.add_geom(name=name, type=mj.mjtGeom.mjGEOM_MESH, meshname=hull, **place)
+        hull = _add_hull(spec, shape, urdf, link)
+        return body.add_geom(type=mj.mjtGeom.mjGEOM_MESH, meshname=hull, **place)
     if shape.kind not in _KINDS:
-        raise BackendError(f"{urdf.name}: link '{body.name}' has a {shape.kind} to collide with")
+        raise BackendError(f"{urdf.name}: link '{link}' has a {shape.kind} to collide with")
     a, b, c = (*shape.size, 0.0, 0.0)[:3]
     size = [a / 2, b / 2, c / 2] if shape.kind == "box" else [a, b / 2, 0.0]
     if any(extent <= 0.0 for extent in size[: _EXTENTS[shape.kind]]):
-        raise BackendError(f"{urdf.name}: link '{body.name}' has a {shape.kind} without extent")
-    return body.add_geom(name=name, type=_KINDS[shape.kind], size=size, **place)
+        raise BackendError(f"{urdf.name}: link '{link}' has a {shape.kind} without extent")
+    return body.add_geom(type=_KINDS[shape.kind], size=size, **place)
 
 
 def _placement(shape: UrdfShape) -> dict[str, Any]:

@@ -8,9 +8,10 @@ import mujoco as mj
 import numpy as np
 from numpy.typing import NDArray
 
-from cbdsl.backends.mujoco.contact import ContactSettings, soft_shapes
+from cbdsl.backends.mujoco.contact import ContactSettings
 from cbdsl.backends.mujoco.geometry import add_solids
 from cbdsl.backends.mujoco.robot_spec import compile_spec, wxyz
+from cbdsl.backends.mujoco.soft_shape import soft_shapes
 from cbdsl.backends.staging.scenario import SceneObject
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.robot.urdf import UrdfModel
