@@ -40,11 +40,13 @@ class Setting(NamedTuple):
         program: a file or a name; its ``arm`` and ``hand`` carry.
         values: of its parameters.
         cameras: ``rendered`` or ``ideal``.
+        backend: name of one with physics.
     """
 
     program: str
     values: Mapping[str, str]
     cameras: str
+    backend: str
 
 
 class Episode(NamedTuple):
@@ -81,7 +83,7 @@ def run_episodes(setting: Setting, thing: str, seeds: Iterable[int]) -> list[Epi
     from cbdsl.runtime.episode import Runner
 
     request = read_request(setting.program, None, None, setting.values)
-    with simulation(request, "bullet", cameras=setting.cameras) as (backend, kinematics):
+    with simulation(request, setting.backend, cameras=setting.cameras) as (backend, kinematics):
         runner = Runner(request.robot, kinematics, request.program, backend)
         judge = _Judge(backend, request.robot, setting.values, thing)
         return [judge.watch(runner, request.stage, seed) for seed in seeds]
@@ -184,12 +186,13 @@ def main() -> None:
     parser.add_argument("--program", default="pick_and_lift")
     parser.add_argument("--left", action="store_true", help="carry with the left hand")
     parser.add_argument("--cameras", default="rendered", choices=["rendered", "ideal"])
+    parser.add_argument("--backend", default="bullet")
     parser.add_argument("--each", action="store_true", help="print every episode")
     parser.add_argument("--json", action="store_true")
     options = parser.parse_args()
     side = "left" if options.left else "right"
     values = {"arm": f"{side}_arm", "hand": f"{side}_hand"}
-    setting = Setting(options.program, values, options.cameras)
+    setting = Setting(options.program, values, options.cameras, options.backend)
     met = True
     with ProcessPoolExecutor(options.workers) as pool:
         for thing in options.only.split(",") if options.only else THINGS:
