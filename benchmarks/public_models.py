@@ -81,7 +81,9 @@ def folder_of(package: str) -> Path | None:
     except (PackageNotFoundError, StopIteration):
         return None
     path = Path(str(first.locate()))
-    return next(each for each in path.parents if each.name == "robots" and each.parent.name == package)
+    return next(
+        each for each in path.parents if each.name == "robots" and each.parent.name == package
+    )
 
 
 def models() -> Iterator[tuple[str, Path | None]]:

@@ -45,7 +45,9 @@ def read_mesh_file(file: Path, scale: Sequence[float]) -> Mesh:
         corners = np.array(loaded.vertices(), dtype=np.float64).reshape(-1, 3)
         rows = [loaded.tri_indices(index) for index in range(loaded.num_tris)]
     except (RuntimeError, ValueError) as error:
-        raise MeshError(f"{file}: {' '.join(str(error).split())}") from error
+        # Where in the reader's source it happened is of no use here.
+        told = " ".join(str(error).partition("message: ")[2].split()) or str(error)
+        raise MeshError(f"{file}: {told}") from error
     triangles = np.array([[row[0], row[1], row[2]] for row in rows], dtype=np.intp).reshape(-1, 3)
     if not len(triangles):
         raise MeshError(f"{file}: it has no triangles")

@@ -67,7 +67,9 @@ class MujocoEngine(Engine):
         self.rows = {link: int(bare.body(body_name(link)).id) - 1 for link in model.links}
         links = cell_links(robot)
         self.cells = tuple(links)
-        self._fingertips = np.array([bare.body(body_name(link)).id for link in links.values()], dtype=np.intp)
+        self._fingertips = np.array(
+            [bare.body(body_name(link)).id for link in links.values()], dtype=np.intp
+        )
         self._addresses = sensor_addresses(bare, robot)
         joints = [bare.joint(name) for name in self._joints.all]
         self._positions = np.array([int(joint.qposadr[0]) for joint in joints], dtype=np.intp)
