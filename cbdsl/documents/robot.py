@@ -276,10 +276,11 @@ class MujocoSection(Section):
     """Time constant with which contacts push things apart."""
     spinning_friction: Length = 0.005
     """Torque about the normal of a contact that friction bears, per force of the contact."""
-    friction_stiffness: Positive = 3.0
-    """How much stiffer contacts are along the surfaces than across them; contacts creep less."""
-    noslip_iterations: Count = 0
-    """Iterations that end all creeping: things stay in the hand, and fingers jam where they rub."""
+    friction_stiffness: Positive = 1.0
+    """How much stiffer contacts are along the surfaces than across them."""
+    noslip_iterations: Count = 5
+    """Iterations that end all creeping, so that things stay in the hand; without any, contacts
+    creep under load."""
 
 
 class Simulation(Section):
