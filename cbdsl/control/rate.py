@@ -51,7 +51,7 @@ def bounds_of(controller: Controller, period: float) -> Floats:
         controller: gives gain, speed, acceleration and the type of the feedback.
         period: of the control ticks, s.
     """
-    kind, speed, acceleration = controller.feedback.type, controller.speed, controller.acceleration
+    kind, speed, acceleration = controller.task, controller.speed, controller.acceleration
     potential, forces = POTENTIALS[controller.potential], kind.name in _FORCES
     measure = _LARGEST if kind.name == "configuration" else _NORM
     if forces or potential.scalar:

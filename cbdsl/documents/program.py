@@ -147,7 +147,7 @@ class ControllerSection(Section):
     """Largest acceleration of the task; without it the robot's setting."""
     quiescence: QuiescenceSection | None = None
     free_axis: Literal["x", "y", "z"] | None = None
-    """Axis of the tip about which an orientation may turn freely."""
+    """Axis of the tip about which an orientation may turn freely, or that looks at a point."""
     axes: tuple[Literal["x", "y", "z"], ...] | None = None
     """Axes of the world frame along which a position, force or torque is compared; all without it.
     The reference has one component for each."""

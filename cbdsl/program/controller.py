@@ -3,7 +3,9 @@
 from dataclasses import dataclass
 from typing import NamedTuple
 
+from cbdsl.types.potential import POTENTIALS
 from cbdsl.types.resource import Resource
+from cbdsl.types.resource_type import TYPES, ResourceType
 
 
 class Literal(NamedTuple):
@@ -194,6 +196,18 @@ class Controller:
     modifiers: tuple[Modifier, ...] = ()
     axes: tuple[int, ...] | None = None
     onset: Onset | None = None
+
+    @property
+    def task(self) -> ResourceType:
+        """The type whose unit its error has, and its gain and bounds are of."""
+        name = POTENTIALS[self.potential].task
+        return self.feedback.type if name is None else TYPES[name]
+
+    @property
+    def compared(self) -> ResourceType:
+        """The type of its reference."""
+        name = POTENTIALS[self.potential].compares
+        return self.feedback.type if name is None else TYPES[name]
 
     @property
     def resources(self) -> tuple[Resource, ...]:

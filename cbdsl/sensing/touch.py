@@ -212,12 +212,31 @@ class Touch:
         return Reading(normal[None].dot(net.value), jacobian, self._tips.stamp)
 
     def _net(self, hand: str, part: str) -> Reading:
+        """The sum over a hand's fingers; torques are about ``_centre``."""
         loads = [self._load(hand, finger, part) for finger in self._fingers(hand)]
-        return Reading(
-            np.sum([load.value for load in loads], axis=0),
-            np.sum([jacobian_of(load) for load in loads], axis=0),
-            self._tips.stamp,
-        )
+        value = np.sum([load.value for load in loads], axis=0)
+        jacobian = np.sum([jacobian_of(load) for load in loads], axis=0)
+        if part != "force":
+            # A finger's force has a moment besides the torque that its own cell reads.
+            centre = self._centre(hand)
+            for finger, cell in self._fingers(hand).items():
+                force = self._load(hand, finger, "force")
+                lever = self._kinematics.frame(cell.link).position - centre
+                value[-3:] += np.cross(lever, force.value)
+                jacobian[-3:] += np.cross(lever, jacobian_of(force), axisb=0, axisc=0)
+        return Reading(value, jacobian, self._tips.stamp)
+
+    def _centre(self, hand: str) -> Floats:
+        """About which a hand's torques are summed up: the tip that carries it, m, world frame.
+
+        Of a hand that no tip carries, the middle of its load cells.
+        """
+        carrier = self.carriers.get(hand)
+        if carrier is not None:
+            return self._tips.point(carrier).position
+        links = [cell.link for cell in self._fingers(hand).values()]
+        middle: Floats = np.mean([self._kinematics.frame(link).position for link in links], axis=0)
+        return middle
 
     def _load(self, hand: str, finger: str, part: str) -> Reading:
         jacobian = self._kinematics.jacobian(self._fingers(hand)[finger].link)

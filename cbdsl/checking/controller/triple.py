@@ -8,7 +8,12 @@ from cbdsl.checking.controller.axes import check_axes, read_axes
 from cbdsl.checking.controller.comparison import Comparison, read_comparison
 from cbdsl.checking.controller.field import ControllerSpec, check_field
 from cbdsl.checking.controller.modifiers import read_modifiers
-from cbdsl.checking.controller.options import MANIPULABILITY, ControllerSettings, settings_of
+from cbdsl.checking.controller.options import (
+    LOOK_AT,
+    MANIPULABILITY,
+    ControllerSettings,
+    settings_of,
+)
 from cbdsl.checking.controller.relative import check_relative
 from cbdsl.checking.controller.soundness import check_numbers, check_reference, suits_body
 from cbdsl.checking.lookup.scope import Scope
@@ -83,7 +88,8 @@ class _Triple:
             return None
         reference = agreement.check(feedback)
         check_numbers(self._context, self._steps, document)
-        check_reference(self._context, self._steps, reference, feedback)
+        if potential is None or potential.compares is None:
+            check_reference(self._context, self._steps, reference, feedback)
         if not check_relative(self._context, self._steps, document, reference, feedback):
             return None
         if not self._has_tip(feedback) or not self._has_rigid_cameras(feedback):
@@ -118,7 +124,7 @@ class _Triple:
             speed=settings.speed,
             acceleration=settings.acceleration,
             quiescence=settings.quiescence,
-            free_axis=document.free_axis,
+            free_axis=document.free_axis or ("z" if potential.name == LOOK_AT else None),
             manipulator=self._manipulator(),
             standoff=_standoff(document.standoff),
             funnel=_funnel(document.funnel),
