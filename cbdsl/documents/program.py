@@ -224,6 +224,8 @@ class GuardsSection(Section):
     """Largest force of a fingertip, in all directions together."""
     hand_force: Annotated[float, quantity("force", gt=0)] | None = None
     """Largest net force of a hand."""
+    joint_torque: Annotated[float, quantity("torque", gt=0)] | None = None
+    """Largest torque, of all joints of an arm together, that contacts anywhere on it may cause."""
 
 
 class ProgramDocument(Document):
