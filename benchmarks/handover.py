@@ -1,4 +1,4 @@
-"""How often a thing is handed over: ``handover`` of balls, cubes and cylinders, in either direction.
+"""How often a thing is handed over: balls, cubes and cylinders, in either direction.
 
 The simulator judges, not the robot: at the end fingertips of the receiving hand alone touch the
 thing, which is as far from that hand as when the other let go of it, above the table and away from

@@ -13,7 +13,6 @@ from cbdsl.control.load_guard import JOINT_PACE, LOAD_GUARD, MOST_JOINTS, PACE
 from cbdsl.program.checked import Guards
 from cbdsl.sensing.signals import Signals
 
-
 # Time in which what the joints of an arm felt fades, s.
 _MEMORY = 3.0
 
@@ -35,7 +34,7 @@ class LoadGuards:
     def __init__(self, guards: Guards, signals: Signals, period: float) -> None:
         self._period = period
         self.names: list[str] = []
-        records = []
+        records: list[tuple[Any, ...]] = []
         none = (0.0,) * MOST_JOINTS
         for name, cells, row, bound in _bounds(guards, signals):
             self.names.append(name)
@@ -45,8 +44,8 @@ class LoadGuards:
         for name, joints, row in _arms(guards, signals):
             self._joints.append((len(records), joints))
             self.names.append(name)
-            bound, pace = guards.joint_torque, JOINT_PACE * period
-            records.append((0, 0, row, bound, pace, 0.0, False, len(joints), none))
+            pace = JOINT_PACE * period
+            records.append((0, 0, row, guards.joint_torque, pace, 0.0, False, len(joints), none))
         self._strain.needed |= bool(self._joints)
         self.records: NDArray[Any] = np.array(records, LOAD_GUARD)
         self.rows = self.records["row"].tolist()
@@ -58,7 +57,7 @@ class LoadGuards:
         self._ticks = np.zeros(len(self.names), dtype=np.int64)
         self._most = np.zeros(len(self.names))
 
-    def feel(self) -> None:
+    def note_strain(self) -> None:
         """Take in the torques of arms before the tick.
 
         A rigid contact that has given way is over, and without a memory the next blow comes as fast

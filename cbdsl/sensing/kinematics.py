@@ -192,7 +192,7 @@ class Kinematics:
         return curvature
 
     def weight(self) -> Floats:
-        """What the joints' drives bear of the links' own weight in this posture, N m, shape (n,).
+        """Torques that bear the links' own weight in this posture, N m, shape (n,).
 
         By the masses of the model; that of what is held is not known.
         """

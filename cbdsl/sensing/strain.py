@@ -15,7 +15,7 @@ Floats = NDArray[np.float64]
 
 
 class Strain:
-    """What the joints' drives exert beyond the weight of the links, low-pass filtered.
+    """Torques that the joints' drives exert beyond the weight of the links, low-pass filtered.
 
     What is held counts as a contact, and so do accelerations, which the filter and the threshold of
     the robot's document keep below a guard. It is computed only once somebody needs it.

@@ -13,7 +13,7 @@ from cbdsl.numeric.compiled import compiled_once
 from cbdsl.sensing.kinematics import Kinematics
 from cbdsl.sensing.net_wrench import Fingertips, net_wrench
 from cbdsl.sensing.observation import Cell, Loads
-from cbdsl.sensing.reading import Reading, jacobian_of, stacked
+from cbdsl.sensing.reading import Reading, stacked
 from cbdsl.sensing.table import RowPart
 from cbdsl.sensing.tips import Tips
 from cbdsl.types.resource import FingerForces, FingerLoad, NetForces, NetLoad

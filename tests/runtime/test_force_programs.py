@@ -45,3 +45,24 @@ def test_what_is_put_down_stands_where_it_was_held() -> None:
         assert before[2] - after[2] > 0.1
         assert np.linalg.norm((after - before)[:2]) < 0.02
         assert np.linalg.norm(truth.velocity(thing)[:3]) < 0.01
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("giver", ["right", "left"])
+def test_a_thing_is_handed_over_in_either_direction(giver: str) -> None:
+    """From hand to hand: at last the other one alone touches it, high above the table."""
+    taker, side = ("left", -1) if giver == "right" else ("right", 1)
+    values = {
+        "arm": f"{giver}_arm", "hand": f"{giver}_hand",
+        "to_arm": f"{taker}_arm", "to_hand": f"{taker}_hand",
+        "side": f"{10 * side} cm", "turn": f"{-69.282 * side} deg", "away": f"{20 * side} cm",
+    }  # fmt: skip
+    with simulation_fixture("handover", values) as fixture:
+        truth = fixture.backend.truth
+        result = fixture.runner().run(fixture.stage, 8000320, f"cube_{giver}")
+        assert result.outcome == "success", result.ending
+        assert {hand for hand, _ in truth.touching("cube")} == {f"{taker}_hand"}
+        place = truth.pose("cube").position
+        assert place[2] > -0.3
+        away = place - truth.link_pose(f"{giver}_palm").position
+        assert np.linalg.norm(away) > 0.2

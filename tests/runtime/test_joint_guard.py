@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 import numpy as np
-import pybullet  # noqa: TID251 (the judge, not the robot)
+import pybullet
 import pytest
 
 from cbdsl.backends.bullet.backend import BulletBackend
@@ -27,7 +27,11 @@ name: push
 robot: dexter
 stage: post
 controllers:
-  go: {potential: spring, reference: "here + [35 cm, 0 cm, 0 cm]", feedback: right_arm.position, effector: right_arm.position}
+  go:
+    potential: spring
+    reference: here + [35 cm, 0 cm, 0 cm]
+    feedback: right_arm.position
+    effector: right_arm.position
 actions: [go]
 policy: {"*": go}
 limits: {transition_time: 4 s}

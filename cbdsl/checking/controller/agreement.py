@@ -64,9 +64,7 @@ class Agreement:
         if self._potential is None or self._accepts(self._potential, feedback, of["potential"]):
             self._wants_reference(of["potential"])
         as_compared = compared_with(self._potential, feedback)
-        reference = compare(
-            context, self._steps, self._comparison, as_compared, of["reference"]
-        )
+        reference = compare(context, self._steps, self._comparison, as_compared, of["reference"])
         if effector is not None:
             self._moves(effector, feedback, of["effector"])
         check_options(context, self._steps, document, feedback, of["options"])

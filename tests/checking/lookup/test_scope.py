@@ -22,9 +22,22 @@ name: sides
 robot: dexter
 parameters: {side: 10 cm}
 controllers:
-  away: {potential: spring, reference: [30 cm, -$side, $side], feedback: right_arm.position, effector: right_arm.position}
-  beside: {potential: spring, reference: "here + [0 cm, -$side, $side]", feedback: right_arm.position, effector: right_arm.position}
-  down: {potential: spring, reference: -$side, axes: [z], feedback: right_arm.position, effector: right_arm.position}
+  away:
+    potential: spring
+    reference: [30 cm, -$side, $side]
+    feedback: right_arm.position
+    effector: right_arm.position
+  beside:
+    potential: spring
+    reference: "here + [0 cm, -$side, $side]"
+    feedback: right_arm.position
+    effector: right_arm.position
+  down:
+    potential: spring
+    reference: -$side
+    axes: [z]
+    feedback: right_arm.position
+    effector: right_arm.position
 actions: [away, beside, down]
 """,
         encoding="utf-8",
