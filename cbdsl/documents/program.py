@@ -7,6 +7,7 @@ from pydantic import Field, field_validator, model_validator
 
 from cbdsl.documents.document import (
     AnyAcceleration,
+    AnyGain,
     AnySpeed,
     Coordinate,
     Distance,
@@ -139,7 +140,7 @@ class ControllerSection(Section):
     ``here + [0 cm, 0 cm, 15 cm]``."""
     effector: Text
     """The resource tau that is moved."""
-    gain: Rate | None = None
+    gain: AnyGain | None = None
     """kappa, 1/s; without it the robot's setting for the feedback's type."""
     speed: AnySpeed | None = None
     """Largest rate of the task; without it the robot's setting for the feedback's type."""

@@ -172,6 +172,8 @@ class Controller:
         requires: name of the controller without which it is undefined, or ``None``.
         axes: indices of the world axes that are compared, of every factor; ``None`` for all.
         onset: how the load has to change before it is defined, or ``None``.
+        tip_stiffness: of what a tip presses on, N/m, where the speed of a force is the tip's, m/s;
+            ``None`` for all others.
     """
 
     name: str
@@ -196,6 +198,7 @@ class Controller:
     modifiers: tuple[Modifier, ...] = ()
     axes: tuple[int, ...] | None = None
     onset: Onset | None = None
+    tip_stiffness: float | None = None
 
     @property
     def task(self) -> ResourceType:

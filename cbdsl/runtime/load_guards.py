@@ -64,12 +64,12 @@ class LoadGuards:
         as the one before. So what was felt fades slowly, from the bound at most.
         """
         for number, joints in self._joints:
-            guard, felt = self.records[number], self._strain.torques[joints]
+            guard, strain = self.records[number], self._strain.torques[joints]
             memory = guard["torques"][: len(joints)]
             before = math.hypot(*memory.tolist())
             kept = self._fading * min(before, guard["bound"])
-            if math.hypot(*felt.tolist()) >= kept:
-                memory[:] = felt
+            if math.hypot(*strain.tolist()) >= kept:
+                memory[:] = strain
             else:
                 memory *= kept / before
 

@@ -22,12 +22,16 @@ LOOK_AT = "look_at"
 
 
 class ControllerSettings(NamedTuple):
-    """Settings of one controller, its own before the robot's."""
+    """Settings of one controller, its own before the robot's.
+
+    ``tip_stiffness`` is that of ``Controller``.
+    """
 
     gain: float
     speed: float | None
     acceleration: float | None
     quiescence: Quiescence
+    tip_stiffness: float | None = None
 
 
 class Misplaced(NamedTuple):
@@ -88,7 +92,7 @@ def check_options(
         place = context.source.key(*steps, *option.path)
         details = {"name": option.path[-1], "purpose": option.purpose, "instead": option.instead}
         findings.add("CB513", place, **details)
-    check_settings(_task(document, feedback), context.source, steps, findings)
+    check_settings(_task(document, feedback), context.source, steps, findings, of_tips=True)
     if isinstance(feedback.source, FingerForces) and document.seek is not None:
         _check_end(context, (*steps, "seek", "until"), feedback.source, findings)
 

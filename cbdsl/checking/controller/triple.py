@@ -6,6 +6,7 @@ from cbdsl.checking.context import ProgramContext, Steps
 from cbdsl.checking.controller.agreement import Agreement
 from cbdsl.checking.controller.axes import check_axes, read_axes
 from cbdsl.checking.controller.comparison import Comparison, read_comparison
+from cbdsl.checking.controller.effector_units import in_task_units
 from cbdsl.checking.controller.field import ControllerSpec, check_field
 from cbdsl.checking.controller.modifiers import read_modifiers
 from cbdsl.checking.controller.options import (
@@ -97,9 +98,12 @@ class _Triple:
         settings = settings_of(self._context, self._steps, document, feedback)
         if potential is None or effector is None or settings is None or not agreement.holds:
             return None
+        in_units = in_task_units(self._context, self._steps, settings, feedback, effector)
+        if in_units is None:
+            return None
         if not suits_body(self._context, self._steps, document, feedback, effector):
             return None
-        return self._controller(potential, feedback, reference, effector, settings)
+        return self._controller(potential, feedback, reference, effector, in_units)
 
     def _controller(
         self,
@@ -134,6 +138,7 @@ class _Triple:
             modifiers=read_modifiers(self._context, self._steps, document, feedback),
             axes=read_axes(document),
             onset=_onset(document.onset),
+            tip_stiffness=settings.tip_stiffness,
         )
 
     def _field(self, potential: PotentialType, wish: ControllerSpec) -> Field | None:
