@@ -249,6 +249,15 @@ class Contact(Section):
     """Fingertips of two hands that feel something and are no farther apart feel each other."""
 
 
+class JointTorques(Section):
+    """Drives that measure the torques of their joints, which feel contacts anywhere on an arm."""
+
+    threshold: Torque = 10.0
+    """Torques, of all joints of an arm together, that motion without contact may cause."""
+    filter: Time = 0.05
+    """Time constant of the low-pass filter behind them."""
+
+
 class TipSurface(Section):
     """The material of the links that touch things."""
 
@@ -328,6 +337,8 @@ class RobotDocument(Document):
     """Sensors of kinds that other packages add, by name."""
     vision: VisionSection = VisionSection.model_construct()
     contact: Contact = Contact.model_construct()
+    joint_torques: JointTorques | None = None
+    """Without it no joint's torque is measured."""
     control: Control
     simulation: Simulation = Simulation.model_construct()
 

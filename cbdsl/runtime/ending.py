@@ -123,7 +123,7 @@ def _clause(lead: ControllerRun) -> str:
         verb = "came to rest far from its goal,"
     if controller.reference is None:
         return f"{controller.name} {verb} at a potential of {lead.phi:.3g}"
-    factor, unit = _UNITS.get(controller.feedback.type.name, (1.0, ""))
+    factor, unit = _UNITS.get(controller.task.name, (1.0, ""))
     # The residual of a field is bounded: far from the goal the goal is farther away than that.
     is_field = POTENTIALS[controller.potential].field
     at_least = "at least " if is_field and lead.phi > _NEAR else ""
@@ -137,7 +137,7 @@ def is_far(lead: ControllerRun) -> bool:
         return True
     if lead.controller.quiescence.tolerance is not None:
         return False
-    return lead.error > _FAR.get(lead.controller.feedback.type.name, math.inf)
+    return lead.error > _FAR.get(lead.controller.task.name, math.inf)
 
 
 def _goal(controller: Controller) -> str:

@@ -30,6 +30,7 @@ from cbdsl.sensing.refresh import (
     WRITTEN,
     refresh,
 )
+from cbdsl.sensing.strain import Strain
 from cbdsl.sensing.surface import SurfaceSampler
 from cbdsl.sensing.surfaces import Surfaces
 from cbdsl.sensing.table import Form, RowPart, SignalTable
@@ -122,6 +123,7 @@ class Signals:
         self.tips = Tips(robot, kinematics)
         self.clock = self.tips.clock
         self.touch = Touch(robot, kinematics, self.tips)
+        self.strain = Strain(robot.joint_torques, kinematics)
         self.sight = VisualSignals(robot, kinematics, self.vision, self.tips, self.touch)
         self.surfaces = Surfaces(robot, kinematics, self.vision, resources)
         self.blobs = BlobSignals(robot, self.vision, self.sight, resources)
@@ -161,6 +163,7 @@ class Signals:
         self._forget()
 
     def _forget(self) -> None:
+        self.strain.reset()
         self.vision.reset()
         self.sight.reset()
         self.blobs.reset()
@@ -178,6 +181,7 @@ class Signals:
         self.clock[0] += 1
         self.time = observation.time
         self.kinematics.update(observation.positions)
+        self.strain.update(observation)
         if self.robot.load_cells:
             self.touch.update(wrenches)
             self.sight.update()
@@ -210,6 +214,11 @@ class Signals:
         """
         key = "tip", source, facing, standoff
         return self._bound(key, lambda: self._bind_point(source, facing, standoff))
+
+    def bind_joints(self, effector: str) -> int:
+        """The row of an effector's joint positions, rad."""
+        source = EffectorConfiguration(effector)
+        return self._bound((type(source), source), lambda: self._bind_configuration(source))
 
     def bind_links(self, links: Sequence[str]) -> int:
         """The row of the mean position of some links' frames, m, world frame."""

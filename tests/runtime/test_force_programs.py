@@ -76,3 +76,24 @@ def test_both_hands_take_what_is_too_large_for_one(thing: str) -> None:
     assert rewards and all(hands == {"left_hand", "right_hand"} for hands in rewards)
     assert touching == {"left_hand", "right_hand"}
     assert heights[-1] - heights[0] > 0.05
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("giver", ["right", "left"])
+def test_a_thing_is_handed_over_in_either_direction(giver: str) -> None:
+    """From hand to hand: at last the other one alone touches it, high above the table."""
+    taker, side = ("left", -1) if giver == "right" else ("right", 1)
+    values = {
+        "arm": f"{giver}_arm", "hand": f"{giver}_hand",
+        "to_arm": f"{taker}_arm", "to_hand": f"{taker}_hand",
+        "side": f"{10 * side} cm", "turn": f"{-69.282 * side} deg", "away": f"{20 * side} cm",
+    }  # fmt: skip
+    with simulation_fixture("handover", values) as fixture:
+        truth = fixture.backend.truth
+        result = fixture.runner().run(fixture.stage, 8000320, f"cube_{giver}")
+        assert result.outcome == "success", result.ending
+        assert {hand for hand, _ in truth.touching("cube")} == {f"{taker}_hand"}
+        place = truth.pose("cube").position
+        assert place[2] > -0.3
+        away = place - truth.link_pose(f"{giver}_palm").position
+        assert np.linalg.norm(away) > 0.2

@@ -13,19 +13,25 @@ from cbdsl.documents import program as written
 from cbdsl.documents.robot import TaskSettings
 from cbdsl.program.controller import Quiescence
 from cbdsl.types.casts import FEATURES
+from cbdsl.types.potential import POTENTIALS
 from cbdsl.types.resource import FingerForces, Resource, Tip, palms_of
 from cbdsl.types.resource_type import TYPES
 
 MANIPULABILITY = "manipulability"
+LOOK_AT = "look_at"
 
 
 class ControllerSettings(NamedTuple):
-    """Settings of one controller, its own before the robot's."""
+    """Settings of one controller, its own before the robot's.
+
+    ``tip_stiffness`` is that of ``Controller``.
+    """
 
     gain: float
     speed: float | None
     acceleration: float | None
     quiescence: Quiescence
+    tip_stiffness: float | None = None
 
 
 class Misplaced(NamedTuple):
@@ -50,7 +56,7 @@ def misplaced(document: written.ControllerSection, feedback: Resource) -> Iterat
     is_of_hands = palms_of(source) is not None
     position = "the position of a tip"
     meaningful = {
-        "free_axis": (kind == "orientation", "orientations"),
+        "free_axis": (kind == "orientation" or document.potential == LOOK_AT, "orientations"),
         "standoff": (is_position, position),
         "funnel": (is_position, position),
         "seek": (isinstance(source, FingerForces) or is_of_hands, "forces of fingers or hands"),
@@ -86,7 +92,7 @@ def check_options(
         place = context.source.key(*steps, *option.path)
         details = {"name": option.path[-1], "purpose": option.purpose, "instead": option.instead}
         findings.add("CB513", place, **details)
-    check_settings(feedback.type.name, context.source, steps, findings)
+    check_settings(_task(document, feedback), context.source, steps, findings, of_tips=True)
     if isinstance(feedback.source, FingerForces) and document.seek is not None:
         _check_end(context, (*steps, "seek", "until"), feedback.source, findings)
 
@@ -113,7 +119,8 @@ def settings_of(
     if feedback.type.name in FEATURES:
         return None  # which is no feedback, as has been reported
     robot = context.body.document
-    general = robot.control.tasks.get(feedback.type.name)
+    task = _task(document, feedback)
+    general = robot.control.tasks.get(task)
     candidates: list[written.ControllerSection | TaskSettings] = [document]
     if general is not None:
         candidates.append(general)
@@ -124,7 +131,7 @@ def settings_of(
             return None  # one of them is misspelt, which has been reported
         lacking = {"a gain": gain, "a quiescence": quiescence}
         setting = " and ".join(name for name, value in lacking.items() if value is None)
-        details = {"robot": robot.name, "setting": setting, "task": feedback.type.name}
+        details = {"robot": robot.name, "setting": setting, "task": task}
         context.add("CB511", context.source.key(*steps), **details)
         return None
     return ControllerSettings(
@@ -133,6 +140,12 @@ def settings_of(
         _first(settings.acceleration for settings in candidates),
         Quiescence(quiescence.rate, quiescence.window, quiescence.within, quiescence.tolerance),
     )
+
+
+def _task(document: written.ControllerSection, feedback: Resource) -> str:
+    """Name of the type that a controller's settings are for."""
+    potential = POTENTIALS.get(document.potential)
+    return (potential.task if potential else None) or feedback.type.name
 
 
 T = TypeVar("T")
