@@ -12,8 +12,9 @@ from cbdsl.checking.findings import Findings
 from cbdsl.checking.knowledge.learned import check_policy, with_policy
 from cbdsl.checking.lookup.documents import find_document
 from cbdsl.checking.lookup.scope import Scope
-from cbdsl.checking.schema import Examine, checked_schema
+from cbdsl.checking.schema import checked_schema
 from cbdsl.checking.session import Session
+from cbdsl.checking.substitution import Examine
 from cbdsl.documents.policy import PolicyDocument
 from cbdsl.documents.program import ProgramDocument, Use
 from cbdsl.documents.schema import SchemaDocument
