@@ -1,4 +1,4 @@
-"""``cb show``: types, potentials, resources, plug-ins, programs and policies."""
+"""``cb show``: types, potentials, resources, plug-ins, programs, policies and schemas."""
 
 from __future__ import annotations
 
@@ -16,12 +16,13 @@ from cbdsl.cli.show_plugins import (
 )
 from cbdsl.cli.show_policy import show_policy
 from cbdsl.cli.show_program import show_program
+from cbdsl.cli.show_schema import show_schema
 
 if TYPE_CHECKING:
     from cbdsl.types.potential import PotentialType
 
 show = typer.Typer(
-    help="Show types, potentials, resources, plug-ins, programs and policies.",
+    help="Show types, potentials, resources, plug-ins, programs, policies and schemas.",
     no_args_is_help=True,
     rich_markup_mode=None,
     pretty_exceptions_enable=False,
@@ -112,6 +113,7 @@ show.command("backends")(show_backends)
 show.command("program")(show_program)
 show.command("allocations")(show_allocations)
 show.command("policy")(show_policy)
+show.command("schema")(show_schema)
 
 
 def _signature(potential: PotentialType) -> dict[str, object]:
