@@ -1,7 +1,7 @@
 """What schemas learn in some episodes: which hands an object needs, and what no hand reaches.
 
-Trials of ASSIMILATE from a learned policy, each with chance of its own. What is right is not told but
-tried: in held-out episodes every allocation has its turn, and those that are rewarded are right. A
+Trials of ASSIMILATE from a learned policy, each with chance of its own. What is right is not told
+but tried: in held-out episodes every allocation has its turn, and those that are rewarded are right. A
 tree's first choice is right where it is one of these, and a schema that expects no reward is
 right where none is. Exits with 1 where too few trials reach their aims.
 
@@ -39,7 +39,7 @@ from cbdsl.types.decision_tree import decide
 from cbdsl.yaml_text.library import Library
 
 # Where held-out episodes begin; trials draw theirs from their own seeds.
-HELD_OUT = 7_000_000
+HELD_OUT = 7_400_000
 # Least share of right choices where several allocations work and where one does, and of what is out
 # of reach and said to be; largest share of what is in reach and said not to be.
 POSSIBLE, ALONE, OUT_OF_REACH, FALSE_ALARMS = 0.95, 0.9, 0.95, 0.02

@@ -106,6 +106,9 @@ class UsedPrograms:
                 return None
             faults = own  # with its own values it has faults already
         self._findings.extend(faults.sorted())
+        if use.schema_ is not None and use.policy is not None:
+            details = {"name": name, "schema": use.schema_, "policy": use.policy}
+            self._findings.add("CB649", self._source.key("use", name, "policy"), **details)
         if program is not None and use.schema_ is not None:
             return self._allocated(use.schema_, program, values, ("use", name, "schema"))
         if program is None or use.policy is None:

@@ -119,7 +119,7 @@ class Assimilate:
 
         samples = [each.features for each in self._contexts]
         shares = np.column_stack((rewarded, 1.0 - rewarded))
-        return grow(samples, shares, likely, self._constants.least_samples)
+        return grow(samples, shares, likely, self._constants.least_samples, frugal=True)
 
     def greedy(self) -> dict[str, str]:
         """The declarative policy, which stays as it is."""

@@ -30,6 +30,8 @@ def grow(
     shares: Floats,
     answer: Callable[[list[int]], Answer],
     least: int,
+    *,
+    frugal: bool = False,
 ) -> Tree[Answer]:
     """A tree whose questions gain the most information about a label.
 
@@ -39,13 +41,15 @@ def grow(
             label is certain.
         answer: of a leaf, by the indices of the samples in it.
         least: fewest samples of a leaf.
+        frugal: whether a question has to gain more than it takes to tell its threshold (Quinlan,
+            Improved use of continuous attributes in C4.5, 1996).
     """
     names = tuple(samples[0]) if samples else ()
     numbers = np.array([[sample[name] for name in names] for sample in samples])
     numbers = np.round(numbers.reshape(len(samples), len(names)), _DECIMALS)
 
     def node(rows: NDArray[np.intp]) -> Tree[Answer]:
-        question = _best(numbers[rows], shares[rows], least)
+        question = _best(numbers[rows], shares[rows], least, frugal=frugal)
         if question is None:
             return Leaf(answer(rows.tolist()))
         above = numbers[rows, question.feature] > question.threshold
@@ -55,7 +59,7 @@ def grow(
     return _pruned(node(np.arange(len(samples))))
 
 
-def _best(numbers: Floats, shares: Floats, least: int) -> _Question | None:
+def _best(numbers: Floats, shares: Floats, least: int, *, frugal: bool) -> _Question | None:
     """The question that gains the most; of equal ones that of the first feature, the lowest."""
     best = _Question(_NOTHING, 0, 0.0)
     now = _information(shares.sum(axis=0))
@@ -67,6 +71,7 @@ def _best(numbers: Floats, shares: Floats, least: int) -> _Question | None:
         if not len(cuts):
             continue
         gains = now - _information(sums[cuts - 1]) - _information(sums[-1] - sums[cuts - 1])
+        gains = gains - np.log2(len(cuts)) if frugal else gains
         place = int(np.argmax(gains))
         if gains[place] > best.gain + _NOTHING:
             below, above = values[cuts[place] - 1], values[cuts[place]]

@@ -6,7 +6,7 @@ import math
 from collections.abc import Callable, Mapping
 from typing import Protocol, runtime_checkable
 
-from cbdsl.program.attempts import is_failure
+from cbdsl.program.attempts import Progress
 from cbdsl.program.checked import CheckedProgram
 from cbdsl.program.schema import Ranking, Schema
 from cbdsl.types.decision_tree import decide
@@ -57,6 +57,7 @@ class SchemaPolicy:
         self._schema: Schema = program.schema
         self._rank = rank or self._by_tree
         self._gives_up = gives_up
+        self._progress = Progress(self._schema.worth)
         self._written = WrittenPolicy(program.policy)
         self._actions: dict[str, dict[str, str]] = {}
         for action in program.actions:
@@ -74,7 +75,7 @@ class SchemaPolicy:
         """The next action under its allocation, or ``None``; see ``reason``."""
         self.reason = ""
         before, self._before = self._before, state
-        if self._allocation and is_failure(before, state, self._schema.worth):
+        if self._allocation and self._progress.fails(before, state):
             if self._is_informed:
                 self._failed.add(self._allocation)
             self._allocation, changed = "", True
@@ -87,6 +88,7 @@ class SchemaPolicy:
             return actions[""]
         if not self._allocation:
             self._allocation = self._allocate()
+            self._progress.begin()
         return actions[self._allocation] if self._allocation else None
 
     def _allocate(self) -> str:
