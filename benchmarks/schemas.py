@@ -1,7 +1,7 @@
 """What schemas learn in some episodes: which hands an object needs, and what no hand reaches.
 
 Trials of ASSIMILATE from a learned policy, each with chance of its own. What is right is not told
-but tried: in held-out episodes every allocation has its turn, and those that are rewarded are right. A
+but tried: in held-out episodes every allocation has its turn, and those rewarded are right. A
 tree's first choice is right where it is one of these, and a schema that expects no reward is
 right where none is. Exits with 1 where too few trials reach their aims.
 

@@ -25,7 +25,7 @@ from cbdsl.learning.tree_growth import grow
 from cbdsl.program.attempts import attempts
 from cbdsl.program.checked import CheckedProgram
 from cbdsl.program.schema import Ranking, Schema
-from cbdsl.program.schema_policy import Features, SchemaPolicy, are_defined
+from cbdsl.program.schema_policy import Features, Rank, SchemaPolicy, are_defined
 from cbdsl.program.transition import Transition
 from cbdsl.types.decision_tree import Leaf, Tree, decide
 from cbdsl.types.policy import Policy
@@ -93,16 +93,20 @@ class Assimilate:
         """Declarative policy with epsilon-greedy allocations, by what is known then."""
         if self._program is None or self._program.schema is None:
             return _Always(self._first)
-        schema, tree = self._program.schema, self.choice()
+        return SchemaPolicy(self._program, self.ranking(rng), gives_up=False)
+
+    def ranking(self, rng: np.random.Generator) -> Rank:
+        """Epsilon-greedy choice of allocations, by what is known now (Eq 5.4)."""
+        assert self._program is not None and self._program.schema is not None
+        names, tree = list(self._program.schema.allocations), self.choice()
 
         def rank(features: Features) -> Ranking:
-            names = list(schema.allocations)
             if rng.random() < self._constants.epsilon or not self._contexts:
                 return tuple(names[i] for i in rng.permutation(len(names)))
             known = decide(tree, features) if are_defined(features) else None
             return tuple(dict.fromkeys((*(known or ()), *names)))
 
-        return SchemaPolicy(self._program, rank, gives_up=False)
+        return rank
 
     def choice(self) -> Tree[Ranking]:
         """The tree of allocations that were rewarded (Eq 5.4)."""
