@@ -79,8 +79,8 @@ def stand_in(
     other = None if file is None else _examined(file, document, values, session, examine)
     if program is None or other is None:
         return None, f"there is no sound program '{name}' for robot '{document.robot}'"
-    found = _substitute(program, other)
-    return found.program, found.refusal
+    substitute = _substitute(program, other)
+    return substitute.program, substitute.refusal
 
 
 def _wanted(document: ProgramDocument) -> set[str]:

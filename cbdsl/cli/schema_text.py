@@ -9,7 +9,7 @@ from cbdsl.errors.counting import count
 
 
 def schema_text(schema: SchemaDocument) -> str:
-    """What a schema goes by, and what it does where."""
+    """Text of a schema: its features and allocations, and its trees."""
     return "\n".join(_lines(schema)) + "\n"
 
 

@@ -61,7 +61,7 @@ def _read(name: str) -> SchemaDocument:
 
 
 def _difference(other: SchemaDocument, schema: SchemaDocument) -> str:
-    """What differs between the texts of two schemas, with all lines around it."""
+    """Lines in which the texts of two schemas differ, with all lines around them."""
     from difflib import unified_diff
 
     from cbdsl.cli.schema_text import schema_text

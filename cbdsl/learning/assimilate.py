@@ -32,7 +32,7 @@ from cbdsl.types.policy import Policy
 
 # Of positions, velocities and volumes that are seen, by unit: what is finer than that is noise, of
 # which a tree would make questions.
-_TOLD_APART = {"m": 0.01, "m/s": 0.02, "m^3": 0.001}
+_RESOLUTION = {"m": 0.01, "m/s": 0.02, "m^3": 0.001}
 
 
 class AssimilateConstants(Section):
@@ -87,7 +87,7 @@ class Assimilate:
         ]
         if made:
             outcomes = {each.allocation: each.rewarded for each in made}
-            self._contexts.append(TriedContext(_told(made[0].features, schema), outcomes))
+            self._contexts.append(TriedContext(_distinct(made[0].features, schema), outcomes))
 
     def policy(self, rng: np.random.Generator) -> Policy:
         """Declarative policy with epsilon-greedy allocations, by what is known then."""
@@ -175,11 +175,11 @@ class _Always:
         return self._action
 
 
-def _told(features: Features, schema: Schema) -> Features:
+def _distinct(features: Features, schema: Schema) -> Features:
     """Features to what can be told apart."""
     return {
-        name: round(value / _TOLD_APART[unit]) * _TOLD_APART[unit]
-        if (unit := _unit(name, schema)) in _TOLD_APART
+        name: round(value / _RESOLUTION[unit]) * _RESOLUTION[unit]
+        if (unit := _unit(name, schema)) in _RESOLUTION
         else value
         for name, value in features.items()
     }

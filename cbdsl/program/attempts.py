@@ -26,7 +26,7 @@ class Attempt(NamedTuple):
 _SETBACKS = 1
 
 
-class Progress:
+class AttemptProgress:
     """The progress of one attempt towards the reward.
 
     Args:
@@ -64,9 +64,9 @@ def attempts(transitions: Iterable[Transition], worth: Mapping[str, float]) -> I
 
     Args:
         transitions: of a schema, in their order.
-        worth: as of ``Progress``.
+        worth: as of ``AttemptProgress``.
     """
-    allocation, features, progress = "", dict[str, float](), Progress(worth)
+    allocation, features, progress = "", dict[str, float](), AttemptProgress(worth)
     for transition in transitions:
         if transition.allocation != allocation:
             if allocation:

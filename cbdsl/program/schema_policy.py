@@ -6,7 +6,7 @@ import math
 from collections.abc import Callable, Mapping
 from typing import Protocol, runtime_checkable
 
-from cbdsl.program.attempts import Progress
+from cbdsl.program.attempts import AttemptProgress
 from cbdsl.program.checked import CheckedProgram
 from cbdsl.program.schema import Ranking, Schema
 from cbdsl.types.decision_tree import decide
@@ -65,7 +65,7 @@ class SchemaPolicy:
         self._schema: Schema = program.schema
         self._rank = rank or self._by_tree
         self._gives_up = gives_up
-        self._progress = Progress(self._schema.worth)
+        self._progress = AttemptProgress(self._schema.worth)
         self._persists = persists
         self._declarative = declarative or WrittenPolicy(program.policy)
         self._actions: dict[str, dict[str, str]] = {}
