@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from functools import partial
 from typing import NamedTuple
 
@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from cbdsl.learning.tree_growth import grow
 from cbdsl.program.schema import Ranking
-from cbdsl.types.decision_tree import Leaf, Tree, decide
+from cbdsl.types.decision_tree import Leaf, Split, Tree, decide
 
 Floats = NDArray[np.float64]
 
@@ -63,11 +63,32 @@ def grow_choice(
         similar = np.array([decide(tree, sample) for sample in samples])
         shares = _normalised(np.where(untried, similar, outcomes))
 
+    # Questions that only tell which one to try second are left out.
+    first = grow(samples, shares, lambda rows: int(shares[rows].sum(axis=0).argmax()), least)
+
     def ranking(rows: list[int]) -> Ranking:
         worth, rewarded = shares[rows].sum(axis=0), (outcomes[rows] == 1.0).any(axis=0)
         return tuple(names[i] for i in np.argsort(-worth, kind="stable") if rewarded[i])
 
-    return grow(samples, shares, ranking, least)
+    return _answered(first, samples, list(range(len(samples))), ranking)
+
+
+def _answered(
+    tree: Tree[int],
+    samples: Sequence[Mapping[str, float]],
+    rows: list[int],
+    answer: Callable[[list[int]], Ranking],
+) -> Tree[Ranking]:
+    """The same questions, with answers by the samples in each leaf."""
+    if isinstance(tree, Leaf):
+        return Leaf(answer(rows))
+    above = [row for row in rows if samples[row][tree.feature] > tree.threshold]
+    below = [row for row in rows if samples[row][tree.feature] <= tree.threshold]
+    parts = (
+        _answered(part, samples, some, answer)
+        for part, some in ((tree.above, above), (tree.below, below))
+    )
+    return Split(tree.feature, tree.threshold, *parts)
 
 
 def _share(rewarded: bool | None) -> float:

@@ -40,7 +40,7 @@ class AssimilateConstants(Section):
 
     epsilon: Annotated[float, quantity(ge=0, le=1)] = 0.2
     """Share of allocations chosen at random."""
-    least_samples: PositiveCount = 3
+    least_samples: PositiveCount = 5
     """Fewest contexts in a leaf of a tree."""
     least_reward: Probability = 0.5
     """Probability of reward below which the schema is undefined."""
