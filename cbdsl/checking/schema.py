@@ -12,6 +12,7 @@ from cbdsl.checking.findings import Findings
 from cbdsl.checking.knowledge.learned import check_policy, with_policy
 from cbdsl.checking.lookup.documents import find_document
 from cbdsl.checking.session import Session
+from cbdsl.checking.substitution import Examine, stand_in
 from cbdsl.documents.policy import PolicyDocument
 from cbdsl.documents.program import ProgramDocument
 from cbdsl.documents.robot import RobotDocument
@@ -21,6 +22,7 @@ from cbdsl.program.checked import CheckedProgram
 from cbdsl.program.controller import Controller
 from cbdsl.program.schema import Ranking, Schema, components
 from cbdsl.program.state_values import state_values
+from cbdsl.types.allotment import WHOLE
 from cbdsl.types.decision_tree import Leaf, Split, Tree
 from cbdsl.types.resource import InstanceCount, Resource
 from cbdsl.types.unit import QuantityError, parse_quantity
@@ -30,9 +32,6 @@ from cbdsl.yaml_text.source_map import Step
 _COMPARISON = re.compile(r"^\s*([A-Za-z_][\w.]*)\s*(>|<)\s*(.+?)\s*$")
 Steps = tuple[Step, ...]
 Answer = TypeVar("Answer")
-
-Examine = Callable[[Path, Mapping[str, str], Findings], CheckedProgram | None]
-"""Checks a program with values of its parameters; its findings go where they are told to."""
 _Spans = Mapping[str, tuple[float, float]]
 
 
@@ -122,16 +121,13 @@ class _SchemaCheck:
         library = self._session.library
         known = library.read(path, ProgramDocument).document.parameters
         for key in values:
-            if key not in known:
+            if key not in known and key != WHOLE:
                 place = self._source.key("allocations", name, key)
                 details = {"name": key, "program": self._document.program}
                 self._findings.add("CB606", place, names=list(known), **details)
                 return None
-        faults = Findings()
-        program = self._examine(path, {**self._values, **values}, faults)
-        if program is None or faults.failed:
-            fault = next((each for each in faults.sorted() if each.is_error), None)
-            problem = fault.message if fault else "it has findings"
+        program, problem = self._allocated({**self._values, **values}, path)
+        if program is None:
             place = self._source.key("allocations", name)
             self._findings.add("CB634", place, name=name, problem=problem)
             return None
@@ -142,6 +138,20 @@ class _SchemaCheck:
             return None
         check_policy(policy, program, path, self._session, self._findings)
         return None if self._findings.failed else with_policy(program, policy, library)
+
+    def _allocated(
+        self, values: Mapping[str, str], path: Path
+    ) -> tuple[CheckedProgram | None, str]:
+        """The program with some values, or one that stands in for it; else the reason why not."""
+        if WHOLE in values:
+            own = {key: value for key, value in values.items() if key != WHOLE}
+            return stand_in(values[WHOLE], path, own, self._session, self._examine)
+        faults = Findings()
+        program = self._examine(path, values, faults)
+        if program is not None and not faults.failed:
+            return program, ""
+        fault = next((each for each in faults.sorted() if each.is_error), None)
+        return None, fault.message if fault else "it has findings"
 
     def _actions(self, program: CheckedProgram) -> None:
         """The abstract actions are those of the program's controllers."""

@@ -12,8 +12,9 @@ from cbdsl.checking.findings import Findings
 from cbdsl.checking.knowledge.learned import check_policy, with_policy
 from cbdsl.checking.lookup.documents import find_document
 from cbdsl.checking.lookup.scope import Scope
-from cbdsl.checking.schema import Examine, checked_schema
+from cbdsl.checking.schema import checked_schema
 from cbdsl.checking.session import Session
+from cbdsl.checking.substitution import Examine
 from cbdsl.documents.policy import PolicyDocument
 from cbdsl.documents.program import ProgramDocument, Use
 from cbdsl.documents.schema import SchemaDocument
@@ -105,6 +106,9 @@ class UsedPrograms:
                 return None
             faults = own  # with its own values it has faults already
         self._findings.extend(faults.sorted())
+        if use.schema_ is not None and use.policy is not None:
+            details = {"name": name, "schema": use.schema_, "policy": use.policy}
+            self._findings.add("CB649", self._source.key("use", name, "policy"), **details)
         if program is not None and use.schema_ is not None:
             return self._allocated(use.schema_, program, values, ("use", name, "schema"))
         if program is None or use.policy is None:

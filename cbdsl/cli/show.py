@@ -1,4 +1,4 @@
-"""``cb show``: types, potentials, resources, plug-ins, programs, policies and meshes."""
+"""``cb show``: types, potentials, resources, plug-ins, programs, policies, schemas and meshes."""
 
 from __future__ import annotations
 
@@ -17,12 +17,13 @@ from cbdsl.cli.show_plugins import (
 )
 from cbdsl.cli.show_policy import show_policy
 from cbdsl.cli.show_program import show_program
+from cbdsl.cli.show_schema import show_schema
 
 if TYPE_CHECKING:
     from cbdsl.types.potential import PotentialType
 
 show = typer.Typer(
-    help="Show types, potentials, resources, plug-ins, programs, policies and meshes.",
+    help="Show types, potentials, resources, plug-ins, programs, policies, schemas and meshes.",
     no_args_is_help=True,
     rich_markup_mode=None,
     pretty_exceptions_enable=False,
@@ -114,6 +115,7 @@ show.command("program")(show_program)
 show.command("allocations")(show_allocations)
 show.command("policy")(show_policy)
 show.command("mesh")(show_mesh)
+show.command("schema")(show_schema)
 
 
 def _signature(potential: PotentialType) -> dict[str, object]:

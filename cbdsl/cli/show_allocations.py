@@ -39,7 +39,11 @@ def show_allocations(
     elif not session.library.read(path, ProgramDocument).document.resources:
         print(f"{path.stem} lets no parameter stand for another resource: it has no 'resources'")
     else:
-        rows = [{**each.values, "fits": _verdict(each)} for each in combinations]
+        columns = dict.fromkeys(key for each in combinations for key in each.values)
+        rows = [
+            {**{key: each.values.get(key, "") for key in columns}, "fits": _verdict(each)}
+            for each in combinations
+        ]
         print_table(f"Allocations of {path.stem}", rows)
 
 

@@ -129,3 +129,11 @@ def test_what_does_not_fit_is_found(folder: Path, old: str, new: str, code: str)
     path.write_text(text.replace(old, new, 1), encoding="utf-8")
     found = [each.code for each in check_document(path, Session(Library(folder)))]
     assert code in found, found
+
+
+def test_a_policy_beside_a_schema_is_a_finding(folder: Path) -> None:
+    path = folder / "programs" / "using.yaml"
+    path.write_text(USING.replace("schema: pick", "schema: pick, policy: reachtouch"))
+    (found,) = check_document(path, Session(Library(folder)))
+    assert found.code == "CB649" and "leave out 'reachtouch'" in found.message
+    assert found.place.line == 5
