@@ -12,6 +12,7 @@ from cbdsl.control.onset import OnsetForm
 from cbdsl.control.plan import Search
 from cbdsl.control.rotation import exp
 from cbdsl.program.controller import AlongNormals, Controller, Literal, Relative
+from cbdsl.sensing.chain import require_executed
 from cbdsl.sensing.reading import Reading, flattened, transform
 from cbdsl.sensing.signals import Signals
 from cbdsl.types.resource import (
@@ -109,6 +110,7 @@ def anchor_of(
 
 def _bind_feedback(controller: Controller, signals: Signals, reference: int) -> int:
     source = controller.feedback.source
+    require_executed(controller.feedback, controller.chains)
     if isinstance(controller.reference, AlongNormals):
         if isinstance(source, FingerForces):
             return signals.bind_normal_forces(source)
@@ -118,7 +120,7 @@ def _bind_feedback(controller: Controller, signals: Signals, reference: int) -> 
         return signals.bind_manipulator(source.effector, controller.manipulator, controller.joints)
     if controller.standoff is not None and isinstance(source, Tip):
         return signals.bind_tip(source, reference, controller.standoff)
-    return signals.bind(controller.feedback)
+    return signals.bind(controller.feedback, controller.chains)
 
 
 def _bind_reference(controller: Controller, signals: Signals) -> int:

@@ -7,6 +7,7 @@ from cbdsl.checking.controller.agreement import Agreement
 from cbdsl.checking.controller.axes import check_axes, read_axes
 from cbdsl.checking.controller.comparison import Comparison, read_comparison
 from cbdsl.checking.controller.field import ControllerSpec, check_field
+from cbdsl.checking.controller.influence import acting_chains
 from cbdsl.checking.controller.modifiers import read_modifiers
 from cbdsl.checking.controller.options import MANIPULABILITY, ControllerSettings, settings_of
 from cbdsl.checking.controller.relative import check_relative
@@ -23,7 +24,6 @@ from cbdsl.program.controller import (
     Seek,
     Standoff,
 )
-from cbdsl.types.casts import Cast, chains, held_chain
 from cbdsl.types.potential import POTENTIALS, PotentialType
 from cbdsl.types.resource import Headings, Origin, Resource
 
@@ -112,7 +112,7 @@ class _Triple:
             reference=reference,
             effector=effector,
             joints=joints,
-            chain=self._chain(feedback, effector),
+            chains=acting_chains(self._context.body, feedback, effector),
             rewarded=feedback.origin is Origin.ENVIRONMENT,
             gain=settings.gain,
             speed=settings.speed,
@@ -136,14 +136,6 @@ class _Triple:
             details = {"potential": potential.name, "setting": "funnel"}
             self._context.add("CB521", source.key(*self._steps, "funnel"), **details)
         return check_field(self._context, self._steps, potential, field, wish, self._scope)
-
-    def _chain(self, feedback: Resource, effector: Resource) -> tuple[str, ...]:
-        """How a displacement of the feedback becomes one of the effector, for people."""
-        body = self._context.body
-        sensed = body.sensing(feedback)
-        if sensed is not None and sensed.isdisjoint(body.effector_joints(effector)):
-            return _spelled(held_chain(feedback.type, effector.type), feedback, effector)
-        return _spelled(chains(feedback.type, effector.type)[0], feedback, effector)
 
     def _manipulator(self) -> str | None:
         is_manipulability = self._document.potential == MANIPULABILITY
@@ -189,15 +181,6 @@ class _Triple:
 
     def _resource(self, text: str, key: str) -> Resource | None:
         return self._context.resource(text, (*self._steps, key), self._scope)
-
-
-def _spelled(chain: tuple[Cast, ...], feedback: Resource, effector: Resource) -> tuple[str, ...]:
-    """Types and casts in turn, from the feedback's type to the effector's."""
-    steps = [str(feedback.type)]
-    for cast in chain:
-        is_last = cast is chain[-1]
-        steps += [str(cast), str(effector.type) if is_last else cast.target]
-    return tuple(steps)
 
 
 def _standoff(document: written.StandoffSection | None) -> Standoff | None:
