@@ -8,6 +8,7 @@ of a controller, and its row of the signal table is compiled from them.
 
 from collections import deque
 from collections.abc import Mapping
+from functools import cache
 from typing import NamedTuple
 
 from cbdsl.types.resource import Heading, Headings, Resource, StereoPosition
@@ -90,16 +91,17 @@ def chains_of(resource: Resource) -> tuple[Chain, ...]:
         return (CAMERA,), (TRIANGULATION, *held)
     if isinstance(source, StereoPosition):
         return (held,)
-    return tuple(chains(kind, joints)[:1])
+    return chains(kind, joints)[:1]
 
 
-def chains(start: ResourceType, goal: ResourceType) -> list[Chain]:
+@cache
+def chains(start: ResourceType, goal: ResourceType) -> tuple[Chain, ...]:
     """The shortest chains of casts from one type to another, by breadth-first search.
 
     A product is cast component by component, except where a cast takes several signals at once.
 
     Returns:
-        All chains of the least length: ``[()]`` for equal types, ``[]`` where there is none.
+        All chains of the least length: one without casts for equal types, none where there is none.
     """
     shortest: list[Chain] = []
     waiting: deque[Chain] = deque([()])
@@ -119,4 +121,4 @@ def chains(start: ResourceType, goal: ResourceType) -> list[Chain]:
             and cast.target not in seen
             and (cast.factors == 1 or (not chain and cast.factors == start.factors))
         )
-    return shortest
+    return tuple(shortest)
