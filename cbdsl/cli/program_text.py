@@ -43,10 +43,8 @@ def reference_text(reference: Reference | None, unit: str) -> str:
 
 def casts_text(controller: Controller) -> str:
     """The chains of casts that a controller's row is compiled from, with the types between them."""
-    last = str(configuration(len(controller.joints)))
-    return ", and ".join(
-        _chain_text(chain, controller.feedback, last) for chain in controller.chains
-    )
+    first, last = str(controller.feedback.type), str(configuration(len(controller.joints)))
+    return ", and ".join(_chain_text(chain, first, last) for chain in controller.chains)
 
 
 def _chain_text(chain: Chain, first: str, last: str) -> str:

@@ -14,8 +14,8 @@ from cbdsl.backends.kinematic.backend import KinematicBackend
 from cbdsl.checking.document import check_document
 from cbdsl.checking.knowledge.learned import with_policy
 from cbdsl.checking.session import Session
-from cbdsl.documents.kinds import MODEL, POLICY
-from cbdsl.documents.policy import PolicyDocument
+from cbdsl.documents.model import MODEL
+from cbdsl.documents.policy import POLICY, PolicyDocument
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.documents.stage import StageDocument
 from cbdsl.runtime.episode import EpisodeResult, Runner

@@ -42,6 +42,8 @@ def _problem(
         kind = MODIFIERS.get(name)
     except UsageError as error:
         return str(error)
+    if MODIFIERS.is_builtin(name):
+        return "it is a key of the controller itself"
     if document.reference is None or feedback.type.name not in kind.accepts:
         return f"it changes references of type {' or '.join(sorted(kind.accepts))}"
     return _read_options(kind, options)
