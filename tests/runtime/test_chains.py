@@ -105,11 +105,12 @@ class Oracle:
         return np.sum([self.kinematics.frame(link).position for link in links], axis=0)
 
     def _turned(self, controller: Controller) -> Floats:
-        """How headings to what stands still change."""
-        return self._differences(lambda: self._over_cameras(controller, self._still))
+        """How headings to what is far away change as the cameras turn."""
+        return self._differences(lambda: self._over_cameras(controller, self._ahead))
 
-    def _still(self, camera: str) -> Floats:
-        return self._sighted(camera, self.point)
+    def _ahead(self, camera: str) -> Floats:
+        frame = self.kinematics.frame(self.robot.cameras[camera].link)
+        return heading(frame.rotation.T @ (self.point - self.eyes[camera].position))
 
     def _carried(self, controller: Controller) -> Floats:
         """How headings to what both hands carry change in cameras that stand still."""

@@ -23,7 +23,7 @@ from tests.sensing.test_visual_signals import (
 
 __all__ = ["signals"]
 
-HEADINGS = [f"{camera}.{CHANNEL}" for camera in ("left_camera", "cyclopean", "cameras")]
+HEADINGS = [f"{camera}.{CHANNEL}" for camera in ("left", "cyclopean", "cameras")]
 
 
 @pytest.mark.parametrize("name", ["dexter", "panda", "desk", "sixaxis"])

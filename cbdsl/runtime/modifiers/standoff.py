@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from cbdsl.program.controller import Standoff
-from cbdsl.types.modifier import Call, OptionFault, ModifierType
+from cbdsl.types.modifier import Call, ModifierType, OptionFault
 from cbdsl.types.resource import Tip
 
 if TYPE_CHECKING:
