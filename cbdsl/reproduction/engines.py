@@ -12,9 +12,10 @@ from cbdsl.documents.policy import PolicyDocument
 from cbdsl.documents.program import ProgramDocument
 from cbdsl.documents.stage import StageDocument
 from cbdsl.program.checked import CheckedProgram
+from cbdsl.reproduction.claim import above
 from cbdsl.reproduction.experiment import Result, RunSettings
 from cbdsl.reproduction.percentage import percentage
-from cbdsl.reproduction.quantity import Quantity, at_least, covering
+from cbdsl.reproduction.quantity import Quantity
 from cbdsl.reproduction.shipped import shipped_file, shipped_robot
 from cbdsl.runtime.episode import EpisodeResult, Runner
 from cbdsl.sensing.kinematics import Kinematics
@@ -23,15 +24,17 @@ from cbdsl.yaml_text.library import Library, shipped
 Episodes = Sequence[EpisodeResult]
 
 _EPISODES, _QUICK_EPISODES = 20, 1
+_WORSE = 20.0  # points of percentage below the reference, by which a share is worse
 _ROBOT = "dexter"
 
 _NOTES = (
     "Every program that has a stage runs there under its own policy, and every policy on the stage "
     "that it was learned on. All bodies run the same seeds, which show the same things at the same "
     "places.",
-    "The first body is the reference. The others agree with it where their interval covers its "
-    "share. Notes give the share of episodes that pass the same states in the same order, the "
-    "simulated time of an episode, and how many times faster than real time it runs here.",
+    "The first body is the reference. The others agree with it where all of their interval is "
+    f"above its share less {_WORSE:g} points. Notes give the share of episodes that pass the same "
+    "states in the same order, the simulated time of an episode, and how many times faster than "
+    "real time it runs here.",
 )
 
 
@@ -122,6 +125,7 @@ def _rewarded(
         f"{simulated / wall:.1f} times real time"
     )
     is_reference = episodes is reference
-    expected = at_least(0.0) if is_reference else covering(100 * share / len(reference))
+    floor = 100 * share / len(reference) - _WORSE
+    expected = None if is_reference else above(floor)
     title = f"{name} on {setup}: rewarded"
     return percentage(title, source, hits, len(episodes), expected, note=note)

@@ -14,7 +14,7 @@ from cbdsl.cli.program_text import casts_text
 from cbdsl.control.plan import ControllerPlan
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.program.checked import CheckedProgram
-from cbdsl.program.controller import Controller
+from cbdsl.program.controller import AlongNormals, Controller
 from cbdsl.robot.resources import resources
 from cbdsl.runtime.controller_rows import bind_rows
 from cbdsl.runtime.controller_run import ControllerRun
@@ -24,7 +24,7 @@ from cbdsl.sensing.kinematics import Kinematics
 from cbdsl.sensing.signals import Signals
 from cbdsl.sensing.vision import SeenHeading
 from cbdsl.types.casts import CASTS, chains_of
-from cbdsl.types.resource import FingerForces, Heading, NetForces, NetLoad
+from cbdsl.types.resource import FingerForces, Heading, NetLoad, palms_of
 from tests.conftest import ROOT, Checked
 from tests.sensing.test_visual_signals import between, facing, feel
 
@@ -90,12 +90,13 @@ class Oracle:
             touch = self.signals.touch
             rows = np.eye(len(self.positions))[touch.flexing[source.hand]]
             return control.stiffness * touch.closing[source.hand] * rows
-        if isinstance(source, NetLoad):
+        if isinstance(source, NetLoad) and not isinstance(controller.reference, AlongNormals):
             return control.contact_stiffness * self._differences(lambda: self._tips(source.hand))
-        assert isinstance(source, NetForces)
+        palms = palms_of(source)
+        assert palms is not None
         rows = []
-        for hand, arm in (("left_hand", "left_arm"), ("right_hand", "right_arm")):
-            normal = self.signals.tips.normal(arm).copy()
+        for hand in self.robot.members(palms.group):
+            normal = self.signals.tips.normal(self.signals.touch.carriers[hand]).copy()
             rows.append(normal @ self._differences(lambda hand=hand: self._tips(hand)))
         return control.contact_stiffness * np.array(rows)
 

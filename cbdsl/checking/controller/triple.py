@@ -113,7 +113,9 @@ class _Triple:
             effector=effector,
             joints=joints,
             chains=acting_chains(self._context.body, feedback, effector),
-            rewarded=feedback.origin is Origin.ENVIRONMENT,
+            # Without a reference nothing that comes from the environment is tracked: such a
+            # potential conditions the robot, and earns nothing (Section 4.2).
+            rewarded=feedback.origin is Origin.ENVIRONMENT and potential.reference,
             gain=settings.gain,
             speed=settings.speed,
             acceleration=settings.acceleration,
