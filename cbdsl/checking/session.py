@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from pathlib import Path
-from typing import TypeVar
+from typing import TYPE_CHECKING, TypeVar
 
 from cbdsl.checking.findings import Findings
 from cbdsl.checking.lookup.uses import Uses
@@ -13,9 +13,11 @@ from cbdsl.checking.robot.robot import examine_robot
 from cbdsl.documents.document import Document
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.errors.errors import DiagnosticsError
-from cbdsl.program.checked import CheckedProgram
 from cbdsl.yaml_text.library import Library
 from cbdsl.yaml_text.loaded import Loaded
+
+if TYPE_CHECKING:
+    from cbdsl.program.checked import CheckedProgram
 
 D = TypeVar("D", bound=Document)
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Collection, Mapping
 from pathlib import Path
-from typing import TypeVar
+from typing import TYPE_CHECKING, TypeVar
 
 from cbdsl.checking.context import Steps
 from cbdsl.checking.dependencies import Dependencies
@@ -12,17 +12,18 @@ from cbdsl.checking.findings import Findings
 from cbdsl.checking.knowledge.learned import check_policy, with_policy
 from cbdsl.checking.lookup.documents import find_document
 from cbdsl.checking.lookup.scope import Scope
-from cbdsl.checking.schema import checked_schema
 from cbdsl.checking.session import Session
 from cbdsl.checking.substitution import Examine
 from cbdsl.documents.policy import PolicyDocument
 from cbdsl.documents.program import ProgramDocument, Use
-from cbdsl.documents.schema import SchemaDocument
 from cbdsl.errors.errors import DiagnosticsError
 from cbdsl.program.checked import CheckedProgram
 from cbdsl.yaml_text.loaded import Loaded
 
-K = TypeVar("K", PolicyDocument, SchemaDocument)
+if TYPE_CHECKING:
+    from cbdsl.documents.schema import SchemaDocument
+
+K = TypeVar("K", PolicyDocument, "SchemaDocument")
 
 # Programs within one another, and programs that one uses in all, each with other values.
 _DEEPEST = 64
@@ -182,6 +183,10 @@ class UsedPrograms:
         self, name: str, program: CheckedProgram, values: Mapping[str, str], steps: Steps
     ) -> CheckedProgram | None:
         """A used program that a schema allocates, or ``None`` where that does not fit."""
+        # Few programs use schemas, and their module takes a fiftieth of cb validate's time.
+        from cbdsl.checking.schema import checked_schema
+        from cbdsl.documents.schema import SchemaDocument
+
         loaded = self._knowledge(SchemaDocument, name, program, steps)
         if loaded is None:
             return None

@@ -32,6 +32,7 @@ from cbdsl.documents.document import (
     Turn,
     Vector,
 )
+from cbdsl.documents.kind import Kind
 
 
 class TipSection(Section):
@@ -350,3 +351,18 @@ class RobotDocument(Document):
     def joints(self, effector: str) -> tuple[str, ...]:
         """The actuated joints of an effector, or of a group's members in turn."""
         return tuple(j for name in self.members(effector) for j in self.effectors[name].joints)
+
+
+ROBOT = Kind(
+    RobotDocument,
+    folder="robots",
+    checker="cbdsl.checking.document:check_robot",
+    unknown="CB601",
+    references={"calibration": "calibration"},
+    stand_ins={
+        "model": "unknown",
+        "base": "unknown",
+        "effectors": {},
+        "control": {"rate": 1, "tasks": {}},
+    },
+)

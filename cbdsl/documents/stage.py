@@ -26,6 +26,7 @@ from cbdsl.documents.document import (
     TimeSpan,
     quantity,
 )
+from cbdsl.documents.kind import Kind
 
 Side = Literal["-x", "+x", "-y", "+y"]
 """Where a side looks while the thing's yaw is 0."""
@@ -441,3 +442,13 @@ class StageDocument(Document):
     """Ways in which an episode can begin, by name."""
     disturbance: Disturbance = Disturbance.model_construct()
     world: WorldSection = WorldSection.model_construct()
+
+
+STAGE = Kind(
+    StageDocument,
+    folder="programs/stages",
+    checker="cbdsl.checking.stage.stage:examine_stage",
+    unknown="CB602",
+    references={"robot": "robot"},
+    stand_ins={"robot": "unknown", "contexts": {"unknown": {}}},
+)

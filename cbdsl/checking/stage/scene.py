@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Mapping
+from functools import lru_cache
 from itertools import chain, combinations, product
 from typing import Literal, NamedTuple
 
@@ -107,7 +108,7 @@ def _in_robot(
     if not fixtures:
         return
     try:
-        base = [(link, solid) for link in _unmoved(model) for solid in _solids(model, link)]
+        base = _base(model)
     except UrdfError:  # which is told by whoever needs the shapes
         return
     for name, fixture in fixtures.items():
@@ -240,6 +241,12 @@ def _smallest(form: Form) -> tuple[Literal["ball", "box", "cylinder"], Triple]:
 def _middle(fixture: Fixture) -> Triple:
     (x, _), (y, _), (z, _) = fixture.position
     return x, y, z
+
+
+@lru_cache(maxsize=8)  # most stages are for one robot
+def _base(model: UrdfModel) -> tuple[tuple[str, _Solid], ...]:
+    """Links that no joint moves, and what they are made of."""
+    return tuple((link, solid) for link in _unmoved(model) for solid in _solids(model, link))
 
 
 def _unmoved(model: UrdfModel) -> Iterator[str]:
