@@ -76,6 +76,20 @@ class Session:
         body = examine_robot(loaded, findings)
         return None if loaded.faults else body
 
+    def replace(self, path: Path, data: bytes) -> bool:
+        """Have other bytes stand in for those of a file.
+
+        Programs are checked again. What was found of robots is kept, which takes most of the time.
+
+        Returns:
+            Whether the session can go on: not where a robot may have become another one.
+        """
+        if not self.library.replace(path, data):
+            return False
+        self.uses = Uses(self.library)
+        self._programs.clear()
+        return True
+
     def recall(
         self, path: Path, values: Mapping[str, str]
     ) -> tuple[CheckedProgram | None, Findings] | None:

@@ -13,6 +13,7 @@ from cbdsl.checking.knowledge.learned import check_policy, with_policy
 from cbdsl.checking.lookup.documents import find_document
 from cbdsl.checking.lookup.scope import Scope
 from cbdsl.checking.session import Session
+from cbdsl.checking.substitution import Examine
 from cbdsl.documents.policy import PolicyDocument
 from cbdsl.documents.program import ProgramDocument, Use
 from cbdsl.errors.errors import DiagnosticsError
@@ -20,7 +21,6 @@ from cbdsl.program.checked import CheckedProgram
 from cbdsl.yaml_text.loaded import Loaded
 
 if TYPE_CHECKING:
-    from cbdsl.checking.schema import Examine
     from cbdsl.documents.schema import SchemaDocument
 
 K = TypeVar("K", PolicyDocument, "SchemaDocument")
@@ -107,6 +107,9 @@ class UsedPrograms:
                 return None
             faults = own  # with its own values it has faults already
         self._findings.extend(faults.sorted())
+        if use.schema_ is not None and use.policy is not None:
+            details = {"name": name, "schema": use.schema_, "policy": use.policy}
+            self._findings.add("CB649", self._source.key("use", name, "policy"), **details)
         if program is not None and use.schema_ is not None:
             return self._allocated(use.schema_, program, values, ("use", name, "schema"))
         if program is None or use.policy is None:

@@ -104,7 +104,7 @@ def _controller(controller: Controller) -> Iterator[str]:
 
 def _bounds(controller: Controller) -> Iterator[str]:
     """How fast the task may move, and how quickly that may change."""
-    scalar, unit = POTENTIALS[controller.potential].scalar, controller.feedback.type.unit
+    scalar, unit = POTENTIALS[controller.potential].scalar, controller.task.unit
     unit = "" if scalar else f"({unit})" if "," in unit else unit
     if controller.speed is not None:
         # Forces and phi itself move only as fast as the joints that move them.
@@ -122,7 +122,7 @@ def _reference(controller: Controller) -> str:
     reference = controller.reference
     if isinstance(reference, Resource):
         return _resource(reference)
-    return reference_text(reference, controller.feedback.type.unit)
+    return reference_text(reference, controller.compared.unit)
 
 
 def _action(program: CheckedProgram, action: Action) -> Iterator[str]:

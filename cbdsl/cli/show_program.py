@@ -94,7 +94,7 @@ def _controller(controller: Controller) -> dict[str, object]:
         "potential": controller.potential,
         "feedback": controller.feedback.name,
         "type": str(controller.feedback.type),
-        "reference": reference_text(controller.reference, controller.feedback.type.unit),
+        "reference": reference_text(controller.reference, controller.compared.unit),
         "effector": controller.effector.name,
         "joints": list(controller.joints),
         "casts": casts_text(controller),

@@ -7,6 +7,7 @@ from pydantic import Field, field_validator, model_validator
 
 from cbdsl.documents.document import (
     AnyAcceleration,
+    AnyGain,
     AnySpeed,
     Coordinate,
     Distance,
@@ -18,7 +19,6 @@ from cbdsl.documents.document import (
     Number,
     Positive,
     PositiveCount,
-    Rate,
     Section,
     Speed,
     Tolerance,
@@ -140,7 +140,7 @@ class ControllerSection(Section):
     ``here + [0 cm, 0 cm, 15 cm]``."""
     effector: Text
     """The resource tau that is moved."""
-    gain: Rate | None = None
+    gain: AnyGain | None = None
     """kappa, 1/s; without it the robot's setting for the feedback's type."""
     speed: AnySpeed | None = None
     """Largest rate of the task; without it the robot's setting for the feedback's type."""
@@ -148,7 +148,7 @@ class ControllerSection(Section):
     """Largest acceleration of the task; without it the robot's setting."""
     quiescence: QuiescenceSection | None = None
     free_axis: Literal["x", "y", "z"] | None = None
-    """Axis of the tip about which an orientation may turn freely."""
+    """Axis of the tip about which an orientation may turn freely, or that looks at a point."""
     axes: tuple[Literal["x", "y", "z"], ...] | None = None
     """Axes of the world frame along which a position, force or torque is compared; all without it.
     The reference has one component for each."""
@@ -225,6 +225,8 @@ class GuardsSection(Section):
     """Largest force of a fingertip, in all directions together."""
     hand_force: Annotated[float, quantity("force", gt=0)] | None = None
     """Largest net force of a hand."""
+    joint_torque: Annotated[float, quantity("torque", gt=0)] | None = None
+    """Largest torque, of all joints of an arm together, that contacts anywhere on it may cause."""
 
 
 class ProgramDocument(Document):

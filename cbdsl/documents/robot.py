@@ -250,6 +250,15 @@ class Contact(Section):
     """Fingertips of two hands that feel something and are no farther apart feel each other."""
 
 
+class JointTorques(Section):
+    """Drives that measure the torques of their joints, which feel contacts anywhere on an arm."""
+
+    threshold: Torque = 10.0
+    """Torques, of all joints of an arm together, that motion without contact may cause."""
+    filter: Time = 0.05
+    """Time constant of the low-pass filter behind them."""
+
+
 class TipSurface(Section):
     """The material of the links that touch things."""
 
@@ -277,10 +286,11 @@ class MujocoSection(Section):
     """Time constant with which contacts push things apart."""
     spinning_friction: Length = 0.005
     """Torque about the normal of a contact that friction bears, per force of the contact."""
-    friction_stiffness: Positive = 3.0
-    """How much stiffer contacts are along the surfaces than across them; contacts creep less."""
-    noslip_iterations: Count = 0
-    """Iterations that end all creeping: things stay in the hand, and fingers jam where they rub."""
+    friction_stiffness: Positive = 1.0
+    """How much stiffer contacts are along the surfaces than across them."""
+    noslip_iterations: Count = 5
+    """Iterations that end all creeping, so that things stay in the hand; without any, contacts
+    creep under load."""
 
 
 class Simulation(Section):
@@ -328,6 +338,8 @@ class RobotDocument(Document):
     """Sensors of kinds that other packages add, by name."""
     vision: VisionSection = VisionSection.model_construct()
     contact: Contact = Contact.model_construct()
+    joint_torques: JointTorques | None = None
+    """Without it no joint's torque is measured."""
     control: Control
     simulation: Simulation = Simulation.model_construct()
 

@@ -4,7 +4,9 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 from cbdsl.types.casts import Chain
+from cbdsl.types.potential import POTENTIALS
 from cbdsl.types.resource import Resource
+from cbdsl.types.resource_type import TYPES, ResourceType
 
 
 class Literal(NamedTuple):
@@ -171,6 +173,8 @@ class Controller:
         requires: name of the controller without which it is undefined, or ``None``.
         axes: indices of the world axes that are compared, of every factor; ``None`` for all.
         onset: how the load has to change before it is defined, or ``None``.
+        tip_stiffness: of what a tip presses on, N/m, where the speed of a force is the tip's, m/s;
+            ``None`` for all others.
     """
 
     name: str
@@ -195,6 +199,19 @@ class Controller:
     modifiers: tuple[Modifier, ...] = ()
     axes: tuple[int, ...] | None = None
     onset: Onset | None = None
+    tip_stiffness: float | None = None
+
+    @property
+    def task(self) -> ResourceType:
+        """The type whose unit its error has, and its gain and bounds are of."""
+        name = POTENTIALS[self.potential].task
+        return self.feedback.type if name is None else TYPES[name]
+
+    @property
+    def compared(self) -> ResourceType:
+        """The type of its reference."""
+        name = POTENTIALS[self.potential].compares
+        return self.feedback.type if name is None else TYPES[name]
 
     @property
     def resources(self) -> tuple[Resource, ...]:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
+from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,7 +18,7 @@ Statistic = Callable[[Floats], Floats]
 """A statistic along the first axis, such as ``numpy.mean`` with ``axis=0``."""
 
 # Data sets that a chance is estimated from, and draws of the interval of each.
-_SETS, _DRAWS = 400, 200
+_SETS, _DRAWS = 1000, 200
 
 
 def estimate(
@@ -112,7 +113,9 @@ def chance_of_samples(claim: Claim, samples: Floats, statistic: Statistic, seed:
     rng = np.random.default_rng(seed)
     sets = samples[rng.integers(n, size=(n, _SETS))]
     again = sets[rng.integers(n, size=(n, _DRAWS)), :]
-    lows, highs = np.percentile(statistic(again), (2.5, 97.5), axis=0, method="nearest")
+    # Between infinite values, as of trials that never learned, nothing is to interpolate.
+    method: Literal["linear", "nearest"] = "linear" if np.isfinite(samples).all() else "nearest"
+    lows, highs = np.percentile(statistic(again), (2.5, 97.5), axis=0, method=method)
     intervals = [(float(low), float(high)) for low, high in zip(lows, highs, strict=True)]
     shifts = [_outside(claim, end) - centre for end in claim.ends]
     return max((_share(claim, intervals, shift) for shift in shifts), default=0.0)

@@ -13,8 +13,12 @@ from cbdsl.reproduction.quantity import Verdict
 
 _HEADING = re.compile(r"^## ([^:\n]+): ", re.MULTILINE)
 _CELLS = re.compile(r"(?<!\\)\|")
-#: Verdicts that want a cause.
-_NOT_REPRODUCED = (Verdict.MISSED, Verdict.UNDECIDED, Verdict.ORDERING)
+# What is said of rows without a cause of their own. A miss has one, or none is known.
+_DEFAULTS = {
+    Verdict.MISSED: "cause not known",
+    Verdict.UNDECIDED: "too few trials to tell",
+    Verdict.ORDERING: "too few trials to tell more than the order",
+}
 
 
 @dataclass(frozen=True)
@@ -71,7 +75,7 @@ def summary(sections: Sequence[str]) -> str:
         "",
         *_counts(rows),
         "",
-        *(_miss(row) for row in rows if row.verdict in _NOT_REPRODUCED),
+        *(_miss(row) for row in rows if row.verdict in _DEFAULTS),
         "",
     ]
     return "\n".join(lines)
@@ -104,7 +108,8 @@ def _counts(rows: Sequence[PageRow]) -> Iterator[str]:
 
 
 def _miss(row: PageRow) -> str:
-    cause = next((each.text for each in causes() if each.explains(row)), "cause not known")
+    default = _DEFAULTS[Verdict(row.verdict)]
+    cause = next((each.text for each in causes() if each.explains(row)), default)
     return f"* {row.section}, {row.quantity}: {row.ours}, {row.verdict}; {cause}."
 
 

@@ -61,7 +61,7 @@ def anchor_of(controller: Controller, signals: Signals, rows: ControllerRows) ->
     reference, kind = controller.reference, controller.feedback.type.name
     if not isinstance(reference, Relative) or reference.base is not None:
         return Anchor()
-    offset = _constant(Literal(reference.offset), controller.feedback, signals)
+    offset = _constant(Literal(reference.offset), controller, signals)
     row = signals.bind_written(len(offset))
     signals.table.write(row, Reading(offset, None, 0))
     return Anchor(rows.declared, row, kind in ("orientation", "pose"))
@@ -89,11 +89,11 @@ def _bind_reference(controller: Controller, signals: Signals) -> int:
             return signals.bind_written(reference.type.size)
         return signals.bind(reference)
     if isinstance(reference, Relative):
-        offset = _constant(Literal(reference.offset), controller.feedback, signals)
+        offset = _constant(Literal(reference.offset), controller, signals)
         if reference.base is None:
             return signals.bind_written(len(offset))
         return signals.bind_displaced(reference.base, offset)
-    value = _constant(reference, controller.feedback, signals)
+    value = _constant(reference, controller, signals)
     number = signals.bind_written(len(value))
     signals.table.write(number, Reading(value, None, 0))
     return number
@@ -105,9 +105,11 @@ def _palms(source: Source) -> NetForces:
     return palms
 
 
-def _constant(reference: Literal | AlongNormals, feedback: Resource, signals: Signals) -> Floats:
+def _constant(
+    reference: Literal | AlongNormals, controller: Controller, signals: Signals
+) -> Floats:
     """A constant reference as a row has it."""
-    kind, source = feedback.type.name, feedback.source
+    kind, source = controller.compared.name, controller.feedback.source
     if isinstance(reference, AlongNormals):
         if isinstance(source, FingerForces):
             return reference.force * signals.touch.shares(source.hand)

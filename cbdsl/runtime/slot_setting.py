@@ -33,6 +33,8 @@ def modified(form: SlotForm, setting: SlotSetting) -> SlotForm:
         PluginError: a modifier of another package fails; the message names both.
     """
     for kind, options in declared(setting.controller):
+        if setting.controller.potential in kind.read_by:
+            continue
         form = _bind_of(kind)(form, options, setting)
     for modifier in setting.controller.modifiers:
         kind = MODIFIERS.get(modifier.name)

@@ -31,6 +31,7 @@ from cbdsl.sensing.refresh import (
     WRITTEN,
     refresh,
 )
+from cbdsl.sensing.strain import Strain
 from cbdsl.sensing.surface import SurfaceSampler
 from cbdsl.sensing.surfaces import Surfaces
 from cbdsl.sensing.table import Form, RowPart, SignalTable
@@ -50,6 +51,7 @@ from cbdsl.types.resource import (
     GaussianSample,
     Heading,
     Headings,
+    InstanceCount,
     KernelSample,
     NetForces,
     NetLoad,
@@ -123,6 +125,7 @@ class Signals:
         self.tips = Tips(robot, kinematics)
         self.clock = self.tips.clock
         self.touch = Touch(robot, kinematics, self.tips)
+        self.strain = Strain(robot.joint_torques, kinematics)
         self.sight = VisualSignals(robot, kinematics, self.vision, self.tips, self.touch)
         self.surfaces = Surfaces(robot, kinematics, self.vision, resources)
         self.blobs = BlobSignals(robot, self.vision, self.sight, resources)
@@ -140,6 +143,7 @@ class Signals:
             FingerForces: self.touch.finger_forces,
             BlobSignal: self.blobs.blob,
             StereoSignal: self.blobs.feature,
+            InstanceCount: self.blobs.count,
         }
         self._seen_by: dict[type, Callable[[Any, tuple[Chain, ...]], Reading | None]] = {
             Heading: self.sight.heading,
@@ -163,6 +167,7 @@ class Signals:
         self._forget()
 
     def _forget(self) -> None:
+        self.strain.reset()
         self.vision.reset()
         self.sight.reset()
         self.blobs.reset()
@@ -180,6 +185,7 @@ class Signals:
         self.clock[0] += 1
         self.time = observation.time
         self.kinematics.update(observation.positions)
+        self.strain.update(observation)
         if self.robot.load_cells:
             self.touch.update(wrenches)
             self.sight.update()
@@ -223,6 +229,11 @@ class Signals:
         """
         key = "tip", source, facing, standoff
         return self._bound(key, lambda: self._bind_point(source, facing, standoff))
+
+    def bind_joints(self, effector: str) -> int:
+        """The row of an effector's joint positions, rad."""
+        source = EffectorConfiguration(effector)
+        return self._bound((type(source), source), lambda: self._bind_configuration(source))
 
     def bind_links(self, links: Sequence[str]) -> int:
         """The row of the mean position of some links' frames, m, world frame."""

@@ -49,6 +49,7 @@ class ModifierType(NamedTuple):
         residual: whether it changes residuals, which a potential that is a field has none of.
         read: makes the checked controller's field of the document's.
         fault: the fault of the document's options, or ``None``.
+        read_by: potentials that read its options themselves, for whatever feedback they have.
         positive, not_negative: options that have to be above 0, or not below.
     """
 
@@ -63,11 +64,14 @@ class ModifierType(NamedTuple):
     residual: bool = False
     read: Callable[[Any, Call], Any] = lambda section, _: section
     fault: Callable[[Any], OptionFault | None] = lambda _: None
+    read_by: frozenset[str] = frozenset()
     positive: tuple[str, ...] = ()
     not_negative: tuple[str, ...] = ()
 
-    def suits(self, feedback: Resource) -> bool:
-        """Whether it is for a feedback."""
+    def suits(self, feedback: Resource, potential: str) -> bool:
+        """Whether it is for a feedback under a potential."""
+        if potential in self.read_by:
+            return True
         has_source = not self.sources or isinstance(feedback.source, self.sources)
         return has_source and feedback.type.name in self.accepts
 

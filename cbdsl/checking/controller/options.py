@@ -14,19 +14,25 @@ from cbdsl.documents.robot import TaskSettings
 from cbdsl.program.controller import Quiescence
 from cbdsl.types.casts import FEATURES
 from cbdsl.types.modifier import declared
+from cbdsl.types.potential import POTENTIALS
 from cbdsl.types.resource import FingerForces, Resource, palms_of
 from cbdsl.types.resource_type import TYPES
 
 MANIPULABILITY = "manipulability"
+LOOK_AT = "look_at"
 
 
 class ControllerSettings(NamedTuple):
-    """Settings of one controller, its own before the robot's."""
+    """Settings of one controller, its own before the robot's.
+
+    ``tip_stiffness`` is that of ``Controller``.
+    """
 
     gain: float
     speed: float | None
     acceleration: float | None
     quiescence: Quiescence
+    tip_stiffness: float | None = None
 
 
 class Misplaced(NamedTuple):
@@ -47,7 +53,7 @@ def misplaced(document: written.ControllerSection, feedback: Resource) -> Iterat
     """The options that mean nothing for a feedback, or for the potential."""
     instead = f"the feedback is '{feedback.name}', {feedback.type}"
     for modifier, _ in declared(document):
-        if not modifier.suits(feedback):
+        if not modifier.suits(feedback, document.potential):
             yield Misplaced((modifier.name,), modifier.purpose, instead)
     if document.manipulator is not None and document.potential != MANIPULABILITY:
         potential = f"the potential is {document.potential}"
@@ -78,7 +84,7 @@ def check_options(
         place = context.source.key(*steps, *option.path)
         details = {"name": option.path[-1], "purpose": option.purpose, "instead": option.instead}
         findings.add("CB513", place, **details)
-    check_settings(feedback.type.name, context.source, steps, findings)
+    check_settings(_task(document, feedback), context.source, steps, findings, of_tips=True)
     if isinstance(feedback.source, FingerForces) and document.seek is not None:
         _check_end(context, (*steps, "seek", "until"), feedback.source, findings)
 
@@ -105,7 +111,8 @@ def settings_of(
     if feedback.type.name in FEATURES:
         return None  # which is no feedback, as has been reported
     robot = context.body.document
-    general = robot.control.tasks.get(feedback.type.name)
+    task = _task(document, feedback)
+    general = robot.control.tasks.get(task)
     candidates: list[written.ControllerSection | TaskSettings] = [document]
     if general is not None:
         candidates.append(general)
@@ -116,7 +123,7 @@ def settings_of(
             return None  # one of them is misspelt, which has been reported
         lacking = {"a gain": gain, "a quiescence": quiescence}
         setting = " and ".join(name for name, value in lacking.items() if value is None)
-        details = {"robot": robot.name, "setting": setting, "task": feedback.type.name}
+        details = {"robot": robot.name, "setting": setting, "task": task}
         context.add("CB511", context.source.key(*steps), **details)
         return None
     return ControllerSettings(
@@ -125,6 +132,12 @@ def settings_of(
         _first(settings.acceleration for settings in candidates),
         Quiescence(quiescence.rate, quiescence.window, quiescence.within, quiescence.tolerance),
     )
+
+
+def _task(document: written.ControllerSection, feedback: Resource) -> str:
+    """Name of the type that a controller's settings are for."""
+    potential = POTENTIALS.get(document.potential)
+    return (potential.task if potential else None) or feedback.type.name
 
 
 T = TypeVar("T")

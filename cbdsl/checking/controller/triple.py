@@ -9,10 +9,16 @@ from cbdsl.checking.context import ProgramContext, Steps
 from cbdsl.checking.controller.agreement import Agreement
 from cbdsl.checking.controller.axes import check_axes, read_axes
 from cbdsl.checking.controller.comparison import Comparison, read_comparison
+from cbdsl.checking.controller.effector_units import in_task_units
 from cbdsl.checking.controller.field import ControllerSpec, check_field
 from cbdsl.checking.controller.influence import acting_chains
 from cbdsl.checking.controller.modifiers import read_modifiers
-from cbdsl.checking.controller.options import MANIPULABILITY, ControllerSettings, settings_of
+from cbdsl.checking.controller.options import (
+    LOOK_AT,
+    MANIPULABILITY,
+    ControllerSettings,
+    settings_of,
+)
 from cbdsl.checking.controller.relative import check_relative
 from cbdsl.checking.controller.soundness import check_numbers, check_reference, suits_body
 from cbdsl.checking.lookup.scope import Scope
@@ -83,7 +89,8 @@ class _Triple:
             return None
         reference = agreement.check(feedback)
         check_numbers(self._context, self._steps, document)
-        check_reference(self._context, self._steps, reference, feedback)
+        if potential is None or potential.compares is None:
+            check_reference(self._context, self._steps, reference, feedback)
         if not check_relative(self._context, self._steps, document, reference, feedback):
             return None
         if not self._has_tip(feedback) or not self._has_rigid_cameras(feedback):
@@ -91,9 +98,12 @@ class _Triple:
         settings = settings_of(self._context, self._steps, document, feedback)
         if potential is None or effector is None or settings is None or not agreement.holds:
             return None
+        in_units = in_task_units(self._context, self._steps, settings, feedback, effector)
+        if in_units is None:
+            return None
         if not suits_body(self._context, self._steps, document, feedback, effector):
             return None
-        return self._controller(potential, feedback, reference, effector, settings)
+        return self._controller(potential, feedback, reference, effector, in_units)
 
     def _controller(
         self,
@@ -124,6 +134,7 @@ class _Triple:
             field=self._field(potential, ControllerSpec(feedback, reference, joints)),
             modifiers=read_modifiers(self._context, self._steps, document, feedback),
             axes=read_axes(document),
+            tip_stiffness=settings.tip_stiffness,
             **self._modifiers(),
         )
 
@@ -157,10 +168,12 @@ class _Triple:
 
     def _modifiers(self) -> dict[str, Any]:
         """Modifiers of cbdsl's own, by the field that has them."""
-        return {
+        found = {
             modifier.name: modifier.read(section, partial(self._call, modifier.name))
             for modifier, section in declared(self._document)
         }
+        # Whatever looks does so along an axis of its tip.
+        return {"free_axis": "z", **found} if self._document.potential == LOOK_AT else found
 
     def _call(self, modifier: str, text: str | None, option: str) -> str | None:
         """Another controller, called as the actions call it."""

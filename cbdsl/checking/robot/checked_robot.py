@@ -20,6 +20,7 @@ from cbdsl.types.resource import (
     GaussianSample,
     Heading,
     Headings,
+    InstanceCount,
     KernelSample,
     NetForces,
     NetLoad,
@@ -84,7 +85,7 @@ class CheckedRobot(NamedTuple):
                 return ("cameras", camera)
             case Heading() | Headings() | StereoPosition():
                 return ("cameras",)
-            case BlobSignal() | StereoSignal() | SurfacePoint():
+            case BlobSignal() | StereoSignal() | InstanceCount() | SurfacePoint():
                 return ("cameras",)
             case (
                 EffectorConfiguration(effector=name)

@@ -17,6 +17,7 @@ from cbdsl.checking.robot.checked_robot import CheckedRobot
 from cbdsl.documents.stage import (
     BallForm,
     BoxForm,
+    ComposedForm,
     Context,
     Fixture,
     Form,
@@ -223,12 +224,12 @@ class _Arrangement:
 
 
 def _is_hollow(form: Form) -> bool:
-    return isinstance(form, (OpenBoxForm, TubeForm))
+    return isinstance(form, (OpenBoxForm, TubeForm, ComposedForm))
 
 
 def _smallest(form: Form) -> tuple[Literal["ball", "box", "cylinder"], Triple]:
     """Shape, and half the extents of the smallest that may be drawn, m."""
-    if isinstance(form, (BoxForm, OpenBoxForm)):
+    if isinstance(form, (BoxForm, OpenBoxForm, ComposedForm)):
         a, b, c = (least / 2 for least, _ in form.size)
         return "box", (a, b, c)
     radius = form.radius[0]

@@ -25,4 +25,5 @@ FREE_AXIS = ModifierType(
     accepts=frozenset({"orientation"}),
     slot=f"{__name__}:bind",
     purpose="orientations",
+    read_by=frozenset({"look_at"}),
 )
