@@ -312,10 +312,25 @@ class Instances:
         sightings = left[candidate.left], right[candidate.right]
         if not candidate.whole or not all(_is_compact(each.region) for each in sightings):
             return False
+        if self._may_be_fragments(sightings):
+            return False
         radius = math.sqrt(max(candidate.meeting.sizes) / math.pi)
         return all(
             memory.position is None
             or math.dist(memory.position, candidate.meeting.position) > max(memory.radius, radius)
+            for memory in self.memories
+        )
+
+    def _may_be_fragments(self, sightings: Sequence[Sighting]) -> bool:
+        """Whether a hand may have cut off what is seen from a remembered thing's region.
+
+        Two cameras see different parts of it between the fingers, whose lines of sight meet
+        somewhere.
+        """
+        return any(
+            memory.position is not None
+            and any(each.distance(memory.position) <= memory.radius for each in sightings)
+            and self._field.is_hidden_by_hand(memory.position)
             for memory in self.memories
         )
 
