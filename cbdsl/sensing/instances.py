@@ -25,6 +25,8 @@ _BESIDE = 0.03
 _STEADY = 0.02
 # Regions that have grown together look larger than the thing that is known, by this at least.
 _GROWN = 1.04
+# A region shows a thing whole, and no part of it, from this share of its radius on.
+_NEARLY = 0.9
 # Two round regions grown together are longer than wide, by this at least, and fill less of
 # the ellipse with their moments; a rectangle fills 0.955 of it.
 _LONG = 1.3
@@ -273,14 +275,24 @@ class Instances:
             del self.sightings[1 - other][number]
 
     def _has_grown_together(self, number: int, known: Sequence[int]) -> bool:
-        """Whether a thing's region may show another thing, too, which has no region of its own."""
+        """Whether a thing's region may show another thing, too, or a part of it.
+
+        That is one which has no region of its own, or one of which a hand leaves parts visible.
+        """
         return any(
-            other not in claims and self._touches(claims[number], other)
+            self._touches(claims[number], other) and not self._is_seen_whole(claims, other)
             for row, claims in enumerate(self.sightings)
             if number in claims
             for other in known
-            if not self._is_just_before(row, number, other)
+            if other != number and not self._is_just_before(row, number, other)
         )
+
+    def _is_seen_whole(self, claims: dict[int, Sighting], number: int) -> bool:
+        """Whether a thing has a region of its own, nearly as large as it is."""
+        memory = self.memories[number]
+        assert memory.position is not None
+        seen = claims.get(number)
+        return seen is not None and seen.radius(memory.position) >= _NEARLY * memory.radius
 
     def _touches(self, sighting: Sighting, other: int) -> bool:
         """Whether a region reaches to where a remembered thing would be seen."""
@@ -312,10 +324,25 @@ class Instances:
         sightings = left[candidate.left], right[candidate.right]
         if not candidate.whole or not all(_is_compact(each.region) for each in sightings):
             return False
+        if self._may_be_fragments(sightings):
+            return False
         radius = math.sqrt(max(candidate.meeting.sizes) / math.pi)
         return all(
             memory.position is None
             or math.dist(memory.position, candidate.meeting.position) > max(memory.radius, radius)
+            for memory in self.memories
+        )
+
+    def _may_be_fragments(self, sightings: Sequence[Sighting]) -> bool:
+        """Whether a hand may have cut off what is seen from a remembered thing's region.
+
+        Two cameras see different parts of it between the fingers, whose lines of sight meet
+        somewhere.
+        """
+        return any(
+            memory.position is not None
+            and any(each.distance(memory.position) <= memory.radius for each in sightings)
+            and self._field.is_hidden_by_hand(memory.position)
             for memory in self.memories
         )
 

@@ -236,6 +236,27 @@ def test_what_grows_together_in_the_images_stays_where_it_was(scene: Scene) -> N
     assert scene.places() == {0: near(large)}
 
 
+@pytest.mark.parametrize("hidden", [True, False])
+def test_what_a_hand_leaves_of_a_thing_is_no_other_thing(
+    scene: Scene, monkeypatch: pytest.MonkeyPatch, hidden: bool
+) -> None:
+    """Without a hand before it, the lines of sight to two parts of it meet at a ghost."""
+    scene.show((RIGHT, 0.06))
+    scene.look()
+    vision, red = scene.signals.vision, scene.red
+    parts = []
+    for (camera, eye), aside in zip(scene.signals.robot.cameras.items(), (12, -12), strict=True):
+        whole, frame = vision.seen[camera][RED][0], scene.signals.kinematics.frame(eye.link)
+        half = whole._replace(area=whole.area // 2)
+        rest = whole._replace(area=whole.area // 4, column=whole.column + aside)
+        parts.append([vision._sighted(camera, frame, each) for each in (half, rest)])
+    monkeypatch.setattr(vision.field, "is_hidden_by_hand", lambda position: hidden)
+    for tick in range(1, 5):
+        red.look(1.0 + tick / 15, parts)
+    assert len(scene.places()) == (1 if hidden else 2)
+    assert scene.places()[0] == near(RIGHT)
+
+
 def test_a_thing_that_is_moved_keeps_its_number(scene: Scene) -> None:
     scene.show((LEFT, 0.05), (RIGHT, 0.06))
     scene.look()

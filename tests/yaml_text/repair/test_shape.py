@@ -13,6 +13,7 @@ from cbdsl.documents.program import ControllerSection, ProgramDocument
 from cbdsl.documents.stage import (
     BallForm,
     BoxForm,
+    ComposedForm,
     CylinderForm,
     OpenBoxForm,
     StageDocument,
@@ -54,7 +55,7 @@ def test_what_is_required_is_known_and_completes_a_section(kind: str) -> None:
         (
             StageDocument,
             ("things", "cup", "form"),
-            (BallForm, BoxForm, CylinderForm, TubeForm, OpenBoxForm),
+            (BallForm, BoxForm, CylinderForm, TubeForm, OpenBoxForm, ComposedForm),
         ),
         (StageDocument, ("things", "cup", "unknown"), ()),
         (StageDocument, ("things", 0), ()),
