@@ -163,7 +163,9 @@ class DexterCycle:
         plan = ControllerPlan()
         self._run = ProgramRun(self._program, signals, plan, self._period)
         self._run.begin(np.random.default_rng(0), lambda transition: None)
-        self._actuation = Actuation(self._robot, signals, plan, self._period)
+        self._actuation = Actuation(
+            self._robot, signals, plan, self._period, self._program.all_guards
+        )
         self._actuation.reset(positions)
         signals.update(self._observation(0.0, np.zeros(6)))  # the load cells' zero
         self._run.activate()

@@ -68,7 +68,7 @@ PATTERN = re.compile(r"[A-Z]{3,}(?!\d)|\.\.\.|[|<>]")
 #: Commands that move a robot, or show how one moved.
 LONG = {"run", "replay", "learn", "reproduce"}
 #: Commands that take hours as the docs name them; they have tests of their own.
-ENDLESS = {"learn", "reproduce"}
+ENDLESS = {"learn", "lsp", "reproduce"}
 
 
 class Block(NamedTuple):

@@ -148,6 +148,7 @@ class SimulatedBackend(Generic[SomeEngine]):
             loads=self._cells.read(),
             images=exposure.images if exposure else {},
             regions=exposure.regions if exposure else {},
+            efforts=self.truth.efforts() if self._robot.joint_torques is not None else None,
         )
 
     def _expose(self) -> Exposure:

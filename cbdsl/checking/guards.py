@@ -14,6 +14,7 @@ def check_guards(context: ProgramContext) -> None:
     if not context.has_body:
         return
     robot = context.body.document
+    _check_joint_torque(context)
     least = max(robot.contact.threshold, _DEVIATIONS * robot.contact.noise)
     for key in ("finger_force", "hand_force"):
         bound = getattr(guards, key)
@@ -26,3 +27,18 @@ def check_guards(context: ProgramContext) -> None:
         elif 0 < bound <= least:
             problem = f"{bound:g} N is no more than what its load cells take for noise, {least:g} N"
             context.add("CB587", place, problem=problem)
+
+
+def _check_joint_torque(context: ProgramContext) -> None:
+    """Report a bound on torques that no joint measures, or that motion alone exceeds."""
+    robot, bound = context.body.document, context.document.guards.joint_torque
+    if bound is None:
+        return
+    place, settings = context.source.place("guards", "joint_torque"), robot.joint_torques
+    if settings is None:
+        problem = f"the drives of '{robot.name}' measure no torques ('joint_torques')"
+        context.add("CB587", place, problem=problem)
+    elif 0 < bound <= settings.threshold:
+        least = f"{settings.threshold:g} N m"
+        problem = f"motion without contact may cause {least}, and {bound:g} N m is no more"
+        context.add("CB587", place, problem=problem)

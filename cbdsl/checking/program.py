@@ -190,7 +190,11 @@ class _ProgramCheck:
             reward_ends=document.limits.reward_ends,
             success=document.success,
             failure=document.failure,
-            guards=Guards(document.guards.finger_force, document.guards.hand_force),
+            guards=Guards(
+                document.guards.finger_force,
+                document.guards.hand_force,
+                document.guards.joint_torque,
+            ),
         )
 
     def _background(self) -> Composition | None:

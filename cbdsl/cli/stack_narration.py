@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections import Counter
 from collections.abc import Sequence
 
 from cbdsl.program.transition import Transition
@@ -29,6 +30,9 @@ class StackNarration:
         self._printed = 0.0
         self._changes: dict[str, tuple[float, float]] = {}
         self._last = TickExplanation((), ())
+        # Guards that held since the last table, and for how many ticks.
+        self._held: Counter[str] = Counter()
+        self._ticks = 0
 
     def note_transition(self, transition: Transition) -> None:
         """Tell of the levels that led to this transition, once for all that end with them."""
@@ -38,6 +42,8 @@ class StackNarration:
     def note_tick(self, tick: Tick) -> None:
         """Take in a tick; to be called once for each."""
         self._last = self._explanation.note(tick)
+        self._held.update(self._last.guards)
+        self._ticks += 1
         for level in self._last.levels:
             predicted, measured = self._changes.get(level.name, (math.nan, math.nan))
             if not math.isnan(level.measured):
@@ -55,6 +61,11 @@ class StackNarration:
             print("\n".join([f"  {time:6.2f} s  {heading}", *(_INDENT + line for line in lines)]))
         if self._last.at_limits:
             print(f"{_INDENT}at their limits: {', '.join(self._last.at_limits)}")
+        if self._held:
+            shares = (f"{name} ({100 * n / self._ticks:.0f} %)" for name, n in self._held.items())
+            print(f"{_INDENT}gave way to guards, share of the ticks: {', '.join(shares)}")
+        self._held.clear()
+        self._ticks = 0
 
 
 def _sum(so_far: float, change: float) -> float:

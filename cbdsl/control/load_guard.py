@@ -5,6 +5,10 @@ what is touched than a guard allows, what is left of the tips' motion becomes th
 priority, and the law composes again, so that whatever the bound leaves is still done in order of
 priority. Towards the bound a hand may approach ever more slowly; beyond it, it backs off, and
 references that press from afar come back to their joints.
+
+A contact anywhere on an arm is felt by its joints: what their drives exert beyond the weight of the
+links. There is no tip then, and no place of contact; the motion of the joints gives way along the
+torques.
 """
 
 from __future__ import annotations
@@ -20,6 +24,10 @@ from cbdsl.numeric.vector import add, dot, fill, norm, scale
 
 #: Speed with which a hand approaches what it does not press on, and backs off from twice the bound.
 PACE = 0.04  # m/s
+#: The same of joints that feel a contact somewhere on their arm.
+JOINT_PACE = 0.1  # rad/s
+#: Most joints of an arm that is guarded.
+MOST_JOINTS = 32
 
 # Share of a pressing lead that is left after a tick beyond the bound.
 _KEPT = 0.8
@@ -28,7 +36,8 @@ _NEAR = 0.5
 
 #: A guard: the first load cell and the one after its last, whose forces add up; the row whose
 #: Jacobian is that of their place; the bound, N; the pace, m per tick; the force in this tick, N,
-#: and whether the motion gave way to it.
+#: and whether the motion gave way to it. Where it is one of joints, their number, otherwise 0, and
+#: their torques in this tick, N m; the row is then of their positions, and units are N m and rad.
 LOAD_GUARD = np.dtype(
     [
         ("first", np.int64),
@@ -38,6 +47,8 @@ LOAD_GUARD = np.dtype(
         ("pace", np.float64),
         ("force", np.float64),
         ("held", np.bool_),
+        ("joints", np.int64),
+        ("torques", np.float64, MOST_JOINTS),
     ]
 )
 
@@ -74,19 +85,17 @@ def give_way(
 
     The others are those of ``reference.move``.
     """
-    joints, held = len(columns), 0
-    tips, ways = np.zeros((3 * len(load_guards), joints)), np.zeros(3 * len(load_guards))
-    normals, allowed, force = (
-        np.zeros((len(load_guards), joints)),
-        np.zeros(len(load_guards)),
-        np.empty(3),
-    )
+    joints, held, last, room = len(columns), 0, 0, 0
+    for number in range(len(load_guards)):
+        room += max(load_guards[number].joints, 3)
+    tips, ways = np.zeros((room, joints)), np.zeros(room)
+    normals, allowed = np.zeros((len(load_guards), joints)), np.zeros(len(load_guards))
     for number in range(len(load_guards)):
         guard = load_guards[number]
-        row = table[guard.row].row
-        tip, way = tips[3 * held : 3 * held + 3], ways[3 * held : 3 * held + 3]
+        row, size = table[guard.row].row, guard.joints if guard.joints > 0 else 3
+        tip, way, force = tips[last : last + size], ways[last : last + size], np.empty(size)
         _add_up(guard, loads, force)
-        _place(jacobian[row : row + 3], columns, total, tip, way)
+        _place(jacobian[row : row + size], columns, total, tip, way)
         share, pressing = guard.force / guard.bound, dot(force, way)
         most = guard.pace * min(max(1.0 - share, -1.0), 1.0)
         guard.held = share > _NEAR and pressing > most
@@ -95,24 +104,24 @@ def give_way(
         # Across the force the tip moves as before, or it would slide aside instead.
         add(way, force, most - pressing)
         normal, allowed[held] = normals[held], most
-        for k in range(3):
+        for k in range(size):
             add(normal, tip[k], force[k])
-        held += 1
+        held, last = held + 1, last + size
         if share > 1.0:
             _relieve(reference, here, columns, normal)
     if held == 0:
         return
     # Two levels: along the forces, and below that all of the tips' motion.
-    size, first = len(wanted), 4 * held
+    size, first = len(wanted), held + last
     own_rows = np.zeros((rows.shape[0], first + size, joints))
     own_rows[:, first:] = rows
-    own_rows[newest, :held], own_rows[newest, held:first] = normals[:held], tips[: 3 * held]
+    own_rows[newest, :held], own_rows[newest, held:first] = normals[:held], tips[:last]
     own_ages, own_ends = np.ones(2 + len(ages), np.int64), np.full(2 + len(ends), first, np.int64)
     own_ages[2:] = ages
     own_ends[0] = held
     own_ends[2:] += ends
     own_wanted, own_values = np.empty(first + size), np.zeros(first + size)
-    own_wanted[:held], own_wanted[held:first] = allowed[:held], ways[: 3 * held]
+    own_wanted[:held], own_wanted[held:first] = allowed[:held], ways[:last]
     own_wanted[first:] = wanted
     compose(
         here, newest, own_rows, own_ages, own_wanted, own_ends, limits, guards[0], guards[1],
@@ -123,8 +132,10 @@ def give_way(
 
 @compiled
 def _add_up(guard: Any, loads: Floats, force: Floats) -> None:
-    """Find a guard's force; ``force`` becomes its direction, shape (3,), 0 without any."""
+    """Find a guard's force; ``force`` becomes its direction, shape (k,), 0 without any."""
     fill(force, 0.0)
+    for joint in range(guard.joints):
+        force[joint] = guard.torques[joint]
     for cell in range(guard.first, guard.last):
         add(force, loads[cell, :3], 1.0)
     guard.force = norm(force)
@@ -134,8 +145,8 @@ def _add_up(guard: Any, loads: Floats, force: Floats) -> None:
 
 @compiled
 def _place(jacobian: Floats, columns: Integers, total: Floats, tip: Floats, way: Floats) -> None:
-    """Find how a tip moves per joint, shape (3, n), and by a displacement, m, shape (3,)."""
-    for k in range(3):
+    """Find how a tip moves per joint, shape (k, n), and by a displacement, m, shape (k,)."""
+    for k in range(len(tip)):
         for place in range(len(columns)):
             tip[k, place] = jacobian[k, columns[place]]
         way[k] = dot(tip[k], total)

@@ -44,18 +44,21 @@ def bounds_of(controller: Controller, period: float) -> Floats:
 
     The speed bounds the largest component of a configuration, in rad/s, and the norm of anything
     else. Forces, and potentials without a residual, move only as fast as the joints that move them:
-    their speed is one of the joints, rad/s, and bounds every force of a product by itself. No gain
+    their speed is one of the joints, rad/s, and bounds every force of a product by itself; or it is
+    one of the tip, m/s, whose force changes by a stiffness. No gain
     takes a residual past 0 within a tick, however long the backend's ticks are.
 
     Args:
         controller: gives gain, speed, acceleration and the type of the feedback.
         period: of the control ticks, s.
     """
-    kind, speed, acceleration = controller.feedback.type, controller.speed, controller.acceleration
+    kind, speed, acceleration = controller.task, controller.speed, controller.acceleration
     potential, forces = POTENTIALS[controller.potential], kind.name in _FORCES
     measure = _LARGEST if kind.name == "configuration" else _NORM
     if forces or potential.scalar:
         measure = _JOINTS
+    if controller.tip_stiffness is not None and speed is not None:
+        measure, speed = _NORM, speed * controller.tip_stiffness
     # A Newton step is half the residual.
     arriving = 2.0 / period
     bounds = _Bounds(

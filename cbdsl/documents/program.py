@@ -7,6 +7,7 @@ from pydantic import Field, field_validator, model_validator
 
 from cbdsl.documents.document import (
     AnyAcceleration,
+    AnyGain,
     AnySpeed,
     Coordinate,
     Distance,
@@ -18,12 +19,12 @@ from cbdsl.documents.document import (
     Number,
     Positive,
     PositiveCount,
-    Rate,
     Section,
     Speed,
     Tolerance,
     quantity,
 )
+from cbdsl.documents.kind import Kind
 from cbdsl.documents.robot import QuiescenceSection
 
 Text = str
@@ -139,7 +140,7 @@ class ControllerSection(Section):
     ``here + [0 cm, 0 cm, 15 cm]``."""
     effector: Text
     """The resource tau that is moved."""
-    gain: Rate | None = None
+    gain: AnyGain | None = None
     """kappa, 1/s; without it the robot's setting for the feedback's type."""
     speed: AnySpeed | None = None
     """Largest rate of the task; without it the robot's setting for the feedback's type."""
@@ -147,7 +148,7 @@ class ControllerSection(Section):
     """Largest acceleration of the task; without it the robot's setting."""
     quiescence: QuiescenceSection | None = None
     free_axis: Literal["x", "y", "z"] | None = None
-    """Axis of the tip about which an orientation may turn freely."""
+    """Axis of the tip about which an orientation may turn freely, or that looks at a point."""
     axes: tuple[Literal["x", "y", "z"], ...] | None = None
     """Axes of the world frame along which a position, force or torque is compared; all without it.
     The reference has one component for each."""
@@ -224,6 +225,8 @@ class GuardsSection(Section):
     """Largest force of a fingertip, in all directions together."""
     hand_force: Annotated[float, quantity("force", gt=0)] | None = None
     """Largest net force of a hand."""
+    joint_torque: Annotated[float, quantity("torque", gt=0)] | None = None
+    """Largest torque, of all joints of an arm together, that contacts anywhere on it may cause."""
 
 
 class ProgramDocument(Document):
@@ -261,3 +264,13 @@ class ProgramDocument(Document):
     nothing else in it is."""
     guards: GuardsSection = GuardsSection.model_construct()
     limits: Limits = Limits.model_construct()
+
+
+PROGRAM = Kind(
+    ProgramDocument,
+    folder="programs",
+    checker="cbdsl.checking.document:check_program",
+    unknown="CB604",
+    references={"robot": "robot"},
+    stand_ins={"robot": "unknown", "controllers": {}, "actions": ["unknown"]},
+)

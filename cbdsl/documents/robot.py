@@ -32,6 +32,7 @@ from cbdsl.documents.document import (
     Turn,
     Vector,
 )
+from cbdsl.documents.kind import Kind
 
 
 class TipSection(Section):
@@ -249,6 +250,15 @@ class Contact(Section):
     """Fingertips of two hands that feel something and are no farther apart feel each other."""
 
 
+class JointTorques(Section):
+    """Drives that measure the torques of their joints, which feel contacts anywhere on an arm."""
+
+    threshold: Torque = 10.0
+    """Torques, of all joints of an arm together, that motion without contact may cause."""
+    filter: Time = 0.05
+    """Time constant of the low-pass filter behind them."""
+
+
 class TipSurface(Section):
     """The material of the links that touch things."""
 
@@ -328,6 +338,8 @@ class RobotDocument(Document):
     """Sensors of kinds that other packages add, by name."""
     vision: VisionSection = VisionSection.model_construct()
     contact: Contact = Contact.model_construct()
+    joint_torques: JointTorques | None = None
+    """Without it no joint's torque is measured."""
     control: Control
     simulation: Simulation = Simulation.model_construct()
 
@@ -339,3 +351,18 @@ class RobotDocument(Document):
     def joints(self, effector: str) -> tuple[str, ...]:
         """The actuated joints of an effector, or of a group's members in turn."""
         return tuple(j for name in self.members(effector) for j in self.effectors[name].joints)
+
+
+ROBOT = Kind(
+    RobotDocument,
+    folder="robots",
+    checker="cbdsl.checking.document:check_robot",
+    unknown="CB601",
+    references={"calibration": "calibration"},
+    stand_ins={
+        "model": "unknown",
+        "base": "unknown",
+        "effectors": {},
+        "control": {"rate": 1, "tasks": {}},
+    },
+)

@@ -28,10 +28,17 @@ class Action(NamedTuple):
 
 
 class Guards(NamedTuple):
-    """Largest force of a fingertip and net force of a hand, N; ``None`` for no bound."""
+    """Bounds on what a motion presses with; ``None`` for no bound.
+
+    Attributes:
+        finger_force: of a fingertip, N.
+        hand_force: net force of a hand, N.
+        joint_torque: of all joints of an arm together, by contacts anywhere on it, N m.
+    """
 
     finger_force: float | None = None
     hand_force: float | None = None
+    joint_torque: float | None = None
 
     def within(self, other: Guards) -> Guards:
         """The narrower bounds of two."""

@@ -3,7 +3,10 @@
 from dataclasses import dataclass
 from typing import NamedTuple
 
+from cbdsl.types.casts import Chain
+from cbdsl.types.potential import POTENTIALS
 from cbdsl.types.resource import Resource
+from cbdsl.types.resource_type import TYPES, ResourceType
 
 
 class Literal(NamedTuple):
@@ -160,7 +163,7 @@ class Controller:
         reference: what it is compared with; ``None`` where the potential needs none.
         effector: the moved resource.
         joints: the actuated joints that move it.
-        chain: the types and casts that lead from the feedback to the effector, for people.
+        chains: the casts that lead from the feedback to these joints; what they carry adds up.
         rewarded: whether its quiescence is an affordance (feedback from the environment).
         gain: kappa, 1/s.
         speed: largest rate of the task coordinates, or ``None``.
@@ -170,6 +173,8 @@ class Controller:
         requires: name of the controller without which it is undefined, or ``None``.
         axes: indices of the world axes that are compared, of every factor; ``None`` for all.
         onset: how the load has to change before it is defined, or ``None``.
+        tip_stiffness: of what a tip presses on, N/m, where the speed of a force is the tip's, m/s;
+            ``None`` for all others.
     """
 
     name: str
@@ -178,7 +183,7 @@ class Controller:
     reference: Reference | None
     effector: Resource
     joints: tuple[str, ...]
-    chain: tuple[str, ...]
+    chains: tuple[Chain, ...]
     rewarded: bool
     gain: float
     speed: float | None
@@ -194,6 +199,19 @@ class Controller:
     modifiers: tuple[Modifier, ...] = ()
     axes: tuple[int, ...] | None = None
     onset: Onset | None = None
+    tip_stiffness: float | None = None
+
+    @property
+    def task(self) -> ResourceType:
+        """The type whose unit its error has, and its gain and bounds are of."""
+        name = POTENTIALS[self.potential].task
+        return self.feedback.type if name is None else TYPES[name]
+
+    @property
+    def compared(self) -> ResourceType:
+        """The type of its reference."""
+        name = POTENTIALS[self.potential].compares
+        return self.feedback.type if name is None else TYPES[name]
 
     @property
     def resources(self) -> tuple[Resource, ...]:

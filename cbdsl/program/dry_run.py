@@ -55,7 +55,7 @@ def rows(controller: Controller) -> int:
 
 def _task(controller: Controller) -> int:
     """Number of task coordinates of a residual."""
-    kind = controller.feedback.type
+    kind = controller.task
     if controller.axes is not None:
         return kind.factors * len(controller.axes)
     # A force along normals is one number a finger or hand.

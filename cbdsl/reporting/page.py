@@ -40,6 +40,7 @@ def _data(recorded: Recorded) -> str:
         "transitions": summary["transitions"],
         "predicates": summary["predicates"],
         "cells": summary["load_cells"],
+        "guards": summary.get("guards", []),
         "links": [_link(link, bundle) for link in read_links(summary["robot"], summary["joints"])],
         "bodies": summary["scene"],
         "arrays": {key: bundle.add(array) for key, array in _series(recorded).items()},
@@ -65,6 +66,8 @@ def _series(recorded: Recorded) -> dict[str, NDArray[Any]]:
     series |= {key: arrays[key] for key in ("level_priority", "level_rank", "level_held_by")}
     series["time"] = arrays["time"]
     series["at_limits"] = arrays["at_limits"].astype(np.uint8)
+    if "guard_held" in arrays:
+        series["guard_held"] = arrays["guard_held"].astype(np.uint8)
     series["forces"] = np.linalg.norm(arrays["loads"][..., :3], axis=-1).astype(np.float32)
     for name, data in recorded.summary["signals"].items():
         if data["place"]:

@@ -20,7 +20,8 @@ _SMALL_PHI = 1e-4
 def reasons(recorded: Recorded) -> list[str]:
     """Sentences, the most telling first; none where nothing stood in the way."""
     end = _last_ticks(recorded)
-    return [*_missing(recorded), *_held(recorded, end), *_limits(recorded, end)]
+    stopped = (*_guards(recorded, end), *_limits(recorded, end))
+    return [*_missing(recorded), *_held(recorded, end), *stopped]
 
 
 def _last_ticks(recorded: Recorded) -> NDArray[np.intp]:
@@ -99,6 +100,16 @@ def _cause(recorded: Recorded, tick: int, column: int) -> str:
     if smallest < recorded.summary["robot"]["singular_value"]:
         return f"close to a singularity: its smallest singular value was {smallest:.2g}"
     return "because its step was as long as a step may be"
+
+
+def _guards(recorded: Recorded, end: NDArray[np.intp]) -> Iterator[str]:
+    """Guards that the motion gave way to in the last ticks."""
+    if "guard_held" not in recorded.arrays or not recorded.summary.get("guards"):
+        return
+    held = np.flatnonzero(recorded.arrays["guard_held"][end].any(axis=0))
+    names = [recorded.summary["guards"][index] for index in held]
+    if names:
+        yield f"Gave way to the guards of: {', '.join(names)}."
 
 
 def _limits(recorded: Recorded, end: NDArray[np.intp]) -> Iterator[str]:

@@ -219,7 +219,12 @@ class UrdfModel:
 
     def way(self, link: str) -> tuple[UrdfJoint, ...]:
         """All joints between a link and the root, from the link upwards."""
-        return _way(link, {joint.child: joint for joint in self.joints.values()})
+        return _way(link, self._parents)
+
+    @cached_property
+    def _parents(self) -> Mapping[str, UrdfJoint]:
+        """Joints by the link that they move."""
+        return {joint.child: joint for joint in self.joints.values()}
 
 
 def _way(link: str, parents: Mapping[str, UrdfJoint]) -> tuple[UrdfJoint, ...]:

@@ -131,6 +131,7 @@ class Actuation:
         else:
             self._signals.refresh_read(batch.selection)
             self._signals.kinematics.place()
+        self.load_guards.note_strain()
         if batch.versions != (self._signals.table.version, self._plan.version):
             self._arrange(batch)
         try:

@@ -88,6 +88,17 @@ def describe_stop(run: ProgramRun, seconds: float, cause: BaseException) -> str:
     return f"Failed {where}: {cause.__cause__ or cause}."
 
 
+def stayed_far(run: ProgramRun) -> tuple[str, ...]:
+    """Controllers of the last action at rest far from their goals, highest priority first."""
+    action = run.action
+    if action is None:
+        return ()
+    if action.program is not None:
+        return stayed_far(run.children[action.name])
+    leads = run.leads(action)
+    return tuple(lead.controller.name for lead in leads if lead.predicate == "1" and is_far(lead))
+
+
 def _evidence(run: ProgramRun) -> list[str]:
     """A clause for each member that its last action involved, highest priority first."""
     action = run.action
@@ -112,7 +123,7 @@ def _clause(lead: ControllerRun) -> str:
         verb = "came to rest far from its goal,"
     if controller.reference is None:
         return f"{controller.name} {verb} at a potential of {lead.phi:.3g}"
-    factor, unit = _UNITS.get(controller.feedback.type.name, (1.0, ""))
+    factor, unit = _UNITS.get(controller.task.name, (1.0, ""))
     # The residual of a field is bounded: far from the goal the goal is farther away than that.
     is_field = POTENTIALS[controller.potential].field
     at_least = "at least " if is_field and lead.phi > _NEAR else ""
@@ -126,7 +137,7 @@ def is_far(lead: ControllerRun) -> bool:
         return True
     if lead.controller.quiescence.tolerance is not None:
         return False
-    return lead.error > _FAR.get(lead.controller.feedback.type.name, math.inf)
+    return lead.error > _FAR.get(lead.controller.task.name, math.inf)
 
 
 def _goal(controller: Controller) -> str:

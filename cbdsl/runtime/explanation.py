@@ -59,10 +59,12 @@ class TickExplanation:
     Attributes:
         levels: highest priority first.
         at_limits: joints that their limits held back.
+        guards: names of those that the motion gave way to.
     """
 
     levels: tuple[LevelExplanation, ...]
     at_limits: tuple[str, ...]
+    guards: tuple[str, ...] = ()
 
 
 class Explanation:
@@ -88,7 +90,8 @@ class Explanation:
             name: (run.phi, _change(run, level, step.displacement))
             for (name, run), level in zip(runs, step.levels, strict=True)
         }
-        return TickExplanation(levels, tick.actuation.at_limits())
+        guards = tick.actuation.load_guards.holding
+        return TickExplanation(levels, tick.actuation.at_limits(), guards)
 
     def _level(
         self, name: str, run: ControllerRun, report: LevelReport, holder: str

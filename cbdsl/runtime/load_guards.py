@@ -2,22 +2,26 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from cbdsl.control.load_guard import LOAD_GUARD, PACE
+from cbdsl.control.load_guard import JOINT_PACE, LOAD_GUARD, MOST_JOINTS, PACE
 from cbdsl.program.checked import Guards
 from cbdsl.sensing.signals import Signals
 
+# Time in which what the joints of an arm felt fades, s.
+_MEMORY = 3.0
+
 
 class LoadGuards:
-    """The bounds on fingers and hands that a program states.
+    """The bounds on fingers, hands and arms that a program states.
 
     Attributes:
-        names: of the fingers and hands.
+        names: of the fingers, hands and arms.
         records: shape (g,) of ``LOAD_GUARD``.
         rows: of the signal table that they need.
 
@@ -30,19 +34,44 @@ class LoadGuards:
     def __init__(self, guards: Guards, signals: Signals, period: float) -> None:
         self._period = period
         self.names: list[str] = []
-        records = []
+        records: list[tuple[Any, ...]] = []
+        none = (0.0,) * MOST_JOINTS
         for name, cells, row, bound in _bounds(guards, signals):
             self.names.append(name)
-            records.append((*cells, row, bound, PACE * period, 0.0, False))
+            records.append((*cells, row, bound, PACE * period, 0.0, False, 0, none))
+        self._strain, self._fading = signals.strain, math.exp(-period / _MEMORY)
+        self._joints: list[tuple[int, NDArray[np.int64]]] = []
+        for name, joints, row in _arms(guards, signals):
+            self._joints.append((len(records), joints))
+            self.names.append(name)
+            pace = JOINT_PACE * period
+            records.append((0, 0, row, guards.joint_torque, pace, 0.0, False, len(joints), none))
+        self._strain.needed |= bool(self._joints)
         self.records: NDArray[Any] = np.array(records, LOAD_GUARD)
         self.rows = self.records["row"].tolist()
         self.reset()
 
     def reset(self) -> None:
         """Forget the episode before."""
-        self.records["held"] = False
+        self.records["held"], self.records["torques"] = False, 0.0
         self._ticks = np.zeros(len(self.names), dtype=np.int64)
         self._most = np.zeros(len(self.names))
+
+    def note_strain(self) -> None:
+        """Take in the torques of arms before the tick.
+
+        A rigid contact that has given way is over, and without a memory the next blow comes as fast
+        as the one before. So what was felt fades slowly, from the bound at most.
+        """
+        for number, joints in self._joints:
+            guard, strain = self.records[number], self._strain.torques[joints]
+            memory = guard["torques"][: len(joints)]
+            before = math.hypot(*memory.tolist())
+            kept = self._fading * min(before, guard["bound"])
+            if math.hypot(*strain.tolist()) >= kept:
+                memory[:] = strain
+            else:
+                memory *= kept / before
 
     def note(self) -> None:
         """Take in what the tick made of them."""
@@ -56,15 +85,28 @@ class LoadGuards:
         return tuple(np.array(self.names)[self.records["held"]].tolist())
 
     @property
+    def units(self) -> tuple[str, ...]:
+        """Of the bounds."""
+        return tuple("N m" if joints else "N" for joints in self.records["joints"])
+
+    @property
     def clauses(self) -> tuple[str, ...]:
         """For each that the motion gave way to, how long and at most at which force."""
         rows = zip(self.names, self.records["bound"], self._ticks, self._most, strict=True)
         return tuple(
-            f"the guard of {name} ({bound:g} N) held for {ticks * self._period:.1f} s, at "
-            f"{most:.1f} N at most"
-            for name, bound, ticks, most in rows
+            f"the guard of {name} ({bound:g} {unit}) held for {ticks * self._period:.1f} s, at "
+            f"{most:.1f} {unit} at most"
+            for (name, bound, ticks, most), unit in zip(rows, self.units, strict=True)
             if ticks
         )
+
+
+def _arms(guards: Guards, signals: Signals) -> Iterator[tuple[str, NDArray[np.int64], int]]:
+    """Name, joints and the row of their positions of each effector that has a tip."""
+    for name, effector in signals.robot.effectors.items():
+        if guards.joint_torque is not None and effector.tip is not None:
+            joints = signals.joints.of(name)
+            yield name, joints, signals.bind_joints(name)
 
 
 def _bounds(guards: Guards, signals: Signals) -> Iterator[tuple[str, tuple[int, int], int, float]]:

@@ -258,7 +258,7 @@ def _triple(controller: Controller) -> dict[str, object]:
         "feedback": controller.feedback.name,
         "reference": shown,
         "effector": controller.effector.name,
-        "unit": controller.feedback.type.unit,
+        "unit": controller.task.unit,
     }
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -114,6 +115,7 @@ class Kinematics:
         }
         self._origins: dict[tuple[tuple[str, ...], ...], tuple[Integers, Floats]] = {}
         self._needed: Integers = np.zeros(0, dtype=np.int64)
+        self._weighing: tuple[Any, list[tuple[int, int]]] | None = None
         self.update(np.minimum(np.maximum(0.0, self.lower), self.upper))
 
     def update(self, positions: Floats) -> None:
@@ -188,6 +190,28 @@ class Kinematics:
         curvature = np.zeros((rows, joints, joints))
         bend_point(point, support, self.tree, self.frames, self.axes, curvature)
         return curvature
+
+    def weight(self) -> Floats:
+        """Torques that bear the links' own weight in this posture, N m, shape (n,).
+
+        By the masses of the model; that of what is held is not known.
+        """
+        if self._weighing is None:
+            numbers = [self._model.getJointId(name) for name in self.joints.all]
+            columns = [self._model.joints[number] for number in numbers]
+            places = [(column.idx_q, column.nq) for column in columns]
+            self._weighing = self._model.createData(), places
+        data, places = self._weighing
+        posture = pinocchio.neutral(self._model)
+        for (place, size), position in zip(
+            places, self.joints.expand(self.positions).tolist(), strict=True
+        ):
+            turn = (position,) if size == 1 else (math.cos(position), math.sin(position))
+            posture[place : place + size] = turn
+        torques = pinocchio.computeGeneralizedGravity(self._model, data, posture)
+        own = [self._model.joints[self._model.getJointId(n)].idx_v for n in self.joints.names]
+        weight: Floats = torques[own]
+        return weight
 
     def moving(self, link: str) -> frozenset[str]:
         """Names of the model's joints that move a link, passive ones too."""

@@ -55,6 +55,8 @@ class Observation:
         images: RGB, shape (height, width, 3), top row first, by camera; empty between images.
         regions: instead of images, what the channels of an ideal camera's image would hold, by
             camera and channel, the largest region first; empty between images.
+        efforts: torques of the joints' drives, as these measure them, N m, shape (n,); ``None``
+            where they measure none.
     """
 
     time: float
@@ -63,3 +65,4 @@ class Observation:
     loads: Mapping[Cell, Floats]
     images: Mapping[str, Image]
     regions: Mapping[str, Mapping[str, Regions]] = field(default_factory=dict)
+    efforts: Floats | None = None

@@ -11,8 +11,9 @@ from numpy.typing import NDArray
 from cbdsl.documents.robot import LoadCell, RobotDocument
 from cbdsl.numeric.compiled import compiled_once
 from cbdsl.sensing.kinematics import Kinematics
+from cbdsl.sensing.net_wrench import Fingertips, net_wrench
 from cbdsl.sensing.observation import Cell, Loads
-from cbdsl.sensing.reading import Reading, jacobian_of, stacked
+from cbdsl.sensing.reading import Reading, stacked
 from cbdsl.sensing.table import RowPart
 from cbdsl.sensing.tips import Tips
 from cbdsl.types.resource import FingerForces, FingerLoad, NetForces, NetLoad
@@ -20,6 +21,7 @@ from cbdsl.types.resource import FingerForces, FingerLoad, NetForces, NetLoad
 Floats = NDArray[np.float64]
 Booleans = NDArray[np.bool_]
 
+_ORIGIN = np.zeros(3)
 _PARTS = {"force": slice(0, 3), "torque": slice(3, 6), "wrench": slice(0, 6)}
 
 
@@ -64,6 +66,9 @@ class Touch:
             for hand in robot.load_cells
             if (carrier := _carrier(robot, kinematics, hand)) is not None
         }
+        control = robot.control
+        self._yielding = np.array((control.contact_stiffness, control.contact_torsion))
+        self._fingertips: dict[str, Fingertips] = {}
         self.loads: Floats = np.zeros((len(self._cells), 6))
         self.feeling: Booleans = np.zeros(len(self._cells), dtype=np.bool_)
         self.reset()
@@ -214,17 +219,39 @@ class Touch:
         return Reading(normal[None].dot(net.value), jacobian, self._tips.stamp)
 
     def _net(self, hand: str, part: str) -> Reading:
-        loads = [self._load(hand, finger, part) for finger in self._fingers(hand)]
-        return Reading(
-            np.sum([load.value for load in loads], axis=0),
-            np.sum([jacobian_of(load) for load in loads], axis=0),
-            self._tips.stamp,
-        )
+        """The sum over a hand's fingers; torques are about ``_centre``."""
+        value, jacobian = np.empty(6), np.empty((6, len(self._kinematics.joints)))
+        kinematics, where = self._kinematics, _PARTS[part]
+        kinematics.place()
+        centre = _ORIGIN if part == "force" else self._centre(hand)  # forces have none
+        net_wrench(
+            self.loads[self._own[hand]], centre, self._yielding, *self._tips_of(hand),
+            kinematics.tree, kinematics.frames, kinematics.axes, value, jacobian,
+        )  # fmt: skip
+        return Reading(value[where], jacobian[where], self._tips.stamp)
+
+    def _tips_of(self, hand: str) -> Fingertips:
+        tips = self._fingertips.get(hand)
+        if tips is None:
+            links = [cell.link for cell in self._fingers(hand).values()]
+            tips = self._fingertips[hand] = Fingertips.of(self._kinematics, links)
+        return tips
+
+    def _centre(self, hand: str) -> Floats:
+        """About which a hand's torques are summed up: the tip that carries it, m, world frame.
+
+        Of a hand that no tip carries, the middle of its load cells.
+        """
+        carrier = self.carriers.get(hand)
+        if carrier is not None:
+            return self._tips.point(carrier).position
+        links = [cell.link for cell in self._fingers(hand).values()]
+        middle: Floats = np.mean([self._kinematics.frame(link).position for link in links], axis=0)
+        return middle
 
     def _load(self, hand: str, finger: str, part: str) -> Reading:
         jacobian = self._kinematics.jacobian(self._fingers(hand)[finger].link)
-        control = self._robot.control
-        yielding = np.repeat((control.contact_stiffness, control.contact_torsion), 3)[:, None]
+        yielding = np.repeat(self._yielding, 3)[:, None]
         where = _PARTS[part]
         value = self.loads[self._cells.index((hand, finger)), where]
         return Reading(value, (yielding * jacobian)[where], self._tips.stamp)

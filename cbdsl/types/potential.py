@@ -56,6 +56,9 @@ class PotentialType(NamedTuple):
         implementation: ``module:function`` that makes a controller's potential.
         field: whether it is solved for on a grid, and moves by the displacement that this gives
             instead of a residual or a gradient of its own.
+        compares: name of its reference's type; ``None`` for that of the feedback.
+        task: name of the type that its error, gain and bounds are those of; ``None`` for that of
+            the feedback.
     """
 
     name: str
@@ -69,6 +72,8 @@ class PotentialType(NamedTuple):
     implementation: str
     factors: int | None = None
     field: bool = False
+    compares: str | None = None
+    task: str | None = None
 
     @property
     def scalar(self) -> bool:
@@ -102,6 +107,22 @@ _BUILT_IN = (
             _MET, _MET, _MET, _MET, "bounded errors, turned by less than half a turn"
         ),
         implementation="cbdsl.control.spring:build",
+    ),
+    PotentialType(
+        "look_at",
+        "φ_v",
+        "after Eq 3.1",
+        frozenset({"pose"}),
+        reference=True,
+        zero_minimum=True,
+        residual=True,
+        navigation=Navigation(
+            _MET, _NOT_MET, _NOT_MET, _NOT_MET, "tips away from the point, and not turned from it"
+        ),
+        implementation="cbdsl.control.look_at:build",
+        factors=1,
+        compares="position",
+        task="orientation",
     ),
     PotentialType(
         "range",

@@ -28,6 +28,7 @@ def _units() -> dict[str, Unit]:
         "force": {"N": 1.0, "mN": 1e-3, "kN": 1e3},
         "torque": {"N m": 1.0, "Nm": 1.0},
         "speed": {"m/s": 1.0, "cm/s": 1e-2, "mm/s": 1e-3},
+        "speed per force": {"m/s/N": 1.0, "cm/s/N": 1e-2, "mm/s/N": 1e-3},
         "angular speed": {"rad/s": 1.0, "deg/s": math.pi / 180},
         "acceleration": {"m/s^2": 1.0, "cm/s^2": 1e-2},
         "angular acceleration": {"rad/s^2": 1.0, "deg/s^2": math.pi / 180},

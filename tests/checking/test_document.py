@@ -56,6 +56,7 @@ SEVERAL = {
         words_for_quantities background_unknown compared_with_itself elbow_bent_backwards
         field_obstacle_shape
         funnel_below half_a_standoff light_touch short_windows beside_the_table
+        guard_in_the_noise
         looks_too_far negative_radius standoff_behind alias_hides_a_channel alias_of_nothing
         far_behind negative_constants no_contact_of_nothing no_speed_at_all
         posture_named_position surface_of_nothing task_speed unknown_joint window_of_a_task

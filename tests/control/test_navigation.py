@@ -14,6 +14,7 @@ import numpy as np
 import pytest
 
 from cbdsl.control.localizability import seen_by
+from cbdsl.control.look_at import look_at
 from cbdsl.control.manipulability import of_jacobian
 from cbdsl.control.range import between
 from cbdsl.control.rotation import exp
@@ -132,11 +133,42 @@ def sights(rng: np.random.Generator) -> Iterator[Function]:
     yield Function(at, draw, np.inf)
 
 
+def moved(pose: Floats, by: Floats) -> Floats:
+    """A pose (4, 4) displaced, and turned about itself."""
+    shifted = pose.copy()
+    shifted[:3, :3], shifted[:3, 3] = exp(by[3:]) @ pose[:3, :3], pose[:3, 3] + by[:3]
+    return shifted
+
+
+def view(pose: Floats, point: Floats) -> tuple[float, Floats]:
+    """The look of a tip's z axis at a point."""
+    evaluation = evaluate(look_at("z"), Signal(pose, np.eye(6)), point)
+    if math.isnan(evaluation.phi):
+        raise SignalError("the point is where the tip is")
+    return evaluation.phi, gradient("look_at", evaluation)
+
+
+def views(rng: np.random.Generator) -> Iterator[Function]:
+    """Tips at some distance from the point, and turned from it by less than half a turn."""
+    point = rng.uniform(-1, 1, 3)
+
+    def draw() -> Floats:
+        while True:
+            pose = np.eye(4)
+            pose[:3, :3], pose[:3, 3] = exp(rng.normal(size=3)), rng.uniform(-2, 2, 3)
+            away = float(np.linalg.norm(point - pose[:3, 3]))
+            if away > 0.3 and pose[:3, 2] @ (point - pose[:3, 3]) > -0.9 * away:
+                return pose
+
+    yield Function(lambda pose: view(pose, point), draw, np.inf, moved)
+
+
 FUNCTIONS: dict[str, Callable[[np.random.Generator], Iterator[Function]]] = {
     "spring": springs,
     "range": ranges,
     "manipulability": chains,
     "localizability": sights,
+    "look_at": views,
 }
 
 
@@ -346,12 +378,51 @@ def localizability_morse(rng: np.random.Generator) -> None:
         np.testing.assert_allclose(at_point(turned)[1], 0.0, atol=1e-7)
 
 
+def looking_along(line: Floats) -> Floats:
+    """A pose at the origin whose z axis points along a vector."""
+    pose, z = np.eye(4), line / np.linalg.norm(line)
+    x = np.cross([0.0, 1.0, 0.0], z)
+    x /= np.linalg.norm(x)
+    pose[:3, :3] = np.stack((x, np.cross(z, x), z), axis=1)
+    return pose
+
+
+def look_at_polar(rng: np.random.Generator) -> None:
+    """Tips look at a point from anywhere."""
+    point = np.array([1.0, 0.2, 0.3])
+    for share in (0.0, 0.5, 2.0):
+        pose = looking_along(point)
+        pose[:3, 3] = -share * point
+        phi, slope = view(pose, point)
+        assert phi < 1e-20
+        np.testing.assert_allclose(slope, 0.0, atol=1e-9)
+
+
+def look_at_admissible(rng: np.random.Generator) -> None:
+    """Its gradient grows without end as the point comes near."""
+    line = np.array([1.0, 0.0, 1.0])
+    slopes = [np.linalg.norm(view(np.eye(4), line * size)[1]) for size in (1, 0.1, 0.01)]
+    assert slopes[1] > 5 * slopes[0]
+    assert slopes[2] > 5 * slopes[1]
+
+
+def look_at_morse(rng: np.random.Generator) -> None:
+    """About the line of sight the tip may turn, and along it it may move."""
+    point = np.array([1.0, 0.2, 0.3])
+    function = Function(lambda pose: view(pose, point), lambda: np.eye(4), np.inf, moved)
+    values = np.linalg.eigvalsh(hessian(function, looking_along(point)))
+    assert (np.abs(values) < 1e-6).sum() == 4
+
+
 COUNTEREXAMPLES: dict[tuple[str, str], Callable[[np.random.Generator], None]] = {
     ("manipulability", "polar"): manipulability_polar,
     ("manipulability", "morse"): manipulability_morse,
     ("localizability", "polar"): localizability_polar,
     ("localizability", "admissible"): localizability_admissible,
     ("localizability", "morse"): localizability_morse,
+    ("look_at", "polar"): look_at_polar,
+    ("look_at", "admissible"): look_at_admissible,
+    ("look_at", "morse"): look_at_morse,
 }
 UNCLAIMED = [
     pytest.param(potential, condition, id=f"{potential}-{condition}")

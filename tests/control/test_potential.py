@@ -66,6 +66,7 @@ def tips(name: str, effector: str) -> list[Case]:
     members = len(robot.members(effector))
     if members == 1:
         found += [Case(name, "spring", effector, part) for part in ("orientation", "pose")]
+        found += [Case(name, "look_at", effector, "pose")]
     else:
         found += [Case(name, "spring", effector, "position")]
     for part, rows in (("position", 3), ("pose", 6)):

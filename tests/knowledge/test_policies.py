@@ -15,8 +15,8 @@ from cbdsl.checking.document import check_document
 from cbdsl.checking.knowledge.digest import program_digest
 from cbdsl.checking.knowledge.learned import with_policy
 from cbdsl.checking.session import Session
-from cbdsl.documents.kinds import MODEL, POLICY
-from cbdsl.documents.policy import PolicyDocument
+from cbdsl.documents.model import MODEL
+from cbdsl.documents.policy import POLICY, PolicyDocument
 from cbdsl.documents.program import ProgramDocument
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.documents.stage import StageDocument

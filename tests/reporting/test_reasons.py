@@ -26,6 +26,7 @@ def made(**changes: Any) -> Recorded:
         "triples": {"above": triple, "below": {**triple, "reference": "seen"}},
         "signals": {"arm.position": {}, "seen": {}},
         "robot": {"singular_value": 0.04},
+        "guards": ["right_hand", "right_arm"],
     }
     ones = np.ones((TICKS, 2))
     arrays: dict[str, Any] = {
@@ -37,6 +38,7 @@ def made(**changes: Any) -> Recorded:
         "level_singular_value": ones,
         "level_held_by": -ones.astype(int),
         "at_limits": np.zeros((TICKS, 2), dtype=bool),
+        "guard_held": np.zeros((TICKS, 2), dtype=bool),
         "signal_arm.position": np.zeros((TICKS, 3)),
         "signal_seen": np.zeros((TICKS, 3)),
     }
@@ -93,6 +95,11 @@ def test_a_moment_is_no_reason() -> None:
     share = np.ones((TICKS, 2))
     share[-5:] = 0.0
     assert reasons(made(level_share=share)) == []
+
+
+def test_guards_that_held_are_named() -> None:
+    (told,) = reasons(made(guard_held=late(1, usual=0).astype(bool)))
+    assert told == "Gave way to the guards of: right_arm."
 
 
 def test_joints_at_limits_are_named() -> None:

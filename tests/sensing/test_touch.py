@@ -11,6 +11,7 @@ from cbdsl.documents.robot import RobotDocument
 from cbdsl.sensing.kinematics import Kinematics
 from cbdsl.sensing.tips import Tips
 from cbdsl.sensing.touch import Touch
+from cbdsl.types.resource import NetLoad
 from cbdsl.yaml_text.library import Library
 from tests.conftest import ROOT
 
@@ -62,3 +63,77 @@ def test_hands_that_touch_each_other_hold_nothing(touch_of: Make) -> None:
     touch = touch_of("dexter", self_contact=5.0)
     feel(touch, 0, 3)
     assert not touch.all_holding("hands")
+
+
+@pytest.mark.parametrize("robot, hand", [("dexter", "right_hand"), ("panda", "hand")])
+def test_net_torque_has_the_moments_of_the_fingers_forces(
+    touch_of: Make, robot: str, hand: str
+) -> None:
+    """By virtual work: a turn about the tip does as much against the fingers as against the sum."""
+    rng = np.random.default_rng(1)
+    touch = touch_of(robot)
+    touch.reset()
+    touch.update(np.zeros_like(touch.loads))
+    touch.update(rng.normal(size=touch.loads.shape))
+    document, kinematics = touch._robot, touch._kinematics
+    cells, (first, last) = document.load_cells[hand], touch.span(hand)
+    tip = document.effectors[touch.carriers[hand]].tip
+    assert tip is not None
+    places = [kinematics.frame(cell.link).position for cell in cells.values()]
+    palm = kinematics.frame(tip.link)
+    pivot = palm.position + palm.rotation @ np.array(tip.offset)
+    wrench = touch.net_load(NetLoad(hand, "wrench"))
+    assert wrench is not None
+    for turn in np.eye(3):
+        ways = [np.cross(turn, place - pivot) for place in places]
+        work = sum(
+            float(load[:3] @ way + load[3:] @ turn)
+            for load, way in zip(touch.loads[first:last], ways, strict=True)
+        )
+        assert float(wrench.value[3:] @ turn) == pytest.approx(work, abs=1e-12)
+    np.testing.assert_allclose(wrench.value[:3], touch.loads[first:last, :3].sum(axis=0))
+    torque = touch.net_load(NetLoad(hand, "torque"))
+    assert torque is not None
+    np.testing.assert_array_equal(torque.value, wrench.value[3:])
+    assert torque.jacobian is not None
+    assert wrench.jacobian is not None
+    np.testing.assert_array_equal(torque.jacobian, wrench.jacobian[3:])
+
+
+def test_net_wrench_of_a_couple_is_a_torque_alone(touch_of: Make) -> None:
+    """Two fingers that press against each other side by side turn what they hold."""
+    touch = touch_of("dexter")
+    touch.reset()
+    wrenches = np.zeros_like(touch.loads)
+    touch.update(wrenches.copy())
+    first = touch.span("right_hand")[0]
+    wrenches[first, 1], wrenches[first + 2, 1] = 2.0, -2.0
+    touch.update(wrenches)
+    cells = list(touch._robot.load_cells["right_hand"].values())
+    one, other = (touch._kinematics.frame(cells[i].link).position for i in (0, 2))
+    wrench = touch.net_load(NetLoad("right_hand", "wrench"))
+    assert wrench is not None
+    couple = np.cross(one - other, [0.0, 2.0, 0.0])
+    assert np.linalg.norm(couple) > 0.01
+    np.testing.assert_allclose(wrench.value, [0, 0, 0, *couple], atol=1e-12)
+
+
+def test_net_torque_grows_as_the_hand_turns_on(touch_of: Make) -> None:
+    """The cast: tips as springs, whose forces have moments about the hand's tip."""
+    touch = touch_of("dexter")
+    feel(touch, 3, 4, 5)
+    torque = touch.net_load(NetLoad("right_hand", "torque"))
+    assert torque is not None
+    assert torque.jacobian is not None
+    control, kinematics = touch._robot.control, touch._kinematics
+    tip = touch._robot.effectors["right_arm"].tip
+    assert tip is not None
+    pivot = kinematics.point(tip.link, tip.offset).position
+    expected = np.zeros((3, len(kinematics.joints)))
+    for cell in touch._robot.load_cells["right_hand"].values():
+        rows = kinematics.jacobian(cell.link)
+        lever = kinematics.frame(cell.link).position - pivot
+        for joint, (way, turn) in enumerate(zip(rows[:3].T, rows[3:].T, strict=True)):
+            expected[:, joint] += control.contact_torsion * turn
+            expected[:, joint] += np.cross(lever, control.contact_stiffness * way)
+    np.testing.assert_allclose(torque.jacobian, expected, atol=1e-9)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from cbdsl.checking.context import ProgramContext, Steps
-from cbdsl.checking.controller.comparison import Comparison, compare
+from cbdsl.checking.controller.comparison import Comparison, compare, compared_with
 from cbdsl.checking.controller.influence import is_measured, movers, moves
 from cbdsl.checking.controller.options import check_options, misplaced
 from cbdsl.checking.findings import Findings
@@ -63,7 +63,8 @@ class Agreement:
         of = {part: Findings() for part in ("potential", "reference", "effector", "options")}
         if self._potential is None or self._accepts(self._potential, feedback, of["potential"]):
             self._wants_reference(of["potential"])
-        reference = compare(context, self._steps, self._comparison, feedback, of["reference"])
+        as_compared = compared_with(self._potential, feedback)
+        reference = compare(context, self._steps, self._comparison, as_compared, of["reference"])
         if effector is not None:
             self._moves(effector, feedback, of["effector"])
         check_options(context, self._steps, document, feedback, of["options"])
@@ -100,7 +101,7 @@ class Agreement:
     def _suits(self, feedback: Resource) -> bool:
         return (
             (self._potential is None or accepts(self._potential, feedback))
-            and self._comparison.suits(feedback)
+            and self._comparison.suits(compared_with(self._potential, feedback))
             and (self._effector is None or moves(self._context.body, self._effector, feedback))
             and not any(misplaced(self._document, feedback))
         )

@@ -17,7 +17,9 @@ from cbdsl.checking.controller.references import (
 from cbdsl.checking.findings import Findings
 from cbdsl.checking.lookup.scope import Scope
 from cbdsl.program.controller import AlongNormals, Literal, Reference, Relative
+from cbdsl.types.potential import PotentialType
 from cbdsl.types.resource import Resource
+from cbdsl.types.resource_type import TYPES
 
 Written = str | float | tuple[str | float, ...]
 
@@ -50,6 +52,13 @@ class Comparison(NamedTuple):
         except LiteralError:
             return False
         return True
+
+
+def compared_with(potential: PotentialType | None, feedback: Resource) -> Resource:
+    """A feedback as its potential compares it: of the type that the reference has to be of."""
+    if potential is None or potential.compares is None:
+        return feedback
+    return feedback._replace(type=TYPES[potential.compares])
 
 
 def read_comparison(
@@ -138,6 +147,18 @@ def _of_its_type(
     if reference.type == feedback.type:
         return reference
     body, source = context.body, context.source
+    own = body.resources.get(feedback.name, feedback)
+    if own.type != feedback.type:
+        findings.add(
+            "CB592",
+            source.place(*steps, "reference"),
+            names=[r.name for r in body.resources.values() if r.type == feedback.type],
+            related=[(source.place(*steps, "feedback"), f"the feedback, {own.type}")],
+            name=reference.name,
+            reference_type=reference.type,
+            wanted=feedback.type,
+        )
+        return None
     others = (resource for resource in body.resources.values() if resource != feedback)
     findings.add(
         "CB504",

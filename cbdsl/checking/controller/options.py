@@ -13,19 +13,26 @@ from cbdsl.documents import program as written
 from cbdsl.documents.robot import TaskSettings
 from cbdsl.program.controller import Quiescence
 from cbdsl.types.casts import FEATURES
-from cbdsl.types.resource import FingerForces, Resource, Tip, palms_of
+from cbdsl.types.modifier import declared
+from cbdsl.types.potential import POTENTIALS
+from cbdsl.types.resource import FingerForces, Resource, palms_of
 from cbdsl.types.resource_type import TYPES
 
 MANIPULABILITY = "manipulability"
+LOOK_AT = "look_at"
 
 
 class ControllerSettings(NamedTuple):
-    """Settings of one controller, its own before the robot's."""
+    """Settings of one controller, its own before the robot's.
+
+    ``tip_stiffness`` is that of ``Controller``.
+    """
 
     gain: float
     speed: float | None
     acceleration: float | None
     quiescence: Quiescence
+    tip_stiffness: float | None = None
 
 
 class Misplaced(NamedTuple):
@@ -44,25 +51,16 @@ class Misplaced(NamedTuple):
 
 def misplaced(document: written.ControllerSection, feedback: Resource) -> Iterator[Misplaced]:
     """The options that mean nothing for a feedback, or for the potential."""
-    kind, source = feedback.type.name, feedback.source
     instead = f"the feedback is '{feedback.name}', {feedback.type}"
-    is_position = isinstance(source, Tip) and kind == "position"
-    is_of_hands = palms_of(source) is not None
-    position = "the position of a tip"
-    meaningful = {
-        "free_axis": (kind == "orientation", "orientations"),
-        "standoff": (is_position, position),
-        "funnel": (is_position, position),
-        "seek": (isinstance(source, FingerForces) or is_of_hands, "forces of fingers or hands"),
-    }
-    for key, (fits, purpose) in meaningful.items():
-        if getattr(document, key) is not None and not fits:
-            yield Misplaced((key,), purpose, instead)
+    for modifier, _ in declared(document):
+        if not modifier.suits(feedback, document.potential):
+            yield Misplaced((modifier.name,), modifier.purpose, instead)
     if document.manipulator is not None and document.potential != MANIPULABILITY:
         potential = f"the potential is {document.potential}"
         yield Misplaced(("manipulator",), f"the potential {MANIPULABILITY}", potential)
     # Only fingers flex.
-    if is_of_hands and document.seek is not None and document.seek.until is not None:
+    seek = document.seek
+    if palms_of(feedback.source) is not None and seek is not None and seek.until is not None:
         yield Misplaced(("seek", "until"), "forces of fingers", instead)
 
 
@@ -86,7 +84,7 @@ def check_options(
         place = context.source.key(*steps, *option.path)
         details = {"name": option.path[-1], "purpose": option.purpose, "instead": option.instead}
         findings.add("CB513", place, **details)
-    check_settings(feedback.type.name, context.source, steps, findings)
+    check_settings(_task(document, feedback), context.source, steps, findings, of_tips=True)
     if isinstance(feedback.source, FingerForces) and document.seek is not None:
         _check_end(context, (*steps, "seek", "until"), feedback.source, findings)
 
@@ -113,7 +111,8 @@ def settings_of(
     if feedback.type.name in FEATURES:
         return None  # which is no feedback, as has been reported
     robot = context.body.document
-    general = robot.control.tasks.get(feedback.type.name)
+    task = _task(document, feedback)
+    general = robot.control.tasks.get(task)
     candidates: list[written.ControllerSection | TaskSettings] = [document]
     if general is not None:
         candidates.append(general)
@@ -124,7 +123,7 @@ def settings_of(
             return None  # one of them is misspelt, which has been reported
         lacking = {"a gain": gain, "a quiescence": quiescence}
         setting = " and ".join(name for name, value in lacking.items() if value is None)
-        details = {"robot": robot.name, "setting": setting, "task": feedback.type.name}
+        details = {"robot": robot.name, "setting": setting, "task": task}
         context.add("CB511", context.source.key(*steps), **details)
         return None
     return ControllerSettings(
@@ -133,6 +132,12 @@ def settings_of(
         _first(settings.acceleration for settings in candidates),
         Quiescence(quiescence.rate, quiescence.window, quiescence.within, quiescence.tolerance),
     )
+
+
+def _task(document: written.ControllerSection, feedback: Resource) -> str:
+    """Name of the type that a controller's settings are for."""
+    potential = POTENTIALS.get(document.potential)
+    return (potential.task if potential else None) or feedback.type.name
 
 
 T = TypeVar("T")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import re
 from typing import NamedTuple
 
@@ -29,10 +30,17 @@ _DIMENSIONS: dict[str, tuple[str, ...]] = {
     "orientation": ("angle",),
     "velocity": ("speed",),
     "volume": ("volume",),
+    "count": ("number",),
     "heading_rate": ("angular speed",),
     "extent": ("angle",),
     "axis": ("angle",),
 }
+
+
+#: Types whose literals may end with a quaternion, and how many components stand before it.
+_QUATERNIONS = {"orientation": 0, "pose": 3}
+# Four decimals of each component keep the norm of a unit quaternion as near to 1.
+_UNIT = 2e-3
 
 
 class LiteralError(Exception):
@@ -100,6 +108,8 @@ def read_literal(
         return _along_normals(match["force"], feedback)
     items = value if isinstance(value, tuple) else (value,)
     kind = feedback.type
+    if kind.factors == 1 and len(items) == _QUATERNIONS.get(kind.name, math.inf) + 4:
+        items = _with_rotation_vector(items)
     places = range(kind.size) if axes is None else _places(axes, kind.factors)
     if len(items) not in (1, len(places)):
         raise _wrong_count(len(items), feedback, axes)
@@ -112,6 +122,24 @@ def read_literal(
     for place, number in zip(places, numbers, strict=True):
         values[place] = number
     return Literal(tuple(values))
+
+
+def _with_rotation_vector(items: tuple[str | float, ...]) -> tuple[str | float, ...]:
+    """Items whose last four, a unit quaternion (x, y, z, w), have become a rotation vector, rad.
+
+    Raises:
+        LiteralError: one of the four is no number, or they are no unit quaternion.
+    """
+    first = len(items) - 4
+    numbers = [_quantity(item, (), first + i) for i, item in enumerate(items[first:])]
+    norm = math.hypot(*numbers)
+    if abs(norm - 1.0) > _UNIT:
+        raise LiteralError("CB593", {"norm": f"{norm:.4g}"})
+    # Of the two quaternions of a rotation, the one of the shorter turn.
+    x, y, z, w = (number if numbers[3] >= 0 else -number for number in numbers)
+    sine = math.hypot(x, y, z)
+    factor = 2.0 * math.atan2(sine, w) / sine if sine > 0.0 else 2.0
+    return (*items[:first], factor * x, factor * y, factor * z)
 
 
 def _places(axes: tuple[int, ...], factors: int) -> list[int]:

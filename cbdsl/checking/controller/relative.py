@@ -43,6 +43,9 @@ def _problem(
         return "a tip cannot stand off from 'here', where it is itself"
     if is_here and POTENTIALS[document.potential].field:
         return "a field is solved for before it is known where 'here' is"
+    compares = POTENTIALS[document.potential].compares
+    if is_here and compares is not None:
+        return f"'here' is no {compares}, which {document.potential} wants"
     base = reference.base if isinstance(reference, Relative) else None
     if base is not None and base.origin in DRAWN:
         return f"'{base.name}' is drawn anew, and nothing is displaced from a draw"

@@ -13,6 +13,7 @@ from cbdsl.yaml_text.unknown import UNKNOWN, Declared
 # Values made of values would double in length from program to program.
 _LONGEST = 1_000
 _PARAMETER = re.compile(r"\$([A-Za-z][A-Za-z0-9_]*)")
+_NEGATED = re.compile(r"(^|[\[,])(\s*)-\$([A-Za-z][A-Za-z0-9_]*)")
 
 
 class Scope:
@@ -82,7 +83,15 @@ class Scope:
         if known and length > _LONGEST:
             findings.add("CB409", source.place(*steps), bound=_LONGEST)
             known = False
-        return _PARAMETER.sub(lambda match: self.values[match[1]], text) if known else None
+        if not known:
+            return None
+        text = _NEGATED.sub(self._negated, text)
+        return _PARAMETER.sub(lambda match: self.values[match[1]], text)
+
+    def _negated(self, match: re.Match[str]) -> str:
+        """A quantity with the other sign: minus a negative one has none."""
+        value = self.values[match[3]].lstrip()
+        return f"{match[1]}{match[2]}{value[1:]}" if value.startswith("-") else match[0]
 
 
 def parameters_in(text: str) -> list[str]:

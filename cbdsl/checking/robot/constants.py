@@ -22,6 +22,8 @@ _POSITIVE: tuple[Steps, ...] = (
 )
 _NOT_NEGATIVE: tuple[Steps, ...] = (
     ("contact", "threshold"),
+    ("joint_torques", "threshold"),
+    ("joint_torques", "filter"),
     ("contact", "noise"),
     ("control", "limit_margin"),
     ("control", "damping"),

@@ -22,11 +22,25 @@ _TOLERANCES = {
 
 
 def check_settings(
-    kind: str, source: SourceMap, steps: tuple[Step, ...], findings: Findings
+    kind: str,
+    source: SourceMap,
+    steps: tuple[Step, ...],
+    findings: Findings,
+    *,
+    of_tips: bool = False,
 ) -> None:
-    """Check the units of speed, acceleration and tolerance against a feedback's type."""
+    """Check the units of speed, acceleration and tolerance against a feedback's type.
+
+    Args:
+        kind: name of the type.
+        source: the document.
+        steps: path of the settings.
+        findings: where findings go.
+        of_tips: whether the speed of a force may be that of the tip that exerts it.
+    """
+    speeds = _SPEEDS.get(kind, ("angular speed",))
     allowed: dict[tuple[str, ...], tuple[str, ...]] = {
-        ("speed",): _SPEEDS.get(kind, ("angular speed",)),
+        ("speed",): (*speeds, "speed") if of_tips and kind == "force" else speeds,
         ("acceleration",): _ACCELERATIONS.get(kind, ("angular acceleration",)),
         ("quiescence", "tolerance"): _TOLERANCES.get(kind, ("angle",)),
         ("onset", "change"): _TOLERANCES.get(kind, ("angle",)),

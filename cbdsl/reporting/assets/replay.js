@@ -86,7 +86,10 @@ function makeLevels(data) {
     byId("levels-time").textContent = `${t.toFixed(2)} s`;
     byId("levels").tBodies[0].replaceChildren(...acting.map((index) => levelRow(tick, index)));
     const held = row(arrays.at_limits, tick), names = data.joints.filter((_, index) => held[index]);
-    byId("limits").textContent = names.length ? `at their limits: ${names.join(", ")}` : "";
+    const told = names.length ? [`at their limits: ${names.join(", ")}`] : [];
+    const guards = data.guards.filter((_, index) => arrays.guard_held[tick * data.guards.length + index]);
+    if (guards.length) told.push(`gave way to the guards of: ${guards.join(", ")}`);
+    byId("limits").textContent = told.join("; ");
   };
 }
 

@@ -91,6 +91,25 @@ function makeStrip(data, parent) {
       rows.push(own);
     });
   }
+  rows.push(...guardRows(data, parent));
+  return rows;
+}
+
+// One row for each guard that the motion ever gave way to.
+function guardRows({ arrays, guards }, parent) {
+  const { time } = arrays, rows = [];
+  guards.forEach((name, index) => {
+    const held = [...time].map((_, tick) => arrays.guard_held[tick * guards.length + index]);
+    if (!held.includes(1)) return;
+    const own = addRow(parent, `guard of ${name}`, "member guard");
+    for (let tick = 0; tick < held.length; tick++) {
+      if (!held[tick] || held[tick - 1]) continue;
+      let end = tick;
+      while (held[end + 1]) end++;
+      own.add(time[tick], time[Math.min(end + 1, held.length - 1)], "", `gave way to the guard of ${name} at ${time[tick].toFixed(2)} s`, "gave-way");
+    }
+    rows.push(own);
+  });
   return rows;
 }
 

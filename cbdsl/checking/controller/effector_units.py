@@ -1,0 +1,76 @@
+"""Force tasks in the units of the tip that they move: speeds in m/s, gains in m/s per N."""
+
+from __future__ import annotations
+
+from cbdsl.checking.context import ProgramContext, Steps
+from cbdsl.checking.controller.options import ControllerSettings
+from cbdsl.documents.robot import RobotDocument
+from cbdsl.types.resource import FingerLoad, NetForces, NetLoad, Resource
+from cbdsl.types.unit import QuantityError, parse_quantity
+
+# What the units of a moved tip are dimensions of, by setting.
+_OF_TIPS = {"gain": "speed per force", "speed": "speed"}
+
+
+def in_task_units(
+    context: ProgramContext,
+    steps: Steps,
+    settings: ControllerSettings,
+    feedback: Resource,
+    effector: Resource,
+) -> ControllerSettings | None:
+    """Settings of a force as the task has them; ``None`` where their units mean nothing.
+
+    A tip that moves by dx changes its force by K dx, with the stiffness K that the robot's document
+    states, and that of a hand with as many fingers by as many times that. A spring moves by half
+    its error, so that a gain of g m/s per N is one of 2 K g per second.
+    """
+    written = {key: value for key in _OF_TIPS if (value := _of_tips(context, steps, key))}
+    if feedback.type.name != "force":
+        written.pop("speed", None)  # it is the task's own
+    if not written:
+        return settings
+    problem = _problem(feedback, effector)
+    for key, value in written.items():
+        if problem:
+            place = context.source.place(*steps, key)
+            context.add("CB594", place, value=value, problem=problem)
+    if problem:
+        return None
+    stiffness = _stiffness(context.body.document, feedback)
+    if "gain" in written:
+        settings = settings._replace(gain=2.0 * stiffness * settings.gain)
+    return settings._replace(tip_stiffness=stiffness) if "speed" in written else settings
+
+
+def _stiffness(robot: RobotDocument, feedback: Resource) -> float:
+    """Change of a force per way of the tip, N/m: every fingertip of a hand presses on a spring."""
+    match feedback.source:
+        case NetLoad(hand=name) | NetForces(group=name):
+            fingers = len(robot.load_cells[robot.members(name)[0]])
+        case _:
+            fingers = 1
+    return fingers * robot.control.contact_stiffness
+
+
+def _of_tips(context: ProgramContext, steps: Steps, key: str) -> str | None:
+    """A setting as it is written, where it has the unit of a tip; ``None`` where it has another."""
+    if not context.source.holds(*steps, key):
+        return None
+    value = context.source.node((*steps, key)).value
+    try:
+        unit = parse_quantity(value)[1] if isinstance(value, str) else None
+    except QuantityError:
+        return None  # which is reported
+    return str(value) if unit is not None and unit.dimension == _OF_TIPS[key] else None
+
+
+def _problem(feedback: Resource, effector: Resource) -> str:
+    """Why a force does not change as a tip moves, as a clause; empty where it does."""
+    if feedback.type.name != "force" or not isinstance(
+        feedback.source, (FingerLoad, NetLoad, NetForces)
+    ):
+        return f"'{feedback.name}' is no force of a finger or a hand that an arm presses with"
+    if effector.type.name != "position":
+        return f"'{effector.name}' is a {effector.type}, and moves in {effector.type.unit}"
+    return ""

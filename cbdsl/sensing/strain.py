@@ -1,0 +1,47 @@
+"""Strain: torques that contacts anywhere on the robot cause on its joints."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cbdsl.documents.robot import JointTorques
+from cbdsl.sensing.kinematics import Kinematics
+from cbdsl.sensing.observation import Observation
+
+Floats = NDArray[np.float64]
+
+
+class Strain:
+    """Torques that the joints' drives exert beyond the weight of the links, low-pass filtered.
+
+    What is held counts as a contact, and so do accelerations, which the filter and the threshold of
+    the robot's document keep below a guard. It is computed only once somebody needs it.
+
+    Attributes:
+        torques: that the robot exerts on the world, N m, shape (n,).
+        needed: whether anybody asks for them.
+    """
+
+    def __init__(self, settings: JointTorques | None, kinematics: Kinematics) -> None:
+        self._settings, self._kinematics = settings, kinematics
+        self.torques: Floats = np.zeros(len(kinematics.joints))
+        self.needed = False
+        self.reset()
+
+    def reset(self) -> None:
+        """Forget the episode before."""
+        self.torques[:] = 0.0
+        self._time = math.nan
+
+    def update(self, observation: Observation) -> None:
+        """Take in one tick's torques; the kinematics have its posture."""
+        if not self.needed or self._settings is None or observation.efforts is None:
+            return
+        passed, self._time = observation.time - self._time, observation.time
+        if not passed > 0.0:
+            return  # before the first step no drive has exerted anything
+        share = 1.0 - math.exp(-passed / self._settings.filter) if self._settings.filter else 1.0
+        self.torques += share * (observation.efforts - self._kinematics.weight() - self.torques)
