@@ -6,7 +6,8 @@ episodes that it did not learn from. Prints one line of JSON a skill and one for
 wall-clock, processor and simulated seconds of learning, transitions, rewarded episodes by context.
 What is in the folder already is not learned again, so an interrupted run goes on.
 
-    python benchmarks/five_skills.py FOLDER --seed 2 [--backend kinematic] [--held-out 50]
+    python benchmarks/five_skills.py FOLDER --seed 2 [--backend kinematic] [--cameras ideal]
+        [--held-out 50]
 """
 
 from __future__ import annotations
@@ -85,6 +86,12 @@ def run(folder: Path, words: Sequence[str]) -> str:
     return done.stdout
 
 
+def _body(options: argparse.Namespace) -> list[str]:
+    """Words for ``cb`` that choose backend and cameras."""
+    cameras = ["--cameras", options.cameras] if options.cameras else []
+    return ["--backend", options.backend, *cameras]
+
+
 def processor_time() -> float:
     """Of all commands so far, s."""
     return sum(resource.getrusage(resource.RUSAGE_CHILDREN)[:2])
@@ -96,7 +103,7 @@ def learned(folder: Path, skill: Skill, options: argparse.Namespace) -> dict[str
     clock = policy.with_suffix(".seconds")
     if not policy.exists():
         began = [time.perf_counter(), processor_time()]
-        where = ("--stage", skill.stage, "--backend", options.backend, "--seed", str(options.seed))
+        where = ("--stage", skill.stage, *_body(options), "--seed", str(options.seed))
         out = ("--out", str(policy), "--resume")
         run(folder, ("learn", skill.program, *where, *skill.options, *out))
         ended = [time.perf_counter(), processor_time()]
@@ -118,7 +125,7 @@ def held_out(folder: Path, skill: Skill, options: argparse.Namespace) -> dict[st
     if not kept.exists():
         stage = skill.held_out or skill.stage
         policy = ("--policy", f"knowledge/policies/{skill.name}.yaml", "--stage", stage)
-        how = ("--backend", options.backend, "--episodes", str(options.held_out))
+        how = (*_body(options), "--episodes", str(options.held_out))
         kept.write_text(
             run(
                 folder,
@@ -151,6 +158,7 @@ def main() -> None:
         help="of the first held-out episode [%(default)s]",
     )
     parser.add_argument("--backend", default="bullet")
+    parser.add_argument("--cameras", choices=("rendered", "ideal"))
     parser.add_argument("--held-out", type=int, default=50)
     options = parser.parse_args()
     folder: Path = options.folder.resolve()

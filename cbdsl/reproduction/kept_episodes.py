@@ -21,8 +21,11 @@ class KeptEpisodes:
     def __init__(self, path: Path) -> None:
         self._path = path
         self._known: dict[tuple[str, int], EpisodeResult] = {}
-        lines = path.read_text(encoding="utf-8").splitlines() if path.exists() else []
-        for line in lines:
+        text = path.read_text(encoding="utf-8") if path.exists() else ""
+        if text and not text.endswith("\n"):
+            with path.open("a", encoding="utf-8") as file:
+                file.write("\n")  # so that the next one has a line of its own
+        for line in text.splitlines():
             try:
                 row = json.loads(line)
             except ValueError:

@@ -48,6 +48,7 @@ def data(experiment: Experiment, settings: RunSettings, outcome: Result) -> dict
     """An outcome for scripts; what could not be measured is ``None``."""
     keys = ("backend", "cameras", "trials")
     learned = {key: getattr(settings, key) for key in keys} if experiment.learns else {}
+    learned |= {"trials": settings.trials} if experiment.keeps else {}
     return {
         "experiment": experiment.name,
         "title": experiment.title,
@@ -109,7 +110,8 @@ def _command(experiment: Experiment, settings: RunSettings) -> str:
     if experiment.learns:
         words += ["--backend", settings.backend]
         words += ["--cameras", settings.cameras] if settings.cameras is not None else []
-        words += ["--trials", str(settings.trials)] if settings.trials is not None else []
+    if settings.trials is not None and (experiment.learns or experiment.keeps):
+        words += ["--trials", str(settings.trials)]
     return " ".join([*words, "--quick"] if settings.quick else words)
 
 

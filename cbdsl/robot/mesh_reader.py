@@ -46,8 +46,8 @@ def read_mesh_file(file: Path, scale: Sequence[float]) -> Mesh:
         rows = [loaded.tri_indices(index) for index in range(loaded.num_tris)]
     except (RuntimeError, ValueError) as error:
         # Where in the reader's source it happened is of no use here.
-        told = " ".join(str(error).partition("message: ")[2].split()) or str(error)
-        raise MeshError(f"{file}: {told}") from error
+        reason = " ".join(str(error).partition("message: ")[2].split()) or str(error)
+        raise MeshError(f"{file}: {reason}") from error
     triangles = np.array([[row[0], row[1], row[2]] for row in rows], dtype=np.intp).reshape(-1, 3)
     if not len(triangles):
         raise MeshError(f"{file}: it has no triangles")

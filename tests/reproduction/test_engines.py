@@ -30,6 +30,7 @@ def test_a_share_that_is_not_clearly_lower_agrees_and_a_lower_one_does_not() -> 
         Verdict.MISSED,
     ]
     assert "same states in 0; 1.0 s simulated, 4.0 times real time" in rows[3].note
+    assert rows[3].note.endswith("20 of 20 others end in 0")
     assert rows[1].source == "bullet: 100 %"
 
 
@@ -39,3 +40,14 @@ def test_every_program_and_policy_of_the_robot_takes_part() -> None:
     names = [part.name for part in engines._parts(Library(shipped()))]
     assert {"reachtouch", "transport_hand", "policy reachtouch", "policy searchtrack"} <= set(names)
     assert not {"sixaxis_reach", "desk_reach"} & set(names)
+
+
+def test_parts_are_told_apart_by_policy_and_engine() -> None:
+    from cbdsl.reproduction.shipped import shipped_robot
+    from cbdsl.yaml_text.library import Library, shipped
+
+    library = Library(shipped())
+    robot, _ = shipped_robot("dexter", library)
+    parts = list(engines._parts(library))
+    digests = {part.digest_with(robot, setup) for part in parts for setup in engines._SETUPS}
+    assert len(digests) == len(parts) * len(engines._SETUPS)

@@ -20,6 +20,8 @@ _KINDS = {
     "cylinder": mj.mjtGeom.mjGEOM_CYLINDER,
     "capsule": mj.mjtGeom.mjGEOM_CAPSULE,
 }
+# Of the robot in the simulator's window.
+_GREY = (0.7, 0.7, 0.7)
 # Corners of a convex hull, beyond which contacts cost more than they are better.
 _MOST_CORNERS = 64
 # Singular value below which all corners are in a plane, m.
@@ -37,7 +39,7 @@ def add_shape(spec: Any, body: Any, shape: UrdfShape, name: str, urdf: Path) -> 
         BackendError: it is a mesh that cannot be read, or a shape that MuJoCo does not know.
     """
     link = name.rpartition("/")[0]
-    place = {"name": name, **_placement(shape)}
+    place = {"name": name, "rgba": [*_GREY, 1.0], **_placement(shape)}
     if shape.kind == "mesh":
         hull = _add_hull(spec, shape, urdf, link)
         return body.add_geom(type=mj.mjtGeom.mjGEOM_MESH, meshname=hull, **place)

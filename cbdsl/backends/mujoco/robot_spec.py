@@ -82,6 +82,8 @@ def _empty_world(timestep: float, settings: MujocoSection) -> Any:
     option.cone = mj.mjtCone.mjCONE_ELLIPTIC
     option.impratio = settings.friction_stiffness
     option.noslip_iterations = settings.noslip_iterations
+    light = spec.visual.headlight
+    light.ambient, light.diffuse = [0.4] * 3, [0.6] * 3
     return spec
 
 

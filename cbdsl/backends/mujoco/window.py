@@ -4,9 +4,14 @@ from __future__ import annotations
 
 import os
 import sys
+from threading import Thread
+from threading import enumerate as enumerate_threads
 from typing import Any
 
 from cbdsl.backends.backend import BackendError
+
+# How long a window may take to close, s.
+_PATIENCE = 5.0
 
 
 class Window:
@@ -28,17 +33,22 @@ class Window:
         self._launch: Any = mujoco.viewer.launch_passive
         self._viewer: Any = None
         self._model: Any = None
+        self._threads: list[Thread] = []
 
     def show(self, model: Any, data: Any) -> None:
         """Show the state; another model has another window."""
         if self._model is not model:
             self.close()
+            others = set(enumerate_threads())
             self._viewer = self._launch(model, data, show_left_ui=False, show_right_ui=False)
+            self._threads = [each for each in enumerate_threads() if each not in others]
             self._model = model
         self._viewer.sync()
 
     def close(self) -> None:
-        """Close the window."""
+        """Close the window, and wait for it: one that outlives the process makes it crash."""
         if self._viewer is not None:
             self._viewer.close()
+            for thread in self._threads:
+                thread.join(_PATIENCE)
             self._viewer = None

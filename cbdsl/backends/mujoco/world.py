@@ -106,7 +106,7 @@ class MujocoWorld:
         self._pairs[item.name] = []
         for number, geom in enumerate(add_solids(body, item.shape, item.mass)):
             geom.name = f"{name}/{number}"
-            geom.condim = 6
+            geom.condim, geom.rgba = 6, [*item.surface.color, 1.0]
             self._contact.apply_surface(geom, item.surface, movable=movable)
             self._pairs[item.name] += [
                 shape.press(spec, geom, mobility, movable) for shape in self._soft

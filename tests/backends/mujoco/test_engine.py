@@ -108,7 +108,7 @@ def nine_things(backend: MujocoBackend, steps: int) -> tuple[np.ndarray, np.ndar
 
 def test_nine_things_rest_without_drift(blind: MujocoBackend) -> None:
     before, after = nine_things(blind, 10_000)
-    assert np.abs(after - before)[1:, 4:7].max() < 1e-4
+    assert np.abs(after - before)[1:, 4:7].max() < 1e-5
 
 
 def test_repeats_are_the_same_to_the_last_bit(blind: MujocoBackend) -> None:
