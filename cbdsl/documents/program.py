@@ -19,7 +19,6 @@ from cbdsl.documents.document import (
     Number,
     Positive,
     PositiveCount,
-    Rate,
     Section,
     Speed,
     Tolerance,

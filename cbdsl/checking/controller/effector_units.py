@@ -22,8 +22,8 @@ def in_task_units(
     """Settings of a force as the task has them; ``None`` where their units mean nothing.
 
     A tip that moves by dx changes its force by K dx, with the stiffness K that the robot's document
-    states, and that of a hand with as many fingers by as many times that. A spring moves by half its error, so that a gain of g m/s per N is one of 2 K g per
-    second.
+    states, and that of a hand with as many fingers by as many times that. A spring moves by half
+    its error, so that a gain of g m/s per N is one of 2 K g per second.
     """
     written = {key: value for key in _OF_TIPS if (value := _of_tips(context, steps, key))}
     if feedback.type.name != "force":
