@@ -120,7 +120,18 @@ def held_out(folder: Path, skill: Skill, options: argparse.Namespace) -> dict[st
         policy = ("--policy", f"knowledge/policies/{skill.name}.yaml", "--stage", stage)
         how = ("--backend", options.backend, "--episodes", str(options.held_out))
         kept.write_text(
-            run(folder, ("run", skill.program, *policy, *how, "--seed", "900000", "--json"))
+            run(
+                folder,
+                (
+                    "run",
+                    skill.program,
+                    *policy,
+                    *how,
+                    "--seed",
+                    str(options.held_out_seed),
+                    "--json",
+                ),
+            )
         )
     episodes = [json.loads(line) for line in kept.read_text().splitlines()]
     rewarded = Counter(each["context"] for each in episodes if each["rewarded"])
@@ -133,6 +144,12 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("folder", type=Path)
     parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument(
+        "--held-out-seed",
+        type=int,
+        default=900_000,
+        help="of the first held-out episode [%(default)s]",
+    )
     parser.add_argument("--backend", default="bullet")
     parser.add_argument("--held-out", type=int, default=50)
     options = parser.parse_args()

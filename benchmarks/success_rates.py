@@ -18,6 +18,8 @@ from concurrent.futures import ProcessPoolExecutor
 from dataclasses import asdict, dataclass, field
 from typing import Any, NamedTuple
 
+from contacts import shown, touching
+
 from cbdsl.reproduction.interval import exact_interval
 
 LEFT = {"arm": "left_arm", "hand": "left_hand"}
@@ -81,8 +83,8 @@ def run_episodes(condition: Condition, body: Body, seeds: Iterable[int]) -> list
     rows = []
     for seed in seeds:
         row = asdict(runner.run(stage, seed))
-        things = [name for name in backend.truth.names() if name not in stage.fixtures]
-        row["touching"] = sum(len(backend.truth.touching(thing)) for thing in things)
+        things = shown(backend.truth, stage)
+        row["touching"] = len(touching(backend.truth, things))
         tops = [float(backend.truth.pose(name).position[2]) for name in stage.fixtures]
         row["fallen"] = any(
             backend.truth.pose(thing).position[2] < min(tops) for thing in things if tops

@@ -15,7 +15,10 @@ import sys
 from collections.abc import Mapping
 from typing import Any
 
+from contacts import touching
+
 from cbdsl.backends.backend import embody
+from cbdsl.backends.simulated_backend import SimulatedBackend
 from cbdsl.checking.program import check_program
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.documents.stage import StageDocument
@@ -42,17 +45,18 @@ def run_episodes(
     urdf = robot_file.parent / robot.model
     stage = library.read(library.locate(StageDocument, "bare_table"), StageDocument).document
     backend = embody("bullet", robot, urdf, cameras=cameras)
+    assert isinstance(backend, SimulatedBackend), "contacts are checked in an engine"
     runner = Runner(robot, Kinematics(robot, urdf), program, backend)
     rows = []
     for seed in range(first, first + episodes):
         result = runner.run(stage, seed)
-        cells = {touch.cell for touch in backend.truth.touches("table")} - {None}
+        cells = touching(backend.truth, ["table"])
         rows.append(
             {
                 "seed": seed,
                 "rewarded": result.rewarded,
                 "seconds": result.sim_seconds,
-                "in_contact": sum(cell[0] == values["hand"] for cell in cells if cell),
+                "in_contact": sum(hand == values["hand"] for hand, _ in cells),
             }
         )
     backend.close()

@@ -68,7 +68,7 @@ PATTERN = re.compile(r"[A-Z]{3,}(?!\d)|\.\.\.|[|<>]")
 #: Commands that move a robot, or show how one moved.
 LONG = {"run", "replay", "learn", "reproduce"}
 #: Commands that take hours as the docs name them; they have tests of their own.
-ENDLESS = {"learn", "reproduce"}
+ENDLESS = {"learn", "lsp", "reproduce"}
 
 
 class Block(NamedTuple):
@@ -380,3 +380,15 @@ def test_experiments_that_are_named_can_be_reproduced(page: Path) -> None:
     text = page.read_text("utf-8")
     for name in re.findall(r"`((?:fig|table|law)-[\w.-]+)`", text):
         assert name in EXPERIMENTS, name
+
+
+def test_each_deviation_cites_evidence_that_exists() -> None:
+    text = (DOCS / "deviations.md").read_text("utf-8")
+    entries = [each for each in text.split("\n\n") if each.startswith("**")]
+    assert entries
+    for entry in entries:
+        cited = re.findall(r"`([^`\s]+)`", entry)
+        files = [each for each in cited if re.match(r"(tests|programs|knowledge)/", each)]
+        experiments = [each for each in cited if each in EXPERIMENTS]
+        assert files or experiments, f"no evidence: {entry[:60]}"
+        assert all((ROOT / each).exists() for each in files), entry[:60]

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Collection
-from typing import Generic, TypeVar
+from pathlib import Path
+from typing import Any, Generic, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
-from cbdsl.backends.backend import BackendError
+from cbdsl.backends.backend import BackendError, embody
 from cbdsl.backends.cameras.camera_system import CameraSystem, Chance, Exposure
 from cbdsl.backends.cameras.rendered import RenderedCameras
 from cbdsl.backends.staging.context import choose_context, starting_posture
@@ -187,3 +188,18 @@ class SimulatedBackend(Generic[SomeEngine]):
         """Leave the engine and free the renderer."""
         self._cameras.close()
         self.truth.close()
+
+
+def simulate(
+    name: str, robot: RobotDocument, urdf: Path, *, cameras: str | None = None
+) -> SimulatedBackend[Any]:
+    """A robot on the backend of this name, which has to be a simulated one with its truth.
+
+    Raises:
+        BackendError: it is none, or see ``embody``.
+    """
+    backend = embody(name, robot, urdf, cameras=cameras)
+    if isinstance(backend, SimulatedBackend):
+        return backend
+    backend.close()
+    raise BackendError(f"backend '{name}' has no engine whose truth could be asked")

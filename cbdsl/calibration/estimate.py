@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import NamedTuple
 
@@ -36,6 +36,8 @@ _OUTLIER = 0.5
 _LEAST_ERROR = 0.1
 # Fingertips are alike, and so are their distances from the ball's centre, m.
 _UNEVENNESS = 0.003
+# Stretches of views that the jackknife leaves out in turn.
+_STRETCHES = 10
 # Share of a good calibration's motion below which no fit is worth trying.
 _HOPELESS = 0.1
 # Parameters of a camera: position and rotation vector.
@@ -242,18 +244,39 @@ def _apparent_radius(
 
 
 def _deviations(problem: _Problem, parameters: Floats, jacobian: Floats) -> Floats:
-    """Largest standard deviations of each camera's position and rotation, shape (cameras, 2)."""
+    """Largest standard deviations of each camera's position and rotation, shape (cameras, 2).
+
+    The larger one of two: of errors that are independent from view to view, and the jackknife over
+    stretches of views, whose errors have much in common: as long as the hand moves little, the ball
+    sits in it, and its fingers hide parts of it, in much the same way.
+    """
     errors = problem.residuals(parameters)[:-FINGERS] * _OUTLIER
     # Half of the errors are less than 0.67 standard deviations, outliers or not.
     error = max(float(np.median(np.abs(errors))) / 0.6745, _LEAST_ERROR)
     values, vectors = np.linalg.eigh(jacobian.T @ jacobian)
     spread = np.maximum(values, 1e-12 * values[-1])
-    covariance = (vectors / spread) @ vectors.T * (error / _OUTLIER) ** 2
-    largest = []
-    for place in range(len(problem.sightings)):
-        own = [slice(_EACH * place + part, _EACH * place + part + 3) for part in (0, 3)]
-        largest.append([np.sqrt(np.linalg.eigvalsh(covariance[s, s])[-1]) for s in own])
-    return np.array(largest)
+    independent = (vectors / spread) @ vectors.T * (error / _OUTLIER) ** 2
+    without = np.array([each.solve(parameters)[0] for each in _without_stretches(problem)])
+    shifts = without - without.mean(axis=0)
+    alike = shifts.T @ shifts * (_STRETCHES - 1) / _STRETCHES
+    return np.maximum(_largest(independent), _largest(alike))
+
+
+def _without_stretches(problem: _Problem) -> Iterator[_Problem]:
+    """The problem without each stretch of views, by all cameras, in turn."""
+    stretches = {
+        name: np.arange(len(own.points)) * _STRETCHES // len(own.points)
+        for name, own in problem.sightings.items()
+    }
+    for stretch in range(_STRETCHES):
+        yield problem.among({name: own != stretch for name, own in stretches.items()})
+
+
+def _largest(covariance: Floats) -> Floats:
+    """Largest standard deviations of positions and rotations, shape (cameras, 2)."""
+    starts = range(0, len(covariance) - FINGERS, 3)
+    blocks = [covariance[start : start + 3, start : start + 3] for start in starts]
+    return np.sqrt([np.linalg.eigvalsh(block)[-1] for block in blocks]).reshape(-1, 2)
 
 
 def _estimates(problem: _Problem, parameters: Floats, deviations: Floats) -> dict[str, Estimate]:

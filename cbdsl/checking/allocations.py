@@ -5,37 +5,21 @@ from __future__ import annotations
 import itertools
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
-from typing import NamedTuple
 
 from cbdsl.checking.findings import Findings
 from cbdsl.checking.program import examine_program
 from cbdsl.checking.robot.checked_robot import CheckedRobot
 from cbdsl.checking.session import Session
+from cbdsl.checking.substitution import Allocation, substitutes
 from cbdsl.documents.program import ProgramDocument
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.errors.errors import UsageError
 from cbdsl.program.checked import CheckedProgram
 from cbdsl.robot.channel_names import channel_names
-from cbdsl.types.allotment import CHANNEL, Allotment, allotment
+from cbdsl.types.allotment import CHANNEL, WHOLE, Allotment, allotment
 
 # Every allocation is checked as a program of its own.
 _MOST = 500
-
-
-class Allocation(NamedTuple):
-    """One choice of resources for the parameters that a program lets be replaced.
-
-    Attributes:
-        values: resource or channel by parameter.
-        choices: what was chosen by name of the group of parameters: the value of its first one.
-        program: the program with these values, or ``None`` where they do not fit.
-        refusal: why they do not fit; empty where they do.
-    """
-
-    values: Mapping[str, str]
-    choices: Mapping[str, str]
-    program: CheckedProgram | None
-    refusal: str
 
 
 def allocations(
@@ -59,16 +43,22 @@ def allocations(
     groups = {
         name: list(_choices({key: allotment(text) for key, text in group.items()}, robot))
         for name, group in document.resources.items()
+        if WHOLE not in group
     }
     count = 1
     for choices in groups.values():
         count *= len(choices)
     if count > _MOST:
         raise UsageError(f"{path}: {count} allocations are more than the {_MOST} that are checked")
-    return [
+    own = [
         _allocation(path, session, values or {}, dict(zip(groups, choice, strict=True)), robot)
         for choice in itertools.product(*groups.values())
     ]
+
+    def examine(file: Path, with_: Mapping[str, str], findings: Findings) -> CheckedProgram | None:
+        return examine_program(file, with_, session, findings)
+
+    return [*own, *substitutes(path, values or {}, session, examine)]
 
 
 def _choices(

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from cbdsl.checking.context import ProgramContext, Steps
-from cbdsl.types.allotment import ALLOTMENTS, allotment
+from cbdsl.types.allotment import ALLOTMENTS, PROGRAM, WHOLE, allotment
 
 
 def check_allotments(context: ProgramContext) -> None:
@@ -14,14 +14,20 @@ def check_allotments(context: ProgramContext) -> None:
     for group, wanted in document.resources.items():
         for name, text in wanted.items():
             steps: Steps = ("resources", group, name)
-            if name not in parameters:
+            kind = allotment(text)
+            whole = {WHOLE} if kind is not None and kind.kind == PROGRAM else set()
+            if name not in (whole or parameters):
                 context.add(
-                    "CB402", source.key(*steps), names=sorted(parameters), name=name, hint=""
+                    "CB402",
+                    source.key(*steps),
+                    names=sorted(whole or parameters),
+                    name=name,
+                    hint="",
                 )
             elif name in first:
                 related = [(source.key(*first[name]), "it is replaced here")]
                 context.add("CB411", source.key(*steps), related=related, name=name)
             else:
                 first[name] = steps
-            if allotment(text) is None:
+            if kind is None:
                 context.add("CB412", source.place(*steps), names=list(ALLOTMENTS), name=text)

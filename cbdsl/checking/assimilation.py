@@ -5,10 +5,11 @@ from __future__ import annotations
 from collections.abc import Mapping
 from pathlib import Path
 
-from cbdsl.checking.allocations import Allocation, allocations
+from cbdsl.checking.allocations import allocations
 from cbdsl.checking.findings import Findings
 from cbdsl.checking.knowledge.learned import with_policy
 from cbdsl.checking.session import Session
+from cbdsl.checking.substitution import Allocation
 from cbdsl.documents.policy import PolicyDocument
 from cbdsl.documents.program import ProgramDocument
 from cbdsl.documents.robot import RobotDocument
@@ -69,7 +70,7 @@ def _name(allocation: Allocation) -> str:
 def _is_default(allocation: Allocation, path: Path, session: Session) -> bool:
     """Whether an allocation is that of the program as it is written."""
     own = session.library.read(path, ProgramDocument).document.parameters
-    return all(own[name] == value for name, value in allocation.values.items())
+    return all(own.get(name) == value for name, value in allocation.values.items())
 
 
 def _resources(program: CheckedProgram, path: Path, session: Session) -> Mapping[str, Resource]:

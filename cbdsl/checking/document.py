@@ -5,24 +5,24 @@ from __future__ import annotations
 from collections.abc import Mapping
 from importlib import import_module
 from pathlib import Path
+from typing import TYPE_CHECKING
 
-from cbdsl.checking.calibration import check_own_calibration
 from cbdsl.checking.causes import causes_first
 from cbdsl.checking.findings import Findings
 from cbdsl.checking.lookup.documents import find_document
-from cbdsl.checking.program import examine_program
-from cbdsl.checking.schema import checked_schema
 from cbdsl.checking.session import Session
 from cbdsl.documents.document import Document
 from cbdsl.documents.kinds import KINDS, kind_name, kind_of
-from cbdsl.documents.program import ProgramDocument
-from cbdsl.documents.robot import RobotDocument
-from cbdsl.documents.schema import SchemaDocument
 from cbdsl.errors.diagnostic import Diagnostic
 from cbdsl.errors.errors import DiagnosticsError
-from cbdsl.program.checked import CheckedProgram
 from cbdsl.yaml_text.loaded import Loaded
 from cbdsl.yaml_text.unknown import UNKNOWN
+
+if TYPE_CHECKING:
+    from cbdsl.documents.program import ProgramDocument
+    from cbdsl.documents.robot import RobotDocument
+    from cbdsl.documents.schema import SchemaDocument
+    from cbdsl.program.checked import CheckedProgram
 
 
 def check_document(path: Path, session: Session | None = None) -> list[Diagnostic]:
@@ -50,11 +50,16 @@ def check_document(path: Path, session: Session | None = None) -> list[Diagnosti
 def check_robot(loaded: Loaded[RobotDocument], session: Session, findings: Findings) -> None:
     """Check a robot; the session keeps what was found."""
     session.body(loaded.path, findings)
-    check_own_calibration(loaded, session, findings)
+    if loaded.document.calibration is not None:
+        from cbdsl.checking.calibration import check_own_calibration
+
+        check_own_calibration(loaded, session, findings)
 
 
 def check_program(loaded: Loaded[ProgramDocument], session: Session, findings: Findings) -> None:
     """Check a program with those values of the session that are of its parameters."""
+    from cbdsl.checking.program import examine_program  # robots and stages do without
+
     parameters = loaded.document.parameters
     values = {key: value for key, value in session.values.items() if key in parameters}
     examine_program(loaded.path, values, session, findings)
@@ -62,6 +67,8 @@ def check_program(loaded: Loaded[ProgramDocument], session: Session, findings: F
 
 def check_schema(loaded: Loaded[SchemaDocument], session: Session, findings: Findings) -> None:
     """Check a schema and the program that it allocates."""
+    from cbdsl.checking.program import examine_program
+    from cbdsl.checking.schema import checked_schema
 
     def examine(path: Path, values: Mapping[str, str], own: Findings) -> CheckedProgram | None:
         return examine_program(path, values, session, own)

@@ -12,6 +12,7 @@ from cbdsl.checking.findings import Findings
 from cbdsl.checking.knowledge.learned import check_policy, with_policy
 from cbdsl.checking.lookup.documents import find_document
 from cbdsl.checking.session import Session
+from cbdsl.checking.substitution import Examine, stand_in
 from cbdsl.documents.policy import PolicyDocument
 from cbdsl.documents.program import ProgramDocument
 from cbdsl.documents.robot import RobotDocument
@@ -21,8 +22,9 @@ from cbdsl.program.checked import CheckedProgram
 from cbdsl.program.controller import Controller
 from cbdsl.program.schema import Ranking, Schema, components
 from cbdsl.program.state_values import state_values
+from cbdsl.types.allotment import WHOLE
 from cbdsl.types.decision_tree import Leaf, Split, Tree
-from cbdsl.types.resource import Resource
+from cbdsl.types.resource import InstanceCount, Resource
 from cbdsl.types.unit import QuantityError, parse_quantity
 from cbdsl.yaml_text.loaded import Loaded
 from cbdsl.yaml_text.source_map import Step
@@ -30,9 +32,6 @@ from cbdsl.yaml_text.source_map import Step
 _COMPARISON = re.compile(r"^\s*([A-Za-z_][\w.]*)\s*(>|<)\s*(.+?)\s*$")
 Steps = tuple[Step, ...]
 Answer = TypeVar("Answer")
-
-Examine = Callable[[Path, Mapping[str, str], Findings], CheckedProgram | None]
-"""Checks a program with values of its parameters; its findings go where they are told to."""
 _Spans = Mapping[str, tuple[float, float]]
 
 
@@ -68,6 +67,8 @@ class _SchemaCheck:
         self._session, self._findings = session, findings
         self._examine, self._values = examine, values
         self._dimensions: dict[str, str] = {}
+        #: Features that count things, and how many can be told apart.
+        self._counts: dict[str, int] = {}
 
     def check(self) -> CheckedProgram | None:
         own = Findings()
@@ -120,16 +121,13 @@ class _SchemaCheck:
         library = self._session.library
         known = library.read(path, ProgramDocument).document.parameters
         for key in values:
-            if key not in known:
+            if key not in known and key != WHOLE:
                 place = self._source.key("allocations", name, key)
                 details = {"name": key, "program": self._document.program}
                 self._findings.add("CB606", place, names=list(known), **details)
                 return None
-        faults = Findings()
-        program = self._examine(path, {**self._values, **values}, faults)
-        if program is None or faults.failed:
-            fault = next((each for each in faults.sorted() if each.is_error), None)
-            problem = fault.message if fault else "it has findings"
+        program, problem = self._allocated({**self._values, **values}, path)
+        if program is None:
             place = self._source.key("allocations", name)
             self._findings.add("CB634", place, name=name, problem=problem)
             return None
@@ -140,6 +138,20 @@ class _SchemaCheck:
             return None
         check_policy(policy, program, path, self._session, self._findings)
         return None if self._findings.failed else with_policy(program, policy, library)
+
+    def _allocated(
+        self, values: Mapping[str, str], path: Path
+    ) -> tuple[CheckedProgram | None, str]:
+        """The program with some values, or one that stands in for it; else the reason why not."""
+        if WHOLE in values:
+            own = {key: value for key, value in values.items() if key != WHOLE}
+            return stand_in(values[WHOLE], path, own, self._session, self._examine)
+        faults = Findings()
+        program = self._examine(path, values, faults)
+        if program is not None and not faults.failed:
+            return program, ""
+        fault = next((each for each in faults.sorted() if each.is_error), None)
+        return None, fault.message if fault else "it has findings"
 
     def _actions(self, program: CheckedProgram) -> None:
         """The abstract actions are those of the program's controllers."""
@@ -167,6 +179,8 @@ class _SchemaCheck:
                 self._findings.add("CB636", place, names=list(resources), name=wanted)
                 continue
             features[name] = resources[wanted]
+            if body is not None and isinstance(resources[wanted].source, InstanceCount):
+                self._counts[name] = body.document.vision.regions.instances
             for component in components(name, resources[wanted]):
                 self._dimensions[component] = resources[wanted].type.unit
         return features
@@ -219,7 +233,20 @@ class _SchemaCheck:
             if self._dimensions:
                 self._findings.add("CB638", place, names=list(self._dimensions), name=feature)
             return "", 0.0, True
-        return feature, self._threshold(limit, self._dimensions[feature], steps), sign == ">"
+        threshold = self._threshold(limit, self._dimensions[feature], steps)
+        self._occurs(feature, threshold, sign, steps)
+        return feature, threshold, sign == ">"
+
+    def _occurs(self, feature: str, threshold: float, sign: str, steps: Steps) -> None:
+        """Tell of a question about a number of things that has one answer only."""
+        most = self._counts.get(feature)
+        if most is None:
+            return
+        above = [count > threshold for count in range(most + 1)]
+        below = [count < threshold for count in range(most + 1)]
+        if len(set(above if sign == ">" else below)) == 1:
+            details = {"feature": feature, "most": most}
+            self._findings.add("CB643", self._source.place(*steps), **details)
 
     def _threshold(self, text: str, unit: str, steps: Steps) -> float:
         place = self._source.place(*steps)

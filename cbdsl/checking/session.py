@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from pathlib import Path
-from typing import TypeVar
+from typing import TYPE_CHECKING, TypeVar
 
 from cbdsl.checking.findings import Findings
 from cbdsl.checking.lookup.uses import Uses
@@ -13,9 +13,11 @@ from cbdsl.checking.robot.robot import examine_robot
 from cbdsl.documents.document import Document
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.errors.errors import DiagnosticsError
-from cbdsl.program.checked import CheckedProgram
 from cbdsl.yaml_text.library import Library
 from cbdsl.yaml_text.loaded import Loaded
+
+if TYPE_CHECKING:
+    from cbdsl.program.checked import CheckedProgram
 
 D = TypeVar("D", bound=Document)
 
@@ -73,6 +75,20 @@ class Session:
         findings.extend(loaded.faults)
         body = examine_robot(loaded, findings)
         return None if loaded.faults else body
+
+    def replace(self, path: Path, data: bytes) -> bool:
+        """Have other bytes stand in for those of a file.
+
+        Programs are checked again. What was found of robots is kept, which takes most of the time.
+
+        Returns:
+            Whether the session can go on: not where a robot may have become another one.
+        """
+        if not self.library.replace(path, data):
+            return False
+        self.uses = Uses(self.library)
+        self._programs.clear()
+        return True
 
     def recall(
         self, path: Path, values: Mapping[str, str]

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Collection, Mapping
 from pathlib import Path
-from typing import TypeVar
+from typing import TYPE_CHECKING, TypeVar
 
 from cbdsl.checking.context import Steps
 from cbdsl.checking.dependencies import Dependencies
@@ -12,16 +12,18 @@ from cbdsl.checking.findings import Findings
 from cbdsl.checking.knowledge.learned import check_policy, with_policy
 from cbdsl.checking.lookup.documents import find_document
 from cbdsl.checking.lookup.scope import Scope
-from cbdsl.checking.schema import Examine, checked_schema
 from cbdsl.checking.session import Session
+from cbdsl.checking.substitution import Examine
 from cbdsl.documents.policy import PolicyDocument
 from cbdsl.documents.program import ProgramDocument, Use
-from cbdsl.documents.schema import SchemaDocument
 from cbdsl.errors.errors import DiagnosticsError
 from cbdsl.program.checked import CheckedProgram
 from cbdsl.yaml_text.loaded import Loaded
 
-K = TypeVar("K", PolicyDocument, SchemaDocument)
+if TYPE_CHECKING:
+    from cbdsl.documents.schema import SchemaDocument
+
+K = TypeVar("K", PolicyDocument, "SchemaDocument")
 
 # Programs within one another, and programs that one uses in all, each with other values.
 _DEEPEST = 64
@@ -105,6 +107,9 @@ class UsedPrograms:
                 return None
             faults = own  # with its own values it has faults already
         self._findings.extend(faults.sorted())
+        if use.schema_ is not None and use.policy is not None:
+            details = {"name": name, "schema": use.schema_, "policy": use.policy}
+            self._findings.add("CB649", self._source.key("use", name, "policy"), **details)
         if program is not None and use.schema_ is not None:
             return self._allocated(use.schema_, program, values, ("use", name, "schema"))
         if program is None or use.policy is None:
@@ -178,6 +183,10 @@ class UsedPrograms:
         self, name: str, program: CheckedProgram, values: Mapping[str, str], steps: Steps
     ) -> CheckedProgram | None:
         """A used program that a schema allocates, or ``None`` where that does not fit."""
+        # Few programs use schemas, and their module takes a fiftieth of cb validate's time.
+        from cbdsl.checking.schema import checked_schema
+        from cbdsl.documents.schema import SchemaDocument
+
         loaded = self._knowledge(SchemaDocument, name, program, steps)
         if loaded is None:
             return None

@@ -84,7 +84,7 @@ def _examine(paths: Iterable[str], values: Mapping[str, str], stdin: Path) -> Va
     words = list(paths)
     given = {stdin: sys.stdin.buffer.read(MOST_BYTES + 1)} if STANDARD_INPUT in words else {}
     library = Library(given=given)
-    files = [file for word in words for file in _documents(word, stdin, library)]
+    files = [file for word in words for file in documents(word, stdin, library)]
     session = Session(library, values)
     # A robot's findings come with every program on it: each is told once.
     diagnostics: dict[Diagnostic, None] = {}
@@ -97,7 +97,7 @@ def _examine(paths: Iterable[str], values: Mapping[str, str], stdin: Path) -> Va
     return ValidationReport(shown, len(files), len(findings) - len(shown), _texts(session.library))
 
 
-def _documents(word: str, stdin: Path, library: Library) -> Iterator[Path]:
+def documents(word: str, stdin: Path, library: Library) -> Iterator[Path]:
     """The file itself, all documents below a folder, or those of a name."""
     from cbdsl.errors.errors import UsageError
 

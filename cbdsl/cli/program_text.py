@@ -9,8 +9,10 @@ from cbdsl.errors.counting import count
 from cbdsl.program.checked import Action, CheckedProgram
 from cbdsl.program.controller import AlongNormals, Controller, Literal, Reference, Relative
 from cbdsl.program.dry_run import controllers, coverage, levels, resources, rewarding
+from cbdsl.types.casts import Chain
 from cbdsl.types.potential import POTENTIALS
 from cbdsl.types.resource import Resource
+from cbdsl.types.resource_type import configuration
 
 _WIDTH = 80
 
@@ -37,6 +39,18 @@ def reference_text(reference: Reference | None, unit: str) -> str:
     if isinstance(reference, Relative):
         return f"{reference} {unit}"
     return reference.name
+
+
+def casts_text(controller: Controller) -> str:
+    """The chains of casts that a controller's row is compiled from, with the types between them."""
+    first, last = str(controller.feedback.type), str(configuration(len(controller.joints)))
+    return ", and ".join(_chain_text(chain, first, last) for chain in controller.chains)
+
+
+def _chain_text(chain: Chain, first: str, last: str) -> str:
+    between = [cast.target for cast in chain[:-1]] + [last] * bool(chain)
+    steps = [word for pair in zip(chain, between, strict=True) for word in pair]
+    return " → ".join(map(str, (first, *steps)))
 
 
 def _used(program: CheckedProgram, seen: list[CheckedProgram]) -> list[CheckedProgram]:
@@ -83,7 +97,7 @@ def _controller(controller: Controller) -> Iterator[str]:
     yield from _item("reference", _reference(controller), 4)
     effector, joints = controller.effector, count(len(controller.joints), "joint")
     yield from _item("effector", f"{_resource(effector)}, {joints}", 4)
-    yield from _item("casts", " → ".join(controller.chain), 4)
+    yield from _item("casts", casts_text(controller), 4)
     if controller.requires is not None:
         yield from _item("requires", controller.requires, 4)
 

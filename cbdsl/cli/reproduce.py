@@ -41,7 +41,8 @@ Trials = Annotated[
     typer.Option(
         "--trials",
         min=1,
-        help="How many times it learns from zero [30 on kinematic, else as often as the source].",
+        help="How many times it learns from zero [30 on kinematic, else as often as the source]; "
+        "with engines, how many episodes of each program run [20].",
     ),
 ]
 Workers = Annotated[
@@ -54,9 +55,7 @@ Workers = Annotated[
 ]
 Keep = Annotated[
     Path | None,
-    typer.Option(
-        "--keep", help="Folder for the episodes of trials; the same command goes on from there."
-    ),
+    typer.Option("--keep", help="Folder for the episodes; the same command goes on from there."),
 ]
 Out = Annotated[
     Path | None,
@@ -84,7 +83,7 @@ def reproduce(
     """Measure what the dissertation reports.
 
     Experiments in which the robot learns run trials, and share those of the same programs. With
-    --keep each of their episodes is kept as soon as it is over.
+    --keep each of their episodes is kept as soon as it is over, and so is each of engines.
 
     Exit 0 when it ran, whatever the verdicts, and 2 when it could not run.
     """
@@ -103,8 +102,9 @@ def reproduce(
     if out is not None:
         _require_writable(out)
     if not any(each.learns for each in chosen):
-        where = {"--backend": backend, "--cameras": cameras}
-        _require_unused({**where, "--trials": trials, "--workers": workers, "--keep": keep}, name)
+        _require_unused({"--backend": backend, "--cameras": cameras, "--workers": workers}, name)
+        if not any(each.keeps for each in chosen):
+            _require_unused({"--trials": trials, "--keep": keep}, name)
     results: list[dict[str, object]] = []
     with _kept(keep) as folder:
         settings = RunSettings(

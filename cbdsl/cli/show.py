@@ -1,4 +1,4 @@
-"""``cb show``: types, potentials, resources, plug-ins, programs and policies."""
+"""``cb show``: types, potentials, resources, plug-ins, programs, policies, schemas and meshes."""
 
 from __future__ import annotations
 
@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from cbdsl.cli.show_allocations import show_allocations
+from cbdsl.cli.show_mesh import show_mesh
 from cbdsl.cli.show_plugins import (
     show_backends,
     show_kinds,
@@ -16,12 +17,13 @@ from cbdsl.cli.show_plugins import (
 )
 from cbdsl.cli.show_policy import show_policy
 from cbdsl.cli.show_program import show_program
+from cbdsl.cli.show_schema import show_schema
 
 if TYPE_CHECKING:
     from cbdsl.types.potential import PotentialType
 
 show = typer.Typer(
-    help="Show types, potentials, resources, plug-ins, programs and policies.",
+    help="Show types, potentials, resources, plug-ins, programs, policies, schemas and meshes.",
     no_args_is_help=True,
     rich_markup_mode=None,
     pretty_exceptions_enable=False,
@@ -112,6 +114,8 @@ show.command("backends")(show_backends)
 show.command("program")(show_program)
 show.command("allocations")(show_allocations)
 show.command("policy")(show_policy)
+show.command("mesh")(show_mesh)
+show.command("schema")(show_schema)
 
 
 def _signature(potential: PotentialType) -> dict[str, object]:

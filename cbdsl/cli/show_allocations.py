@@ -9,7 +9,7 @@ import typer
 from cbdsl.cli.show_program import Json, With
 
 if TYPE_CHECKING:
-    from cbdsl.checking.allocations import Allocation
+    from cbdsl.checking.substitution import Allocation
 
 Program = Annotated[str, typer.Argument(metavar="NAME", help="Name or file of a program.")]
 
@@ -39,7 +39,11 @@ def show_allocations(
     elif not session.library.read(path, ProgramDocument).document.resources:
         print(f"{path.stem} lets no parameter stand for another resource: it has no 'resources'")
     else:
-        rows = [{**each.values, "fits": _verdict(each)} for each in combinations]
+        columns = dict.fromkeys(key for each in combinations for key in each.values)
+        rows = [
+            {**{key: each.values.get(key, "") for key in columns}, "fits": _verdict(each)}
+            for each in combinations
+        ]
         print_table(f"Allocations of {path.stem}", rows)
 
 

@@ -87,7 +87,7 @@ def program_data(program: CheckedProgram) -> dict[str, object]:
 
 
 def _controller(controller: Controller) -> dict[str, object]:
-    from cbdsl.cli.program_text import reference_text
+    from cbdsl.cli.program_text import casts_text, reference_text
 
     return {
         "controller": controller.name,
@@ -97,7 +97,7 @@ def _controller(controller: Controller) -> dict[str, object]:
         "reference": reference_text(controller.reference, controller.compared.unit),
         "effector": controller.effector.name,
         "joints": list(controller.joints),
-        "casts": " → ".join(controller.chain),
+        "casts": casts_text(controller),
         "gain": f"{controller.gain:g} /s",
         "requires": controller.requires,
         "rewarded": controller.rewarded,

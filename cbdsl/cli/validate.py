@@ -22,6 +22,10 @@ Form = Annotated[
 ]
 Json = Annotated[bool, typer.Option("--json", help="The same as --format json.")]
 Strict = Annotated[bool, typer.Option("--strict", help="Exit with 1 for warnings, too.")]
+Fix = Annotated[
+    bool,
+    typer.Option("--fix", help="Write the nearest name where one is misspelled, then check again."),
+]
 StdinName = Annotated[
     str, typer.Option("--stdin-name", help="The file that the standard input stands for.")
 ]
@@ -33,6 +37,7 @@ def validate(
     form: Form = "text",
     as_json: Json = False,
     strict: Strict = False,
+    fix: Fix = False,
     stdin_name: StdinName = STANDARD_INPUT_NAME,
 ) -> None:
     """Check documents without running them.
@@ -43,4 +48,8 @@ def validate(
     from cbdsl.cli.findings import check_paths
 
     values = read_assignments(with_)
+    if fix:
+        from cbdsl.cli.fix import fix_paths
+
+        fix_paths(paths, values)
     raise typer.Exit(check_paths(paths, values, "json" if as_json else form, strict, stdin_name))

@@ -41,13 +41,18 @@ class SlotForm(NamedTuple):
     settings: Floats
     feedback: int
     reference: int
-    funnel: Sequence[float]
-    search: Search | None
-    requires: bool
+    funnel: Sequence[float] = (0.0, 0.0, 0.0)
+    search: Search | None = None
+    requires: bool = False
     anchor: int = -1
     offset: int = -1
     turned: bool = False
     onset: OnsetForm | None = None
+
+    @property
+    def carrier(self) -> int:
+        """Number of the row of the tip whose motion an onset looks at; -1 for none."""
+        return -1 if self.onset is None else self.onset.tip
 
 
 class Search(NamedTuple):

@@ -26,7 +26,7 @@ def build(controller: Controller, setting: Setting) -> Potential:
     """The spring of a controller."""
     if controller.axes is not None:
         return along_axes(controller.axes, controller.feedback.type.factors)
-    return spring(controller.feedback.type.name, _size(controller), controller.free_axis)
+    return spring(controller.feedback.type.name, _size(controller))
 
 
 def along_axes(axes: Sequence[int], factors: int = 1) -> Potential:

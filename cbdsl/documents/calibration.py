@@ -15,6 +15,7 @@ from cbdsl.documents.document import (
     Section,
     Size,
 )
+from cbdsl.documents.kind import Kind
 from cbdsl.documents.robot import Correction, RobotDocument
 
 
@@ -78,3 +79,13 @@ def calibrated(robot: RobotDocument, calibration: CalibrationDocument) -> RobotD
         for name, camera in calibration.cameras.items()
     }
     return with_corrections(robot, known)
+
+
+CALIBRATION = Kind(
+    CalibrationDocument,
+    folder="knowledge/calibrations",
+    checker="cbdsl.checking.calibration:examine_calibration",
+    unknown="CB675",
+    references={"robot": "robot"},
+    stand_ins={"robot": "unknown", "cameras": {}},
+)

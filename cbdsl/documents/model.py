@@ -5,6 +5,7 @@ from typing import Annotated, Literal
 from pydantic import Field
 
 from cbdsl.documents.document import Coordinate, Document, Extent, Name, NonNegative, Section
+from cbdsl.documents.kind import Kind
 
 
 class Gaussian(Section):
@@ -44,3 +45,13 @@ class ModelDocument(Document):
     """Effector or group whose joints it has angles for, in their order."""
     density: Annotated[Gaussian | Kernel, Field(discriminator="form")]
     """How likely configurations are; draws keep within the joint limits."""
+
+
+MODEL = Kind(
+    ModelDocument,
+    folder="knowledge/models",
+    checker="cbdsl.checking.knowledge.model:examine_model",
+    unknown="CB632",
+    references={"robot": "robot"},
+    stand_ins={"robot": "unknown"},
+)

@@ -5,6 +5,7 @@ from typing import Annotated, Literal, Self
 from pydantic import Field, model_validator
 
 from cbdsl.documents.document import Count, Document, Name, Number, PositiveCount, Section
+from cbdsl.documents.kind import Kind
 from cbdsl.types.state import STATE
 
 State = Annotated[str, Field(pattern=STATE)]
@@ -97,3 +98,13 @@ class PolicyDocument(Document):
     """How often a state was followed by another, by state, action and next state."""
     curve: Curve | None = None
     provenance: Provenance | None = None
+
+
+POLICY = Kind(
+    PolicyDocument,
+    folder="knowledge/policies",
+    checker="cbdsl.checking.policy:examine_policy",
+    unknown="CB625",
+    references={"program": "program"},
+    stand_ins={"program": "unknown", "predicates": [], "policy": {}},
+)

@@ -24,6 +24,7 @@ from cbdsl.documents.document import (
     Tolerance,
     quantity,
 )
+from cbdsl.documents.kind import Kind
 from cbdsl.documents.robot import QuiescenceSection
 
 Text = str
@@ -263,3 +264,13 @@ class ProgramDocument(Document):
     nothing else in it is."""
     guards: GuardsSection = GuardsSection.model_construct()
     limits: Limits = Limits.model_construct()
+
+
+PROGRAM = Kind(
+    ProgramDocument,
+    folder="programs",
+    checker="cbdsl.checking.document:check_program",
+    unknown="CB604",
+    references={"robot": "robot"},
+    stand_ins={"robot": "unknown", "controllers": {}, "actions": ["unknown"]},
+)

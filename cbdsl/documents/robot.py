@@ -32,6 +32,7 @@ from cbdsl.documents.document import (
     Turn,
     Vector,
 )
+from cbdsl.documents.kind import Kind
 
 
 class TipSection(Section):
@@ -285,10 +286,11 @@ class MujocoSection(Section):
     """Time constant with which contacts push things apart."""
     spinning_friction: Length = 0.005
     """Torque about the normal of a contact that friction bears, per force of the contact."""
-    friction_stiffness: Positive = 3.0
-    """How much stiffer contacts are along the surfaces than across them; contacts creep less."""
-    noslip_iterations: Count = 0
-    """Iterations that end all creeping: things stay in the hand, and fingers jam where they rub."""
+    friction_stiffness: Positive = 1.0
+    """How much stiffer contacts are along the surfaces than across them."""
+    noslip_iterations: Count = 5
+    """Iterations that end all creeping, so that things stay in the hand; without any, contacts
+    creep under load."""
 
 
 class Simulation(Section):
@@ -349,3 +351,18 @@ class RobotDocument(Document):
     def joints(self, effector: str) -> tuple[str, ...]:
         """The actuated joints of an effector, or of a group's members in turn."""
         return tuple(j for name in self.members(effector) for j in self.effectors[name].joints)
+
+
+ROBOT = Kind(
+    RobotDocument,
+    folder="robots",
+    checker="cbdsl.checking.document:check_robot",
+    unknown="CB601",
+    references={"calibration": "calibration"},
+    stand_ins={
+        "model": "unknown",
+        "base": "unknown",
+        "effectors": {},
+        "control": {"rate": 1, "tasks": {}},
+    },
+)

@@ -7,6 +7,7 @@ from typing import Annotated, Literal
 from pydantic import Field
 
 from cbdsl.documents.document import Document, Name, Section, quantity
+from cbdsl.documents.kind import Kind
 from cbdsl.documents.policy import Curve, Provenance
 
 Probability = Annotated[float, quantity(ge=0, le=1)]
@@ -81,3 +82,20 @@ class SchemaDocument(Document):
 
 ChoiceQuestion.model_rebuild()
 RewardQuestion.model_rebuild()
+
+
+SCHEMA = Kind(
+    SchemaDocument,
+    folder="knowledge/schemas",
+    checker="cbdsl.checking.document:check_schema",
+    unknown="CB641",
+    references={"program": "program"},
+    stand_ins={
+        "program": "unknown",
+        "policy": "unknown",
+        "features": {"unknown": "unknown"},
+        "allocations": {"unknown": {}},
+        "choose": "unknown",
+        "otherwise": ["unknown"],
+    },
+)

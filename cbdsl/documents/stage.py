@@ -16,6 +16,7 @@ from cbdsl.documents.document import (
     MassSpan,
     Name,
     NonNegative,
+    Point,
     Positive,
     Section,
     Size,
@@ -25,6 +26,7 @@ from cbdsl.documents.document import (
     TimeSpan,
     quantity,
 )
+from cbdsl.documents.kind import Kind
 
 Side = Literal["-x", "+x", "-y", "+y"]
 """Where a side looks while the thing's yaw is 0."""
@@ -158,7 +160,78 @@ class OpenBoxForm(Section):
         return self
 
 
-Form = BallForm | BoxForm | CylinderForm | TubeForm | OpenBoxForm
+class Piece(Section):
+    """A solid that something composed is made of."""
+
+    form: Annotated[BallForm | BoxForm | CylinderForm, Field(discriminator="shape")]
+    """Its shape and size."""
+    position: Point = (0.0, 0.0, 0.0)
+    """Centre, in a frame that all pieces share."""
+    yaw: Angle = 0.0
+    """How it is turned about z."""
+
+    @model_validator(mode="after")
+    def _is_definite(self) -> Self:
+        form = self.form
+        spans = form.size if isinstance(form, BoxForm) else (form.radius,)
+        if isinstance(form, CylinderForm):
+            spans = (*spans, form.height)
+        if any(first != last for first, last in spans):
+            raise ValueError("a piece has one size, which is not drawn")
+        if isinstance(form, (BallForm, BoxForm)) and form.spot is not None:
+            raise ValueError("a piece has no spot")
+        if isinstance(form, BoxForm) and form.pattern is not None:
+            raise ValueError("a piece has no pattern")
+        return self
+
+    @property
+    def halves(self) -> tuple[float, float, float]:
+        """Half its extents along its own axes, m."""
+        form = self.form
+        if isinstance(form, BallForm):
+            return (form.radius[0],) * 3
+        if isinstance(form, CylinderForm):
+            return form.radius[0], form.radius[0], form.height[0] / 2
+        (x, _), (y, _), (z, _) = form.size
+        return x / 2, y / 2, z / 2
+
+    @property
+    def reach(self) -> tuple[float, float, float]:
+        """Half its extents along the axes of the shared frame, m."""
+        x, y, z = self.halves
+        if not isinstance(self.form, BoxForm):
+            return x, y, z
+        c, s = abs(math.cos(self.yaw)), abs(math.sin(self.yaw))
+        return c * x + s * y, s * x + c * y, z
+
+
+class ComposedForm(Section):
+    """Up to 16 solids that are one thing; its centre is the middle of the box around them."""
+
+    shape: Literal["composed"]
+    """Which shape it is."""
+    pieces: Annotated[tuple[Piece, ...], Field(min_length=1, max_length=16)]
+    """What it is made of. `cb show mesh FILE` writes those that fill a mesh."""
+
+    @property
+    def box(self) -> tuple[tuple[float, float], ...]:
+        """First and last value along each axis of the box around all pieces, m."""
+        return tuple(
+            (
+                min(piece.position[axis] - piece.reach[axis] for piece in self.pieces),
+                max(piece.position[axis] + piece.reach[axis] for piece in self.pieces),
+            )
+            for axis in range(3)
+        )
+
+    @property
+    def size(self) -> tuple[tuple[float, float], ...]:
+        """Edges of the box around all pieces as spans of one value each, m."""
+        edges = [last - first for first, last in self.box]
+        return tuple((edge, edge) for edge in edges)
+
+
+Form = BallForm | BoxForm | CylinderForm | TubeForm | OpenBoxForm | ComposedForm
 
 
 class Surface(Section):
@@ -369,3 +442,13 @@ class StageDocument(Document):
     """Ways in which an episode can begin, by name."""
     disturbance: Disturbance = Disturbance.model_construct()
     world: WorldSection = WorldSection.model_construct()
+
+
+STAGE = Kind(
+    StageDocument,
+    folder="programs/stages",
+    checker="cbdsl.checking.stage.stage:examine_stage",
+    unknown="CB602",
+    references={"robot": "robot"},
+    stand_ins={"robot": "unknown", "contexts": {"unknown": {}}},
+)

@@ -15,7 +15,7 @@ _BALL = "things:\n  ball: {form: {shape: ball, radius: 4 cm}, mass: 100 g}\n"
 
 _SCHEMA = (
     _HEAD.format("schema") + "program: reachtouch\npolicy: reachtouch\n"
-    "features: {place: stereo.sat_10}\nallocations:\n"
+    "features: {place: stereo.sat_10, number: count.sat_10}\nallocations:\n"
     "  right: {arm: right_arm, hand: right_hand}\n  left: {arm: left_arm, hand: left_hand}\n"
 )
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
 from types import MappingProxyType
 from typing import Annotated, Any
@@ -18,17 +17,22 @@ from cbdsl.documents.schema import (
     RewardQuestion,
     SchemaDocument,
 )
+from cbdsl.learning.allocation_tree import TriedContext, grow_choice
 from cbdsl.learning.experience import Experience
 from cbdsl.learning.knowledge import curve_of
 from cbdsl.learning.learner import TrialSummary
 from cbdsl.learning.tree_growth import grow
-from cbdsl.program.attempts import Attempt, attempts
+from cbdsl.program.attempts import attempts
 from cbdsl.program.checked import CheckedProgram
 from cbdsl.program.schema import Ranking, Schema
-from cbdsl.program.schema_policy import Features, SchemaPolicy, are_defined
+from cbdsl.program.schema_policy import Features, Rank, SchemaPolicy, are_defined
 from cbdsl.program.transition import Transition
 from cbdsl.types.decision_tree import Leaf, Tree, decide
 from cbdsl.types.policy import Policy
+
+# Of positions, velocities and volumes that are seen, by unit: what is finer than that is noise, of
+# which a tree would make questions.
+_RESOLUTION = {"m": 0.01, "m/s": 0.02, "m^3": 0.001}
 
 
 class AssimilateConstants(Section):
@@ -36,8 +40,8 @@ class AssimilateConstants(Section):
 
     epsilon: Annotated[float, quantity(ge=0, le=1)] = 0.2
     """Share of allocations chosen at random."""
-    least_samples: PositiveCount = 2
-    """Fewest attempts in a leaf of a tree."""
+    least_samples: PositiveCount = 5
+    """Fewest contexts in a leaf of a tree."""
     least_reward: Probability = 0.5
     """Probability of reward below which the schema is undefined."""
 
@@ -61,8 +65,7 @@ class Assimilate:
     ) -> None:
         self._first, self._constants = actions[0], constants
         self._program: CheckedProgram | None = None
-        self._attempts: list[Attempt] = []
-        self._episodes: list[tuple[Features, bool]] = []
+        self._contexts: list[TriedContext] = []
 
     def adopt(self, program: CheckedProgram) -> None:
         """Take up the schema whose allocations are learned."""
@@ -74,50 +77,53 @@ class Assimilate:
 
     def remember(self, experience: Experience) -> None:
         """Take in the attempts of a finished episode (lines 18 and 25)."""
-        worth = self._program.schema.worth if self._program and self._program.schema else {}
-        names = self._program.schema.components if self._program and self._program.schema else ()
+        schema = self._program.schema if self._program is not None else None
+        if schema is None:
+            return
         made = [
             each
-            for each in attempts(experience.transitions, worth)
-            if each.features.keys() >= set(names)
+            for each in attempts(experience.transitions, schema.worth)
+            if each.features.keys() >= set(schema.components)
         ]
-        self._attempts += made
         if made:
-            self._episodes.append((made[0].features, any(each.rewarded for each in made)))
+            outcomes = {each.allocation: each.rewarded for each in made}
+            self._contexts.append(TriedContext(_distinct(made[0].features, schema), outcomes))
 
     def policy(self, rng: np.random.Generator) -> Policy:
         """Declarative policy with epsilon-greedy allocations, by what is known then."""
         if self._program is None or self._program.schema is None:
             return _Always(self._first)
-        schema, tree = self._program.schema, self.choice()
+        return SchemaPolicy(self._program, self.ranking(rng), gives_up=False)
+
+    def ranking(self, rng: np.random.Generator) -> Rank:
+        """Epsilon-greedy choice of allocations, by what is known now (Eq 5.4)."""
+        assert self._program is not None and self._program.schema is not None
+        names, tree = list(self._program.schema.allocations), self.choice()
 
         def rank(features: Features) -> Ranking:
-            names = list(schema.allocations)
-            if rng.random() < self._constants.epsilon or not self._attempts:
+            if rng.random() < self._constants.epsilon or not self._contexts:
                 return tuple(names[i] for i in rng.permutation(len(names)))
             known = decide(tree, features) if are_defined(features) else None
             return tuple(dict.fromkeys((*(known or ()), *names)))
 
-        return SchemaPolicy(self._program, rank, gives_up=False)
+        return rank
 
     def choice(self) -> Tree[Ranking]:
         """The tree of allocations that were rewarded (Eq 5.4)."""
-        rewarded = [each for each in self._attempts if each.rewarded]
-        return grow(
-            [each.features for each in rewarded],
-            [each.allocation for each in rewarded],
-            _ranking,
-            self._constants.least_samples,
-        )
+        schema = self._program.schema if self._program is not None else None
+        names = tuple(schema.allocations) if schema is not None else ()
+        return grow_choice(self._contexts, names, self._constants.least_samples)
 
     def reward(self) -> Tree[float]:
         """The tree of Pr(reward | pi, f), by Laplace's rule of succession."""
-        return grow(
-            [features for features, _ in self._episodes],
-            [rewarded for _, rewarded in self._episodes],
-            lambda counts: round((counts[True] + 1) / (counts.total() + 2), 3),
-            self._constants.least_samples,
-        )
+        rewarded = np.array([each.rewarded for each in self._contexts], dtype=float)
+
+        def likely(rows: list[int]) -> float:
+            return round((float(rewarded[rows].sum()) + 1) / (len(rows) + 2), 3)
+
+        samples = [each.features for each in self._contexts]
+        shares = np.column_stack((rewarded, 1.0 - rewarded))
+        return grow(samples, shares, likely, self._constants.least_samples, frugal=True)
 
     def greedy(self) -> dict[str, str]:
         """The declarative policy, which stays as it is."""
@@ -169,9 +175,14 @@ class _Always:
         return self._action
 
 
-def _ranking(counts: Counter[str]) -> Ranking:
-    """Labels by how often they occur; of equal ones the first by name."""
-    return tuple(sorted(counts, key=lambda name: (-counts[name], name)))
+def _distinct(features: Features, schema: Schema) -> Features:
+    """Features to what can be told apart."""
+    return {
+        name: round(value / _RESOLUTION[unit]) * _RESOLUTION[unit]
+        if (unit := _unit(name, schema)) in _RESOLUTION
+        else value
+        for name, value in features.items()
+    }
 
 
 def _unit(component: str, schema: Schema) -> str:

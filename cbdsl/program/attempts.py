@@ -22,14 +22,41 @@ class Attempt(NamedTuple):
     rewarded: bool
 
 
-def is_failure(before: str, after: str, worth: Mapping[str, float]) -> bool:
-    """Whether a transition leads away from the reward, so that another allocation may be tried.
+# What hides a thing for a moment, as a hand on its way does, is no failure.
+_SETBACKS = 1
+
+
+class AttemptProgress:
+    """The progress of one attempt towards the reward.
 
     Args:
-        before, after: the states, equal where an action changed nothing.
         worth: expected reward by state; what is not there is worth nothing.
     """
-    return before == after or worth.get(after, 0.0) < worth.get(before, 0.0)
+
+    def __init__(self, worth: Mapping[str, float]) -> None:
+        self._worth = worth
+        self.begin()
+
+    def begin(self) -> None:
+        """Another attempt."""
+        self._is_first, self._setbacks = True, 0
+
+    def fails(self, before: str, after: str) -> bool:
+        """Whether the next transition ends it, so that another allocation may be tried.
+
+        It fails where an action changes nothing, where it would be better to begin anew, and where
+        it loses ground for the second time. The first transition tells what the attempt before has
+        left, and is no loss.
+
+        Args:
+            before, after: the states, equal where an action changed nothing.
+        """
+        is_first, self._is_first = self._is_first, False
+        now, earlier = self._worth.get(after, 0.0), self._worth.get(before, 0.0)
+        if before == after or now < self._worth.get("X" * len(after), 0.0):
+            return True
+        self._setbacks += now < earlier and not is_first
+        return self._setbacks > _SETBACKS
 
 
 def attempts(transitions: Iterable[Transition], worth: Mapping[str, float]) -> Iterator[Attempt]:
@@ -37,17 +64,18 @@ def attempts(transitions: Iterable[Transition], worth: Mapping[str, float]) -> I
 
     Args:
         transitions: of a schema, in their order.
-        worth: as of ``is_failure``.
+        worth: as of ``AttemptProgress``.
     """
-    allocation, features = "", dict[str, float]()
+    allocation, features, progress = "", dict[str, float](), AttemptProgress(worth)
     for transition in transitions:
         if transition.allocation != allocation:
             if allocation:
                 yield Attempt(allocation, features, False)
             allocation, features = transition.allocation, dict(transition.features)
+            progress.begin()
         if not allocation:
             continue
-        if transition.reward or is_failure(transition.state, transition.next_state, worth):
+        if transition.reward or progress.fails(transition.state, transition.next_state):
             yield Attempt(allocation, features, transition.reward > 0)
             allocation = ""
     if allocation:

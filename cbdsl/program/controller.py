@@ -3,6 +3,7 @@
 from dataclasses import dataclass
 from typing import NamedTuple
 
+from cbdsl.types.casts import Chain
 from cbdsl.types.potential import POTENTIALS
 from cbdsl.types.resource import Resource
 from cbdsl.types.resource_type import TYPES, ResourceType
@@ -162,7 +163,7 @@ class Controller:
         reference: what it is compared with; ``None`` where the potential needs none.
         effector: the moved resource.
         joints: the actuated joints that move it.
-        chain: the types and casts that lead from the feedback to the effector, for people.
+        chains: the casts that lead from the feedback to these joints; what they carry adds up.
         rewarded: whether its quiescence is an affordance (feedback from the environment).
         gain: kappa, 1/s.
         speed: largest rate of the task coordinates, or ``None``.
@@ -182,7 +183,7 @@ class Controller:
     reference: Reference | None
     effector: Resource
     joints: tuple[str, ...]
-    chain: tuple[str, ...]
+    chains: tuple[Chain, ...]
     rewarded: bool
     gain: float
     speed: float | None

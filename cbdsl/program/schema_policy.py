@@ -6,11 +6,11 @@ import math
 from collections.abc import Callable, Mapping
 from typing import Protocol, runtime_checkable
 
-from cbdsl.program.attempts import is_failure
+from cbdsl.program.attempts import AttemptProgress
 from cbdsl.program.checked import CheckedProgram
 from cbdsl.program.schema import Ranking, Schema
 from cbdsl.types.decision_tree import decide
-from cbdsl.types.policy import WrittenPolicy
+from cbdsl.types.policy import Policy, WrittenPolicy
 
 Features = Mapping[str, float]
 """Numbers by name, in SI; NaN where a signal is undefined."""
@@ -45,19 +45,29 @@ class SchemaPolicy:
         rank: chooses the allocations; the schema's own tree without it.
         gives_up: whether nothing is begun where reward is unlikely, as while running; a learner
             tries all the same.
+        declarative: chooses the abstract actions instead of the program's policy.
+        persists: whether all are tried again when each has failed.
 
     Attributes:
         reason: why the last choice was none, as a clause; empty where the policy has no action.
     """
 
     def __init__(
-        self, program: CheckedProgram, rank: Rank | None = None, *, gives_up: bool = True
+        self,
+        program: CheckedProgram,
+        rank: Rank | None = None,
+        *,
+        gives_up: bool = True,
+        declarative: Policy | None = None,
+        persists: bool = False,
     ) -> None:
         assert program.schema is not None
         self._schema: Schema = program.schema
         self._rank = rank or self._by_tree
         self._gives_up = gives_up
-        self._written = WrittenPolicy(program.policy)
+        self._progress = AttemptProgress(self._schema.worth)
+        self._persists = persists
+        self._declarative = declarative or WrittenPolicy(program.policy)
         self._actions: dict[str, dict[str, str]] = {}
         for action in program.actions:
             self._actions.setdefault(action.abstract, {})[action.allocation] = action.name
@@ -74,11 +84,11 @@ class SchemaPolicy:
         """The next action under its allocation, or ``None``; see ``reason``."""
         self.reason = ""
         before, self._before = self._before, state
-        if self._allocation and is_failure(before, state, self._schema.worth):
+        if self._allocation and self._progress.fails(before, state):
             if self._is_informed:
                 self._failed.add(self._allocation)
             self._allocation, changed = "", True
-        abstract = self._written.choose(state, changed=changed)
+        abstract = self._declarative.choose(state, changed=changed)
         if abstract is None:
             return None
         actions = self._actions[abstract]
@@ -87,6 +97,7 @@ class SchemaPolicy:
             return actions[""]
         if not self._allocation:
             self._allocation = self._allocate()
+            self._progress.begin()
         return actions[self._allocation] if self._allocation else None
 
     def _allocate(self) -> str:
@@ -95,7 +106,11 @@ class SchemaPolicy:
         self._is_informed = are_defined(features)
         if self._gives_up and self._is_unlikely(features):
             return ""
-        left = [each for each in self._rank(features) if each not in self._failed]
+        ranking = self._rank(features)
+        left = [each for each in ranking if each not in self._failed]
+        if not left and self._persists:
+            self._failed.clear()
+            return ranking[0]
         if not left:
             self.reason = "every allocation has been tried"
             return ""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-from cbdsl.reporting.mesh import Mesh
+from cbdsl.robot.mesh_reader import Mesh
 
 Numbers = tuple[float, ...]
 

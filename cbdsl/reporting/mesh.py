@@ -4,46 +4,22 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
-Floats = NDArray[np.float64]
-Triangles = NDArray[np.intp]
+from cbdsl.robot.mesh_reader import Mesh, MeshError, read_mesh_file
 
 # Enough to know a link by its shape; a robot of 30 links then takes half a megabyte.
 _MOST_TRIANGLES = 1500
 _FINEST = 64
 
 
-class Mesh(NamedTuple):
-    """Triangles.
-
-    Attributes:
-        corners: m, shape (corners, 3).
-        triangles: indices of their corners, shape (triangles, 3).
-    """
-
-    corners: Floats
-    triangles: Triangles
-
-
 def read_mesh(file: Path, scale: Sequence[float]) -> Mesh | None:
     """The mesh in a file with its corners times ``scale``, simplified; ``None`` if unreadable."""
     try:
-        # Pinocchio brings it along; it reads every format that Pinocchio does.
-        import coal
-    except ImportError:
+        return simplified(read_mesh_file(file, scale))
+    except MeshError:
         return None
-    try:
-        loaded: Any = coal.MeshLoader().load(str(file), np.array(scale, dtype=float))
-        corners = np.array(loaded.vertices())
-        rows = [loaded.tri_indices(index) for index in range(loaded.num_tris)]
-    except (RuntimeError, ValueError):
-        return None
-    triangles = np.array([[row[0], row[1], row[2]] for row in rows], dtype=np.intp).reshape(-1, 3)
-    return simplified(Mesh(corners, triangles)) if len(triangles) else None
 
 
 def simplified(mesh: Mesh) -> Mesh:

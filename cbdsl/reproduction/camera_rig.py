@@ -5,15 +5,17 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
-from cbdsl.backends.bullet.backend import BulletBackend
 from cbdsl.backends.cameras.view import View
+from cbdsl.backends.simulated_backend import SimulatedBackend, simulate
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.documents.stage import StageDocument
 from cbdsl.reproduction.barcode import SIZE
 from cbdsl.reproduction.barcode_trial import FOCAL_LENGTH
+from cbdsl.reproduction.simulation_fixture import REFERENCE
 from cbdsl.sensing.observation import Image
 from cbdsl.yaml_text.library import Library, shipped
 
@@ -56,7 +58,7 @@ class CameraRig:
         robot: Dexter with the source's cameras.
     """
 
-    def __init__(self, robot: RobotDocument, backend: BulletBackend) -> None:
+    def __init__(self, robot: RobotDocument, backend: SimulatedBackend[Any]) -> None:
         self.robot = robot
         self._backend = backend
 
@@ -114,8 +116,8 @@ def _place(view: View, placement: Placement) -> dict[str, float]:
 
 
 @contextmanager
-def camera_rig() -> Iterator[CameraRig]:
-    """Set up Dexter on the simulator.
+def camera_rig(engine: str = REFERENCE) -> Iterator[CameraRig]:
+    """Set up Dexter on the backend of this name.
 
     Raises:
         BackendError: the simulator cannot embody it.
@@ -124,7 +126,7 @@ def camera_rig() -> Iterator[CameraRig]:
     library = Library(shipped())
     path = library.locate(RobotDocument, "dexter")
     robot = with_source_cameras(library.read(path, RobotDocument).document)
-    backend = BulletBackend(robot, path.parent / robot.model)
+    backend = simulate(engine, robot, path.parent / robot.model)
     try:
         yield CameraRig(robot, backend)
     finally:

@@ -29,9 +29,9 @@ class RunSettings:
         quick: a smaller variant that shows that it works; its numbers prove nothing.
         progress: told while it runs.
         backend: what embodies the robot while it learns.
-        trials: how many times it learns from zero; ``None`` for as many as the backend is fast
-            enough for, see ``trial_runner``.
-        folder: where trials are kept, episode by episode, and gone on with.
+        trials: how many times it learns from zero, or runs each program; ``None`` for as many as
+            the backend is fast enough for, see ``trial_runner``.
+        folder: where trials and episodes are kept, episode by episode, and gone on with.
         cameras: kind of the backend's cameras, its own choice when ``None``.
         only: the number of the only trial to run, where others run the others.
     """
@@ -99,6 +99,8 @@ class Experiment:
             the folder of the settings holds other trials. ``series_of(name)`` are its series of
             trials, and ``gather(dexter: TrialRunner, settings: RunSettings, name: str)`` runs all
             that ``run`` needs, which then reads it from the folder.
+        keeps: whether it keeps episodes in the folder of the settings without learning from them;
+            ``trials`` then says how often it runs each program.
     """
 
     name: str
@@ -106,6 +108,7 @@ class Experiment:
     section: str
     module: str
     learns: bool = False
+    keeps: bool = False
 
     def imported(self) -> ModuleType:
         """Its module; see ``load`` for what that may take."""

@@ -20,10 +20,12 @@ from cbdsl.control.range import between
 from cbdsl.control.signal import Floats
 from cbdsl.documents.stage import StageDocument
 from cbdsl.reproduction.chart import Chart, Line
+from cbdsl.reproduction.claim import above, at_least, at_most, below
+from cbdsl.reproduction.estimate import mean_of
 from cbdsl.reproduction.experiment import Result, RunSettings
-from cbdsl.reproduction.interval import bootstrap_interval
+from cbdsl.reproduction.interval import TAIL, resampled_interval
 from cbdsl.reproduction.percentage import percentage
-from cbdsl.reproduction.quantity import Quantity, at_least, at_most, clearly_below
+from cbdsl.reproduction.quantity import Quantity
 from cbdsl.reproduction.simulation_fixture import SimulationFixture, simulation_fixture
 from cbdsl.runtime.episode import Runner, Tick
 from cbdsl.types.policy import WrittenPolicy
@@ -44,7 +46,9 @@ _START = (1.09, -1.62, 0.15, 2.30, -2.91, 0.69, -0.07)
 _FINGERS, _FIST = ("right_finger_1", "right_finger_2", "right_finger_3"), (2.4, 2.4, 2.4)
 _ARRIVED = 0.01  # m
 _STEADY = 1.0  # %, largest rise of a potential that falls steadily, of its value at the start
-_MOST_PLACES = 80.0  # %: 20 of 25
+_ALMOST_ALL = 95.0  # %
+_MOST_PLACES = 50.0  # %, as many as a coin finds
+_MARGIN = 0.05  # of a change, below which a difference is none
 _POINT = 3  # ticks between the points of a chart
 
 _NOTES = (
@@ -162,9 +166,9 @@ def _quantities(reaches: Mapping[str, Sequence[_Reach]], seed: int) -> Iterator[
     everything = [reach for runs in reaches.values() for reach in runs]
     arrived = sum(reach.arrived for reach in everything)
     name, note = "reaches that come to rest at the ball", _touching(reaches)
-    yield percentage(name, "all", arrived, len(everything), at_least(100), note=note)
+    yield percentage(name, "all", arrived, len(everything), at_least(_ALMOST_ALL), note=note)
     for law, runs in reaches.items():
-        yield _fall(law, runs)
+        yield _fall(law, runs, seed)
     yield from _less("range", "φ_r", reaches["c1"], reaches["c0"], "c1", seed)
     yield from _less("manipulability", "φ_m", reaches["c2"], reaches["c0"], "c2", seed)
 
@@ -177,15 +181,18 @@ def _touching(reaches: Mapping[str, Sequence[_Reach]]) -> str:
     )
 
 
-def _fall(law: str, runs: Sequence[_Reach]) -> Quantity:
+def _fall(law: str, runs: Sequence[_Reach], seed: int) -> Quantity:
     """How steadily the spring's potential falls."""
     single = sum(_rise([reach.spring]) <= _STEADY for reach in runs)
+    curves = [reach.spring for reach in runs if reach.spring]
     return Quantity(
         f"{law}: largest rise of the mean φ_s, of its start",
         "%",
         "falls steadily to the goal",
-        _rise([reach.spring for reach in runs]),
+        _rise(curves),
         at_most(_STEADY),
+        interval=resampled_interval(curves, _rise, seed) if len(curves) > 1 else None,
+        chance=TAIL,
         note=f"so it is in {single} of {len(runs)} reaches by themselves",
     )
 
@@ -210,22 +217,25 @@ def _less(
     pairs = [
         (_change(getattr(ours, potential)), _change(getattr(other, potential)))
         for ours, other in zip(under, alone, strict=True)
-        if ours.arrived and other.arrived
+        if getattr(ours, potential) and getattr(other, potential)
     ]
     differences = [ours - other for ours, other in pairs]
     changes = np.mean(pairs, axis=0) if pairs else (math.nan, math.nan)
-    yield Quantity(
+    # Less by a margin of what it changes without the law, so that chance in its last digits is
+    # no difference.
+    margin = _MARGIN * abs(float(changes[1])) if pairs else 0.0
+    yield mean_of(
         f"rise of {symbol} during the reach, {law} less c0",
         "",
         f"rises less under {law}",
-        float(np.mean(differences)) if pairs else math.nan,
-        clearly_below(0),
-        interval=bootstrap_interval(differences, seed) if pairs else None,
-        note=f"mean change {changes[0]:.3g} under {law}, {changes[1]:.3g} under c0",
+        differences,
+        below(-margin),
+        seed=seed,
+        note=f"mean change {changes[0]:.3g} under {law}, {changes[1]:.3g} under c0; all reaches",
     )
     less = sum(difference < 0 for difference in differences)
     name = f"places where {symbol} rises less under {law}"
-    yield percentage(name, "on average", less, len(alone), at_least(_MOST_PLACES))
+    yield percentage(name, "on average", less, len(alone), above(_MOST_PLACES))
 
 
 def _change(curve: Sequence[float]) -> float:

@@ -144,7 +144,7 @@ def _look(lab: SimulationFixture, signals: Signals) -> Look:
 
 
 def _phi(signals: Signals) -> float:
-    headings = signals.sight.headings(Headings(_FEATURE))
+    headings = signals.sight.headings(Headings(_FEATURE), ())
     if headings is None:
         return math.nan
     return seen_by(signals.sight.cameras()).evaluate(headings.value, np.zeros(0), 4)[0]

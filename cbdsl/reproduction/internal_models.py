@@ -4,15 +4,18 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from cbdsl.documents.model import Gaussian, Kernel
 from cbdsl.reproduction.chart import Chart, Line
+from cbdsl.reproduction.claim import Claim, above, below
+from cbdsl.reproduction.estimate import estimate
 from cbdsl.reproduction.experiment import Result, RunSettings
-from cbdsl.reproduction.interval import interquartile_mean, over_trials
-from cbdsl.reproduction.quantity import Quantity, above, below, clearly_above, clearly_below
+from cbdsl.reproduction.interval import interquartile_mean, interval_of
+from cbdsl.reproduction.quantity import Quantity
 from cbdsl.reproduction.series import COARTICULATED, TACTILEPROBE, Series
 from cbdsl.reproduction.shipped import shipped_robot
 from cbdsl.reproduction.trial_runner import LearnedTrial, TrialRunner, trial_runner
@@ -23,6 +26,8 @@ Floats = NDArray[np.float64]
 _ROBOT, _POINTS = "dexter", 181
 # Half-way between what is presented in front and the window, at which the head pans 1.34 rad.
 _BORDER = 0.67
+# How often all trials are drawn again with rewards anywhere, and %, what is passed by the rest.
+_DRAWS, _TAIL = 200, 97.5
 
 
 @dataclass(frozen=True)
@@ -34,12 +39,15 @@ class Expectation:
         lower, upper: its limits, rad.
         densities: of its angle at the end of each trial, 1/rad, shape (trials, points), over
             points evenly from the lower limit to the upper one.
+        anywhere: the same of models that learned as many rewards at uniform angles, shape
+            (draws, trials, points).
     """
 
     joint: str
     lower: float
     upper: float
     densities: Floats
+    anywhere: Floats
 
     @property
     def angles(self) -> Floats:
@@ -47,15 +55,9 @@ class Expectation:
         angles: Floats = np.linspace(self.lower, self.upper, self.densities.shape[1])
         return angles
 
-    @property
-    def uniform(self) -> float:
-        """The density that it started as, 1/rad."""
-        return 1 / (self.upper - self.lower)
-
-    @property
-    def deviations(self) -> Floats:
-        """Standard deviations, rad, shape (trials,)."""
-        weights = self.densities / self.densities.sum(axis=1, keepdims=True)
+    def deviations(self, densities: Floats) -> Floats:
+        """Standard deviations of densities (..., points), rad, shape (...)."""
+        weights = densities / densities.sum(axis=-1, keepdims=True)
         means = weights @ self.angles
         spread: Floats = np.sqrt(weights @ self.angles**2 - means**2)
         return spread
@@ -65,19 +67,43 @@ def _peaks(expectations: Sequence[Expectation], seed: int) -> Iterator[Quantity]
     """A large peak in front, and a smaller one at the window (Section 4.2.1)."""
     (pan,) = expectations
     front = pan.angles < _BORDER
+    measured, anywhere = (prominences(each, front) for each in (pan.densities, pan.anywhere))
+    for index, place in enumerate(("in front", "at the window")):
+        bound = _passed_by_chance(anywhere[..., index], _TAIL)
+        name = f"density of the peak {place}, by the lowest between the peaks"
+        note = f"rewards at uniform angles reach {bound:.3g} in one of 40 draws"
+        yield _ratio(name, "a peak", measured[..., index], above(bound), seed, note)
     heights = [pan.densities[:, where].max(axis=1) for where in (front, ~front)]
     masses = [pan.densities[:, where].sum(axis=1) for where in (front, ~front)]
-    for place, height in zip(("in front", "at the window"), heights, strict=True):
-        times = height / pan.uniform
-        yield _quantity(f"density of the peak {place}, by the uniform one", "a peak", times, seed)
     source = "the peak in front is the larger one"
-    yield _quantity("height in front by that at the window", source, heights[0] / heights[1], seed)
-    yield _quantity("mass in front by that at the window", source, masses[0] / masses[1], seed)
+    for what, (first, second) in (("height", heights), ("mass", masses)):
+        yield _ratio(
+            f"{what} in front by that at the window", source, first / second, above(1), seed
+        )
 
 
-def _quantity(name: str, source: str, values: Floats, seed: int) -> Quantity:
-    middle, interval = float(interquartile_mean(values)), over_trials(values, seed)
-    return Quantity(name, "", source, middle, clearly_above(1), above(1), interval)
+def prominences(densities: Floats, front: NDArray[np.bool_]) -> Floats:
+    """Heights of the two peaks by the lowest density between them.
+
+    Args:
+        densities: shape (..., points).
+        front: which of the points are where the first peak is, the first ones; shape (points,).
+
+    Returns:
+        Shape (..., 2), of the peak in front and the other.
+    """
+    border = int(front.sum())
+    rows = densities.reshape(-1, densities.shape[-1])
+    ratios = []
+    for row in rows:
+        first, second = int(row[:border].argmax()), border + int(row[border:].argmax())
+        ratios.append(row[[first, second]] / row[first : second + 1].min())
+    return np.array(ratios).reshape(*densities.shape[:-1], 2)
+
+
+def _passed_by_chance(values: Floats, tail: float) -> float:
+    """A percentile of the interquartile means of draws, shape (draws, trials)."""
+    return float(np.percentile(interquartile_mean(values.T), tail))
 
 
 def _narrowing(expectations: Sequence[Expectation], seed: int) -> Iterator[Quantity]:
@@ -85,17 +111,37 @@ def _narrowing(expectations: Sequence[Expectation], seed: int) -> Iterator[Quant
     for each in expectations:
         # That of the uniform density.
         started = (each.upper - each.lower) / np.sqrt(12)
-        values = each.deviations / started
-        yield Quantity(
-            f"{each.joint}: deviation by that of the uniform density",
-            "",
-            "one Gaussian a finger",
-            float(interquartile_mean(values)),
-            clearly_below(1),
-            below(1),
-            over_trials(values, seed),
-            note=f"{interquartile_mean(each.deviations):.2f} rad",
+        measured, anywhere = (
+            each.deviations(densities) / started for densities in (each.densities, each.anywhere)
         )
+        bound = _passed_by_chance(anywhere, 100 - _TAIL)
+        radians = interquartile_mean(measured * started)
+        yield _ratio(
+            f"{each.joint}: deviation by that of the uniform density",
+            "one Gaussian a finger",
+            measured,
+            below(bound),
+            seed,
+            f"{radians:.2f} rad; contacts at uniform angles fall to {bound:.3g} in one of 40 draws",
+        )
+
+
+def _ratio(
+    name: str, source: str, values: Floats, expected: Claim, seed: int, note: str = ""
+) -> Quantity:
+    """The interquartile mean over trials."""
+    interval = interval_of(interquartile_mean, seed)
+    return estimate(
+        name,
+        "",
+        source,
+        values,
+        interquartile_mean,
+        interval,
+        expected,
+        seed=seed,
+        note=note,
+    )
 
 
 @dataclass(frozen=True)
@@ -139,9 +185,9 @@ def run(settings: RunSettings, name: str) -> Result:
         learned = gather(dexter, settings, name)
     shown = {}
     for episodes in _moments(model, learned):
-        densities = _densities(model, [each.after(episodes) for each in learned])
-        if densities:
-            shown[episodes] = _expectations(model, densities)
+        known = _known(model, [each.after(episodes) for each in learned])
+        if known:
+            shown[episodes] = _expectations(model, known, settings.seed)
     quantities = [
         replace(quantity, name=f"after {episodes} episodes: {quantity.name}")
         for episodes, expectations in shown.items()
@@ -162,10 +208,22 @@ def _moments(model: DrawnModel, learned: Sequence[LearnedTrial]) -> list[int]:
     return sorted({min(after, episodes) for after in model.after})
 
 
-def _densities(model: DrawnModel, learned: Sequence[LearnedTrial]) -> list[Kernel | Gaussian]:
+class Known(NamedTuple):
+    """The density that a trial has learned, and from how many rewards."""
+
+    density: Kernel | Gaussian
+    rewards: int
+
+
+def _known(model: DrawnModel, learned: Sequence[LearnedTrial]) -> list[Known]:
     """Of the trials in which the effector was rewarded."""
-    known = (each.trial.learner.densities().get(model.effector) for each in learned)
-    return [density for density in known if density is not None]
+    known = []
+    for each in learned:
+        density = each.trial.learner.densities().get(model.effector)
+        rewards = sum(model.effector in one.rewarded for one in each.trial.experiences)
+        if density is not None:
+            known.append(Known(density, rewards))
+    return known
 
 
 def series_of(name: str) -> tuple[Series, ...]:
@@ -180,11 +238,12 @@ def gather(dexter: TrialRunner, settings: RunSettings, name: str) -> list[Learne
     return dexter.learn(series)
 
 
-def _expectations(model: DrawnModel, densities: Sequence[Kernel | Gaussian]) -> list[Expectation]:
+def _expectations(model: DrawnModel, known: Sequence[Known], seed: int) -> list[Expectation]:
     robot, urdf = shipped_robot(_ROBOT)
     kinematics = Kinematics(robot, urdf)
     columns = kinematics.joints.of(model.effector)
     names = robot.joints(model.effector)
+    rng = np.random.default_rng(seed)
     expectations = []
     for joint in model.joints:
         place = names.index(joint)
@@ -192,9 +251,21 @@ def _expectations(model: DrawnModel, densities: Sequence[Kernel | Gaussian]) -> 
             float(limits[columns[place]]) for limits in (kinematics.lower, kinematics.upper)
         )
         angles = np.linspace(lower, upper, _POINTS)
-        rows = [marginal(density, place, angles) for density in densities]
-        expectations.append(Expectation(joint, lower, upper, np.array(rows)))
+        rows = [marginal(each.density, place, angles) for each in known]
+        drawn = [[anywhere(each, place, angles, rng) for each in known] for _ in range(_DRAWS)]
+        expectations.append(Expectation(joint, lower, upper, np.array(rows), np.array(drawn)))
     return expectations
+
+
+def anywhere(known: Known, joint: int, angles: Floats, rng: np.random.Generator) -> Floats:
+    """The density of a joint's angle had the rewards been at uniform angles, 1/rad."""
+    drawn = rng.uniform(angles[0], angles[-1], known.rewards)
+    density = known.density
+    if isinstance(density, Kernel):
+        deviation = density.bandwidth[joint]
+        return _mixture(drawn, deviation, density.uniform, angles)
+    spread = max(float(drawn.std()), min(density.deviation))
+    return _mixture(np.array([drawn.mean()]), spread, density.uniform, angles)
 
 
 def marginal(density: Kernel | Gaussian, joint: int, angles: Floats) -> Floats:
@@ -209,10 +280,15 @@ def marginal(density: Kernel | Gaussian, joint: int, angles: Floats) -> Floats:
         centres, deviation = np.array(density.samples)[:, joint], density.bandwidth[joint]
     else:
         centres, deviation = np.array([density.mean[joint]]), density.deviation[joint]
+    return _mixture(centres, deviation, density.uniform, angles)
+
+
+def _mixture(centres: Floats, deviation: float, uniform: float, angles: Floats) -> Floats:
+    """Bells of one deviation around the centres, and a uniform share."""
     offsets = (angles - centres[:, None]) / deviation
     bells = np.exp(-(offsets**2) / 2) / (deviation * np.sqrt(2 * np.pi))
-    evenly = density.uniform / (angles[-1] - angles[0])
-    total: Floats = evenly + (1 - density.uniform) * bells.mean(axis=0)
+    evenly = uniform / (angles[-1] - angles[0])
+    total: Floats = evenly + (1 - uniform) * bells.mean(axis=0)
     return total
 
 

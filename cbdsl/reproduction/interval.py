@@ -2,15 +2,18 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Sequence
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING, Literal, TypeVar
 
 if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
     Floats = NDArray[np.float64]
+
+Sample = TypeVar("Sample")
+#: How often an interval lies beyond the value on one side, by its construction.
+TAIL = 0.025
 
 
 def exact_interval(hits: int, trials: int) -> tuple[float, float]:
@@ -25,22 +28,10 @@ def exact_interval(hits: int, trials: int) -> tuple[float, float]:
     """
     if not (0 <= hits <= trials and trials > 0):
         raise ValueError(f"{hits} of {trials} is no proportion")
-    tail = 0.025
+    from scipy.special import betaincinv
 
-    def at_least(k: int, p: float) -> float:
-        return sum(
-            math.comb(trials, i) * p**i * (1 - p) ** (trials - i) for i in range(k, trials + 1)
-        )
-
-    def root(wanted: float, k: int) -> float:
-        low, high = 0.0, 1.0
-        for _ in range(60):
-            middle = (low + high) / 2
-            low, high = (middle, high) if at_least(k, middle) < wanted else (low, middle)
-        return low
-
-    lower = 0.0 if hits == 0 else root(tail, hits)
-    upper = 1.0 if hits == trials else root(1 - tail, hits + 1)
+    lower = 0.0 if hits == 0 else float(betaincinv(hits, trials - hits + 1, TAIL))
+    upper = 1.0 if hits == trials else float(betaincinv(hits + 1, trials - hits, 1 - TAIL))
     return lower, upper
 
 
@@ -53,6 +44,27 @@ def bootstrap_interval(samples: Sequence[float], seed: int = 0) -> tuple[float, 
     import numpy as np
 
     low, high = _bootstrap(np.asarray(samples, dtype=float), np.mean, seed, 10_000)
+    return float(low), float(high)
+
+
+def resampled_interval(
+    samples: Sequence[Sample],
+    statistic: Callable[[Sequence[Sample]], float],
+    seed: int = 0,
+    draws: int = 1000,
+) -> tuple[float, float]:
+    """Bootstrap interval of a statistic of samples of any kind, such as whole curves.
+
+    Raises:
+        ValueError: there are no samples.
+    """
+    import numpy as np
+
+    if not samples:
+        raise ValueError("no samples")
+    chosen = np.random.default_rng(seed).integers(len(samples), size=(draws, len(samples)))
+    drawn = [statistic([samples[place] for place in each]) for each in chosen]
+    low, high = np.percentile(drawn, (2.5, 97.5))
     return float(low), float(high)
 
 
@@ -84,12 +96,16 @@ def interquartile_interval(values: Floats, seed: int = 0) -> tuple[Floats, Float
     return _bootstrap(values, interquartile_mean, seed)
 
 
-def over_trials(values: Floats, seed: int = 0) -> tuple[float, float] | None:
-    """``interquartile_interval`` of one number a trial, shape (n,); ``None`` for a single trial."""
-    if len(values) == 1:
-        return None
-    low, high = interquartile_interval(values, seed)
-    return float(low), float(high)
+def interval_of(
+    statistic: Callable[[Floats], Floats], seed: int = 0
+) -> Callable[[Floats], tuple[float, float]]:
+    """Bootstrap interval of a statistic along the first axis, as a function of samples (n,)."""
+
+    def interval(values: Floats) -> tuple[float, float]:
+        low, high = _bootstrap(values, statistic, seed)
+        return float(low), float(high)
+
+    return interval
 
 
 def median_interval(values: Floats, seed: int = 0) -> tuple[float, float]:

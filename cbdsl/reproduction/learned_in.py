@@ -1,4 +1,4 @@
-"""LearnedTrial in: after how many episodes the greedy policies of trials succeed."""
+"""The episodes after which the greedy policies of trials succeed."""
 
 from __future__ import annotations
 
@@ -8,13 +8,16 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 
 from cbdsl.reproduction.checks import Check
+from cbdsl.reproduction.claim import Claim, below
+from cbdsl.reproduction.estimate import chance_of_samples, median
 from cbdsl.reproduction.interval import median_interval
 from cbdsl.reproduction.percentage import percentage
-from cbdsl.reproduction.quantity import Claim, Quantity, at_most
+from cbdsl.reproduction.quantity import Quantity
 from cbdsl.reproduction.series import Series
 
 # A policy counts as learned once it succeeds this often, at as many checks in a row.
 _SUCCESS, _IN_A_ROW = 0.95, 3
+_HARDLY_ANY = 15.0  # %, which none of 30 trials show
 
 
 def learned_in(series: Series, checks: Sequence[Check]) -> float:
@@ -52,8 +55,9 @@ def learned_in_quantities(
         middle if math.isfinite(middle) else math.nan,
         expected,
         interval=median_interval(episodes, seed) if has_spread else None,
+        chance=chance_of_samples(expected, episodes, median, seed),
         note=f"{finite.min():g} to {finite.max():g}" if len(finite) else "",
     )
     never = len(episodes) - len(finite)
     name = f"{series.label}: trials that never learned"
-    yield percentage(name, "none", never, len(episodes), at_most(0))
+    yield percentage(name, "none", never, len(episodes), below(_HARDLY_ANY))

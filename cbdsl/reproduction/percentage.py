@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import math
 
+from cbdsl.reproduction.claim import Claim
 from cbdsl.reproduction.interval import exact_interval
-from cbdsl.reproduction.quantity import Claim, Quantity
+from cbdsl.reproduction.quantity import Quantity
 
 
 def percentage(
@@ -13,7 +14,7 @@ def percentage(
     source: str,
     hits: int,
     trials: int,
-    expected: Claim,
+    expected: Claim | None,
     *,
     ordering: Claim | None = None,
     of: str = "",
@@ -22,13 +23,12 @@ def percentage(
     """The percentage of trials that are hits, with its exact interval.
 
     Args:
-        name, source, expected, ordering: see ``Quantity``.
+        name, source, expected, ordering: see ``Quantity``; claims are about percentages.
         hits: successes.
-        trials: all trials; of none the quantity is NaN.
+        trials: all trials; of none the quantity is NaN, of a single one it is not judged.
         of: a word for the trials in the note.
         note: follows the counts in the note.
     """
-    low, high = exact_interval(hits, trials) if trials else (math.nan, math.nan)
     counts = f"{hits} of {trials}{of and ' '}{of}"
     return Quantity(
         name,
@@ -37,6 +37,38 @@ def percentage(
         100 * hits / trials if trials else math.nan,
         expected,
         ordering,
-        (100 * low, 100 * high) if trials else None,
+        _interval(hits, trials) if trials > 1 else None,
+        chance_of_counts(expected, trials) if expected is not None and trials else 0.0,
         f"{counts}; {note}" if note else counts,
     )
+
+
+def chance_of_counts(claim: Claim, trials: int) -> float:
+    """How likely trials at an end of the claim's region are called reproduced.
+
+    A coin, or any other process of which the claim is false, passes at most as often as one at
+    the nearest end.
+
+    Args:
+        claim: about a percentage.
+        trials: how many, each a hit or not.
+    """
+    passing = [hits for hits in range(trials + 1) if claim.contains(_interval(hits, trials))]
+    if not passing:
+        return 0.0
+    # Those that pass follow each other.
+    first, last = passing[0], passing[-1]
+    return max((_likelihood(first, last, trials, end / 100) for end in claim.ends), default=0.0)
+
+
+def _interval(hits: int, trials: int) -> tuple[float, float]:
+    low, high = exact_interval(hits, trials)
+    return 100 * low, 100 * high
+
+
+def _likelihood(first: int, last: int, trials: int, p: float) -> float:
+    """How likely the number of hits is in a range, both ends included."""
+    from scipy.special import bdtr
+
+    p = min(max(p, 0.0), 1.0)
+    return float(bdtr(last, trials, p) - (bdtr(first - 1, trials, p) if first else 0.0))

@@ -1,13 +1,15 @@
-"""A measured quantity beside what the source reports, and a verdict that a rule gives."""
+"""A measured quantity beside what the source reports, and a verdict that its interval gives."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 from dataclasses import dataclass
 from enum import StrEnum
 
-Interval = tuple[float, float]
+from cbdsl.reproduction.claim import Claim, Interval
+
+# A process of which the claim is false may pass this often; else there are too few trials.
+_CHANCE = 0.05
 
 
 class Verdict(StrEnum):
@@ -15,71 +17,9 @@ class Verdict(StrEnum):
 
     REPRODUCED = "reproduced"
     ORDERING = "ordering only"
+    UNDECIDED = "undecided"
     MISSED = "missed"
-
-
-@dataclass(frozen=True)
-class Claim:
-    """The rule that decides whether a measurement agrees with the source.
-
-    Attributes:
-        text: the rule for readers, such as ``> 0.8``.
-        holds: decides by the number and its 95 % interval; never called with NaN.
-    """
-
-    text: str
-    holds: Callable[[float, Interval | None], bool]
-
-
-def above(bound: float) -> Claim:
-    """The number is larger than ``bound``."""
-    return Claim(f"> {bound:g}", lambda ours, _: ours > bound)
-
-
-def below(bound: float) -> Claim:
-    """The number is smaller than ``bound``."""
-    return Claim(f"< {bound:g}", lambda ours, _: ours < bound)
-
-
-def at_least(bound: float) -> Claim:
-    """The number is ``bound`` or more."""
-    return Claim(f">= {bound:g}", lambda ours, _: ours >= bound)
-
-
-def at_most(bound: float) -> Claim:
-    """The number is ``bound`` or less."""
-    return Claim(f"<= {bound:g}", lambda ours, _: ours <= bound)
-
-
-def near(target: float, tolerance: float) -> Claim:
-    """The number is within ``tolerance`` of ``target``."""
-    return Claim(
-        f"{target:g} ± {tolerance:g}", lambda ours, _: abs(ours - target) <= tolerance * (1 + 1e-9)
-    )
-
-
-def clearly_below(bound: float) -> Claim:
-    """The number and all of its 95 % interval are smaller than ``bound``."""
-    return Claim(
-        f"interval below {bound:g}",
-        lambda ours, interval: ours < bound and interval is not None and interval[1] < bound,
-    )
-
-
-def clearly_above(bound: float) -> Claim:
-    """The number and all of its 95 % interval are larger than ``bound``."""
-    return Claim(
-        f"interval above {bound:.3g}",
-        lambda ours, interval: ours > bound and interval is not None and interval[0] > bound,
-    )
-
-
-def covering(target: float) -> Claim:
-    """The 95 % interval of the number includes ``target``."""
-    return Claim(
-        f"interval includes {target:g}",
-        lambda ours, interval: interval is not None and interval[0] <= target <= interval[1],
-    )
+    NOT_JUDGED = "not judged"
 
 
 @dataclass(frozen=True)
@@ -91,9 +31,12 @@ class Quantity:
         unit: of ``ours``; empty for a bare number.
         source: what the source reports, in a few words of our own.
         ours: what we measured; NaN where it could not be, which is a miss.
-        expected: when the number counts as reproduced.
-        ordering: when at least the order that the source reports holds, where that says less.
-        interval: 95 % interval of ``ours``, or ``None`` where it has no spread.
+        expected: the region that the source's words put it in; ``None`` where nothing is claimed.
+        ordering: the region of at least the order that the source reports, where that says less.
+        interval: 95 % interval of ``ours``, both ends ``ours`` where it is computed rather than
+            sampled, ``None`` where a single trial tells no spread.
+        chance: how likely a process of which ``expected`` is only just false would be called
+            reproduced with as many trials; 0 where nothing is sampled.
         note: what a reader must know to judge it.
     """
 
@@ -101,18 +44,33 @@ class Quantity:
     unit: str
     source: str
     ours: float
-    expected: Claim
+    expected: Claim | None
     ordering: Claim | None = None
     interval: Interval | None = None
+    chance: float = 0.0
     note: str = ""
 
     @property
     def verdict(self) -> Verdict:
-        """The verdict of the rules on the number."""
+        """The verdict of the claims on the interval."""
+        if self.expected is None:
+            return Verdict.NOT_JUDGED
         if math.isnan(self.ours):
             return Verdict.MISSED
-        if self.expected.holds(self.ours, self.interval):
+        if self.interval is None:
+            return Verdict.NOT_JUDGED
+        if self.chance <= _CHANCE and self.expected.contains(self.interval):
             return Verdict.REPRODUCED
-        if self.ordering is not None and self.ordering.holds(self.ours, self.interval):
+        if self.ordering is not None and self.ordering.contains(self.interval):
             return Verdict.ORDERING
-        return Verdict.MISSED
+        if self.expected.excludes(self.interval):
+            return Verdict.MISSED
+        return Verdict.UNDECIDED
+
+
+def computed(
+    name: str, unit: str, source: str, ours: float, expected: Claim, *, note: str = ""
+) -> Quantity:
+    """A quantity without spread: it is computed, or measured where nothing is random."""
+    interval = None if math.isnan(ours) else (ours, ours)
+    return Quantity(name, unit, source, ours, expected, interval=interval, note=note)

@@ -7,17 +7,25 @@ import re
 from collections.abc import Iterable, Mapping
 
 from cbdsl.reproduction.experiment import Experiment, Picture, Result, RunSettings
-from cbdsl.reproduction.quantity import Quantity
+from cbdsl.reproduction.quantity import Quantity, Verdict
+from cbdsl.reproduction.summary import summary
 
 _HEADER = """\
 # Reproduction
 
 What the dissertation reports, and what we measure. `cb reproduce all --out docs/reproduction.md`
 writes this page, and `cb reproduce NAME --out docs/reproduction.md` renews one section of it.
-Verdicts come from the rules in the column *expected*: **reproduced** where the rule holds,
-**ordering only** where at least the reported order does, **missed** otherwise. Intervals are of
-95 %: exact (Clopper-Pearson) for proportions, bootstrapped for means. Where the robot learns, it
-does so on the kinematic backend, many times from zero; other backends have sections of their own.
+
+The column *expected* is the region in which the source's words put a value, and the verdict is
+that of its 95 % interval: **reproduced** where all of it is in the region, **missed** where none of
+it is, **undecided** where it is neither, **ordering only** where at least the reported order is
+clear, **not judged** where there is no spread to judge by (one trial) or nothing is claimed. The
+column *chance* tells how often as many trials would be called reproduced if the claim were only
+just false; a coin, or a model that is uniform, passes at most as often wherever the claim is false
+of it. Above 5 % nothing is called reproduced. Regions that were set when the numbers were known say
+so. Intervals are exact (Clopper-Pearson) for proportions, bootstrapped for everything else. Where
+the robot learns, it does so on the kinematic backend, many times from zero; other backends have
+sections of their own.
 """
 
 _SECTION = re.compile(r"^## ([^:\n]+): ", re.MULTILINE)
@@ -29,7 +37,8 @@ def row(quantity: Quantity) -> dict[str, str]:
         "quantity": quantity.name,
         "source": quantity.source,
         "ours": _measured(quantity),
-        "expected": quantity.expected.text,
+        "expected": quantity.expected.text if quantity.expected else "",
+        "chance": _chance(quantity),
         "verdict": quantity.verdict.value,
         "note": quantity.note,
     }
@@ -121,7 +130,8 @@ def page(before: str, sections: Mapping[str, str], order: Iterable[str]) -> str:
     kept.update(sections)
     # On other backends after the usual one.
     ordered = (kept[each] for name in order for each in sorted(kept) if each.split()[0] == name)
-    return "\n".join([_HEADER, *ordered])
+    texts = list(ordered)
+    return "\n".join([_HEADER, summary(texts), *texts])
 
 
 def _quantity(quantity: Quantity) -> dict[str, object]:
@@ -133,17 +143,30 @@ def _quantity(quantity: Quantity) -> dict[str, object]:
         # JSON has no infinity.
         "interval": quantity.interval
         and [end if math.isfinite(end) else None for end in quantity.interval],
-        "expected": quantity.expected.text,
+        "expected": quantity.expected.text if quantity.expected else None,
+        "chance": quantity.chance,
         "verdict": quantity.verdict.value,
         "note": quantity.note,
     }
+
+
+def _chance(quantity: Quantity) -> str:
+    """The chance of a false verdict; nothing where nothing is sampled or judged."""
+    if quantity.verdict is Verdict.NOT_JUDGED or _is_computed(quantity):
+        return ""
+    return f"{100 * quantity.chance:.2g} %"
+
+
+def _is_computed(quantity: Quantity) -> bool:
+    ends = quantity.interval
+    return ends is not None and ends[0] == ends[1] and quantity.chance == 0.0
 
 
 def _measured(quantity: Quantity) -> str:
     if math.isnan(quantity.ours):
         return "none"
     text = f"{quantity.ours:.3g}"
-    if quantity.interval is not None:
+    if quantity.interval is not None and not _is_computed(quantity):
         low, high = quantity.interval
         text += f" [{low:.3g}, {high:.3g}]"
     return f"{text} {quantity.unit}".rstrip()

@@ -6,8 +6,9 @@ from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
-from cbdsl.backends.bullet.backend import BulletBackend
+from cbdsl.backends.simulated_backend import SimulatedBackend, simulate
 from cbdsl.checking.program import check_program
 from cbdsl.documents.program import ProgramDocument
 from cbdsl.documents.robot import RobotDocument
@@ -18,6 +19,9 @@ from cbdsl.runtime.episode import Runner
 from cbdsl.sensing.kinematics import Kinematics
 from cbdsl.types.policy import Policy
 from cbdsl.yaml_text.library import Library, shipped
+
+#: The backend on which the experiments of the source are measured.
+REFERENCE = "bullet"
 
 
 @dataclass(frozen=True)
@@ -37,7 +41,7 @@ class SimulationFixture:
     program: CheckedProgram
     stage: StageDocument
     kinematics: Kinematics
-    backend: BulletBackend
+    backend: SimulatedBackend[Any]
 
     def runner(self, policy: Policy | None = None) -> Runner:
         """Runs episodes of the program, under its own policy or another."""
@@ -47,7 +51,10 @@ class SimulationFixture:
 
 @contextmanager
 def simulation_fixture(
-    name: str, values: Mapping[str, str] | None = None, stage: str | None = None
+    name: str,
+    values: Mapping[str, str] | None = None,
+    stage: str | None = None,
+    engine: str = REFERENCE,
 ) -> Iterator[SimulationFixture]:
     """Set up a shipped program and its robot on the simulator.
 
@@ -55,6 +62,7 @@ def simulation_fixture(
         name: the program.
         values: of its parameters.
         stage: another stage than the program's own.
+        engine: name of the backend.
 
     Raises:
         BackendError: the simulator cannot embody the robot.
@@ -65,7 +73,7 @@ def simulation_fixture(
     program = check_program(shipped_file(library, ProgramDocument, name), values or {}, library)
     robot, urdf = shipped_robot(program.robot, library)
     stage_file = shipped_file(library, StageDocument, stage or program.stage or "")
-    backend = BulletBackend(robot, urdf)
+    backend = simulate(engine, robot, urdf)
     try:
         yield SimulationFixture(
             robot=robot,

@@ -8,8 +8,10 @@ from collections.abc import Iterable, Sequence
 import numpy as np
 
 from cbdsl.learning.experience import Experience
+from cbdsl.reproduction.claim import Claim
+from cbdsl.reproduction.estimate import estimate, median
 from cbdsl.reproduction.interval import median_interval
-from cbdsl.reproduction.quantity import Claim, Quantity
+from cbdsl.reproduction.quantity import Quantity
 from cbdsl.reproduction.series import Series
 from cbdsl.training.trial import Trial
 
@@ -55,12 +57,14 @@ def stable_quantity(
         seed: of the interval's resampling.
     """
     episodes = np.array(measured, dtype=float)
-    return Quantity(
+    return estimate(
         f"{series.label}: greedy policy no longer changes after, median",
         "episodes",
         source,
-        float(np.median(episodes)),
+        episodes,
+        median,
+        lambda values: median_interval(values, seed),
         expected,
-        interval=median_interval(episodes, seed) if len(episodes) > 1 else None,
+        seed=seed,
         note=f"{episodes.min():g} to {episodes.max():g}",
     )

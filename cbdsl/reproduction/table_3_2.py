@@ -12,8 +12,9 @@ from cbdsl.reproduction.barcode import SIZE, barcodes
 from cbdsl.reproduction.barcode_trial import FOCAL_LENGTH
 from cbdsl.reproduction.camera_rig import FINENESS, CameraRig, Placement, camera_rig
 from cbdsl.reproduction.chart import Chart, Line
+from cbdsl.reproduction.claim import near
 from cbdsl.reproduction.experiment import Result, RunSettings
-from cbdsl.reproduction.quantity import Quantity, near
+from cbdsl.reproduction.quantity import Quantity, computed
 from cbdsl.sensing.camera import heading
 from cbdsl.sensing.kinematics import Frame
 from cbdsl.sensing.observation import Image
@@ -70,7 +71,7 @@ def _periods(place: CameraRig, depths: tuple[float, ...], settings: RunSettings)
         picture = place.picture([period / 2] * count, Placement(depth))
         misprint = abs(printed - model) > 0.01
         quantities.append(
-            Quantity(
+            computed(
                 f"{name}: {1000 * period:g} mm at {100 * depth:g} cm",
                 "px per period",
                 f"{printed:g}",
@@ -124,7 +125,7 @@ def _misfit(baseline: float) -> float:
 
 def _ratios(whose: str, baseline: float) -> list[Quantity]:
     return [
-        Quantity(
+        computed(
             f"localizability, 100 cm to {100 * depth:g} cm, {whose}",
             "",
             f"{printed:.2f}",

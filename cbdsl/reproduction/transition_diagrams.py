@@ -10,11 +10,12 @@ from cbdsl.program.checked import CheckedProgram
 from cbdsl.reporting.drawing.policy_transitions import ABOVE
 from cbdsl.reproduction.arcs import ActionArc, DrawnArc, diagram_of
 from cbdsl.reproduction.checks import Check, Schedule, checks, schedule
+from cbdsl.reproduction.claim import above, at_least, at_most
 from cbdsl.reproduction.diagram import Diagram, graph_of
 from cbdsl.reproduction.experiment import Result, RunSettings
 from cbdsl.reproduction.learned_in import learned_in_quantities
 from cbdsl.reproduction.percentage import percentage
-from cbdsl.reproduction.quantity import Quantity, above, at_least, at_most
+from cbdsl.reproduction.quantity import Quantity
 from cbdsl.reproduction.series import (
     BIMANUALTOUCH,
     COARTICULATED,

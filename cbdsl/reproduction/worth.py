@@ -12,7 +12,9 @@ from numpy.typing import NDArray
 from cbdsl.learning.constants import AccommodateConstants
 from cbdsl.learning.decisions import Decisions
 from cbdsl.program.transition import Transition
-from cbdsl.reproduction.quantity import Interval, Quantity, at_least
+from cbdsl.reproduction.claim import Interval, at_least, in_hindsight
+from cbdsl.reproduction.interval import TAIL
+from cbdsl.reproduction.quantity import Quantity
 from cbdsl.reproduction.series import Series
 from cbdsl.training.trial import Trial, used_programs
 
@@ -113,7 +115,8 @@ def worth_quantities(
             "%",
             "chosen",
             shares.get(action, math.nan),
-            at_least(_AS_GOOD),
+            in_hindsight(at_least(_AS_GOOD)),
+            chance=TAIL,
             interval=_spread([_shares(each, here).get(action, math.nan) for each in drawn]),
             note=f"others: {', '.join(others)}" if others else "",
         )

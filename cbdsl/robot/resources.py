@@ -17,6 +17,7 @@ from cbdsl.types.resource import (
     FingerLoad,
     Heading,
     Headings,
+    InstanceCount,
     NetForces,
     NetLoad,
     Origin,
@@ -31,6 +32,7 @@ from cbdsl.types.resource import (
 )
 from cbdsl.types.resource_type import (
     AXIS,
+    COUNT,
     EXTENT,
     FORCE,
     HEADING,
@@ -49,6 +51,7 @@ CYCLOPEAN = "cyclopean"
 CAMERAS = "cameras"
 STEREO = "stereo"
 SURFACE = "surface"
+COUNTED = "count"
 
 _TIP_PARTS = {"position": POSITION, "orientation": ORIENTATION, "pose": POSE}
 _BLOB_PARTS = {"velocity": HEADING_RATE, "extent": EXTENT, "orientation": AXIS}
@@ -75,6 +78,7 @@ def resources(robot: RobotDocument) -> dict[str, Resource]:
     ``stereo.channel``                        position             triangulation
     ``stereo.channel.velocity``               velocity             triangulation
     ``stereo.channel.volume``                 volume               triangulation
+    ``count.channel``                         count                triangulation
     ``surface.channel``                       position             visible surface
     ``effector.posture``                      configuration[n]     constant
     ``effector.uniform``                      configuration[n]     internal model
@@ -181,6 +185,8 @@ def _features(robot: RobotDocument, name: str, channel: str) -> Iterator[Resourc
         for part, kind in _STEREO_PARTS.items():
             seen = StereoSignal(channel, part)
             yield Resource(f"{STEREO}.{name}.{part}", kind, Origin.TRIANGULATION, seen)
+        count = InstanceCount(channel)
+        yield Resource(f"{COUNTED}.{name}", COUNT, Origin.TRIANGULATION, count)
         point = SurfacePoint(channel)
         yield Resource(f"{SURFACE}.{name}", POSITION, Origin.SURFACE, point)
 

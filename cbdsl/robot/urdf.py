@@ -219,7 +219,12 @@ class UrdfModel:
 
     def way(self, link: str) -> tuple[UrdfJoint, ...]:
         """All joints between a link and the root, from the link upwards."""
-        return _way(link, {joint.child: joint for joint in self.joints.values()})
+        return _way(link, self._parents)
+
+    @cached_property
+    def _parents(self) -> Mapping[str, UrdfJoint]:
+        """Joints by the link that they move."""
+        return {joint.child: joint for joint in self.joints.values()}
 
 
 def _way(link: str, parents: Mapping[str, UrdfJoint]) -> tuple[UrdfJoint, ...]:
@@ -382,6 +387,8 @@ def _not_numbers(element: ElementTree.Element) -> Iterator[str]:
     for inner in element.iter():
         for key, text in inner.items():
             count = _COUNTS.get(key)
+            if key == "value" and inner.tag != "mass":
+                continue  # of an extension, which may be any word
             if count is not None and not _are_numbers(text, count):
                 wanted = "a number" if count == 1 else "three numbers with spaces between them"
                 yield f'has {key}="{text}", which should be {wanted}'

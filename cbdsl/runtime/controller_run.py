@@ -16,8 +16,9 @@ from cbdsl.control.registry import build
 from cbdsl.control.setting import Setting
 from cbdsl.control.signal import SignalError, require_finite
 from cbdsl.program.controller import Controller, Relative
-from cbdsl.runtime.controller_rows import anchor_of, bind_rows, search_of
+from cbdsl.runtime.controller_rows import anchor_of, bind_rows
 from cbdsl.runtime.preparation import Preparation
+from cbdsl.runtime.slot_setting import SlotSetting, modified
 from cbdsl.sensing.signals import Signals
 from cbdsl.types.resource import (
     Headings,
@@ -26,8 +27,6 @@ from cbdsl.types.state import Predicate
 
 Floats = NDArray[np.float64]
 Integers = NDArray[np.int64]
-
-_NO_FUNNEL = (0.0, 0.0, 0.0)
 
 
 class Evaluation(NamedTuple):
@@ -65,37 +64,30 @@ class ControllerRun:
     ) -> None:
         self.controller, self._signals, self._plan = controller, signals, plan
         own = self.own = signals.joints.pick(controller.joints)
-        self.rows = bind_rows(controller, signals)
+        rows = bind_rows(controller, signals)
         quiescence, limits = controller.quiescence, signals.kinematics
         is_seen_twice = isinstance(controller.feedback.source, Headings)
-        self._potential = build(
-            controller,
-            Setting(
-                limits.lower[own],
-                limits.upper[own],
-                len(signals.table.values(self.rows.feedback)),
-                len(signals.table.rows(self.rows.feedback)),
-                signals.sight.cameras() if is_seen_twice else (),
-            ),
+        setting = Setting(
+            limits.lower[own],
+            limits.upper[own],
+            len(signals.table.values(rows.feedback)),
+            len(signals.table.rows(rows.feedback)),
+            signals.sight.cameras() if is_seen_twice else (),
         )
+        plain = SlotForm(
+            build(controller, setting),
+            bounds_of(controller, period),
+            settings_of(quiescence.rate, quiescence.window, period),
+            rows.feedback,
+            rows.reference,
+        )._replace(**anchor_of(controller, signals, rows)._asdict())
+        form = modified(plain, SlotSetting(controller, signals, period))
+        self.rows = rows._replace(feedback=form.feedback, reference=form.reference)
+        self._potential = form.potential
         self.preparation = Preparation(controller, signals, self.rows, self._potential)
         self._tolerance = math.inf if quiescence.tolerance is None else quiescence.tolerance
-        anchor = anchor_of(controller, signals, self.rows, period)
-        own_rows = [row for row in self.rows if row >= 0]
-        self.needs = tuple([*own_rows, *anchor.rows])
-        self.slot = plan.add(
-            SlotForm(
-                self._potential,
-                bounds_of(controller, period),
-                settings_of(quiescence.rate, quiescence.window, period),
-                self.rows.feedback,
-                self.rows.reference,
-                controller.funnel or _NO_FUNNEL,
-                search_of(controller, signals),
-                controller.requires is not None,
-                *anchor,
-            )
-        )
+        self.needs = tuple([row for row in (*self.rows, form.carrier) if row >= 0])
+        self.slot = plan.add(form)
 
     def begin(self, rng: np.random.Generator) -> None:
         """Begin an episode, in which ``rng`` is for all that is drawn."""

@@ -88,6 +88,17 @@ def describe_stop(run: ProgramRun, seconds: float, cause: BaseException) -> str:
     return f"Failed {where}: {cause.__cause__ or cause}."
 
 
+def stayed_far(run: ProgramRun) -> tuple[str, ...]:
+    """Controllers of the last action at rest far from their goals, highest priority first."""
+    action = run.action
+    if action is None:
+        return ()
+    if action.program is not None:
+        return stayed_far(run.children[action.name])
+    leads = run.leads(action)
+    return tuple(lead.controller.name for lead in leads if lead.predicate == "1" and is_far(lead))
+
+
 def _evidence(run: ProgramRun) -> list[str]:
     """A clause for each member that its last action involved, highest priority first."""
     action = run.action

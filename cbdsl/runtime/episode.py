@@ -20,7 +20,7 @@ from cbdsl.errors.errors import UsageError
 from cbdsl.program.checked import CheckedProgram
 from cbdsl.program.transition import Transition
 from cbdsl.runtime.actuation import Actuation
-from cbdsl.runtime.ending import describe, describe_lateness, describe_stop
+from cbdsl.runtime.ending import describe, describe_lateness, describe_stop, stayed_far
 from cbdsl.runtime.program_run import ProgramRun
 from cbdsl.sensing.kinematics import Kinematics
 from cbdsl.sensing.observation import Observation
@@ -61,6 +61,7 @@ class EpisodeResult:
         outcome: ``success`` or ``failure`` by its program's states; empty where it has none, or
             came to none.
         guards: for each guard that the motion gave way to, how long and at which force.
+        far: controllers of the last action that came to rest far from their goals.
     """
 
     program: str
@@ -77,6 +78,7 @@ class EpisodeResult:
     ending: str
     outcome: str = ""
     guards: tuple[str, ...] = ()
+    far: tuple[str, ...] = ()
 
 
 class Tick(NamedTuple):
@@ -246,6 +248,7 @@ class Runner:
             ending=ending or describe(run, self._seconds, self._actuation.at_limits(), guards),
             outcome=run.outcome,
             guards=guards,
+            far=stayed_far(run),
         )
 
     @property

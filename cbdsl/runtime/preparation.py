@@ -39,7 +39,11 @@ class Preparation:
         reference = controller.reference
         self._controller, self._signals, self._rows = controller, signals, rows
         self._solve = potential.prepare
-        self._changes = [(each, change_of(each)) for each in controller.modifiers]
+        self._changes = [
+            (each, change_of(each))
+            for each in controller.modifiers
+            if MODIFIERS.get(each.name).implementation
+        ]
         self.samples = isinstance(reference, Resource) and reference.origin in DRAWN
         is_anchored = isinstance(reference, Relative) and reference.base is None
         # Drawn or kept at each activation.

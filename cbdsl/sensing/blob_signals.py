@@ -1,4 +1,4 @@
-"""Signals of blobs: velocity, extent and orientation in an image, velocity and volume in space."""
+"""Signals of blobs: velocity, extent, orientation in images; velocity, volume, number in space."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from cbdsl.sensing.observation import Observation
 from cbdsl.sensing.reading import Reading
 from cbdsl.sensing.vision import Vision
 from cbdsl.sensing.visual_signals import VisualSignals
-from cbdsl.types.resource import BlobSignal, Resource, StereoSignal
+from cbdsl.types.resource import BlobSignal, InstanceCount, Resource, StereoSignal
 
 Floats = NDArray[np.float64]
 
@@ -108,6 +108,13 @@ class BlobSignals:
         if memory.position is None:
             return None
         return self._reading(np.array([4 / 3 * math.pi * memory.radius**3]))
+
+    def count(self, source: InstanceCount) -> Reading | None:
+        """How many things of a channel are remembered, once the cameras have looked."""
+        if not self._vision.images:
+            return None
+        known = self._vision.instances[source.channel].known
+        return self._reading(np.array([float(len(known))]))
 
     def _follow(self, thing: tuple[str, str, int], time: float) -> None:
         seen, image = self._vision.heading(*thing), self._vision.images

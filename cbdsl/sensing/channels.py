@@ -165,26 +165,44 @@ def connected_regions(mask: Image, least_area: int) -> Regions:
     # Most masks are empty: finding that out is much cheaper than labelling.
     if cv2.countNonZero(mask) < least_area:
         return ()
-    count, labels, statistics, centroids = cv2.connectedComponentsWithStats(mask, connectivity=8)
+    # What is labelled is what takes time: nothing outside of the box that has all of them.
+    left, top, width, height = cv2.boundingRect(mask)
+    window = mask[top : top + height, left : left + width]
+    count, labels, statistics, centroids = cv2.connectedComponentsWithStats(window, connectivity=8)
     areas = statistics[1:, cv2.CC_STAT_AREA]
     # A mask has one region, or specks by the hundred.
     order = np.argsort(-areas, kind="stable")[:MOST_REGIONS] if count > 2 else (0,)
+    place = _Window(left, top, mask.shape[1], mask.shape[0])
     return tuple(
-        _region(labels, 1 + label, statistics[1 + label], centroids[1 + label])
+        _region(labels, 1 + label, statistics[1 + label], centroids[1 + label], place)
         for label in order
         if areas[label] >= least_area
     )
 
 
-def _region(labels: Any, label: int, statistics: Any, centroid: Any) -> Region:
-    left, top, width, height, area = statistics.tolist()
-    rows, columns = labels.shape
+class _Window(NamedTuple):
+    """Part of an image: its first column and row, and the columns and rows of the whole, px."""
+
+    left: int
+    top: int
+    columns: int
+    rows: int
+
+
+def _region(labels: Any, label: int, statistics: Any, centroid: Any, window: _Window) -> Region:
+    x, y, width, height, area = statistics.tolist()
+    left, top = x + window.left, y + window.top
+    columns, rows = window.columns, window.rows
     clipped = left == 0 or top == 0 or left + width == columns or top + height == rows
-    column, row = (value + 0.5 for value in centroid.tolist())
-    own = labels[top : top + height, left : left + width] == label
-    fills = clipped and area >= FILLING * rows * columns
-    extent = _extent(labels == label) if fills else None
-    return Region(area, column, row, clipped, _moments(own), extent)
+    column, row = centroid.tolist()
+    own = labels[y : y + height, x : x + width] == label
+    extent = None
+    if clipped and area >= FILLING * rows * columns:
+        whole = np.zeros((rows, columns), bool)
+        whole[top : top + height, left : left + width] = own
+        extent = _extent(whole)
+    middle = column + window.left + 0.5, row + window.top + 0.5
+    return Region(area, *middle, clipped, _moments(own), extent)
 
 
 def _extent(mask: NDArray[np.bool_]) -> Extent:

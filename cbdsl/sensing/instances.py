@@ -181,7 +181,21 @@ class Instances:
             # Nobody knows where a thing that moved has got to.
             return not memory.is_lost(time)
         reach, seen = radius + _BESIDE, [each[number] for each in self.sightings if number in each]
-        return any(sighting.distance(position) <= reach for sighting in seen)
+        if any(sighting.distance(position) <= reach for sighting in seen):
+            return True
+        return not memory.is_lost(time) and self._is_within_another(number)
+
+    def _is_within_another(self, number: int) -> bool:
+        """Whether a thing may be seen as a part of another one's region, which has grown."""
+        for claims in self.sightings:
+            for other, sighting in claims.items():
+                memory = self.memories[other]
+                if other == number or memory.position is None:
+                    continue
+                grown = sighting.radius(memory.position) >= _GROWN * memory.radius
+                if grown and self._touches(sighting, number):
+                    return True
+        return False
 
     def _is_hidden(self, number: int) -> bool:
         """Whether a hand or other things are before a thing in every image that would show it."""
@@ -260,20 +274,36 @@ class Instances:
 
     def _has_grown_together(self, number: int, known: Sequence[int]) -> bool:
         """Whether a thing's region may show another thing, too, which has no region of its own."""
-        memory = self.memories[number]
+        return any(
+            other not in claims and self._touches(claims[number], other)
+            for row, claims in enumerate(self.sightings)
+            if number in claims
+            for other in known
+            if not self._is_just_before(row, number, other)
+        )
+
+    def _touches(self, sighting: Sighting, other: int) -> bool:
+        """Whether a region reaches to where a remembered thing would be seen."""
+        memory = self.memories[other]
         assert memory.position is not None
-        for claims in self.sightings:
-            sighting = claims.get(number)
-            if sighting is None:
-                continue
-            reach = sighting.radius(memory.position)
-            if reach < _GROWN * memory.radius:
-                continue
-            for other in known:
-                place = self.memories[other].position
-                if other not in claims and place is not None and sighting.distance(place) < reach:
-                    return True
-        return False
+        gap = sighting.distance(memory.position) - memory.radius
+        return gap < sighting.radius(memory.position)
+
+    def _is_just_before(self, row: int, number: int, other: int) -> bool:
+        """Whether a camera sees a thing whole, and as large as it is, before another one.
+
+        Of a thing that a hand hides in part nobody can tell how large its own part of a region is.
+        """
+        memory, behind = self.memories[number], self.memories[other]
+        assert memory.position is not None
+        assert behind.position is not None
+        if self._field.is_hidden_by_hand(memory.position):
+            return False
+        sighting = self.sightings[row][number]
+        if sighting.radius(memory.position) >= _GROWN * memory.radius:
+            return False
+        ball = behind.position, behind.radius
+        return self._field.hidden_by(ball, [(memory.position, memory.radius)])[row]
 
     def _may_be_another(
         self, candidate: Pair, left: Sequence[Sighting], right: Sequence[Sighting]

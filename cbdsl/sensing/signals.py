@@ -16,6 +16,7 @@ from cbdsl.numeric.compiled import compiled, compiled_once
 from cbdsl.program.controller import Standoff
 from cbdsl.robot.source_kind import SOURCES
 from cbdsl.sensing.blob_signals import BlobSignals
+from cbdsl.sensing.chain import require_executed
 from cbdsl.sensing.density import DensitySampler, Sampler
 from cbdsl.sensing.kinematics import Kinematics
 from cbdsl.sensing.observation import Observation
@@ -39,6 +40,7 @@ from cbdsl.sensing.touch import Touch
 from cbdsl.sensing.uniform import UniformSampler
 from cbdsl.sensing.vision import Vision
 from cbdsl.sensing.visual_signals import VisualSignals
+from cbdsl.types.casts import Chain, chains_of
 from cbdsl.types.resource import (
     VISUAL,
     BlobSignal,
@@ -49,6 +51,7 @@ from cbdsl.types.resource import (
     GaussianSample,
     Heading,
     Headings,
+    InstanceCount,
     KernelSample,
     NetForces,
     NetLoad,
@@ -138,11 +141,14 @@ class Signals:
             NetLoad: self.touch.net_load,
             NetForces: self.touch.net_forces,
             FingerForces: self.touch.finger_forces,
+            BlobSignal: self.blobs.blob,
+            StereoSignal: self.blobs.feature,
+            InstanceCount: self.blobs.count,
+        }
+        self._seen_by: dict[type, Callable[[Any, tuple[Chain, ...]], Reading | None]] = {
             Heading: self.sight.heading,
             Headings: self.sight.headings,
             StereoPosition: self.sight.position,
-            BlobSignal: self.blobs.blob,
-            StereoSignal: self.blobs.feature,
         }
         self.reset()
 
@@ -192,9 +198,20 @@ class Signals:
             else:
                 self.vision.untouched()
 
-    def bind(self, resource: Resource) -> int:
-        """The number of a resource's row, which it gets the first time."""
-        return self._bound((type(resource.source), resource.source), lambda: self._bind(resource))
+    def bind(self, resource: Resource, chains: tuple[Chain, ...] | None = None) -> int:
+        """The number of a resource's row, which it gets the first time.
+
+        Args:
+            resource: the resource.
+            chains: of casts, that its Jacobian is compiled from; all that lead to joints without.
+
+        Raises:
+            CastError: no row of such a source executes one of them.
+        """
+        key = type(resource.source), resource.source
+        if chains is None or chains == chains_of(resource):
+            return self._bound(key, lambda: self._bind(resource, chains_of(resource)))
+        return self._bound((*key, chains), lambda: self._bind(resource, chains))
 
     def bind_written(self, size: int) -> int:
         """A row of one's own, to be written with ``table.write``."""
@@ -332,14 +349,18 @@ class Signals:
             number = self._rows[key] = bind()
         return number
 
-    def _bind(self, resource: Resource) -> int:
+    def _bind(self, resource: Resource, chains: tuple[Chain, ...]) -> int:
         source = resource.source
+        require_executed(resource, chains)
         if isinstance(source, SensorSignal):
             size = resource.type.size
             return self._bind_read(size, self._sensor_reader(source, size))
         binder = self._binders.get(type(source))
         if binder is not None:
             return binder(source)
+        see = self._seen_by.get(type(source))
+        if see is not None:
+            return self._bind_read(resource.type.size, lambda: see(source, chains))
         read = self._read_by[type(source)]
         return self._bind_read(resource.type.size, lambda: read(source))
 

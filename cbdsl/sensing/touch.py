@@ -130,6 +130,8 @@ class Touch:
         hands = self.hands(group)
         if not all(self.touching(hand) for hand in hands):
             return False
+        if len(hands) == 1:
+            return True  # there is no other hand to touch
         nearest, tips = self._robot.contact.self_contact, [self._touching_tips(h) for h in hands]
         for place, own in enumerate(tips):
             others = np.vstack([each for i, each in enumerate(tips) if i != place])

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,6 +17,7 @@ from cbdsl.sensing.camera import (
     sighting_jacobian,
     within_view,
 )
+from cbdsl.sensing.chain import MANIPULATOR, carry
 from cbdsl.sensing.hold import Content, Hold, find_hold, held_jacobian
 from cbdsl.sensing.kinematics import Frame, Kinematics
 from cbdsl.sensing.memory import PositionMemory
@@ -25,9 +27,11 @@ from cbdsl.sensing.table import records_of
 from cbdsl.sensing.tips import Tips
 from cbdsl.sensing.touch import Touch
 from cbdsl.sensing.vision import SeenHeading, Vision
+from cbdsl.types.casts import CAMERA, RIGID_HOLD, SIGHTING, TRIANGULATION, Chain
 from cbdsl.types.resource import Heading, Headings, StereoPosition
 
 Floats = NDArray[np.float64]
+Step = Callable[[Any], Any]
 Thing = tuple[str, int]
 """A channel, and the number of a thing in it."""
 
@@ -103,8 +107,13 @@ class VisualSignals:
         middle: Floats = np.mean(middles, axis=0)
         return middle
 
-    def heading(self, source: Heading) -> Reading | None:
-        """The heading in one camera, or the mean over those that see the channel."""
+    def heading(self, source: Heading, chains: tuple[Chain, ...]) -> Reading | None:
+        """The heading in one camera, or the mean over those that see the channel.
+
+        Args:
+            source: the heading.
+            chains: of casts, whose Jacobians add up to its own; none for its value alone.
+        """
         names = self._robot.cameras if source.camera == CYCLOPEAN else (source.camera,)
         number = self._vision.number(source.channel, source.instance)
         if number is None:
@@ -113,13 +122,17 @@ class VisualSignals:
         for name in names:
             seen_heading = self._vision.heading(name, *thing)
             if seen_heading is not None:
-                seen.append(self._moving_heading(name, thing, seen_heading))
+                seen.append(self._moving_heading(name, thing, seen_heading, chains))
         return mean(seen) if seen else None
 
-    def headings(self, source: Headings) -> Reading | None:
+    def headings(self, source: Headings, chains: tuple[Chain, ...]) -> Reading | None:
         """The headings in both cameras, or ``None`` unless both see the same whole region.
 
         Where the arm that holds a thing hides it from a camera, the heading to where it is held.
+
+        Args:
+            source: the headings.
+            chains: of casts, whose Jacobians add up to their own; none for their values alone.
         """
         number = self._vision.number(source.channel, source.instance)
         if number is None:
@@ -132,17 +145,24 @@ class VisualSignals:
                 seen = self._hidden_heading(camera, thing)
             if seen is None or (region is not None and region.clipped):
                 return None
-            headings.append(self._moving_heading(camera, thing, seen))
+            headings.append(self._moving_heading(camera, thing, seen, chains))
         return stacked(headings) if self._meet(headings) else None
 
-    def position(self, source: StereoPosition) -> Reading | None:
-        """The remembered position of a thing."""
+    def position(self, source: StereoPosition, chains: tuple[Chain, ...]) -> Reading | None:
+        """The remembered position of a thing.
+
+        Args:
+            source: the position.
+            chains: of casts, whose Jacobians add up to its own; none for its value alone.
+        """
         number = self._vision.number(source.channel, source.instance)
         memory = None if number is None else self._vision.memory(source.channel, number)
         if memory is None or memory.position is None:
             return None
-        motion = self.motion(memory)
-        jacobian = self._still if motion is None else motion
+        jacobian = self._still
+        if self._holds(memory):
+            steps = self._hold_steps(memory.position)
+            jacobian = sum([carry(chain, steps) for chain in chains], jacobian)
         return Reading(memory.position, jacobian, self._vision.images, memory.radius)
 
     def cameras(self) -> tuple[Frame, ...]:
@@ -177,25 +197,47 @@ class VisualSignals:
             return None
         return SeenHeading(heading(point), self._vision.images)
 
-    def _moving_heading(self, camera: str, thing: Thing, seen: SeenHeading) -> Reading:
+    def _moving_heading(
+        self, camera: str, thing: Thing, seen: SeenHeading, chains: tuple[Chain, ...]
+    ) -> Reading:
         """A heading as the head moves it, and the hands that hold what it leads to."""
-        link = self._robot.cameras[camera].link
-        jacobian = heading_jacobian(seen.angles).dot(self._kinematics.own_turning(link))
-        memory = self._vision.memory(*thing)
-        motion = None if memory is None else self.motion(memory)
-        if memory is not None and motion is not None:
-            assert memory.position is not None
-            frame = self._kinematics.frame(link)
-            point = frame.rotation.T.dot(memory.position - frame.position)
-            jacobian = jacobian + sighting_jacobian(point).dot(frame.rotation.T.dot(motion))
+        link, memory = self._robot.cameras[camera].link, self._vision.memory(*thing)
+        steps: dict[str, Step] = {
+            CAMERA.name: lambda _: heading_jacobian(seen.angles).dot(
+                self._kinematics.own_turning(link)
+            )
+        }
+        if memory is not None and memory.position is not None and self._holds(memory):
+            steps |= self._hold_steps(memory.position)
+            steps[SIGHTING.name] = steps[TRIANGULATION.name] = self._sight(link, memory.position)
+        jacobian = self._still[:2]
+        for chain in chains:
+            if chain[-1].name in steps:
+                jacobian = jacobian + carry(chain, steps)
         return Reading(seen.angles, jacobian, seen.stamp)
+
+    def _sight(self, link: str, position: Floats) -> Step:
+        """How a heading moves with what it leads to."""
+        frame = self._kinematics.frame(link)
+        point = frame.rotation.T.dot(position - frame.position)
+        return lambda motion: sighting_jacobian(point).dot(frame.rotation.T.dot(motion))
+
+    def _hold_steps(self, position: Floats) -> dict[str, Step]:
+        """How what is held moves with the tips of the hands, and those with the joints."""
+        assert self._hold is not None
+        holding = [arm for i, arm in enumerate(self._carriers) if self._hold.hands >> i & 1]
+        return {
+            RIGID_HOLD.name: lambda tips: held_jacobian(tips, position),
+            MANIPULATOR: lambda _: [self._tips.point(arm) for arm in holding],
+        }
 
     def motion(self, memory: PositionMemory) -> Floats | None:
         """Displacement of a held thing per joint, shape (3, n); ``None`` for what is not held."""
-        if self._hold is None or memory.position is None or not self._holds(memory):
+        if memory.position is None or not self._holds(memory):
             return None
-        holding = [arm for i, arm in enumerate(self._carriers) if self._hold.hands >> i & 1]
-        return held_jacobian([self._tips.point(arm) for arm in holding], memory.position)
+        steps = self._hold_steps(memory.position)
+        motion: Floats = steps[RIGID_HOLD.name](steps[MANIPULATOR](None))
+        return motion
 
     def _holds(self, memory: PositionMemory) -> bool:
         """Whether the touching hands hold a remembered thing."""

@@ -5,8 +5,9 @@ from __future__ import annotations
 from pathlib import Path, PurePath
 
 from cbdsl.documents.document import Document
-from cbdsl.documents.kinds import MODEL, POLICY, kind_of
-from cbdsl.documents.policy import Provenance
+from cbdsl.documents.kinds import kind_of
+from cbdsl.documents.model import MODEL
+from cbdsl.documents.policy import POLICY, Provenance
 from cbdsl.learning.learner import TrialSummary
 from cbdsl.training.trial import Trial
 from cbdsl.yaml_text.writer import remove_leftovers, write

@@ -4,7 +4,13 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-EFFECTOR, CHANNEL = "effector", "channel"
+EFFECTOR, CHANNEL, PROGRAM = "effector", "channel", "program"
+
+#: What stands for the program itself, in sections ``resources`` and in allocations.
+WHOLE = "program"
+
+#: Types of signals that programs are rewarded for.
+REWARDED = ("force", "heading")
 
 #: Types of signals by which effectors are told apart: of their joints, tips and load cells.
 SENSED = ("configuration", "position", "orientation", "pose", "force")
@@ -14,8 +20,9 @@ class Allotment(NamedTuple):
     """A kind of resource.
 
     Attributes:
-        kind: ``effector`` or ``channel``.
-        type: of a signal that the effector has, of ``SENSED``; ``heading`` for a channel.
+        kind: ``effector``, ``channel`` or ``program``.
+        type: of a signal that the effector has, of ``SENSED``; ``heading`` for a channel; of what
+            the program is rewarded for, of ``REWARDED``.
     """
 
     kind: str
@@ -25,6 +32,7 @@ class Allotment(NamedTuple):
 ALLOTMENTS = {
     **{f"effector of {type_}": Allotment(EFFECTOR, type_) for type_ in SENSED},
     "heading channel": Allotment(CHANNEL, "heading"),
+    **{f"program of {type_}": Allotment(PROGRAM, type_) for type_ in REWARDED},
 }
 """All kinds by their spelling in documents."""
 

@@ -2,14 +2,17 @@
 
 A controller displaces its feedback by moving its effector. A chain of casts therefore carries a
 small displacement of the feedback's type over to one of the effector's type: through the Jacobian
-of a transformation, or through its pseudoinverse.
+of a transformation, or through its pseudoinverse. The chains that lead on to the joints are data
+of a controller, and its row of the signal table is compiled from them.
 """
 
 from collections import deque
 from collections.abc import Mapping
+from functools import cache
 from typing import NamedTuple
 
-from cbdsl.types.resource_type import POSITION, ResourceType
+from cbdsl.types.resource import Heading, Headings, Resource, StereoPosition
+from cbdsl.types.resource_type import POSITION, ResourceType, configuration
 
 
 class Cast(NamedTuple):
@@ -35,7 +38,13 @@ class Cast(NamedTuple):
         return f"{self.name} ({self.equation})"
 
 
+Chain = tuple[Cast, ...]
+"""Casts, each from the type that the one before gives."""
+
 _KINEMATICS = {"position": "Eq 3.11", "orientation": "Eq 3.12", "pose": "Eq 3.11, 3.12"}
+
+CAMERA = Cast("inverse camera Jacobian", "heading", "configuration", "section 3.2.2", value=False)
+TRIANGULATION = Cast("stereo triangulation", "heading", "position", "Eq 3.14", factors=2)
 
 CASTS: tuple[Cast, ...] = (
     *(
@@ -46,8 +55,8 @@ CASTS: tuple[Cast, ...] = (
         Cast("inverse manipulator Jacobian", part, "configuration", equation, value=False)
         for part, equation in _KINEMATICS.items()
     ),
-    Cast("inverse camera Jacobian", "heading", "configuration", "section 3.2.2", value=False),
-    Cast("stereo triangulation", "heading", "position", "Eq 3.14", factors=2),
+    CAMERA,
+    TRIANGULATION,
     Cast("oculomotor Jacobian", "position", "heading", "section 3.2.2", value=False),
     *(
         Cast("compliance", load, "configuration", "Eq 3.37", value=False)
@@ -59,6 +68,7 @@ CASTS: tuple[Cast, ...] = (
 FEATURES: Mapping[str, str] = {
     "velocity": "joints displace what they move, and a velocity is no displacement",
     "volume": "no joint changes how large a thing is",
+    "count": "no joint changes how many things there are",
     "heading_rate": "joints displace what they move, and a rate is no displacement",
     "extent": "how a thing's outline changes as it turns depends on its shape, which is not known",
     "axis": "how a thing's outline changes as it turns depends on its shape, which is not known",
@@ -66,26 +76,36 @@ FEATURES: Mapping[str, str] = {
 
 #: How something that a hand holds moves with the hand; between the chains to and from its position.
 RIGID_HOLD = Cast("rigid hold", "position", "position", "Eq 3.42", value=False)
-_SIGHTING = Cast("inverse sighting Jacobian", "heading", "position", "section 3.2.2", value=False)
+SIGHTING = Cast("inverse sighting Jacobian", "heading", "position", "section 3.2.2", value=False)
 
 
-def held_chain(start: ResourceType, goal: ResourceType) -> tuple[Cast, ...]:
-    """The chain from what is seen of a held thing to the effector that holds it."""
-    is_single = start.name == "heading" and start.factors == 1
-    seen = (_SIGHTING,) if is_single else chains(start, POSITION)[0]
-    return (*seen, RIGID_HOLD, *chains(POSITION, goal)[0])
+def chains_of(resource: Resource) -> tuple[Chain, ...]:
+    """The chains from a resource to the joints, whose Jacobians add up to its own.
+
+    A heading changes as the cameras turn, and as the hands move that hold what it leads to.
+    """
+    source, kind, joints = resource.source, resource.type, configuration(1)
+    held = (RIGID_HOLD, *chains(POSITION, joints)[0])
+    if isinstance(source, Heading):
+        return (CAMERA,), (SIGHTING, *held)
+    if isinstance(source, Headings):
+        return (CAMERA,), (TRIANGULATION, *held)
+    if isinstance(source, StereoPosition):
+        return (held,)
+    return chains(kind, joints)[:1]
 
 
-def chains(start: ResourceType, goal: ResourceType) -> list[tuple[Cast, ...]]:
+@cache
+def chains(start: ResourceType, goal: ResourceType) -> tuple[Chain, ...]:
     """The shortest chains of casts from one type to another, by breadth-first search.
 
     A product is cast component by component, except where a cast takes several signals at once.
 
     Returns:
-        All chains of the least length: ``[()]`` for equal types, ``[]`` where there is none.
+        All chains of the least length: one without casts for equal types, none where there is none.
     """
-    shortest: list[tuple[Cast, ...]] = []
-    waiting: deque[tuple[Cast, ...]] = deque([()])
+    shortest: list[Chain] = []
+    waiting: deque[Chain] = deque([()])
     while waiting:
         chain = waiting.popleft()
         if shortest and len(chain) > len(shortest[0]):
@@ -102,4 +122,4 @@ def chains(start: ResourceType, goal: ResourceType) -> list[tuple[Cast, ...]]:
             and cast.target not in seen
             and (cast.factors == 1 or (not chain and cast.factors == start.factors))
         )
-    return shortest
+    return tuple(shortest)

@@ -135,6 +135,12 @@ class StereoSignal(NamedTuple):
     instance: str = ""
 
 
+class InstanceCount(NamedTuple):
+    """How many things of a channel are remembered."""
+
+    channel: str
+
+
 class SurfacePoint(NamedTuple):
     """A draw from the visible points of a surface that fills the images of a channel."""
 
@@ -208,6 +214,7 @@ Source = (
     | StereoPosition
     | BlobSignal
     | StereoSignal
+    | InstanceCount
     | SurfacePoint
     | SensorSignal
     | Posture
@@ -220,7 +227,7 @@ Source = (
 #: Origins of what is drawn when a controller begins, and stays as it is until it ends.
 DRAWN = frozenset({Origin.MODEL, Origin.SURFACE})
 #: Sources of what cameras see of a channel.
-VISUAL = (Heading, Headings, StereoPosition, BlobSignal, StereoSignal, SurfacePoint)
+VISUAL = (Heading, Headings, StereoPosition, BlobSignal, StereoSignal, InstanceCount, SurfacePoint)
 
 
 class Resource(NamedTuple):

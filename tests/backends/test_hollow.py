@@ -12,6 +12,7 @@ from cbdsl.backends.kinematic.backend import KinematicBackend
 from cbdsl.backends.staging.pose import Pose
 from cbdsl.backends.staging.shape import SolidShape
 from cbdsl.documents.robot import RobotDocument
+from cbdsl.documents.stage import StageDocument
 from cbdsl.numeric.convex import Convex, gap
 from cbdsl.sensing.channels import ChannelFilter
 from tests.backends.conftest import URDF, Simulated, made_stage, run, stage_named
@@ -57,6 +58,65 @@ def test_what_lies_in_something_hollow_stays_there(unseeing: Simulated) -> None:
         assert ball[2] == pytest.approx(bottom + 0.04, abs=2e-3)
         near = np.hypot(*(ball - unseeing.truth.pose("tube").position)[:2])
         assert (near < 0.011) == (context == "in_tube")
+
+
+GUTTER = {
+    "shape": "composed",
+    "pieces": [
+        {"form": {"shape": "box", "size": [0.16, 0.12, 0.02]}},
+        {"form": {"shape": "box", "size": [0.02, 0.12, 0.06]}, "position": [0.07, 0, 0.04]},
+        {"form": {"shape": "box", "size": [0.02, 0.12, 0.06]}, "position": [-0.07, 0, 0.04]},
+        {
+            "form": {"shape": "cylinder", "radius": 0.01, "height": 0.06},
+            "position": [0, 0.05, 0.04],
+        },
+        {"form": {"shape": "ball", "radius": 0.01}, "position": [0, 0.05, 0.07]},
+    ],
+}
+
+
+def gutter_with_a_ball(colour: tuple[float, ...] = (0, 0.4, 1)) -> StageDocument:
+    """Something composed on a fixture, and a ball that is let go of in it."""
+    bench = {"form": {"shape": "box", "size": [0.6, 1.2, 0.04]}, "position": [0.6, 0, -0.44]}
+    ball = {"form": {"shape": "ball", "radius": 0.03}, "mass": 0.1}
+    place = {"on": "bench", "x": [0.6, 0.6], "y": [-0.1, -0.1], "yaw": [0.3, 0.3]}
+    placed = {
+        "gutter": {"things": ["gutter"], "place": place},
+        "ball": {"things": ["ball"], "place": {"on": "gutter", "y": [-0.03, -0.03]}},
+    }
+    joints = {"pan": -0.15, "tilt": 1.15}
+    return made_stage(
+        {"placed": placed, "joints": joints},
+        fixtures={"bench": bench},
+        things={"gutter": {"form": GUTTER, "mass": 0.4, "color": colour}, "ball": ball},
+    )
+
+
+def test_a_composed_thing_stands_and_keeps_what_falls_into_it(unseeing: Simulated) -> None:
+    unseeing.reset(gutter_with_a_ball(), None, np.random.default_rng(0))
+    run(unseeing, 1.0)
+    gutter, ball = unseeing.truth.pose("gutter"), unseeing.truth.pose("ball")
+    # It is 9 cm high, the top of its ball included.
+    assert gutter.position == pytest.approx([0.6, -0.1, -0.42 + 0.045], abs=3e-3)
+    x, y, z = gutter.rotation.T @ (ball.position - gutter.position)
+    assert abs(x) < 0.031 and abs(y) < 0.06
+    assert z == pytest.approx(-0.045 + 0.02 + 0.03, abs=3e-3)
+
+
+def test_both_kinds_of_cameras_see_as_much_of_something_composed(dexter: RobotDocument) -> None:
+    hue = "hue_7"
+    channels = ChannelFilter(dexter.vision.channels, [hue], least_area=4)
+    rendered = BulletBackend(dexter, URDF, cameras="rendered")
+    ideal = KinematicBackend(dexter, URDF)
+    for backend in (rendered, ideal):
+        backend.reset(gutter_with_a_ball(), None, np.random.default_rng(0))
+    for camera, image in rendered.observe().images.items():
+        (seen,) = channels.regions(image)[hue]
+        (region,) = ideal.observe().regions[camera][hue]
+        assert region.area == pytest.approx(seen.area, rel=0.06)
+        assert (region.column, region.row) == pytest.approx((seen.column, seen.row), abs=1.5)
+    rendered.close()
+    ideal.close()
 
 
 def test_both_kinds_of_cameras_see_as_much_of_a_tube(dexter: RobotDocument) -> None:

@@ -67,15 +67,26 @@ class ShownBall:
         self._bandwidth = np.array(model.density.bandwidth)
         self._rng, self._spread = rng, spread
 
-    def views(self, true: Mapping[str, Correction], count: int, noise: float) -> list[HandView]:
+    def views(
+        self, true: Mapping[str, Correction], count: int, noise: float, lasting: float = 0.0
+    ) -> list[HandView]:
         """Views by all cameras in ``count`` postures.
 
         Args:
             true: displacements of the cameras.
             count: how many postures.
             noise: standard deviation of image points, px.
+            lasting: that of errors which a tenth of all postures, in a row, have in common, px.
         """
-        return [view for _ in range(count) for view in self._posture(true, noise)]
+        views: list[HandView] = []
+        for number in range(count):
+            if number * 10 // count != (number - 1) * 10 // count:
+                common = {name: lasting * self._rng.standard_normal(2) for name in true}
+            views += [
+                view._replace(point=view.point + common[view.camera])
+                for view in self._posture(true, noise)
+            ]
+        return views
 
     def _posture(self, true: Mapping[str, Correction], noise: float) -> list[HandView]:
         kinematics, rng = self._kinematics, self._rng

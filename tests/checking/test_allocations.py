@@ -6,10 +6,12 @@ from pathlib import Path
 
 import pytest
 
-from cbdsl.checking.allocations import Allocation, allocations
+from cbdsl.checking.allocations import allocations
+from cbdsl.checking.program import check_program
 from cbdsl.checking.session import Session
+from cbdsl.checking.substitution import Allocation
 from cbdsl.documents.program import ProgramDocument
-from cbdsl.errors.errors import UsageError
+from cbdsl.errors.errors import DiagnosticsError, UsageError
 from cbdsl.yaml_text.library import Library
 from tests.conftest import ROOT
 
@@ -41,9 +43,10 @@ def test_reachtouch_fits_each_arm_with_its_own_hand() -> None:
     fitting = [each for each in found if each.program is not None]
     assert sorted(tuple(each.values.values()) for each in fitting) == [
         ("left_arm", "left_hand"),
+        ("reachtouch_bimanual",),
         ("right_arm", "right_hand"),
     ]
-    for each in fitting:
+    for each in fitting[:2]:
         assert each.program is not None and not each.refusal
         assert {**each.program.parameters}.items() >= each.values.items()
         assert each.choices == {"limb": each.values["arm"]}
@@ -56,6 +59,27 @@ def test_what_does_not_fit_has_a_reason() -> None:
     assert "position x 2" in reasons["arms", "hands"]
 
 
+def test_programs_are_found_by_what_they_are_rewarded_for() -> None:
+    found = allocated(Library(ROOT).locate(ProgramDocument, "reachtouch"))
+    others = {each.values["program"]: each for each in found if "program" in each.values}
+    assert {name for name, each in others.items() if each.program} == {"reachtouch_bimanual"}
+    assert {"tactileprobe", "bimanualtouch", "bimanualgrab"} < others.keys()
+    assert others["tactileprobe"].refusal.startswith("its actions are not those of 'reachtouch'")
+    assert not {"searchtrack", "posture", "reachtouch"} & others.keys()
+    both = others["reachtouch_bimanual"].program
+    assert both is not None and both.name == "reachtouch"
+
+
+@pytest.mark.parametrize(
+    ("wanted", "code"),
+    [("{it: {it: program of force}}", "CB402"), ("{it: {program: program of position}}", "CB412")],
+)
+def test_programs_are_asked_for_by_a_reward(tmp_path: Path, wanted: str, code: str) -> None:
+    with pytest.raises(DiagnosticsError) as caught:
+        check_program(str(look(tmp_path, wanted)), {}, Library(ROOT))
+    assert code in {each.code for each in caught.value.diagnostics}
+
+
 def test_channels_are_all_those_of_the_robot(tmp_path: Path) -> None:
     found = allocated(look(tmp_path, "{what: {feature: heading channel}}"))
     assert [each.values["feature"] for each in found if each.program] == [
@@ -66,12 +90,13 @@ def test_channels_are_all_those_of_the_robot(tmp_path: Path) -> None:
 
 def test_groups_are_replaced_independently(tmp_path: Path) -> None:
     program = (ROOT / "programs" / "reachtouch.yaml").read_text()
-    both = "resources: {what: {feature: heading channel}, limb: {"
+    both = "resources:\n  what: {feature: heading channel}\n  limb: {"
     path = tmp_path / "reachtouch.yaml"
-    path.write_text(program.replace("resources: {limb: {", both), encoding="utf-8")
+    path.write_text(program.replace("resources:\n  limb: {", both), encoding="utf-8")
     found = allocated(path)
-    assert len([each for each in found if each.program]) == 31 * 2
-    assert len(found) == 31 * 9
+    own = [each for each in found if "program" not in each.values]
+    assert len([each for each in own if each.program]) == 31 * 2
+    assert len(own) == 31 * 9
 
 
 def test_a_program_without_resources_has_itself_alone(tmp_path: Path) -> None:

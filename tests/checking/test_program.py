@@ -88,13 +88,35 @@ def test_literals_are_si_and_a_single_zero_is_spread() -> None:
     assert primitives["touch"].lead.reference == AlongNormals(2.0)
 
 
-def test_the_chain_leads_from_the_feedback_to_the_effector() -> None:
-    for name in ("searchtrack", "reachtouch"):
+def test_the_chains_lead_from_the_feedback_to_joints() -> None:
+    for name in ("searchtrack", "reachtouch", "visualinspect"):
         for primitive in check_program(name).primitives.values():
             for controller in primitive.controllers:
-                assert controller.chain[0] == str(controller.feedback.type)
-                assert controller.chain[-1] == str(controller.effector.type)
-                assert len(controller.chain) % 2 == 1
+                (chain,) = controller.chains
+                at = controller.feedback.type.name
+                for cast in chain:
+                    assert cast.source == at
+                    at = cast.target
+                assert at == "configuration"
+
+
+@pytest.mark.parametrize(
+    ("effector", "casts"),
+    [
+        ("head", ["inverse camera Jacobian"]),
+        (
+            "right_arm",
+            ["inverse sighting Jacobian", "rigid hold", "inverse manipulator Jacobian"],
+        ),
+    ],
+)
+def test_a_heading_has_the_chain_along_which_its_effector_moves_it(
+    tmp_path: Path, effector: str, casts: list[str]
+) -> None:
+    look = LOOK.replace("$feature", "hue_1").replace("effector: head", f"effector: {effector}")
+    path = write(tmp_path, f"controllers:\n  look: {{{look}}}\nactions: [look]\n")
+    (chain,) = check_program(path).primitives["look"].lead.chains
+    assert [cast.name for cast in chain] == casts
 
 
 def test_unknown_names_are_usage_errors() -> None:

@@ -57,3 +57,16 @@ def test_a_reward_that_is_not_the_programs_own_is_named(
     path.write_text(HEAD + text, encoding="utf-8")
     (message,) = told(path, Library(tmp_path))
     assert why in message
+
+
+LOCALIZE = "{potential: localizability, feedback: cameras.red, effector: right_arm.position}"
+
+
+def test_conditioning_earns_nothing_whatever_it_senses(tmp_path: Path) -> None:
+    """Section 4.2: what follows no reference does not track what the environment does."""
+    path = tmp_path / "own.yaml"
+    text = f"controllers: {{look: {LOCALIZE}, track: {TRACK}}}\nactions: [look, track]\n"
+    path.write_text(HEAD + text, encoding="utf-8")
+    program = check_program(path, library=Library(tmp_path))
+    rewarded = {each.name: each.rewarded for each in program.primitives.values()}
+    assert rewarded == {"look": False, "track": True}

@@ -68,6 +68,16 @@ def checked(folder: Path) -> CheckedProgram:
     return program
 
 
+def test_a_number_of_things_is_a_condition(folder: Path) -> None:
+    file = folder / "knowledge/schemas/pick.yaml"
+    text = SCHEMA.replace("volume: stereo.$feature.volume", "number: count.$feature")
+    file.write_text(text.replace("volume < 2 l", "number > 1"), encoding="utf-8")
+    schema = checked(folder).schema
+    assert schema is not None and schema.choice is not None
+    assert decide(schema.choice, {"place.y": 0.0, "number": 2.0}) == ("right", "left")
+    assert decide(schema.choice, {"place.y": 0.0, "number": 1.0}) == ("left",)
+
+
 def test_trees_decide_as_they_read_in_si(folder: Path) -> None:
     schema = checked(folder).schema
     assert schema is not None and schema.choice is not None and schema.reward is not None
@@ -119,3 +129,11 @@ def test_what_does_not_fit_is_found(folder: Path, old: str, new: str, code: str)
     path.write_text(text.replace(old, new, 1), encoding="utf-8")
     found = [each.code for each in check_document(path, Session(Library(folder)))]
     assert code in found, found
+
+
+def test_a_policy_beside_a_schema_is_a_finding(folder: Path) -> None:
+    path = folder / "programs" / "using.yaml"
+    path.write_text(USING.replace("schema: pick", "schema: pick, policy: reachtouch"))
+    (found,) = check_document(path, Session(Library(folder)))
+    assert found.code == "CB649" and "leave out 'reachtouch'" in found.message
+    assert found.place.line == 5

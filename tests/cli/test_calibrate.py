@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import json
+import subprocess
+import sys
 from pathlib import Path
 
 import numpy as np
@@ -137,3 +139,27 @@ def test_a_body_is_calibrated_by_its_own_hand(
         assert 1000 * np.linalg.norm(np.subtract(camera.position, error.position)) < largest[0]
         left = rotation_of(np.array(camera.rotation)).T @ error.rotation
         assert np.rad2deg(np.arccos((np.trace(left) - 1) / 2)) < largest[1]
+
+
+@pytest.mark.slow
+def test_a_killed_calibration_leaves_the_one_before_and_begins_anew(tmp_path: Path) -> None:
+    """What a run is killed at any posture of, the same command makes again from its beginning."""
+    file = made(tmp_path)
+    before, words = file.read_bytes(), ["--backend", "kinematic", "--seed", "3", "--out"]
+    command = [str(Path(sys.executable).with_name("cb")), "calibrate", "dexter", *words]
+    killed = subprocess.Popen([*command, str(file)], stderr=subprocess.PIPE, text=True)
+    assert killed.stderr is not None
+    told = ""
+    while "postures shown" not in told:
+        told += (character := killed.stderr.read(1))
+        assert character, told
+    killed.kill()
+    killed.communicate()
+    assert file.read_bytes() == before and list(tmp_path.iterdir()) == [file]
+    for name in ("mine", "other"):
+        subprocess.run([*command, str(tmp_path / f"{name}.yaml")], check=True, capture_output=True)
+    one, other = (
+        Library().read(tmp_path / f"{name}.yaml", CalibrationDocument).document
+        for name in ("mine", "other")
+    )
+    assert one.cameras == other.cameras

@@ -13,8 +13,9 @@ import pytest
 
 from cbdsl.reproduction import registry
 from cbdsl.reproduction.chart import Chart, Line
+from cbdsl.reproduction.claim import above
 from cbdsl.reproduction.experiment import Experiment, Result, RunSettings
-from cbdsl.reproduction.quantity import Quantity, above
+from cbdsl.reproduction.quantity import Quantity, computed
 from cbdsl.training.journal import JournalError
 from tests.cli import test_main
 
@@ -55,7 +56,7 @@ def learning(toys: list[RunSettings], monkeypatch: pytest.MonkeyPatch) -> list[R
     def run(settings: RunSettings, name: str) -> Result:
         toys.append(settings)
         assert settings.folder.is_dir()
-        return Result((Quantity(name, "", "some", 1.0, above(0)),))
+        return Result((computed(name, "", "some", 1.0, above(0)),))
 
     module = types.ModuleType("cbdsl.reproduction.learned_toy")
     module.run = run  # type: ignore[attr-defined]
@@ -112,8 +113,8 @@ def test_lines_for_pipes_say_all(
     assert cb(monkeypatch, "toy-1", "--seed", "7", "--quick") == 0
     heading, share, unknown, note, *_ = capsys.readouterr().out.splitlines()
     assert "toy-1" in heading and "Section 0" in heading
-    assert share.split("\t")[1:5] == ["most", "75 [70, 80] %", "> 50", "reproduced"]
-    assert unknown.split("\t")[2:5] == ["none", "> 0", "missed"]
+    assert share.split("\t")[1:6] == ["most", "75 [70, 80] %", "> 50", "0 %", "reproduced"]
+    assert unknown.split("\t")[2:6] == ["none", "> 0", "0 %", "missed"]
     assert note == "Seed 7."
     assert [(each.seed, each.quick) for each in toys] == [(7, True)]
 
@@ -157,7 +158,7 @@ def test_what_was_learned_has_a_section_for_each_backend(
     assert cb(monkeypatch, "toy-3", "--out", str(page)) == 0
     text = page.read_text("utf-8")
     headings = [line.split(": ")[0] for line in text.splitlines() if line.startswith("## ")]
-    assert headings == ["## toy-1", "## toy-3", "## toy-3 on bullet", "## toy-2"]
+    assert headings == ["## Summary", "## toy-1", "## toy-3", "## toy-3 on bullet", "## toy-2"]
     assert "`cb reproduce toy-3 --seed 0 --backend bullet --trials 3`" in text
     assert "`cb reproduce toy-3 --seed 0 --backend kinematic`" in text
     assert "`cb reproduce toy-1 --seed 0`" in text

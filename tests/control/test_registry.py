@@ -11,6 +11,7 @@ from cbdsl.control.potential import Potential, Rule
 from cbdsl.control.registry import build
 from cbdsl.control.setting import Setting
 from cbdsl.control.signal import Floats
+from cbdsl.control.spring import spring
 from cbdsl.program.controller import Controller, Quiescence
 from cbdsl.sensing.camera import heading, sighting_jacobian
 from cbdsl.sensing.kinematics import Frame
@@ -37,23 +38,25 @@ def feedback_type(potential: PotentialType, kind: str, joints: int) -> ResourceT
     return typed.times(potential.factors or 1)
 
 
-def controller(potential: str, kind: ResourceType, axis: str | None = None) -> Controller:
+def controller(potential: str, kind: ResourceType) -> Controller:
     feedback = Resource("feedback", kind, Origin.KINEMATICS, EffectorConfiguration("arm"), True)
     joints = tuple(f"joint {i}" for i in range(kind.size if kind.name == "configuration" else 0))
     return Controller(
         "task", potential, feedback, None, feedback, joints, (), False, 2.0, None, None,
-        Quiescence(1e-3, 0.3, None), free_axis=axis,
+        Quiescence(1e-3, 0.3, None),
     )  # fmt: skip
 
 
 def made(
     potential: str, kind: ResourceType, joints: int, axis: str | None, rng: np.random.Generator
 ) -> Potential:
-    """As the registry builds it for the tip of a chain."""
+    """As the registry builds it for the tip of a chain, or as a free axis makes it."""
     rows = 3 * joints if potential == "manipulability" else kind.size
     components = {"orientation": 9, "pose": 12}.get(kind.name, rows)
     limits = -rng.uniform(2, 3, joints), rng.uniform(2, 3, joints)
-    return build(controller(potential, kind, axis), Setting(*limits, components, rows, CAMERAS))
+    if axis is not None:
+        return spring(kind.name, kind.size, axis)
+    return build(controller(potential, kind), Setting(*limits, components, rows, CAMERAS))
 
 
 def measure(potential: str, kind: ResourceType, chain: Chain, q: Floats, mix: Floats) -> Signal:

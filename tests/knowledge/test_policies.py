@@ -12,10 +12,12 @@ from cbdsl.backends.backend import Backend
 from cbdsl.backends.bullet.backend import BulletBackend
 from cbdsl.backends.kinematic.backend import KinematicBackend
 from cbdsl.checking.document import check_document
+from cbdsl.checking.knowledge.digest import program_digest
 from cbdsl.checking.knowledge.learned import with_policy
 from cbdsl.checking.session import Session
-from cbdsl.documents.kinds import MODEL, POLICY
-from cbdsl.documents.policy import PolicyDocument
+from cbdsl.documents.model import MODEL
+from cbdsl.documents.policy import POLICY, PolicyDocument
+from cbdsl.documents.program import ProgramDocument
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.documents.stage import StageDocument
 from cbdsl.runtime.episode import EpisodeResult, Runner
@@ -96,6 +98,31 @@ def test_a_policy_names_the_command_that_learns_it_again(
     assert words[words.index("--out") + 1] == f"{name}.yaml"
     assert words[words.index("--seed") + 1] == str(provenance.seed)
     assert len(document.curve.reward) == provenance.episodes
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_a_policy_names_those_that_ran_inside_of_it(
+    library: Library, learned: Callable[[str], PolicyDocument], name: str
+) -> None:
+    document = learned(name)
+    assert document.provenance is not None
+    program = library.locate(ProgramDocument, document.program)
+    assert document.provenance.policies == program_digest(program, library).policies
+
+
+def test_a_skill_that_uses_another_uses_it_as_it_was_learned(
+    library: Library, learned: Callable[[str], PolicyDocument]
+) -> None:
+    """No hand-written table runs inside of a skill whose parts have been learned."""
+    known = {learned(name).program for name in NAMES}
+    for name in known:
+        file = library.read(library.locate(ProgramDocument, name), ProgramDocument)
+        written = [
+            key
+            for key, use in file.document.use.items()
+            if use.program in known and use.policy is None
+        ]
+        assert written == [], f"{name} uses {written} without what was learned of them"
 
 
 def require_sense(result: EpisodeResult) -> None:

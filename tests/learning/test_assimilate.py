@@ -9,6 +9,7 @@ from cbdsl.checking.assimilation import program_to_assimilate
 from cbdsl.checking.session import Session
 from cbdsl.documents.policy import PolicyDocument
 from cbdsl.documents.program import ProgramDocument
+from cbdsl.learning.allocation_tree import TriedContext, grow_choice
 from cbdsl.learning.assimilate import Assimilate, AssimilateConstants
 from cbdsl.learning.experience import Experience
 from cbdsl.learning.tree_growth import grow
@@ -97,15 +98,46 @@ def test_exploring_tries_both_where_the_best_is_known(schema: CheckedProgram) ->
     assert 0.05 < share < 0.16, "half of epsilon"
 
 
+def certain(labels: str) -> np.ndarray:
+    """Shares of samples whose labels are known."""
+    kinds = sorted(set(labels))
+    return np.array([[float(label == kind) for kind in kinds] for label in labels])
+
+
 def test_leaves_hold_as_many_samples_as_asked_for() -> None:
     samples = [{"x": float(i)} for i in range(20)]
-    labels = ["b" if i == 7 else "a" for i in range(20)]
-    assert len(list(splits(grow(samples, labels, lambda counts: counts.most_common(), 1)))) == 2
-    for split in splits(grow(samples, labels, lambda counts: counts.total(), 5)):
+    shares = certain("aaaaaaab" + 12 * "a")
+    assert len(list(splits(grow(samples, shares, tuple, 1)))) == 2
+    for split in splits(grow(samples, shares, len, 5)):
         for side in (split.above, split.below):
             assert not isinstance(side, Leaf) or side.answer >= 5
 
 
 def test_equal_labels_need_no_question() -> None:
-    assert grow([{"x": 1.0}, {"x": 2.0}], ["a", "a"], dict, 1) == Leaf({"a": 2})
-    assert grow([], [], dict, 1) == Leaf({})
+    assert grow([{"x": 1.0}, {"x": 2.0}], certain("aa"), len, 1) == Leaf(2)
+    assert grow([], np.zeros((0, 2)), len, 1) == Leaf(0)
+
+
+def test_a_threshold_lies_between_its_neighbours() -> None:
+    tree = grow([{"x": 0.0001}, {"x": 0.0002}], certain("ab"), tuple, 1)
+    assert [split.threshold for split in splits(tree)] == [0.0001]
+    assert decide(tree, {"x": 0.0001}) == (0,) and decide(tree, {"x": 0.0002}) == (1,)
+
+
+def test_what_was_not_tried_is_no_failure() -> None:
+    """Each arm reaches the other's side, too, as far as 0.3 m, where only one was tried."""
+    rng = np.random.default_rng(5)
+    contexts = []
+    for _ in range(60):
+        y = float(rng.uniform(-0.7, 0.7))
+        works = {"right": y < 0.3, "left": y > -0.3}
+        order = ["right", "left"] if rng.random() < 0.8 else ["left", "right"]
+        tried = order[:1] if works[order[0]] else order
+        context = {"y": y, "noise": float(rng.normal())}
+        contexts.append(TriedContext(context, {name: works[name] for name in tried}))
+    tree = grow_choice(contexts, ("right", "left"), 3)
+    right = 0
+    for y in np.linspace(-0.7, 0.7, 141):
+        best = (decide(tree, {"y": float(y), "noise": 0.0}) or ("",))[0]
+        right += {"right": y < 0.3, "left": y > -0.3}.get(best, False)
+    assert right >= 134

@@ -16,6 +16,7 @@ from cbdsl.robot.source_kind import SOURCES
 from cbdsl.sensing.kinematics import Kinematics
 from cbdsl.sensing.observation import Observation
 from cbdsl.sensing.signals import Signals
+from cbdsl.types.modifier import MODIFIERS
 from cbdsl.types.potential import POTENTIALS
 from cbdsl.types.registry import PluginError
 from docs.make_reference import page
@@ -63,10 +64,53 @@ def test_a_program_with_them_runs(here: Path, monkeypatch: pytest.MonkeyPatch) -
     assert abs(rest[:, 2]).max() < 0.02
 
 
+def test_a_modifier_of_the_slot_changes_how_a_controller_moves(
+    here: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A quarter of gain and speed: a hand on its way to a point moves a quarter as fast at most."""
+    reach = OWN.split("  circle:")[0].split("  out:")[0] + (
+        "  go: {potential: spring, reference: [0.35 m, -0.3 m, 0.1 m], feedback: "
+        "right_arm.position,\n       effector: right_arm, gain: 2 /s, speed: 0.2 m/s%s}\n"
+        'actions: [go]\npolicy: {"*": go}\nlimits: {transitions: 2, transition_time: 3 s}\n'
+    )
+    fastest = []
+    for number, modifier in enumerate(("", ", modifiers: {calm: {share: 0.25}}")):
+        (here / "own.yaml").write_text(HEAD + reach % modifier, "utf-8")
+        kept = f"kept_{number}"
+        words = ("run", "own.yaml", "--backend", "kinematic", "--record", kept)
+        assert cb(monkeypatch, *words) in (0, 1)
+        palm = recorded(here / kept)["signal_right_arm.position"]
+        fastest.append(np.linalg.norm(np.diff(palm, axis=0), axis=1).max())
+    assert fastest[1] == pytest.approx(0.25 * fastest[0], rel=0.1)
+
+
+def test_a_modifier_of_the_slot_that_fails_is_named(
+    here: Path,
+    folder: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    module = (
+        "from demo.calm import CALM\n"
+        "HASTE = CALM._replace(name='haste', slot='bad_modifier:bind')\n"
+        "def bind(form, options, setting):\n    return None\n"
+    )
+    write_package(
+        folder, "bad", {"cbdsl.modifiers": {"haste": "bad_modifier:HASTE"}}, bad_modifier=module
+    )
+    MODIFIERS.refresh()
+    circle = OWN.replace("orbit: {radius: 5 cm, period: 4 s}", "haste: {share: 2}")
+    (here / "own.yaml").write_text(HEAD + circle, "utf-8")
+    assert cb(monkeypatch, "run", "own.yaml", "--backend", "kinematic") == 2
+    told = capsys.readouterr().err
+    assert "haste" in told and "bad 1.0" in told and "not a SlotForm" in told
+
+
 @pytest.mark.parametrize(
     ("given", "wanted", "told"),
     [
         ("keep_out", "keep_oot", "keep_out"),
+        ("orbit: {radius: 5 cm, period: 4 s}", "funnel: {height: 5 cm}", "a key of the controller"),
         ("orbit: {radius", "orbt: {radius", "there is no modifier 'orbt'"),
         ("period: 4 s", "period: 4 cm", "expected time"),
         (", period: 4 s", "", "its options are radius, period"),
@@ -90,7 +134,13 @@ def test_wrong_words_are_findings(
 
 @pytest.mark.parametrize(
     ("what", "name"),
-    [("potentials", "keep_out"), ("sources", "wrist_force_torque"), ("modifiers", "orbit")],
+    [
+        ("potentials", "keep_out"),
+        ("sources", "wrist_force_torque"),
+        ("modifiers", "orbit"),
+        ("modifiers", "calm"),
+        ("modifiers", "funnel"),
+    ],
 )
 def test_they_are_listed(
     what: str, name: str, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
@@ -109,6 +159,7 @@ def test_the_reference_has_the_potential() -> None:
         ("control/test_registry.py", "keep_out"),
         ("sensing/test_resources.py", "wrist_force_torque"),
         ("runtime/test_modifiers.py", "orbit"),
+        ("runtime/test_modifiers.py", "calm"),
     ],
 )
 def test_they_enter_the_generic_tests(tests: str, name: str, site: Path) -> None:

@@ -112,7 +112,7 @@ def test_it_enters_the_generic_tests(tests: str, site: Path) -> None:
 FAULTY = """
 from dataclasses import replace
 from typing import Literal
-from cbdsl.documents.kinds import Kind
+from cbdsl.documents.kind import Kind
 from demo.playlist import PLAYLIST
 class Broken(PLAYLIST.model):
     kind: Literal["broken"]

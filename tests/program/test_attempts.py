@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from cbdsl.program.attempts import Attempt, attempts, is_failure
+from cbdsl.program.attempts import Attempt, AttemptProgress, attempts
 from cbdsl.program.transition import Transition
 
 WORTH = {"XX": 0.3, "0-": 0.4, "00": 0.6, "11": 1.0, "1-": 0.1}
@@ -53,6 +53,19 @@ def test_an_episode_that_ends_amid_an_attempt_was_not_rewarded() -> None:
 
 
 def test_what_changes_nothing_fails_and_unknown_states_are_worth_nothing() -> None:
-    assert is_failure("00", "00", WORTH)
-    assert is_failure("00", "--", WORTH)
-    assert not is_failure("--", "00", WORTH)
+    for before, after, fails in (("00", "00", True), ("00", "--", True), ("--", "00", False)):
+        assert AttemptProgress(WORTH).fails(before, after) == fails
+
+
+def test_ground_may_be_lost_once() -> None:
+    progress = AttemptProgress(WORTH)
+    steps = [("XX", "00"), ("00", "0-"), ("0-", "00"), ("00", "0-")]
+    assert [progress.fails(*each) for each in steps] == [False, False, False, True]
+
+
+def test_what_the_attempt_before_has_left_is_no_loss() -> None:
+    progress = AttemptProgress(WORTH)
+    steps = [("00", "0-"), ("0-", "00"), ("00", "0-"), ("0-", "00")]
+    assert not any(progress.fails(*each) for each in steps)
+    progress.begin()
+    assert progress.fails("00", "1-")

@@ -45,7 +45,7 @@ def begun(schema: CheckedProgram, features: dict[str, float], **options: bool) -
 def test_a_state_has_one_letter_for_each_abstract_action(schema: CheckedProgram) -> None:
     assert schema.members == ("searchtrack", "reach", "touch")
     allocated = {action.name: action for action in schema.actions}
-    assert len(allocated) == 1 + 2 * 4
+    assert len(allocated) == 1 + 3 * 4
     assert allocated["searchtrack"].allocation == ""
     left = allocated["reach ◁ touch with left_arm"]
     assert (left.abstract, left.allocation) == ("reach ◁ touch", "left_arm")
@@ -66,6 +66,7 @@ def test_after_a_failure_the_other_is_tried_and_then_none(schema: CheckedProgram
     policy = begun(schema, NEAR_LEFT)
     policy.choose("X0-", changed=True)
     assert policy.choose("X0-", changed=False) == "reach ◁ touch with right_arm"
+    assert policy.choose("X0-", changed=False) == "reach ◁ touch with reachtouch_bimanual"
     assert policy.choose("X0-", changed=False) is None
     assert policy.reason == "every allocation has been tried"
     policy.begin(lambda: NEAR_LEFT)

@@ -15,16 +15,20 @@ def episode(seed: int, rewarded: bool, last: str) -> EpisodeResult:
     return EpisodeResult(*head, states, ("move",), *took, "nothing", "Done.")
 
 
-def test_a_share_within_the_interval_agrees_and_another_does_not() -> None:
+def test_a_share_that_is_not_clearly_lower_agrees_and_a_lower_one_does_not() -> None:
     good = [episode(seed, True, "1") for seed in range(20)]
     worse = [episode(seed, seed >= 2, "1") for seed in range(20)]
     bad = [episode(seed, False, "0") for seed in range(20)]
     first, second, third, fourth = engines._SETUPS
-    played = {first: {"reach": good}, second: {"reach": good}}
+    played = {first: {"reach": good}, second: {"reach": list(good)}}
     rows = list(engines._quantities({**played, third: {"reach": worse}, fourth: {"reach": bad}}))
     assert [row.ours for row in rows] == pytest.approx([100.0, 100.0, 90.0, 0.0])
-    assert [row.verdict for row in rows[1:2]] == [Verdict.REPRODUCED]
-    assert rows[3].verdict is Verdict.MISSED
+    assert [row.verdict for row in rows] == [
+        Verdict.NOT_JUDGED,
+        Verdict.REPRODUCED,
+        Verdict.UNDECIDED,
+        Verdict.MISSED,
+    ]
     assert "same states in 0; 1.0 s simulated, 4.0 times real time" in rows[3].note
     assert rows[1].source == "bullet: 100 %"
 

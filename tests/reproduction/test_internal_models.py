@@ -11,7 +11,13 @@ from numpy.typing import NDArray
 from cbdsl.documents.model import Gaussian, Kernel
 from cbdsl.documents.stage import BoxForm, PlaceSection, StageDocument
 from cbdsl.reproduction.experiment import RunSettings
-from cbdsl.reproduction.internal_models import Expectation, marginal
+from cbdsl.reproduction.internal_models import (
+    Expectation,
+    Known,
+    anywhere,
+    marginal,
+    prominences,
+)
 from cbdsl.reproduction.series import COARTICULATED
 from cbdsl.reproduction.trial_runner import LearnedTrial, shipped_dexter, trial_runner
 from cbdsl.sensing.kinematics import Kinematics
@@ -43,7 +49,7 @@ def test_peaks_are_where_samples_are() -> None:
 def test_a_gaussian_has_its_deviation_apart_from_the_uniform_part() -> None:
     narrow = GAUSSIAN.model_copy(update={"uniform": 0.0})
     rows = np.array([marginal(narrow, 0, ANGLES), np.full(len(ANGLES), 0.25)])
-    found = Expectation("joint", -2.0, 2.0, rows).deviations
+    found = Expectation("joint", -2.0, 2.0, rows, rows[None]).deviations(rows)
     assert found == pytest.approx([0.15, 4 / np.sqrt(12)], rel=0.01)
 
 
@@ -111,3 +117,23 @@ def test_a_head_that_learned_expects_what_was_in_front_and_the_window_and_nothin
         assert 0 < len(others) < len(density.samples)
         assert not any(is_at(peak, places[name]) for peak in peaks(marginal(blind, 0, ANGLES)))
     assert peaks(np.full(len(ANGLES), 0.25)) == []
+
+
+def test_peaks_stand_out_from_what_is_between_them() -> None:
+    angles = np.linspace(-1, 1, 201)
+    front = angles < 0
+    two = 0.1 + np.exp(-((angles + 0.5) ** 2) / 0.01) + 0.5 * np.exp(-((angles - 0.5) ** 2) / 0.01)
+    even = np.full(201, 0.5)
+    assert prominences(np.array([two, even]), front) == pytest.approx(
+        np.array([[11, 6], [1, 1]]), rel=0.01
+    )
+
+
+@pytest.mark.parametrize("density", [KERNEL, GAUSSIAN], ids=["kernel", "gaussian"])
+def test_rewards_anywhere_make_a_density_without_the_peaks(density: Kernel | Gaussian) -> None:
+    rng, angles = np.random.default_rng(0), np.linspace(-2, 2, 401)
+    rows = np.array([anywhere(Known(density, 200), 0, angles, rng) for _ in range(50)])
+    assert rows.sum(axis=1) * (angles[1] - angles[0]) == pytest.approx(np.ones(50), abs=0.2)
+    even = np.full(401, 1 / 4)
+    spread = Expectation("joint", -2.0, 2.0, rows, rows[None]).deviations
+    assert spread(rows).mean() == pytest.approx(spread(even), rel=0.2)

@@ -14,8 +14,9 @@ from cbdsl.reproduction.interval import (
     exact_interval,
     interquartile_interval,
     interquartile_mean,
+    interval_of,
     median_interval,
-    over_trials,
+    resampled_interval,
 )
 
 
@@ -83,9 +84,16 @@ def test_interquartile_means_go_along_the_first_axis() -> None:
     assert (one_low, one_high) == pytest.approx((low[0], high[0]))
 
 
-def test_a_single_trial_says_nothing_of_others() -> None:
-    assert over_trials(np.array([3.0])) is None
-    assert over_trials(np.array([3.0, 3.0])) == (3.0, 3.0)
+def test_the_interval_of_a_statistic_is_that_of_its_bootstrap() -> None:
+    values = np.random.default_rng(0).normal(size=40)
+    low, high = interquartile_interval(values)
+    assert interval_of(interquartile_mean)(values) == (float(low), float(high))
+
+
+def test_resampled_intervals_of_a_mean_are_bootstrapped() -> None:
+    samples = np.random.default_rng(0).normal(size=50).tolist()
+    low, high = resampled_interval(samples, lambda each: float(np.mean(each)))
+    assert (low, high) == pytest.approx(bootstrap_interval(samples), abs=0.05)
 
 
 def test_nothing_has_no_interquartile_interval() -> None:

@@ -9,8 +9,8 @@ from dataclasses import replace
 import pytest
 
 from cbdsl.reproduction.checks import Check, Schedule
+from cbdsl.reproduction.claim import near
 from cbdsl.reproduction.learned_in import learned_in, learned_in_quantities
-from cbdsl.reproduction.quantity import near
 from cbdsl.reproduction.series import COARTICULATED
 
 from .series import experience

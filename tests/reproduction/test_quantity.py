@@ -1,4 +1,4 @@
-"""Verdicts follow from rules."""
+"""Verdicts follow from intervals, and from how often chance would pass."""
 
 from __future__ import annotations
 
@@ -6,58 +6,40 @@ import math
 
 import pytest
 
-from cbdsl.reproduction.quantity import (
-    Claim,
-    Quantity,
-    Verdict,
-    above,
-    at_least,
-    at_most,
-    below,
-    clearly_above,
-    clearly_below,
-    covering,
-    near,
-)
+from cbdsl.reproduction.claim import Interval, above
+from cbdsl.reproduction.quantity import Quantity, Verdict, computed
 
 
 @pytest.mark.parametrize(
-    ("claim", "holds", "fails"),
+    ("ours", "interval", "verdict"),
     [
-        (above(1.0), 1.1, 1.0),
-        (below(1.0), 0.9, 1.0),
-        (at_least(1.0), 1.0, 0.9),
-        (at_most(1.0), 1.0, 1.1),
-        (near(1.0, 0.1), 1.1, 1.11),
-    ],
-    ids=lambda value: value.text if isinstance(value, Claim) else str(value),
-)
-def test_claims_about_numbers(claim: Claim, holds: float, fails: float) -> None:
-    assert claim.holds(holds, None)
-    assert not claim.holds(fails, None)
-
-
-def test_claims_about_intervals() -> None:
-    assert clearly_above(0.5).holds(0.7, (0.6, 0.8))
-    assert not clearly_above(0.5).holds(0.7, (0.4, 0.8))
-    assert not clearly_above(0.5).holds(0.7, None)
-    assert covering(0.5).holds(0.3, (0.2, 0.6))
-    assert not covering(0.5).holds(0.3, (0.2, 0.4))
-    assert not covering(0.5).holds(0.5, None)
-    assert clearly_below(0.5).holds(0.3, (0.2, 0.4))
-    assert not clearly_below(0.5).holds(0.3, (0.2, 0.6))
-    assert not clearly_below(0.5).holds(0.3, None)
-
-
-@pytest.mark.parametrize(
-    ("ours", "verdict"),
-    [
-        (0.9, Verdict.REPRODUCED),
-        (0.7, Verdict.ORDERING),
-        (0.3, Verdict.MISSED),
-        (math.nan, Verdict.MISSED),
+        (0.9, (0.85, 0.95), Verdict.REPRODUCED),
+        (0.9, (0.75, 0.95), Verdict.ORDERING),
+        (0.9, (0.45, 0.95), Verdict.UNDECIDED),
+        (0.3, (0.1, 0.45), Verdict.MISSED),
+        (0.9, None, Verdict.NOT_JUDGED),
+        (math.nan, None, Verdict.MISSED),
     ],
 )
-def test_the_verdict_is_the_strongest_rule_that_holds(ours: float, verdict: Verdict) -> None:
-    quantity = Quantity("share", "", "more than 0.8", ours, above(0.8), ordering=above(0.5))
+def test_the_whole_interval_decides(
+    ours: float, interval: Interval | None, verdict: Verdict
+) -> None:
+    quantity = Quantity("share", "", "most", ours, above(0.8), above(0.5), interval)
     assert quantity.verdict is verdict
+
+
+def test_what_chance_would_often_pass_is_not_reproduced() -> None:
+    few = Quantity("share", "", "most", 0.9, above(0.8), interval=(0.85, 0.95), chance=0.06)
+    assert few.verdict is Verdict.UNDECIDED
+
+
+def test_what_claims_nothing_is_not_judged() -> None:
+    assert Quantity("level", "", "drawn", 0.9, None, interval=(0.8, 1)).verdict is (
+        Verdict.NOT_JUDGED
+    )
+
+
+def test_computed_numbers_have_no_spread() -> None:
+    assert computed("ratio", "", "2", 2.0, above(1)).verdict is Verdict.REPRODUCED
+    assert computed("ratio", "", "2", 0.5, above(1)).verdict is Verdict.MISSED
+    assert computed("ratio", "", "2", math.nan, above(1)).verdict is Verdict.MISSED

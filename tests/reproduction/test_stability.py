@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from cbdsl.reproduction.quantity import above
+from cbdsl.reproduction.claim import above
 from cbdsl.reproduction.series import SEQUENTIAL
 from cbdsl.reproduction.stability import stable_after, stable_quantity
 from cbdsl.training.trial import Trial

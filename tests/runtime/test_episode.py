@@ -106,13 +106,14 @@ def test_success_is_told_by_what_came_to_rest(checked: Checked, play: Play) -> N
 
 
 @pytest.mark.parametrize(
-    ("begin", "told", "joints"),
+    ("begin", "told", "joints", "far"),
     [
-        (lambda rng: World(Ball(TABLE_BALL)), "touch closed on nothing", {}),
+        (lambda rng: World(Ball(TABLE_BALL)), "touch closed on nothing", {}, ()),
         (
             lambda rng: World(Ball(np.array([1.45, -0.3, -0.1]), 0.1)),
             r"approach came to rest far from its goal, [3-9]\d\.\d cm from stereo\.sat_10",
             {"pan": -0.2, "tilt": 0.6},
+            ("approach",),
         ),
     ],
     ids=["closed on nothing", "out of reach"],
@@ -123,8 +124,10 @@ def test_failure_is_told_by_what_was_missing(
     begin: Callable[[np.random.Generator], World],
     told: str,
     joints: dict[str, float],
+    far: tuple[str, ...],
 ) -> None:
     result = play(checked("reachtouch"), begin, joints=joints).result
+    assert result.far == far
     assert not result.rewarded
     assert result.predicates[-1] == "X1-"
     assert result.ending.startswith("Not rewarded after")

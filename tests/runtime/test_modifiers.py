@@ -1,11 +1,15 @@
-"""Every modifier that packages add: a reference of the same shape, from its arguments alone."""
+"""Every modifier: what it declares, and what it makes of references and slots."""
 
 from __future__ import annotations
+
+from dataclasses import fields
+from importlib import import_module
 
 import numpy as np
 import pytest
 
-from cbdsl.program.controller import Modifier
+from cbdsl.documents.program import ControllerSection
+from cbdsl.program.controller import Controller, Modifier
 from cbdsl.runtime.preparation import change_of
 from cbdsl.types.modifier import MODIFIERS
 from cbdsl.types.resource_type import TYPES
@@ -13,8 +17,24 @@ from cbdsl.types.resource_type import TYPES
 CASES = [
     pytest.param(name, kind, id=f"{name}-{kind}")
     for name in MODIFIERS.usable_names()
+    if MODIFIERS.get(name).implementation
     for kind in sorted(MODIFIERS.get(name).accepts)
 ]
+
+
+@pytest.mark.parametrize("name", MODIFIERS.builtins)
+def test_one_of_cbdsls_own_is_a_key_of_controllers_and_a_file(name: str) -> None:
+    kind = MODIFIERS.get(name)
+    assert name in ControllerSection.model_fields
+    assert name in {field.name for field in fields(Controller)}
+    assert kind.slot == f"cbdsl.runtime.modifiers.{name}:bind"
+    assert kind.purpose or kind.accepts == frozenset(TYPES)
+
+
+@pytest.mark.parametrize("name", [n for n in MODIFIERS.usable_names() if MODIFIERS.get(n).slot])
+def test_one_that_changes_slots_has_the_function(name: str) -> None:
+    module, function = MODIFIERS.get(name).slot.split(":")
+    assert callable(getattr(import_module(module), function))
 
 
 @pytest.mark.parametrize(("name", "kind"), CASES)

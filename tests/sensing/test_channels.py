@@ -96,3 +96,23 @@ def test_motion_is_what_changed_since_the_image_before() -> None:
     assert channel.regions(still) == {}
     moved = channel.regions(picture((90, 90, 90), slice(40, 60), slice(60, 80)))
     assert moved["motion"][0].area == 400
+
+
+@pytest.mark.parametrize("seed", range(8))
+def test_regions_are_those_of_the_whole_image(seed: int) -> None:
+    """Only the box that has all of them is labelled, wherever it is."""
+    rng = np.random.default_rng(seed)
+    mask = np.zeros((60, 80), np.uint8)
+    for _ in range(3):
+        centre = int(rng.integers(80)), int(rng.integers(60))
+        cv2.circle(mask, centre, int(rng.integers(2, 9)), 255, -1)
+    count, labels = cv2.connectedComponents(mask, connectivity=8)
+    expected = []
+    for label in range(1, count):
+        rows, columns = np.nonzero(labels == label)
+        at_border = {0, 59}.intersection(rows) or {0, 79}.intersection(columns)
+        place = float(columns.mean()) + 0.5, float(rows.mean()) + 0.5
+        expected.append((len(rows), *place, bool(at_border)))
+    seen = [region[:4] for region in connected_regions(mask, 1)]
+    for region, right in zip(sorted(seen), sorted(expected), strict=True):
+        assert region == pytest.approx(right)

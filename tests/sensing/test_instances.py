@@ -116,6 +116,19 @@ def test_two_of_one_hue_have_a_place_each_and_the_larger_is_attended_to(scene: S
     assert scene.value("stereo.red.3") is None
 
 
+def test_how_many_are_remembered_is_counted(scene: Scene) -> None:
+    scene.show((LEFT, 0.05), (RIGHT, 0.06))
+    assert scene.value("count.red") is None, "before the first image"
+    scene.look()
+    assert scene.value("count.red") == 2
+    scene.look(2.0, **AWAY)
+    assert scene.value("count.red") == 2, "out of view, and remembered"
+    scene.backend.truth.remove("ball_1")
+    scene.look(3.0, **AHEAD)
+    assert scene.value("count.red") == 1
+    assert parse_instance("count.red.2", resources(scene.signals.robot)) is None
+
+
 def test_selections_choose_among_those_remembered(scene: Scene) -> None:
     scene.show((LEFT, 0.04), (RIGHT, 0.06))
     scene.look()
@@ -203,6 +216,24 @@ def test_what_is_carried_before_another_hides_it(scene: Scene) -> None:
         scene.look(0.1)
     scene.look(1.0)
     assert scene.places() == {1 - behind: near(aside)}
+
+
+def test_what_grows_together_in_the_images_stays_where_it_was(scene: Scene) -> None:
+    """The region of both is little larger than the large one's, and its middle is off by a cm."""
+    large = np.array([0.6, -0.08, -0.36])
+    aside, beside = (large + np.array([0.0, apart, 0.0]) for apart in (0.125, 0.108))
+    scene.show((large, 0.07), (aside, 0.04))
+    scene.look()
+    assert scene.places() == {0: near(large), 1: near(aside)}
+    truth = scene.backend.truth
+    truth.put_back("ball_1", Pose(beside, np.eye(3)))
+    scene.look()
+    assert all(len(seen["hue_1"]) == 1 for seen in scene.signals.vision.seen.values())
+    scene.look(5.0)
+    assert scene.places() == {0: near(large), 1: near(aside)}
+    truth.remove("ball_1")
+    scene.look(2.0)
+    assert scene.places() == {0: near(large)}
 
 
 def test_a_thing_that_is_moved_keeps_its_number(scene: Scene) -> None:

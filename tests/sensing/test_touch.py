@@ -52,6 +52,13 @@ def test_hands_hold_what_each_of_them_touches(touch_of: Make) -> None:
     assert touch.all_holding("hands")
 
 
+def test_a_hand_alone_holds_what_it_touches(touch_of: Make) -> None:
+    touch = touch_of("dexter", self_contact=5.0)
+    feel(touch, 0)
+    assert not touch.all_holding("right_hand")
+    assert touch.all_holding("left_hand")
+
+
 def test_hands_that_touch_each_other_hold_nothing(touch_of: Make) -> None:
     touch = touch_of("dexter", self_contact=5.0)
     feel(touch, 0, 3)

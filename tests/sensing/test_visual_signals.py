@@ -244,3 +244,25 @@ def test_lines_of_sight_that_do_not_meet_are_no_pair(
         angles = np.array([outwards, 0.0])
         signals.vision.headings[name, CHANNEL, 0] = SeenHeading(angles, 1)
     assert signals.read(resources(dexter)[f"cameras.{CHANNEL}"]) is None
+
+
+@pytest.mark.parametrize("alone", ["left", "right"])
+def test_what_both_cameras_see_has_the_mean_heading(
+    dexter: RobotDocument, signals: Signals, alone: str
+) -> None:
+    """What one camera loses is tracked by the other alone."""
+    named = resources(dexter)
+    feel(dexter, signals, facing(dexter, signals), 0.0)
+    see(dexter, signals, between(dexter, signals))
+    left, right, both = (
+        signals.read(named[f"{camera}.{CHANNEL}"]) for camera in ("left", "right", "cyclopean")
+    )
+    assert left is not None and right is not None and both is not None
+    assert not np.allclose(left.value, right.value)
+    assert both.value == pytest.approx((left.value + right.value) / 2)
+    assert both.jacobian == pytest.approx((left.jacobian + right.jacobian) / 2)
+    (other,) = {"left", "right"} - {alone}
+    del signals.vision.headings[other, CHANNEL, 0]
+    seen = signals.read(named[f"cyclopean.{CHANNEL}"])
+    expected = left if alone == "left" else right
+    assert seen is not None and seen.value == pytest.approx(expected.value)

@@ -23,16 +23,22 @@ LEARN = [
     *("learn", "searchtrack", "--stage", "searchtrack_training", "--backend", "kinematic"),
     *("--seed", "3", "--episodes", str(EPISODES), "--out", "policy.yaml"),
 ]
-
+ASSIMILATE = [
+    *("learn", "reachtouch", "--learner", "assimilate", "--from", "reachtouch"),
+    *("--stage", "near_and_far_training", "--backend", "kinematic", "--idle-time", "1"),
+    *LEARN[-6:],
+]
 
 AS_EVER = ("-c", "from cbdsl.cli.main import main; main()")
 ON_A_SLOW_DISK = ("-m", "tests.training.slow_disk")
 
 
-def cb(folder: Path, how: tuple[str, str], *words: str) -> subprocess.Popen[bytes]:
+def cb(
+    folder: Path, how: tuple[str, str], *words: str, learn: list[str] = LEARN
+) -> subprocess.Popen[bytes]:
     """Start ``cb learn`` in a folder."""
     return subprocess.Popen(
-        [sys.executable, *how, *LEARN, *words],
+        [sys.executable, *how, *learn, *words],
         cwd=folder,
         env={**os.environ, "PYTHONPATH": str(ROOT)},
         stdout=subprocess.DEVNULL,
@@ -45,19 +51,20 @@ def lines(folder: Path, name: str = JOURNAL) -> int:
     return journal.read_bytes().count(b"\n") if journal.exists() else 0
 
 
-def killed(folder: Path, more: int, later: float) -> bool:
+def killed(folder: Path, more: int, later: float, learn: list[str]) -> bool:
     """Start or resume the run in a folder, and kill it.
 
     Args:
         folder: where.
         more: once so many lines more are in its journal, or a document is being written,
         later: so many seconds after that.
+        learn: the command.
 
     Returns:
         Whether it was killed before it came to its end.
     """
     wanted, before = lines(folder) + more, set(folder.iterdir())
-    process = cb(folder, ON_A_SLOW_DISK, "--resume")
+    process = cb(folder, ON_A_SLOW_DISK, "--resume", learn=learn)
     while process.poll() is None and lines(folder) < wanted:
         if any(file.name.startswith(".") for file in set(folder.iterdir()) - before):
             break
@@ -68,20 +75,24 @@ def killed(folder: Path, more: int, later: float) -> bool:
 
 
 @pytest.mark.slow
-def test_killed_twenty_times_it_ends_as_if_it_had_not_been(tmp_path: Path) -> None:
+@pytest.mark.parametrize("learn", [LEARN, ASSIMILATE], ids=["accommodate", "assimilate"])
+def test_killed_twenty_times_it_ends_as_if_it_had_not_been(
+    tmp_path: Path, learn: list[str]
+) -> None:
     unbroken, broken = tmp_path / "unbroken", tmp_path / "broken"
     unbroken.mkdir()
     broken.mkdir()
     began = time.monotonic()
-    assert cb(unbroken, AS_EVER).wait() == 0
+    assert cb(unbroken, AS_EVER, learn=learn).wait() == 0
     pace = (time.monotonic() - began) / EPISODES
     expected, rng, kills = outcome(unbroken), np.random.default_rng(7), 0
     while kills < KILLS:
         before = lines(broken)
-        kills += killed(broken, more=int(rng.integers(0, 3)), later=pace * rng.random())
+        more, later = int(rng.integers(0, 3)), pace * rng.random()
+        kills += killed(broken, more, later, learn)
         assert lines(broken) >= before
         assert outcome(broken).items() <= expected.items()
-    assert cb(broken, AS_EVER, "--resume").wait() == 0
+    assert cb(broken, AS_EVER, "--resume", learn=learn).wait() == 0
     assert outcome(broken) == expected
     assert without_seconds(broken / JOURNAL) == without_seconds(unbroken / JOURNAL)
     assert {file.name for file in broken.iterdir()} == {file.name for file in unbroken.iterdir()}

@@ -39,8 +39,8 @@ def test_triangulation_takes_two_headings() -> None:
 
 
 def test_equal_types_need_no_cast() -> None:
-    assert chains(POSE, POSE) == [()]
-    assert chains(FORCE.times(3), FORCE) == [()]
+    assert chains(POSE, POSE) == ((),)
+    assert chains(FORCE.times(3), FORCE) == ((),)
 
 
 def test_casts_are_between_types() -> None:

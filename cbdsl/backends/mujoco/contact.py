@@ -7,7 +7,7 @@ from typing import Any
 from cbdsl.documents.robot import MujocoSection
 from cbdsl.documents.stage import Surface
 
-# Impedance near and in contact, and the depth over which it grows, m.
+# Impedance near and in a rigid contact, and the depth over which it grows, m.
 _IMPEDANCE = [0.95, 0.99, 0.001, 0.5, 2.0]
 # Exact Coulomb rolling friction of 0 makes the solver's cone flat, m.
 _LEAST_ROLLING = 1e-5

@@ -8,13 +8,14 @@ import mujoco as mj
 import numpy as np
 from numpy.typing import NDArray
 
+from cbdsl.backends.mujoco.first_posture import FirstPosture
 from cbdsl.backends.mujoco.load_cell_sensors import (
     add_sensors,
     cell_links,
     sensor_addresses,
     sum_wrenches,
 )
-from cbdsl.backends.mujoco.robot_spec import make_robot_spec, wxyz
+from cbdsl.backends.mujoco.robot_spec import body_name, make_robot_spec, wxyz
 from cbdsl.backends.mujoco.servos import MujocoServos
 from cbdsl.backends.mujoco.window import Window
 from cbdsl.backends.mujoco.world import MujocoWorld
@@ -53,17 +54,22 @@ class MujocoEngine(Engine):
     ) -> None:
         self._joints = Joints(robot)
         spec = make_robot_spec(robot, model, timestep)
-        self._servos = MujocoServos(spec, robot, model)
+        first = FirstPosture(spec, robot, model)
+        for one, other in first.overlaps():
+            spec.add_exclude(bodyname1=one, bodyname2=other)
+        self._servos = MujocoServos(spec, robot, model, first)
         add_sensors(spec, robot)
-        self._world = MujocoWorld(spec, model, robot.simulation.mujoco)
+        self._world = MujocoWorld(spec, robot, model)
         self._window = window
         bare = self._world.bare
         # MuJoCo's first body is the world, and the robot's are next.
         self._links = slice(1, bare.nbody)
-        self.rows = {bare.body(number).name: number - 1 for number in range(1, bare.nbody)}
+        self.rows = {link: int(bare.body(body_name(link)).id) - 1 for link in model.links}
         links = cell_links(robot)
         self.cells = tuple(links)
-        self._fingertips = np.array([bare.body(link).id for link in links.values()], dtype=np.intp)
+        self._fingertips = np.array(
+            [bare.body(body_name(link)).id for link in links.values()], dtype=np.intp
+        )
         self._addresses = sensor_addresses(bare, robot)
         joints = [bare.joint(name) for name in self._joints.all]
         self._positions = np.array([int(joint.qposadr[0]) for joint in joints], dtype=np.intp)

@@ -6,9 +6,12 @@ from pathlib import Path
 from typing import Any
 
 import mujoco as mj
+import numpy as np
 
 from cbdsl.backends.backend import BackendError
 from cbdsl.backends.staging.shape import SolidShape
+from cbdsl.robot.mesh_file import find_mesh
+from cbdsl.robot.mesh_reader import MeshError, read_mesh_file
 from cbdsl.robot.urdf import UrdfShape
 
 _KINDS = {
@@ -17,21 +20,63 @@ _KINDS = {
     "cylinder": mj.mjtGeom.mjGEOM_CYLINDER,
     "capsule": mj.mjtGeom.mjGEOM_CAPSULE,
 }
+# Corners of a convex hull, beyond which contacts cost more than they are better.
+_MOST_CORNERS = 64
+# Singular value below which all corners are in a plane, m.
+_FLATTEST = 1e-6
+# How many extents each kind has.
+_EXTENTS = {"ball": 1, "box": 3, "cylinder": 2, "capsule": 2}
 
 
 def add_shape(spec: Any, body: Any, shape: UrdfShape, name: str, urdf: Path) -> Any:
-    """Add a colliding shape of the robot's model to a body.
+    """Add a colliding shape of the robot's model, named ``link/number``, to the link's body.
+
+    A mesh collides as its convex hull, as in most engines.
 
     Raises:
-        BackendError: it is a mesh, or a shape that MuJoCo does not know.
+        BackendError: it is a mesh that cannot be read, or a shape that MuJoCo does not know.
     """
+    link = name.rpartition("/")[0]
+    place = {"name": name, **_placement(shape)}
+    if shape.kind == "mesh":
+        hull = _add_hull(spec, shape, urdf, link)
+        return body.add_geom(type=mj.mjtGeom.mjGEOM_MESH, meshname=hull, **place)
     if shape.kind not in _KINDS:
-        raise BackendError(f"{urdf.name}: link '{body.name}' has a {shape.kind} to collide with")
-    x, y, z, w = shape.origin.quaternion
+        raise BackendError(f"{urdf.name}: link '{link}' has a {shape.kind} to collide with")
     a, b, c = (*shape.size, 0.0, 0.0)[:3]
     size = [a / 2, b / 2, c / 2] if shape.kind == "box" else [a, b / 2, 0.0]
-    place = {"pos": shape.origin.xyz, "quat": [w, x, y, z]}
-    return body.add_geom(name=name, type=_KINDS[shape.kind], size=size, **place)
+    if any(extent <= 0.0 for extent in size[: _EXTENTS[shape.kind]]):
+        raise BackendError(f"{urdf.name}: link '{link}' has a {shape.kind} without extent")
+    return body.add_geom(type=_KINDS[shape.kind], size=size, **place)
+
+
+def _placement(shape: UrdfShape) -> dict[str, Any]:
+    x, y, z, w = shape.origin.quaternion
+    return {"pos": shape.origin.xyz, "quat": [w, x, y, z]}
+
+
+def _add_hull(spec: Any, shape: UrdfShape, urdf: Path, link: str) -> str:
+    """Add the hull of a mesh to the specification, unless it is there; its name."""
+    name = f"{shape.file} {shape.size}"
+    if spec.mesh(name) is not None:
+        return name
+    file = find_mesh(shape.file, urdf.parent)
+    if file is None:
+        raise BackendError(
+            f"{urdf.name}: link '{link}' collides as the mesh {shape.file}, which is not there"
+        )
+    try:
+        corners = read_mesh_file(file, shape.size).corners
+    except MeshError as error:
+        raise BackendError(f"{urdf.name}: link '{link}' has a broken mesh: {error}") from error
+    corners = np.unique(corners, axis=0)
+    spread = corners - corners.mean(axis=0)
+    if np.linalg.matrix_rank(spread, tol=_FLATTEST) < 3:
+        raise BackendError(
+            f"{urdf.name}: link '{link}' collides as the mesh {shape.file}, which is flat"
+        )
+    spec.add_mesh(name=name, uservert=corners.ravel(), maxhullvert=_MOST_CORNERS)
+    return name
 
 
 def add_solids(body: Any, shape: SolidShape, mass: float) -> list[Any]:

@@ -8,6 +8,7 @@ import mujoco as mj
 import numpy as np
 from numpy.typing import NDArray
 
+from cbdsl.backends.mujoco.robot_spec import body_name
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.numeric.compiled import compiled_once
 from cbdsl.sensing.observation import Cell
@@ -32,7 +33,7 @@ def add_sensors(spec: Any, robot: RobotDocument) -> None:
             name=f"{hand}/{finger}",
             type=mj.mjtSensor.mjSENS_CONTACT,
             objtype=mj.mjtObj.mjOBJ_BODY,
-            objname=link,
+            objname=body_name(link),
             intprm=[fields, _NET_FORCE, 1],
         )
 

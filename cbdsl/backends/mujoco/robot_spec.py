@@ -50,9 +50,9 @@ def make_robot_spec(robot: RobotDocument, model: UrdfModel, timestep: float) -> 
     """
     settings = robot.simulation.mujoco
     spec = _empty_world(timestep, settings)
-    bodies = _Links(spec, robot, model).bodies
-    for first, second in sorted(_without_contact(robot, model, bodies)):
-        spec.add_exclude(bodyname1=first, bodyname2=second)
+    _Links(spec, robot, model)
+    for first, second in sorted(_without_contact(robot, model)):
+        spec.add_exclude(bodyname1=body_name(first), bodyname2=body_name(second))
     for passive, coupling in robot.couplings.items():
         _couple(spec, passive, coupling.follows, coupling.ratio)
     return spec
@@ -86,11 +86,7 @@ def _empty_world(timestep: float, settings: MujocoSection) -> Any:
 
 
 class _Links:
-    """Bodies of all links.
-
-    Attributes:
-        bodies: by name of the link.
-    """
+    """Bodies of all links, put into a specification."""
 
     def __init__(self, spec: Any, robot: RobotDocument, model: UrdfModel) -> None:
         self._spec, self._model, self._joints = spec, model, Joints(robot)
@@ -103,11 +99,9 @@ class _Links:
         below: dict[str, list[UrdfJoint]] = {}
         for joint in model.joints.values():
             below.setdefault(joint.parent, []).append(joint)
-        self.bodies: dict[str, Any] = {}
-        waiting = [(robot.base, spec.worldbody.add_body(name=robot.base))]
+        waiting = [(robot.base, spec.worldbody.add_body(name=body_name(robot.base)))]
         while waiting:
             link, body = waiting.pop()
-            self.bodies[link] = body
             self._fill(body, link)
             for joint in reversed(below.get(link, [])):
                 waiting.append((joint.child, self._hang(body, joint)))
@@ -115,7 +109,8 @@ class _Links:
     def _hang(self, parent: Any, joint: UrdfJoint) -> Any:
         """The body that hangs on a joint."""
         pose = Pose.at(joint.origin)
-        child = parent.add_body(name=joint.child, pos=pose.position, quat=wxyz(pose))
+        name = body_name(joint.child)
+        child = parent.add_body(name=name, pos=pose.position, quat=wxyz(pose))
         if joint.name in self._joints.index:
             moved = child.add_joint(name=joint.name, type=_JOINTS[joint.kind], axis=joint.axis)
             moved.limited = mj.mjtLimited.mjLIMITED_FALSE
@@ -133,6 +128,11 @@ class _Links:
         for number, shape in enumerate(content.collisions):
             geom = add_shape(self._spec, body, shape, f"{link}/{number}", self._model.path)
             self._contact.apply(geom, self._friction.get(link, _FRICTION))
+
+
+def body_name(link: str) -> str:
+    """A link's body; some models have a link of the name that MuJoCo's fixed body has, world."""
+    return f"link/{link}"
 
 
 def wxyz(pose: Pose) -> tuple[float, float, float, float]:
@@ -153,16 +153,13 @@ def _set_inertia(body: Any, inertial: UrdfInertial) -> None:
     body.inertia = np.maximum(moments, _LEAST_INERTIA)
 
 
-def _without_contact(
-    robot: RobotDocument, model: UrdfModel, bodies: dict[str, Any]
-) -> set[tuple[str, str]]:
+def _without_contact(robot: RobotDocument, model: UrdfModel) -> set[tuple[str, str]]:
     """Pairs of a link and one that carries it, and those within groups of the robot file."""
-    pairs = set()
-    for link, body in bodies.items():
-        above = body.parent
-        while above.name in bodies:
-            pairs.add((min(link, above.name), max(link, above.name)))
-            above = above.parent
+    pairs = {
+        (min(link, joint.parent), max(link, joint.parent))
+        for link in model.links
+        for joint in model.way(link)
+    }
     for group in robot.simulation.no_contact:
         pairs |= set(combinations(sorted(set(matching_links(robot, model, group))), 2))
     return pairs

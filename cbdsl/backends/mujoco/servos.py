@@ -9,7 +9,7 @@ import mujoco as mj
 import numpy as np
 from numpy.typing import NDArray
 
-from cbdsl.backends.mujoco.robot_spec import compile_spec
+from cbdsl.backends.mujoco.first_posture import FirstPosture
 from cbdsl.backends.mujoco.world import StepArrays
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.numeric.compiled import compiled_once
@@ -36,16 +36,16 @@ class MujocoServos:
         spec: of the robot, without servos; takes them.
         robot: names the joints.
         model: its URDF.
-
-    Raises:
-        BackendError: the robot cannot be simulated.
+        first: posture, in which the inertias are taken.
     """
 
-    def __init__(self, spec: Any, robot: RobotDocument, model: UrdfModel) -> None:
+    def __init__(
+        self, spec: Any, robot: RobotDocument, model: UrdfModel, first: FirstPosture
+    ) -> None:
         joints, settings = Joints(robot), robot.simulation.mujoco
         timestep = spec.option.timestep
         lag = timestep / max(robot.simulation.position_gain, 1e-9)
-        moved = _inertias(spec, robot, model, joints)
+        moved = _inertias(first, joints)
         for name, inertia in zip(joints.all, moved.tolist(), strict=True):
             spec.joint(name).armature = settings.armature * inertia
         inertias = (1 + settings.armature) * moved[: len(joints.names)]
@@ -129,18 +129,10 @@ def _limit(joint: Any, effort: float) -> None:
         joint.actfrcrange = [-effort, effort]
 
 
-def _inertias(spec: Any, robot: RobotDocument, model: UrdfModel, joints: Joints) -> Floats:
+def _inertias(first: FirstPosture, joints: Joints) -> Floats:
     """Inertia that each joint moves in the first posture, kg m^2 or kg, shape (all joints,)."""
-    compiled = compile_spec(spec.copy(), model)
-    data = mj.MjData(compiled)
-    rows = [compiled.joint(name) for name in joints.all]
-    start = np.zeros(len(joints.names))
-    for name, effector in robot.effectors.items():
-        if effector.start is not None:
-            start[joints.of(name)] = effector.postures[effector.start]
-    data.qpos[[int(row.qposadr[0]) for row in rows]] = joints.expand(start)
-    mj.mj_forward(compiled, data)
+    compiled = first.compiled
     full = np.zeros((compiled.nv, compiled.nv))
-    mj.mj_fullM(compiled, data, full)
-    inertias: Floats = np.diag(full)[[int(row.dofadr[0]) for row in rows]]
+    mj.mj_fullM(compiled, first.data, full)
+    inertias: Floats = np.diag(full)[[int(compiled.joint(name).dofadr[0]) for name in joints.all]]
     return inertias

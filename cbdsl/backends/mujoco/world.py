@@ -11,8 +11,9 @@ from numpy.typing import NDArray
 from cbdsl.backends.mujoco.contact import ContactSettings
 from cbdsl.backends.mujoco.geometry import add_solids
 from cbdsl.backends.mujoco.robot_spec import compile_spec, wxyz
+from cbdsl.backends.mujoco.soft_shape import soft_shapes
 from cbdsl.backends.staging.scenario import SceneObject
-from cbdsl.documents.robot import MujocoSection
+from cbdsl.documents.robot import RobotDocument
 from cbdsl.robot.urdf import UrdfModel
 
 Floats = NDArray[np.float64]
@@ -71,16 +72,17 @@ class MujocoWorld:
     asked for: what a stage puts up at once costs one compilation.
 
     Args:
-        robot: specification of the robot.
+        spec: of the robot.
+        robot: names surfaces, and has the constants of contacts.
         urdf: its URDF.
-        settings: of contacts.
     """
 
-    def __init__(self, robot: Any, urdf: UrdfModel, settings: MujocoSection) -> None:
-        self._robot, self._urdf = robot, urdf
-        self._contact = ContactSettings(settings)
-        self._grip_time = 2 * robot.option.timestep
-        self.bare = compile_spec(robot.copy(), urdf)
+    def __init__(self, spec: Any, robot: RobotDocument, urdf: UrdfModel) -> None:
+        self._robot, self._urdf = spec, urdf
+        self._contact = ContactSettings(robot.simulation.mujoco)
+        self._grip_time = 2 * spec.option.timestep
+        self.bare = compile_spec(spec.copy(), urdf)
+        self._soft = tuple(soft_shapes(robot, urdf, self.bare))
         self.begin()
 
     def begin(self) -> None:
@@ -90,6 +92,7 @@ class MujocoWorld:
         self._arrays = StepArrays.of(self._model, self._data)
         self._bodies: dict[str, Body] = {}
         self._names: list[str] = []
+        self._pairs: dict[str, list[Any]] = {}
         self._stale = False
 
     def add(self, item: SceneObject) -> None:
@@ -99,9 +102,15 @@ class MujocoWorld:
         position, quaternion = item.pose.position, wxyz(item.pose)
         body = spec.worldbody.add_body(name=name, pos=position, quat=quaternion)
         movable = item.mass > 0
-        for geom in add_solids(body, item.shape, item.mass):
-            geom.condim = 4 if geom.type == mj.mjtGeom.mjGEOM_BOX else 6
+        mobility = 1 / item.mass if movable else 0.0
+        self._pairs[item.name] = []
+        for number, geom in enumerate(add_solids(body, item.shape, item.mass)):
+            geom.name = f"{name}/{number}"
+            geom.condim = 6
             self._contact.apply_surface(geom, item.surface, movable=movable)
+            self._pairs[item.name] += [
+                shape.press(spec, geom, mobility, movable) for shape in self._soft
+            ]
         if movable:
             body.add_freejoint(name=name)
             grip = spec.add_equality(
@@ -118,6 +127,8 @@ class MujocoWorld:
         """Take an object out of the world."""
         spec, own = self._changed(), _named(name)
         self._names.remove(name)
+        for pair in self._pairs.pop(name):
+            spec.delete(pair)
         grip = spec.equality(own)
         if grip is not None:
             spec.delete(grip)

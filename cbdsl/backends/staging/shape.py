@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Literal, NamedTuple
 
@@ -14,9 +15,12 @@ from cbdsl.backends.staging.span import draw
 from cbdsl.documents.stage import (
     BallForm,
     BoxForm,
+    ComposedForm,
+    CylinderForm,
     Form,
     OpenBoxForm,
     Pattern,
+    Piece,
     Spot,
     TubeForm,
 )
@@ -100,6 +104,13 @@ class SolidShape:
         return cls("box", (x, y, z), walls=(bottom, *walls))
 
     @classmethod
+    def composed(cls, form: ComposedForm) -> SolidShape:
+        """Several solids as one, in the middle of the box around them."""
+        middle = [(first + last) / 2 for first, last in form.box]
+        x, y, z = ((last - first) / 2 for first, last in form.box)
+        return cls("box", (x, y, z), walls=tuple(_wall(piece, middle) for piece in form.pieces))
+
+    @classmethod
     def draw(cls, form: Form, rng: np.random.Generator) -> SolidShape:
         """A shape of this form, of a size drawn from its spans."""
         if isinstance(form, BallForm):
@@ -110,6 +121,8 @@ class SolidShape:
         if isinstance(form, OpenBoxForm):
             depth, width, height = (draw(span, rng) for span in form.size)
             return cls.open_box(depth, width, height, form.wall)
+        if isinstance(form, ComposedForm):
+            return cls.composed(form)
         radius, height = draw(form.radius, rng), draw(form.height, rng)
         if isinstance(form, TubeForm):
             return cls.tube(radius, height, form.wall)
@@ -155,3 +168,14 @@ class SolidShape:
         """The convex bodies that it is made of at a pose."""
         frames = [(wall.shape, pose @ Pose.at(wall.origin)) for wall in self.solids]
         return [Convex(shape.kind, shape.halves, at.position, at.rotation) for shape, at in frames]
+
+
+def _wall(piece: Piece, middle: Sequence[float]) -> Wall:
+    """A piece of something composed, in a frame in the middle of that."""
+    x, y, z = (own - mean for own, mean in zip(piece.position, middle, strict=True))
+    origin = UrdfOrigin((x, y, z), (0.0, 0.0, piece.yaw))
+    if isinstance(piece.form, BoxForm):
+        return Wall(SolidShape("box", piece.halves), origin)
+    if isinstance(piece.form, CylinderForm):
+        return Wall(SolidShape("cylinder", piece.halves), origin)
+    return Wall(SolidShape("ball", piece.halves), origin)

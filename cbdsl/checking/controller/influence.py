@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from cbdsl.checking.robot.checked_robot import CheckedRobot
-from cbdsl.types.casts import chains
+from cbdsl.types.casts import Chain, chains, chains_of
 from cbdsl.types.resource import DRAWN, Origin, Resource
 
 # What is drawn or written down is no measurement, and stays as it is.
@@ -28,3 +28,12 @@ def movers(body: CheckedRobot, feedback: Resource) -> list[str]:
     return [
         resource.name for resource in body.resources.values() if moves(body, resource, feedback)
     ]
+
+
+def acting_chains(body: CheckedRobot, feedback: Resource, effector: Resource) -> tuple[Chain, ...]:
+    """The chains from a feedback to the joints along which an effector moves it."""
+    joints, all_chains = body.effector_joints(effector), chains_of(feedback)
+    moved = tuple(
+        chain for chain in all_chains if not body.joints_of(feedback, chain).isdisjoint(joints)
+    )
+    return moved or all_chains[:1]  # the model does not tell

@@ -42,8 +42,12 @@ def _problem(
         kind = MODIFIERS.get(name)
     except UsageError as error:
         return str(error)
-    if document.reference is None or feedback.type.name not in kind.accepts:
-        return f"it changes references of type {' or '.join(sorted(kind.accepts))}"
+    if MODIFIERS.is_builtin(name):
+        return "it is a key of the controller itself"
+    lacks_reference = bool(kind.implementation) and document.reference is None
+    if lacks_reference or feedback.type.name not in kind.accepts:
+        what = "it changes references" if kind.implementation else "it is for feedback"
+        return f"{what} of type {' or '.join(sorted(kind.accepts))}"
     return _read_options(kind, options)
 
 

@@ -13,8 +13,9 @@ from cbdsl.documents import program as written
 from cbdsl.documents.robot import TaskSettings
 from cbdsl.program.controller import Quiescence
 from cbdsl.types.casts import FEATURES
+from cbdsl.types.modifier import declared
 from cbdsl.types.potential import POTENTIALS
-from cbdsl.types.resource import FingerForces, Resource, Tip, palms_of
+from cbdsl.types.resource import FingerForces, Resource, palms_of
 from cbdsl.types.resource_type import TYPES
 
 MANIPULABILITY = "manipulability"
@@ -50,25 +51,16 @@ class Misplaced(NamedTuple):
 
 def misplaced(document: written.ControllerSection, feedback: Resource) -> Iterator[Misplaced]:
     """The options that mean nothing for a feedback, or for the potential."""
-    kind, source = feedback.type.name, feedback.source
     instead = f"the feedback is '{feedback.name}', {feedback.type}"
-    is_position = isinstance(source, Tip) and kind == "position"
-    is_of_hands = palms_of(source) is not None
-    position = "the position of a tip"
-    meaningful = {
-        "free_axis": (kind == "orientation" or document.potential == LOOK_AT, "orientations"),
-        "standoff": (is_position, position),
-        "funnel": (is_position, position),
-        "seek": (isinstance(source, FingerForces) or is_of_hands, "forces of fingers or hands"),
-    }
-    for key, (fits, purpose) in meaningful.items():
-        if getattr(document, key) is not None and not fits:
-            yield Misplaced((key,), purpose, instead)
+    for modifier, _ in declared(document):
+        if not modifier.suits(feedback, document.potential):
+            yield Misplaced((modifier.name,), modifier.purpose, instead)
     if document.manipulator is not None and document.potential != MANIPULABILITY:
         potential = f"the potential is {document.potential}"
         yield Misplaced(("manipulator",), f"the potential {MANIPULABILITY}", potential)
     # Only fingers flex.
-    if is_of_hands and document.seek is not None and document.seek.until is not None:
+    seek = document.seek
+    if palms_of(feedback.source) is not None and seek is not None and seek.until is not None:
         yield Misplaced(("seek", "until"), "forces of fingers", instead)
 
 

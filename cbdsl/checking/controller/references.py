@@ -30,6 +30,7 @@ _DIMENSIONS: dict[str, tuple[str, ...]] = {
     "orientation": ("angle",),
     "velocity": ("speed",),
     "volume": ("volume",),
+    "count": ("number",),
     "heading_rate": ("angular speed",),
     "extent": ("angle",),
     "axis": ("angle",),

@@ -12,35 +12,22 @@ from cbdsl.checking.robot.limits import limit_details
 from cbdsl.documents import program as written
 from cbdsl.errors.counting import count
 from cbdsl.program.controller import AlongNormals, Literal, Reference
+from cbdsl.types.modifier import declared
 from cbdsl.types.resource import EffectorConfiguration, Resource
-
-_POSITIVE: list[Steps] = [
-    ("standoff", "most"),
-    ("funnel", "height"),
-    ("seek", "within"),
-    ("onset", "pace"),
-]
-_NOT_NEGATIVE: list[Steps] = [
-    ("standoff", "clearance"),
-    ("standoff", "least"),
-    ("funnel", "within"),
-]
 
 
 def check_numbers(
     context: ProgramContext, steps: Steps, document: written.ControllerSection
 ) -> None:
     """Check the distances that a controller keeps or waits for."""
-    source = context.source
-    sections = (document.standoff, document.funnel, document.seek, document.onset)
-    if not any(sections):
-        return  # most controllers
-    check_signs(document, source, steps, _POSITIVE, _NOT_NEGATIVE, context.findings)
-    standoff = document.standoff
-    if standoff is not None and standoff.least > standoff.most:
-        place = source.place(*steps, "standoff", "least")
-        ends = {"least": f"{standoff.least:g}", "most": f"{standoff.most:g}"}
-        context.add("CB518", place, **ends)
+    for modifier, section in declared(document):
+        own = (*steps, modifier.name)
+        positive: list[Steps] = [(option,) for option in modifier.positive]
+        not_negative: list[Steps] = [(option,) for option in modifier.not_negative]
+        check_signs(section, context.source, own, positive, not_negative, context.findings)
+        fault = modifier.fault(section)
+        if fault is not None:
+            context.add(fault.code, context.source.place(*own, fault.option), **fault.details)
 
 
 def check_reference(

@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+from functools import partial
+from typing import Any
+
 from cbdsl.checking.context import ProgramContext, Steps
 from cbdsl.checking.controller.agreement import Agreement
 from cbdsl.checking.controller.axes import check_axes, read_axes
 from cbdsl.checking.controller.comparison import Comparison, read_comparison
 from cbdsl.checking.controller.effector_units import in_task_units
 from cbdsl.checking.controller.field import ControllerSpec, check_field
+from cbdsl.checking.controller.influence import acting_chains
 from cbdsl.checking.controller.modifiers import read_modifiers
 from cbdsl.checking.controller.options import (
     LOOK_AT,
@@ -23,13 +27,9 @@ from cbdsl.errors.diagnostic import Place
 from cbdsl.program.controller import (
     Controller,
     Field,
-    Funnel,
-    Onset,
     Reference,
-    Seek,
-    Standoff,
 )
-from cbdsl.types.casts import Cast, chains, held_chain
+from cbdsl.types.modifier import declared
 from cbdsl.types.potential import POTENTIALS, PotentialType
 from cbdsl.types.resource import Headings, Origin, Resource
 
@@ -122,39 +122,29 @@ class _Triple:
             reference=reference,
             effector=effector,
             joints=joints,
-            chain=self._chain(feedback, effector),
-            rewarded=feedback.origin is Origin.ENVIRONMENT,
+            chains=acting_chains(self._context.body, feedback, effector),
+            # Without a reference nothing that comes from the environment is tracked: such a
+            # potential conditions the robot, and earns nothing (Section 4.2).
+            rewarded=feedback.origin is Origin.ENVIRONMENT and potential.reference,
             gain=settings.gain,
             speed=settings.speed,
             acceleration=settings.acceleration,
             quiescence=settings.quiescence,
-            free_axis=document.free_axis or ("z" if potential.name == LOOK_AT else None),
             manipulator=self._manipulator(),
-            standoff=_standoff(document.standoff),
-            funnel=_funnel(document.funnel),
-            seek=self._seek(),
-            requires=self._call(document.requires, "requires"),
             field=self._field(potential, ControllerSpec(feedback, reference, joints)),
             modifiers=read_modifiers(self._context, self._steps, document, feedback),
             axes=read_axes(document),
-            onset=_onset(document.onset),
             tip_stiffness=settings.tip_stiffness,
+            **self._modifiers(),
         )
 
     def _field(self, potential: PotentialType, wish: ControllerSpec) -> Field | None:
         field, source = self._document.field, self._context.source
-        if potential.field and self._document.funnel is not None:
-            details = {"potential": potential.name, "setting": "funnel"}
-            self._context.add("CB521", source.key(*self._steps, "funnel"), **details)
+        for modifier, _ in declared(self._document):
+            if potential.field and modifier.residual:
+                details = {"potential": potential.name, "setting": modifier.name}
+                self._context.add("CB521", source.key(*self._steps, modifier.name), **details)
         return check_field(self._context, self._steps, potential, field, wish, self._scope)
-
-    def _chain(self, feedback: Resource, effector: Resource) -> tuple[str, ...]:
-        """How a displacement of the feedback becomes one of the effector, for people."""
-        body = self._context.body
-        sensed = body.sensing(feedback)
-        if sensed is not None and sensed.isdisjoint(body.effector_joints(effector)):
-            return _spelled(held_chain(feedback.type, effector.type), feedback, effector)
-        return _spelled(chains(feedback.type, effector.type)[0], feedback, effector)
 
     def _manipulator(self) -> str | None:
         is_manipulability = self._document.potential == MANIPULABILITY
@@ -176,15 +166,19 @@ class _Triple:
         self._context.add("CB516", self._place("feedback"), robot=self._context.body.document.name)
         return False
 
-    def _seek(self) -> Seek | None:
-        seek = self._document.seek
-        if seek is None:
-            return None
-        return Seek(self._call(seek.once, "seek", "once"), seek.within, seek.until)
+    def _modifiers(self) -> dict[str, Any]:
+        """Modifiers of cbdsl's own, by the field that has them."""
+        found = {
+            modifier.name: modifier.read(section, partial(self._call, modifier.name))
+            for modifier, section in declared(self._document)
+        }
+        # Whatever looks does so along an axis of its tip.
+        return {"free_axis": "z", **found} if self._document.potential == LOOK_AT else found
 
-    def _call(self, text: str | None, *steps: str) -> str | None:
+    def _call(self, modifier: str, text: str | None, option: str) -> str | None:
         """Another controller, called as the actions call it."""
-        parsed = None if text is None else self._context.parse(text, (*self._steps, *steps))
+        steps = (*self._steps, modifier, option) if option else (*self._steps, modifier)
+        parsed = None if text is None else self._context.parse(text, steps)
         return None if parsed is None else str(parsed)
 
     def _place(self, *steps: str | int) -> Place:
@@ -200,30 +194,3 @@ class _Triple:
 
     def _resource(self, text: str, key: str) -> Resource | None:
         return self._context.resource(text, (*self._steps, key), self._scope)
-
-
-def _spelled(chain: tuple[Cast, ...], feedback: Resource, effector: Resource) -> tuple[str, ...]:
-    """Types and casts in turn, from the feedback's type to the effector's."""
-    steps = [str(feedback.type)]
-    for cast in chain:
-        is_last = cast is chain[-1]
-        steps += [str(cast), str(effector.type) if is_last else cast.target]
-    return tuple(steps)
-
-
-def _standoff(document: written.StandoffSection | None) -> Standoff | None:
-    if document is None:
-        return None
-    return Standoff(document.clearance, document.least, document.most)
-
-
-def _onset(document: written.OnsetSection | None) -> Onset | None:
-    if document is None:
-        return None
-    return Onset(document.change, document.window, document.pace)
-
-
-def _funnel(document: written.FunnelSection | None) -> Funnel | None:
-    if document is None:
-        return None
-    return Funnel(document.height, document.within, document.slope)

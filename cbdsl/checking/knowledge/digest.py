@@ -4,14 +4,17 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from cbdsl.documents.digest import ProgramDigest, digest, digest_of_text
 from cbdsl.documents.document import Document
 from cbdsl.documents.model import ModelDocument
 from cbdsl.documents.policy import PolicyDocument
 from cbdsl.documents.program import ProgramDocument
-from cbdsl.documents.schema import SchemaDocument
 from cbdsl.yaml_text.library import Library
+
+if TYPE_CHECKING:
+    from cbdsl.documents.schema import SchemaDocument
 
 # Of the program itself: what is learned stands in for its policy, on whatever stage, and holds for
 # the resources that it was learned with, whatever else might take their place.
@@ -80,6 +83,8 @@ def _allocated(program: str, name: str, beside: Path, library: Library) -> str:
 
 
 def _read_schema(name: str, beside: Path, library: Library) -> SchemaDocument:
+    from cbdsl.documents.schema import SchemaDocument  # few programs use one
+
     path = _document_file(SchemaDocument, name, beside, library)
     return library.read(path, SchemaDocument).document
 

@@ -6,8 +6,7 @@ from pathlib import Path
 
 from cbdsl.checking.findings import Findings
 from cbdsl.documents.document import Document
-from cbdsl.documents.kinds import kind_of
-from cbdsl.documents.stage import StageDocument
+from cbdsl.documents.kinds import kind_name, kind_of
 from cbdsl.errors.diagnostic import Place
 from cbdsl.errors.errors import DiagnosticsError
 from cbdsl.yaml_text.library import Library
@@ -49,7 +48,7 @@ def find_document(
 
 def first_stage(kind: type[Document], robot: str) -> str:
     """How to come by a stage of a robot that has none; nothing for other kinds of documents."""
-    if kind is not StageDocument:
+    if kind_name(kind) != "stage":
         return ""
     return f"; robot '{robot}' has none yet, and cb new stage NAME --robot {robot} writes one"
 

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from cbdsl.documents.program import ProgramDocument
 from cbdsl.errors.errors import DiagnosticsError
 from cbdsl.yaml_text.library import Library
 
@@ -43,6 +42,8 @@ class Uses:
         return self._used[path]
 
     def _read(self, path: Path) -> list[Path]:
+        from cbdsl.documents.program import ProgramDocument  # only where programs use others
+
         as_found = self._as_found[path]
         try:
             document = self._library.read_sound_parts(as_found, ProgramDocument).document

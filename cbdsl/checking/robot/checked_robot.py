@@ -9,6 +9,7 @@ from cbdsl.documents.robot import RobotDocument
 from cbdsl.errors.diagnostic import Place
 from cbdsl.robot.resources import CYCLOPEAN
 from cbdsl.robot.urdf import UrdfModel
+from cbdsl.types.casts import RIGID_HOLD, Chain
 from cbdsl.types.resource import (
     VISUAL,
     BlobSignal,
@@ -19,6 +20,7 @@ from cbdsl.types.resource import (
     GaussianSample,
     Heading,
     Headings,
+    InstanceCount,
     KernelSample,
     NetForces,
     NetLoad,
@@ -83,7 +85,7 @@ class CheckedRobot(NamedTuple):
                 return ("cameras", camera)
             case Heading() | Headings() | StereoPosition():
                 return ("cameras",)
-            case BlobSignal() | StereoSignal() | SurfacePoint():
+            case BlobSignal() | StereoSignal() | InstanceCount() | SurfacePoint():
                 return ("cameras",)
             case (
                 EffectorConfiguration(effector=name)
@@ -153,13 +155,17 @@ class CheckedRobot(NamedTuple):
         name = source.effector if isinstance(source, Tip) else source.group
         return not self.idle.isdisjoint(self.document.members(name))
 
-    def sensing(self, resource: Resource) -> frozenset[str] | None:
-        """The joints that move the cameras which see a resource; ``None`` if nothing sees it."""
-        if self.model is None or not isinstance(resource.source, VISUAL):
-            return None
-        links = self._camera_links(resource.source)
-        if not self.model.links.issuperset(links):
-            return None
+    def joints_of(self, resource: Resource, chain: Chain) -> frozenset[str]:
+        """The joints at the end of one of a resource's chains; empty where nobody can tell."""
+        source, links = resource.source, None
+        if RIGID_HOLD in chain:
+            links = self._holding_links()
+        elif isinstance(source, VISUAL):
+            links = self._camera_links(source)
+        if links is None:
+            return self.influence(resource) or frozenset()
+        if self.model is None or not self.model.links.issuperset(links):
+            return frozenset()
         return frozenset(joint for link in links for joint in self._above(link))
 
     def has_rigid_cameras(self) -> bool:

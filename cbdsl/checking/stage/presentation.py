@@ -9,6 +9,7 @@ from cbdsl.checking.findings import Findings
 from cbdsl.checking.robot.checked_robot import CheckedRobot
 from cbdsl.documents.stage import (
     BoxForm,
+    ComposedForm,
     Context,
     Fixture,
     OpenBoxForm,
@@ -180,6 +181,6 @@ class _PresentationCheck:
 def _halves(fixture: Fixture) -> tuple[float, float]:
     """Half the largest extent of a fixture along x and y, m."""
     form = fixture.form
-    if isinstance(form, (BoxForm, OpenBoxForm)):
+    if isinstance(form, (BoxForm, OpenBoxForm, ComposedForm)):
         return form.size[0][1] / 2, form.size[1][1] / 2
     return form.radius[1], form.radius[1]

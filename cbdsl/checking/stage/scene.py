@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Mapping
+from functools import lru_cache
 from itertools import chain, combinations, product
 from typing import Literal, NamedTuple
 
@@ -16,6 +17,7 @@ from cbdsl.checking.robot.checked_robot import CheckedRobot
 from cbdsl.documents.stage import (
     BallForm,
     BoxForm,
+    ComposedForm,
     Context,
     Fixture,
     Form,
@@ -106,7 +108,7 @@ def _in_robot(
     if not fixtures:
         return
     try:
-        base = [(link, solid) for link in _unmoved(model) for solid in _solids(model, link)]
+        base = _base(model)
     except UrdfError:  # which is told by whoever needs the shapes
         return
     for name, fixture in fixtures.items():
@@ -222,12 +224,12 @@ class _Arrangement:
 
 
 def _is_hollow(form: Form) -> bool:
-    return isinstance(form, (OpenBoxForm, TubeForm))
+    return isinstance(form, (OpenBoxForm, TubeForm, ComposedForm))
 
 
 def _smallest(form: Form) -> tuple[Literal["ball", "box", "cylinder"], Triple]:
     """Shape, and half the extents of the smallest that may be drawn, m."""
-    if isinstance(form, (BoxForm, OpenBoxForm)):
+    if isinstance(form, (BoxForm, OpenBoxForm, ComposedForm)):
         a, b, c = (least / 2 for least, _ in form.size)
         return "box", (a, b, c)
     radius = form.radius[0]
@@ -239,6 +241,12 @@ def _smallest(form: Form) -> tuple[Literal["ball", "box", "cylinder"], Triple]:
 def _middle(fixture: Fixture) -> Triple:
     (x, _), (y, _), (z, _) = fixture.position
     return x, y, z
+
+
+@lru_cache(maxsize=8)  # most stages are for one robot
+def _base(model: UrdfModel) -> tuple[tuple[str, _Solid], ...]:
+    """Links that no joint moves, and what they are made of."""
+    return tuple((link, solid) for link in _unmoved(model) for solid in _solids(model, link))
 
 
 def _unmoved(model: UrdfModel) -> Iterator[str]:

@@ -13,7 +13,7 @@ from cbdsl.checking.session import Session
 from cbdsl.checking.stage.presentation import check_presentations, idle_keys
 from cbdsl.checking.stage.scene import check_scenes
 from cbdsl.documents.robot import RobotDocument
-from cbdsl.documents.stage import BallForm, BoxForm, Form, OpenBoxForm, StageDocument
+from cbdsl.documents.stage import BallForm, BoxForm, ComposedForm, Form, OpenBoxForm, StageDocument
 from cbdsl.errors.diagnostic import Place
 from cbdsl.yaml_text.loaded import Loaded
 from cbdsl.yaml_text.node import Node
@@ -47,10 +47,16 @@ def _sizes(loaded: Loaded[StageDocument], body: CheckedRobot, findings: Findings
     for name, thing in loaded.document.things.items():
         width = _narrowest(thing.form)
         if farthest is not None and width > farthest:
-            key = "size" if isinstance(thing.form, (BoxForm, OpenBoxForm)) else "radius"
-            place = loaded.source.place("things", name, "form", key)
+            place = loaded.source.place("things", name, "form", _size_key(thing.form))
             ends = {"width": f"{width:.4g}", "farthest": f"{farthest:.3g}"}
             findings.add("CB721", place, name=name, robot=body.document.name, **ends)
+
+
+def _size_key(form: Form) -> str:
+    """Key of a form that says how wide a thing is."""
+    if isinstance(form, ComposedForm):
+        return "pieces"
+    return "size" if isinstance(form, (BoxForm, OpenBoxForm)) else "radius"
 
 
 def _matter(loaded: Loaded[StageDocument], findings: Findings) -> None:
@@ -74,7 +80,7 @@ def _matter(loaded: Loaded[StageDocument], findings: Findings) -> None:
 
 def _narrowest(form: Form) -> float:
     """The least extent of a thing, at its smallest, m."""
-    if isinstance(form, (BoxForm, OpenBoxForm)):
+    if isinstance(form, (BoxForm, OpenBoxForm, ComposedForm)):
         return min(size[0] for size in form.size)
     across = 2 * form.radius[0]
     return across if isinstance(form, BallForm) else min(across, form.height[0])

@@ -302,7 +302,9 @@ def _label(
 
 
 def _letters(panels: Sequence[_Panel]) -> list[str]:
-    """The letters of the legend: ``*`` only where it is used."""
+    """The letters of the legend: none where there are no states, ``*`` only where it is used."""
+    if not any(panel.graph.members for panel in panels):
+        return []
     used = "".join(node.letters for panel in panels for node in panel.graph.nodes)
     return [letter for letter in LETTERS if letter != "*" or "*" in used]
 

@@ -276,7 +276,19 @@ def _colon(trouble: _Trouble) -> Slip | None:
     if trouble.problem != _NO_KEY:
         return None
     rows = [n for n in (trouble.line, trouble.line - 1) if n and _OPENS.match(trouble.lines[n - 1])]
-    return next((slip for n in rows if (slip := _no_colon(trouble.lines, n))), None)
+    slips = (_no_colon(trouble.lines, n) for n in rows)
+    return next((slip for slip in slips if slip), None) or _colon_before_comment(trouble)
+
+
+def _colon_before_comment(trouble: _Trouble) -> Slip | None:
+    """A line that lacks its colon, and is followed by a comment, which ends a text."""
+    number = trouble.above
+    between = trouble.lines[number : trouble.line - 1]
+    text, sign, _ = trouble.lines[number - 1].partition(" #") if number else ("", "", "")
+    is_commented = bool(sign) or any(line.lstrip()[:1] == "#" for line in between)
+    if not is_commented or not text.strip() or _KEY.match(f"{text} "):
+        return None
+    return _no_colon([*trouble.lines[: number - 1], text], number)
 
 
 def _no_colon(lines: Sequence[str], line: int) -> Slip | None:

@@ -9,7 +9,7 @@ import pytest
 
 from cbdsl.backends.backend import BackendError
 from cbdsl.backends.mujoco.backend import MujocoBackend
-from cbdsl.backends.mujoco.robot_spec import compile_spec, make_robot_spec
+from cbdsl.backends.mujoco.robot_spec import body_name, compile_spec, make_robot_spec
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.robot.joints import Joints
 from cbdsl.robot.urdf import read_urdf
@@ -87,6 +87,6 @@ def test_a_pattern_that_matches_no_link_is_refused(dexter: RobotDocument, patter
 
 def test_a_model_that_cannot_be_simulated_says_why(dexter: RobotDocument) -> None:
     spec = make_robot_spec(dexter, read_urdf(URDF), 1 / 240)
-    spec.add_exclude(bodyname1=dexter.base, bodyname2="nobody")
+    spec.add_exclude(bodyname1=body_name(dexter.base), bodyname2="nobody")
     with pytest.raises(BackendError, match=r"cannot read the model .*dexter\.urdf.*nobody"):
         compile_spec(spec, read_urdf(URDF))

@@ -5,7 +5,7 @@ from typing import Annotated, Literal
 from pydantic import Field
 
 from cbdsl.documents.document import Document, Duration, Name
-from cbdsl.documents.kinds import Kind
+from cbdsl.documents.kind import Kind
 from cbdsl.errors.entry import Entry
 
 

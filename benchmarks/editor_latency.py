@@ -1,0 +1,68 @@
+"""Latency of the language server's check: from a changed text to its findings, a keystroke each.
+
+A program of 500 lines is typed into, letter by letter, with what is wrong in between. Prints JSON:
+the median and the 95th percentile in milliseconds of processor time, and the memory of the process
+in MB. Exit 1 where the 95th percentile is above 50 ms.
+
+    python benchmarks/editor_latency.py [--keystrokes 200]
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import resource
+import sys
+import time
+from pathlib import Path
+
+import numpy as np
+
+from cbdsl.editor.buffers import Buffers
+from cbdsl.yaml_text.library import shipped
+
+TYPED = "    gain: 8 /s\n"
+TARGET = 50.0  # ms
+CONTROLLER = """\
+  c{number}:
+    potential: spring
+    reference: [{number} cm, 0 cm, 0 cm]
+    feedback: right_arm.position
+    effector: right_arm.position
+"""
+
+
+def program(controllers: int) -> str:
+    """A program with some controllers, five lines each."""
+    head = "cbdsl: 1\nkind: program\nname: long\nrobot: dexter\ncontrollers:\n"
+    body = "".join(CONTROLLER.format(number=number) for number in range(controllers))
+    return f"{head}{body}actions: [{', '.join(f'c{number}' for number in range(8))}]\n"
+
+
+def main() -> int:
+    parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
+    parser.add_argument("--keystrokes", type=int, default=200)
+    options = parser.parse_args()
+    path, text = shipped() / "programs" / "long.yaml", program(100)
+    buffers, times = Buffers(Path.cwd()), []
+    buffers.change(path, text)
+    buffers.findings(path)
+    place = text.index("  c50:")
+    for stroke in range(options.keystrokes):
+        typed = TYPED[: 1 + stroke % len(TYPED)]
+        changed = text[:place] + typed + text[place:]
+        # Processor time: what else the machine does is not the server's.
+        began = time.process_time()
+        buffers.change(path, changed)
+        buffers.findings(path)
+        times.append(1000 * (time.process_time() - began))
+    worst = float(np.percentile(times, 95))
+    memory = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
+    lines = text.count("\n")
+    figures = {"lines": lines, "median": float(np.median(times)), "p95": worst, "memory": memory}
+    print(json.dumps({key: round(value, 1) for key, value in figures.items()}))
+    return int(worst > TARGET)
+
+
+if __name__ == "__main__":
+    sys.exit(main())

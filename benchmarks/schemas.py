@@ -1,0 +1,188 @@
+"""What schemas learn in some episodes: which hands an object needs, and what no hand reaches.
+
+Trials of ASSIMILATE from a learned policy, each with chance of its own. What is right is not told
+but tried: in held-out episodes every allocation has its turn, and those rewarded are right. A
+tree's first choice is right where it is one of these, and a schema that expects no reward is
+right where none is. Exits with 1 where too few trials reach their aims.
+
+    python benchmarks/schemas.py --seed 1 [--episodes 50] [--trials 10] [--held-out 200] [--json]
+        [--program reachtouch] [--policy reachtouch] [--stage near_and_far_training]
+        [--backend mujoco] [--cameras ideal]
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import sys
+import time
+from collections.abc import Iterator, Mapping, Sequence
+from typing import Any, NamedTuple
+
+from cbdsl.backends.backend import embody
+from cbdsl.checking.assimilation import program_to_assimilate
+from cbdsl.checking.session import Session
+from cbdsl.documents.policy import PolicyDocument
+from cbdsl.documents.program import ProgramDocument
+from cbdsl.documents.robot import RobotDocument
+from cbdsl.documents.stage import StageDocument
+from cbdsl.learning.assimilate import Assimilate, AssimilateConstants
+from cbdsl.learning.learner import ASSIMILATE
+from cbdsl.program.checked import CheckedProgram
+from cbdsl.program.schema import Ranking
+from cbdsl.program.schema_policy import Features, SchemaPolicy
+from cbdsl.reproduction.interval import exact_interval
+from cbdsl.sensing.kinematics import Kinematics
+from cbdsl.training.episode_runner import BackendEpisodeRunner
+from cbdsl.training.trial import Trial
+from cbdsl.types.decision_tree import decide
+from cbdsl.yaml_text.library import Library
+
+# Where held-out episodes begin; trials draw theirs from their own seeds.
+HELD_OUT = 7_400_000
+# Least share of right choices where several allocations work and where one does, and of what is out
+# of reach and said to be; largest share of what is in reach and said not to be.
+POSSIBLE, ALONE, OUT_OF_REACH, FALSE_ALARMS = 0.95, 0.9, 0.95, 0.02
+# Of the trials.
+LEAST_SHARE = 0.8
+
+
+class Case(NamedTuple):
+    """A held-out context: what was sensed when it was allocated, and what works there."""
+
+    context: str
+    features: Features
+    works: frozenset[str]
+
+
+def prepared(options: argparse.Namespace) -> tuple[CheckedProgram, BackendEpisodeRunner]:
+    """The program with all its allocations, and what runs it."""
+    library = Library()
+    policy = library.read(library.locate(PolicyDocument, options.policy), PolicyDocument)
+    path = library.locate(ProgramDocument, options.program)
+    program = program_to_assimilate(path, policy, Session(library), {})
+    robot_file = library.locate(RobotDocument, program.robot)
+    robot = library.read(robot_file, RobotDocument).document
+    stage = library.read(library.locate(StageDocument, options.stage), StageDocument).document
+    urdf = robot_file.parent / robot.model
+    body = embody(options.backend, robot, urdf, cameras=options.cameras)
+    runner = BackendEpisodeRunner(robot, Kinematics(robot, urdf), body, stage)
+    return program._replace(transition_time=8.0, idle_time=1.0), runner
+
+
+def cases(
+    program: CheckedProgram, runner: BackendEpisodeRunner, seeds: Sequence[int]
+) -> Iterator[Case]:
+    """Held-out contexts in which the features were defined, by trying every allocation."""
+    assert program.schema is not None
+    names, components = tuple(program.schema.allocations), program.schema.components
+    policies = {name: SchemaPolicy(program, _always(name), gives_up=False) for name in names}
+    for seed in seeds:
+        works, context, features = set(), "", dict[str, float]()
+        for name, policy in policies.items():
+            episode = runner.run(program, policy, seed, lambda transition: None)
+            context = episode.context
+            if episode.reward:
+                works.add(name)
+            for transition in episode.transitions:
+                if not features and transition.features.keys() >= set(components):
+                    features = dict(transition.features)
+        if features:
+            yield Case(context, features, frozenset(works))
+
+
+def _always(name: str) -> Any:
+    def rank(features: Features) -> Ranking:
+        return (name,)
+
+    return rank
+
+
+def learned(
+    program: CheckedProgram, runner: BackendEpisodeRunner, number: int, options: argparse.Namespace
+) -> Assimilate:
+    """What a trial learns."""
+    trial = Trial(program, AssimilateConstants(), options.seed, number, ASSIMILATE)
+    for _ in range(options.episodes):
+        trial.run(runner)
+    assert isinstance(trial.learner, Assimilate)
+    return trial.learner
+
+
+def judged(learner: Assimilate, held_out: Sequence[Case]) -> dict[str, list[int]]:
+    """Counts of what is right, and of what could be, by aim."""
+    choice, reward = learner.choice(), learner.reward()
+    counts = {aim: [0, 0] for aim in ("possible", "alone", "out_of_reach", "false_alarms")}
+    for case in held_out:
+        said = (decide(reward, case.features) or 0.0) < 0.5
+        if not case.works:
+            _count(counts["out_of_reach"], said)
+            continue
+        first = (decide(choice, case.features) or ("",))[0]
+        _count(counts["false_alarms"], said)
+        _count(counts["possible"], first in case.works)
+        if len(case.works) == 1:
+            _count(counts["alone"], first in case.works)
+    return counts
+
+
+def _count(counts: list[int], is_so: bool) -> None:
+    counts[0] += is_so
+    counts[1] += 1
+
+
+def holds(counts: Mapping[str, Sequence[int]]) -> bool:
+    """Whether a trial reaches all its aims."""
+    share = {aim: some / most if most else 1.0 for aim, (some, most) in counts.items()}
+    return (
+        share["possible"] >= POSSIBLE
+        and share["alone"] >= ALONE
+        and share["out_of_reach"] >= OUT_OF_REACH
+        and (not counts["false_alarms"][1] or share["false_alarms"] <= FALSE_ALARMS)
+    )
+
+
+def main() -> int:
+    """Learn, try, print; the exit code."""
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--episodes", type=int, default=50)
+    parser.add_argument("--trials", type=int, default=10)
+    parser.add_argument("--held-out", type=int, default=200)
+    parser.add_argument("--program", default="reachtouch")
+    parser.add_argument("--policy", default="reachtouch")
+    parser.add_argument("--stage", default="near_and_far_training")
+    parser.add_argument("--backend", default="kinematic")
+    parser.add_argument("--cameras", choices=("rendered", "ideal"))
+    parser.add_argument("--json", action="store_true")
+    options = parser.parse_args()
+    began = time.perf_counter()
+    program, runner = prepared(options)
+    held_out = list(cases(program, runner, range(HELD_OUT, HELD_OUT + options.held_out)))
+    _show({"held_out": len(held_out), "seconds": round(time.perf_counter() - began)}, options)
+    met, total = 0, {aim: [0, 0] for aim in ("possible", "alone", "out_of_reach", "false_alarms")}
+    for number in range(options.trials):
+        counts = judged(learned(program, runner, number, options), held_out)
+        met += holds(counts)
+        for aim, (some, most) in counts.items():
+            total[aim] = [total[aim][0] + some, total[aim][1] + most]
+        _show({"trial": number, **counts, "holds": holds(counts)}, options)
+    shares = {aim: _share(*counts) for aim, counts in total.items()}
+    seconds = round(time.perf_counter() - began)
+    _show({"trials": options.trials, "hold": met, **shares, "seconds": seconds}, options)
+    return 0 if met >= LEAST_SHARE * options.trials else 1
+
+
+def _share(some: int, most: int) -> list[float]:
+    """Share with its 95 % interval."""
+    low, high = exact_interval(some, most)
+    return [round(some / most, 3) if most else 0.0, round(low, 3), round(high, 3)]
+
+
+def _show(row: Mapping[str, Any], options: argparse.Namespace) -> None:
+    words = (f"{key} {value}" for key, value in row.items())
+    print(json.dumps(row) if options.json else "  ".join(words), flush=True)
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,92 @@
+"""Shapes of the robot whose surfaces are soft."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from typing import Any, NamedTuple
+
+from cbdsl.backends.mujoco.robot_spec import body_name
+from cbdsl.backends.staging.links import matching_links
+from cbdsl.documents.robot import RobotDocument
+from cbdsl.robot.urdf import UrdfModel
+
+# Impedances that the solver takes well.
+_SOFTEST, _STIFFEST = 0.2, 0.99
+# Width, middle and power of an impedance that does not change with depth.
+_SHAPE = [0.001, 0.5, 2.0]
+
+
+class SoftShape(NamedTuple):
+    """A shape of the robot whose surface has a stiffness and a damping.
+
+    Attributes:
+        geom: its name in the specification.
+        friction: coefficient of lateral friction.
+        stiffness: N/m.
+        damping: N s/m.
+        mobility: of its link, 1/kg: the inverse of the inertia that it opposes to a push.
+    """
+
+    geom: str
+    friction: float
+    stiffness: float
+    damping: float
+    mobility: float
+
+    def press(self, spec: Any, geom: Any, mobility: float, movable: bool) -> Any:
+        """Let it touch a shape of an object as softly as it is; the pair that says so.
+
+        MuJoCo pushes two bodies apart with the force impedance / (1 - impedance) / mobility times
+        the acceleration of a critically damped spring (its documentation, "Solver parameters"), so
+        that the stiffness is 1 / ((1 - impedance) mobility time^2), and the damping twice the
+        stiffness times the time constant.
+
+        Args:
+            spec: of the world.
+            geom: of the object.
+            mobility: of the object, 1/kg.
+            movable: whether the object's friction counts.
+        """
+        together = max(self.mobility + mobility, 1e-9)
+        time = max(self.damping / (2.0 * self.stiffness), 2.0 * spec.option.timestep)
+        impedance = 1.0 - 1.0 / (self.stiffness * together * time**2)
+        if impedance < _SOFTEST:
+            impedance = _SOFTEST
+            time = math.sqrt(1.0 / ((1.0 - impedance) * self.stiffness * together))
+        impedance = min(impedance, _STIFFEST)
+        friction, spinning, rolling = geom.friction
+        sliding = friction if movable else max(friction, self.friction)
+        return spec.add_pair(
+            geomname1=self.geom,
+            geomname2=geom.name,
+            condim=geom.condim,
+            friction=[sliding, sliding, spinning, rolling, rolling],
+            solref=[time, 1.0],
+            solimp=[impedance, impedance, *_SHAPE],
+        )
+
+
+def soft_shapes(robot: RobotDocument, model: UrdfModel, compiled: Any) -> Iterator[SoftShape]:
+    """The shapes of links to whose surfaces the robot file gives a stiffness.
+
+    Args:
+        robot: names surfaces.
+        model: its URDF.
+        compiled: MuJoCo's model of the robot.
+    """
+    for surface in robot.simulation.surfaces:
+        if surface.stiffness is None:
+            continue
+        for link in matching_links(robot, model, surface.links):
+            body = compiled.body(body_name(link))
+            mobility = float(compiled.body_invweight0[body.id][0])
+            first = int(body.geomadr[0])
+            for number in range(first, first + int(body.geomnum[0])):
+                yield SoftShape(
+                    compiled.geom(number).name,
+                    surface.friction,
+                    surface.stiffness,
+                    surface.damping or 0.0,
+                    mobility,
+                )

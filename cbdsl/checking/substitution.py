@@ -1,0 +1,119 @@
+"""Substitution: whole programs in the place of one that is rewarded for the same (5.3.2)."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping
+from pathlib import Path
+from typing import NamedTuple
+
+from cbdsl.checking.findings import Findings
+from cbdsl.checking.session import Session
+from cbdsl.documents.program import ProgramDocument
+from cbdsl.errors.errors import DiagnosticsError
+from cbdsl.program.checked import CheckedProgram
+from cbdsl.program.correspondence import affordances, correspondence, in_place_of
+from cbdsl.types.allotment import PROGRAM, WHOLE, allotment
+
+Examine = Callable[[Path, Mapping[str, str], Findings], CheckedProgram | None]
+"""Checks a program with values of its parameters; its findings go where they are told to."""
+
+
+class Allocation(NamedTuple):
+    """One choice of resources for the parameters that a program lets be replaced.
+
+    Attributes:
+        values: resource or channel by parameter; another program by ``program``.
+        choices: what was chosen by name of the group of parameters: the value of its first one.
+        program: the program with these values, or ``None`` where they do not fit.
+        refusal: why they do not fit; empty where they do.
+    """
+
+    values: Mapping[str, str]
+    choices: Mapping[str, str]
+    program: CheckedProgram | None
+    refusal: str
+
+
+def substitutes(
+    path: Path, values: Mapping[str, str], session: Session, examine: Examine
+) -> Iterator[Allocation]:
+    """The programs that are rewarded for what a program asks for in place of itself.
+
+    Args:
+        path: the file of a program without findings.
+        values: values of its parameters; others take over those that they have, too.
+        session: documents that were read before.
+        examine: checks a program with values of its parameters.
+    """
+    library = session.library
+    document = library.read(path, ProgramDocument).document
+    wanted = _wanted(document)
+    if not wanted:
+        return
+    program = examine(path, values, Findings())
+    for name in library.names(ProgramDocument, path) if program is not None else ():
+        file = library.find(ProgramDocument, name, path)
+        if program is None or file is None or library.real(file) == library.real(path):
+            continue
+        other = _examined(file, document, values, session, examine)
+        if other is not None and affordances(other) & wanted:
+            yield _substitute(program, other)
+
+
+def stand_in(
+    name: str, path: Path, values: Mapping[str, str], session: Session, examine: Examine
+) -> tuple[CheckedProgram | None, str]:
+    """A program in the place of another, or ``None`` with the reason why it cannot be.
+
+    Args:
+        name: of the program that stands in.
+        path: the file of the program, without findings.
+        values: of the parameters of either.
+        session: documents that were read before.
+        examine: checks a program with values of its parameters.
+    """
+    file = session.library.find(ProgramDocument, name, path)
+    document = session.library.read(path, ProgramDocument).document
+    own = {key: value for key, value in values.items() if key in document.parameters}
+    program = examine(path, own, Findings())
+    other = None if file is None else _examined(file, document, values, session, examine)
+    if program is None or other is None:
+        return None, f"there is no sound program '{name}' for robot '{document.robot}'"
+    substitute = _substitute(program, other)
+    return substitute.program, substitute.refusal
+
+
+def _wanted(document: ProgramDocument) -> set[str]:
+    """Types of what programs in its place have to be rewarded for."""
+    kinds = [allotment(text) for group in document.resources.values() for text in group.values()]
+    return {each.type for each in kinds if each is not None and each.kind == PROGRAM}
+
+
+def _examined(
+    file: Path,
+    document: ProgramDocument,
+    values: Mapping[str, str],
+    session: Session,
+    examine: Examine,
+) -> CheckedProgram | None:
+    """A program for the same robot with the same values of the parameters that both have."""
+    try:
+        other = session.library.read(file, ProgramDocument).document
+    except DiagnosticsError:
+        return None
+    if other.robot != document.robot:
+        return None
+    given = {**document.parameters, **values}
+    shared = {key: given[key] for key in other.parameters if key in given}
+    findings = Findings()
+    program = examine(file, shared, findings)
+    return None if findings.failed else program
+
+
+def _substitute(program: CheckedProgram, other: CheckedProgram) -> Allocation:
+    values = {WHOLE: other.name}
+    names = correspondence(program, other)
+    if names is None:
+        reason = f"its actions are not those of '{program.name}' in the abstract"
+        return Allocation(values, values, None, reason)
+    return Allocation(values, values, in_place_of(program, other, names), "")

@@ -1,0 +1,22 @@
+"""``cb lsp``: the language server, which an editor starts."""
+
+from __future__ import annotations
+
+
+def lsp() -> None:
+    """Serve an editor over the standard streams: findings while typing, completion, hover.
+
+    Editors start it; see docs/how_to/set_up_an_editor.md. It ends with the editor.
+    """
+    from importlib.metadata import version
+    from pathlib import Path
+
+    from cbdsl.errors.errors import UsageError
+
+    try:
+        from cbdsl.editor.server import build
+    except ModuleNotFoundError as error:
+        raise UsageError(
+            f"cb lsp needs {error.name}, which is not installed: pip install 'cbdsl[editor]'"
+        ) from error
+    build(version("cbdsl"), Path.cwd()).start_io()

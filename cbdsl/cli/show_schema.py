@@ -1,0 +1,71 @@
+"""``cb show schema``: the trees of a schema, as text, as data, or as a picture."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from cbdsl.cli.show_format import Format, drawing, read_format
+from cbdsl.cli.show_program import Json
+
+if TYPE_CHECKING:
+    from cbdsl.documents.schema import SchemaDocument
+
+Schema = Annotated[str, typer.Argument(metavar="FILE|NAME", help="A schema.")]
+Against = Annotated[
+    str | None,
+    typer.Option("--against", metavar="FILE|NAME", help="Another schema: show what differs."),
+]
+FormatOption = Annotated[
+    str, typer.Option("--format", help="text or json; dot, mermaid or svg for its trees.")
+]
+
+
+def show_schema(
+    name: Schema,
+    against: Against = None,
+    format_: FormatOption = "text",
+    as_json: Json = False,
+) -> None:
+    """Show by what a schema chooses resources, and where it expects no reward.
+
+    With --against, the lines by which another schema differs: - for those of that one, + for those
+    of this one.
+    """
+    from cbdsl.cli.schema_text import schema_text
+    from cbdsl.cli.terminal import print_json
+    from cbdsl.errors.errors import UsageError
+    from cbdsl.reporting.drawing.schema_graph import schema_graph
+
+    form = read_format(format_, as_json)
+    if against is not None and form is not Format.TEXT:
+        raise UsageError("--against compares the texts of two schemas, whatever --format")
+    schema = _read(name)
+    if against is not None:
+        print(_difference(_read(against), schema), end="")
+    elif form is Format.JSON:
+        print_json(schema.model_dump(mode="json", by_alias=True, exclude_none=True))
+    elif form is Format.TEXT:
+        print(schema_text(schema), end="")
+    else:
+        print(drawing(schema_graph(schema), form), end="")
+
+
+def _read(name: str) -> SchemaDocument:
+    from cbdsl.documents.schema import SchemaDocument
+    from cbdsl.yaml_text.library import Library
+
+    library = Library()
+    return library.read(library.locate(SchemaDocument, name), SchemaDocument).document
+
+
+def _difference(other: SchemaDocument, schema: SchemaDocument) -> str:
+    """Lines in which the texts of two schemas differ, with all lines around them."""
+    from difflib import unified_diff
+
+    from cbdsl.cli.schema_text import schema_text
+
+    before, after = (schema_text(each).splitlines() for each in (other, schema))
+    lines = list(unified_diff(before, after, lineterm="", n=len(before) + len(after)))[3:]
+    return "\n".join(lines or ["no difference"]) + "\n"

@@ -1,0 +1,1 @@
+"""The language server: findings, completion, hover, definitions and fixes, while one types."""

@@ -1,0 +1,77 @@
+"""Texts of an editor, saved or not, and what the checker finds in them."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from cbdsl.checking.document import check_document
+from cbdsl.checking.session import Session
+from cbdsl.documents.document import Document
+from cbdsl.errors.diagnostic import Diagnostic
+from cbdsl.errors.errors import DiagnosticsError
+from cbdsl.yaml_text.library import Library
+from cbdsl.yaml_text.loaded import Loaded
+
+
+class Buffers:
+    """The texts that an editor has open.
+
+    Documents that are not open are read from the disk, once, and again after ``forget``.
+
+    Args:
+        here: the folder in which documents are found by name.
+    """
+
+    def __init__(self, here: Path) -> None:
+        self._here = here
+        self._texts: dict[Path, str] = {}
+        self._session = self._new_session()
+
+    def change(self, path: Path, text: str) -> None:
+        """Take the text of a file from the editor."""
+        self._texts[path] = text
+        if not self._session.replace(path, text.encode("utf-8", "surrogatepass")):
+            self._session = self._new_session()
+
+    def close(self, path: Path) -> None:
+        """Take the text of a file from the disk again."""
+        self._texts.pop(path, None)
+        self._session = self._new_session()
+
+    def forget(self) -> None:
+        """Read what is not open from the disk again."""
+        self._session = self._new_session()
+
+    def text(self, path: Path) -> str:
+        """The text of a file; nothing where it cannot be read."""
+        if path in self._texts:
+            return self._texts[path]
+        try:
+            return self._session.library.text(path)
+        except DiagnosticsError:
+            return ""
+
+    @property
+    def library(self) -> Library:
+        """Documents by name, as the editor has them."""
+        return self._session.library
+
+    def findings(self, path: Path) -> list[Diagnostic]:
+        """The findings that are placed in a file.
+
+        Raises:
+            PluginError: the checker of a kind of another package fails.
+        """
+        every = check_document(path, self._session)
+        return [each for each in every if Path(each.place.file) == path]
+
+    def document(self, path: Path) -> Loaded[Document] | None:
+        """What has no faults of a file, or ``None`` where there is nothing."""
+        try:
+            return self._session.library.read_sound_parts(path, Document)
+        except DiagnosticsError:
+            return None
+
+    def _new_session(self) -> Session:
+        given = {path: text.encode("utf-8", "surrogatepass") for path, text in self._texts.items()}
+        return Session(Library(self._here, given))

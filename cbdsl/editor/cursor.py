@@ -1,0 +1,96 @@
+"""Where a cursor stands in a document: keys that enclose it, and the word that it is in.
+
+Read from the text alone, since a document that is being typed is seldom valid.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+from typing import NamedTuple
+
+_KEY = re.compile(
+    r"""^(?P<indent>\s*)(?:-\s+)?["']?(?P<key>[^\s"'#{}\[\],][^"'#{}\[\],:]*)["']?:(?=\s|$)"""
+)
+# In brackets: a key with its colon, a bracket or a comma; what is quoted holds none.
+_TOKEN = re.compile(
+    r"""(?P<quoted>"[^"]*"|'[^']*')|(?P<key>[^\s{}\[\],:"'][^{}\[\],:"']*):(?=\s|$)|[{}\[\],]"""
+)
+# Words are names with dots, such as right_arm.position, and parameters, such as $arm.
+_BEFORE, _AFTER = re.compile(r"\$?[\w.]*$"), re.compile(r"^[\w.]*")
+
+
+class Cursor(NamedTuple):
+    """A place in a document.
+
+    Attributes:
+        steps: the enclosing keys, from the outside, the one whose value is written at the end.
+        word: the name around the cursor; empty between words.
+        start, end: columns of the word, from 0, ``end`` exclusive.
+        on_key: whether a key is written rather than a value.
+    """
+
+    steps: tuple[str, ...]
+    word: str
+    start: int
+    end: int
+    on_key: bool
+
+    @property
+    def key(self) -> str:
+        """The innermost key; empty at the top level."""
+        return self.steps[-1] if self.steps else ""
+
+
+def cursor(lines: Sequence[str], line: int, column: int) -> Cursor:
+    """Where the cursor stands.
+
+    Args:
+        lines: the text.
+        line: from 0; a line after the last is empty.
+        column: characters before the cursor.
+    """
+    text = lines[line] if 0 <= line < len(lines) else ""
+    before, after = text[:column], text[column:]
+    head, tail = _BEFORE.search(before), _AFTER.search(after)
+    assert head is not None and tail is not None, "both match nothing, too"
+    word, start = head[0] + tail[0], len(before) - len(head[0])
+    opened, own = _in_line(before)
+    indent = len(text) - len(text.lstrip()) if text.strip() else column
+    outer = _above(lines, line, indent)
+    written = re.match(r"\s*:(\s|$)", after[len(tail[0]) :]) is not None
+    on_key = written or (own is None)
+    steps = (*outer, *opened) if own is None else (*outer, *opened, own)
+    return Cursor(steps, word, start, column + len(tail[0]), on_key)
+
+
+def _in_line(before: str) -> tuple[list[str], str | None]:
+    """Keys whose braces are open on the line, and the key whose value is being written."""
+    match = _KEY.match(before)
+    own = match["key"].strip() if match else None
+    frames: list[tuple[str, str | None]] = []
+    for token in _TOKEN.finditer(before, match.end() if match else 0):
+        mark = token[0]
+        if token["key"] is not None:
+            own = token["key"].strip()
+        elif mark in ("{", "["):
+            frames.append((mark, own))
+            own = None if mark == "{" else own
+        elif mark in ("}", "]") and frames:
+            _, own = frames.pop()
+        elif mark == "," and frames and frames[-1][0] == "{":
+            own = None
+    return [key for bracket, key in frames if bracket == "{" and key is not None], own
+
+
+def _above(lines: Sequence[str], line: int, indent: int) -> tuple[str, ...]:
+    """Keys on the lines above that enclose a line of some indentation, the outermost first."""
+    steps: list[str] = []
+    for text in reversed(lines[:line]):
+        match = _KEY.match(text)
+        if indent == 0:
+            break
+        if match and len(match["indent"]) < indent:
+            steps.append(match["key"].strip())
+            indent = len(match["indent"])
+    return tuple(reversed(steps))

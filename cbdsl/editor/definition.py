@@ -1,0 +1,40 @@
+"""The place where the name under the cursor is defined."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import NamedTuple
+
+from cbdsl.editor.buffers import Buffers
+from cbdsl.editor.cursor import Cursor
+from cbdsl.editor.names import document_named, section
+
+_SECTIONS = ("controllers", "use")
+
+
+class Definition(NamedTuple):
+    """A line of a file.
+
+    Attributes:
+        file: whose.
+        line: from 0.
+    """
+
+    file: Path
+    line: int
+
+
+def definition(buffers: Buffers, path: Path, cursor: Cursor) -> Definition | None:
+    """Where a controller, a used program, a parameter or a document is defined."""
+    lines = buffers.text(path).splitlines()
+    if cursor.word.startswith("$"):
+        line = section(lines, "parameters").get(cursor.word[1:])
+        return None if line is None else Definition(path, line)
+    file = document_named(buffers, path, cursor.key, cursor.word)
+    if file is not None and not cursor.on_key:
+        return Definition(file, 0)
+    for name in _SECTIONS:
+        line = section(lines, name).get(cursor.word)
+        if line is not None:
+            return Definition(path, line)
+    return None

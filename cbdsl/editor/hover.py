@@ -1,0 +1,53 @@
+"""Explanation of the word under the cursor, in Markdown."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from cbdsl.editor.buffers import Buffers
+from cbdsl.editor.cursor import Cursor
+from cbdsl.editor.keys import keys
+from cbdsl.editor.names import document_named, robot_resources
+from cbdsl.types.casts import CASTS
+from cbdsl.types.potential import POTENTIALS, PotentialType
+from cbdsl.types.resource import Resource
+
+
+def hover(buffers: Buffers, path: Path, cursor: Cursor) -> str | None:
+    """What a word is: a key, a potential, a resource or a document; ``None`` for others."""
+    if cursor.on_key:
+        description = keys(buffers.text(path), cursor.steps).get(cursor.word)
+        return f"**{cursor.word}**: {description}" if description else None
+    if cursor.key == "potential" and cursor.word in POTENTIALS:
+        return _potential(POTENTIALS[cursor.word])
+    resource = robot_resources(buffers, path).get(cursor.word)
+    if resource is not None:
+        return _resource(resource)
+    file = document_named(buffers, path, cursor.key, cursor.word)
+    if file is None:
+        return None
+    loaded = buffers.document(file)
+    description = getattr(loaded.document, "description", None) if loaded else None
+    return f"**{cursor.word}**: {description or file}"
+
+
+def _potential(potential: PotentialType) -> str:
+    return (
+        f"**{potential.name}** {potential.symbol}, {potential.equation}; of "
+        f"{', '.join(sorted(potential.accepts))}"
+    )
+
+
+def _resource(resource: Resource) -> str:
+    """Type, unit and origin, and the casts that lead on from its type."""
+    lines = [
+        f"**{resource.name}**: {resource.type}, {resource.type.unit}, "
+        f"{resource.origin.value}{', can be moved' if resource.movable else ''}"
+    ]
+    name = resource.type.name
+    lines += [
+        f"- {cast.name}: to {cast.target} ({cast.equation})"
+        for cast in CASTS
+        if cast.source == name
+    ]
+    return "\n".join(lines)

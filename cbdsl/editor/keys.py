@@ -1,0 +1,55 @@
+"""Keys that a section of a document may have, and what each is for."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator, Mapping, Sequence
+from functools import cache
+from typing import Any
+
+from cbdsl.documents.json_schema import json_schema
+from cbdsl.documents.kinds import KINDS
+
+_KIND = re.compile(r"^kind:\s*(\w+)", re.MULTILINE)
+
+
+def keys(text: str, steps: Sequence[str]) -> dict[str, str]:
+    """Descriptions of the keys of the section that some keys lead to.
+
+    Args:
+        text: the document; without a known kind it has no keys but those of all kinds.
+        steps: the keys, from the outside.
+    """
+    match = _KIND.search(text)
+    if match is None or match[1] not in KINDS:
+        return {"cbdsl": "Version of the language.", "kind": "Kind of document."}
+    whole = _schema(match[1])
+    sections = [whole]
+    for step in steps:
+        sections = [inner for each in sections for inner in _inside(each, step, whole)]
+    known = (each.get("properties", {}) for each in sections)
+    return {key: value.get("description", "") for some in known for key, value in some.items()}
+
+
+@cache
+def _schema(kind: str) -> Mapping[str, Any]:
+    return json_schema(KINDS.get(kind).model)
+
+
+def _inside(section: Mapping[str, Any], step: str, whole: Mapping[str, Any]) -> Iterator[Any]:
+    """The schemas that the value of a key may have."""
+    value = section.get("properties", {}).get(step, section.get("additionalProperties"))
+    if isinstance(value, dict):
+        yield from _plain(value, whole)
+
+
+def _plain(schema: Mapping[str, Any], whole: Mapping[str, Any]) -> Iterator[Mapping[str, Any]]:
+    """A schema with references followed and alternatives apart."""
+    if "$ref" in schema:
+        yield from _plain(whole["$defs"][schema["$ref"].rpartition("/")[2]], whole)
+        return
+    alternatives = [*schema.get("anyOf", ()), *schema.get("oneOf", ())]
+    if not alternatives:
+        yield schema
+    for each in alternatives:
+        yield from _plain(each, whole)

@@ -1,0 +1,128 @@
+"""Names that a value may have, by the keys that enclose it."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable, Mapping, Sequence
+from pathlib import Path
+from typing import NamedTuple
+
+from cbdsl.documents.document import Document
+from cbdsl.documents.kinds import KINDS
+from cbdsl.documents.robot import RobotDocument
+from cbdsl.editor.buffers import Buffers
+from cbdsl.errors.errors import DiagnosticsError, UsageError
+from cbdsl.robot.resources import resources
+from cbdsl.types.potential import POTENTIALS
+from cbdsl.types.resource import Resource
+
+#: Keys whose values are the names of documents, by kind.
+_DOCUMENTS = {
+    "robot": "robot",
+    "stage": "stage",
+    "program": "program",
+    "policy": "policy",
+    "schema": "schema",
+    "calibration": "calibration",
+}
+_RESOURCES = ("feedback", "effector", "reference")
+#: Sections of a program in whose values its controllers are named.
+_COMPOSED = ("actions", "background", "policy", "requires", "rewards", "once")
+
+
+class Choice(NamedTuple):
+    """A name that may be written.
+
+    Attributes:
+        name: as it is written.
+        detail: what it is, in a few words.
+    """
+
+    name: str
+    detail: str = ""
+
+
+def choices(buffers: Buffers, path: Path, steps: Sequence[str]) -> list[Choice]:
+    """The names that a value may have.
+
+    Args:
+        buffers: the texts of the editor.
+        path: the document.
+        steps: keys that enclose the value.
+    """
+    key, lines = (steps[-1] if steps else ""), buffers.text(path).splitlines()
+    if key == "potential":
+        return [
+            Choice(each.name, f"{each.symbol}, {each.equation}") for each in POTENTIALS.values()
+        ]
+    if key == "kind" and len(steps) == 1:
+        return [Choice(name, "kind of document") for name in KINDS.usable_names()]
+    if key in _DOCUMENTS and not (key == "policy" and len(steps) == 1):
+        return _documents(buffers, path, _DOCUMENTS[key])
+    if key in _RESOURCES:
+        parameters = [Choice(f"${name}", "parameter") for name in section(lines, "parameters")]
+        return parameters + [_resource(each) for each in robot_resources(buffers, path).values()]
+    if _is_composed(steps):
+        used = [Choice(name, "program") for name in section(lines, "use")]
+        return [Choice(name, "controller") for name in section(lines, "controllers")] + used
+    return []
+
+
+def section(lines: Sequence[str], name: str) -> dict[str, int]:
+    """Keys of a top-level section by the lines, from 0, that they are on."""
+    keys: dict[str, int] = {}
+    inside, indent = False, None
+    for number, text in enumerate(lines):
+        if re.match(rf"{name}\s*:", text):
+            inside = True
+            flow = re.search(r"\{(.*)\}", text)
+            found = re.findall(r"(?:^|,)\s*([\w]+)\s*:", flow[1]) if flow else []
+            keys.update(dict.fromkeys(found, number))
+        elif inside and re.match(r"\S", text) and not text.startswith("#"):
+            break
+        elif inside:
+            match = re.match(r"(\s+)[\"']?([\w]+)[\"']?\s*:", text)
+            if match and indent in (None, len(match[1])):
+                indent = len(match[1])
+                keys[match[2]] = number
+    return keys
+
+
+def robot_resources(buffers: Buffers, path: Path) -> Mapping[str, Resource]:
+    """The resources of the robot that a document names; none where it names no sound one."""
+    match = re.search(r"^robot:\s*([\w-]+)", buffers.text(path), re.MULTILINE)
+    if match is None:
+        return {}
+    file = buffers.library.find(RobotDocument, match[1], path)
+    try:
+        return {} if file is None else resources(buffers.library.read(file, RobotDocument).document)
+    except (DiagnosticsError, UsageError):
+        return {}
+
+
+def _documents(buffers: Buffers, path: Path, kind: str) -> list[Choice]:
+    names: Iterable[str] = buffers.library.names(KINDS.get(kind).model, path)
+    return [Choice(name, kind) for name in names]
+
+
+def document_named(buffers: Buffers, path: Path, key: str, name: str) -> Path | None:
+    """The file of a document that the value of a key names."""
+    if key not in _DOCUMENTS:
+        return None
+    model: type[Document] = KINDS.get(_DOCUMENTS[key]).model
+    return buffers.library.find(model, name, path)
+
+
+def _resource(resource: Resource) -> Choice:
+    return Choice(resource.name, f"{resource.type}, {resource.type.unit}")
+
+
+def _is_composed(steps: Sequence[str]) -> bool:
+    """Whether compositions are written there: an action, a policy's value, a composite."""
+    if not steps:
+        return False
+    return (
+        steps[0] in _COMPOSED
+        or steps[-1] in _COMPOSED
+        or (steps[0] == "controllers" and len(steps) == 2)
+    )

@@ -1,0 +1,119 @@
+"""The summary of the page: verdicts counted by section, and each miss with its cause."""
+
+from __future__ import annotations
+
+import re
+import tomllib
+from collections import Counter
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from importlib import resources
+
+from cbdsl.reproduction.quantity import Verdict
+
+_HEADING = re.compile(r"^## ([^:\n]+): ", re.MULTILINE)
+_CELLS = re.compile(r"(?<!\\)\|")
+# What is said of rows without a cause of their own. A miss has one, or none is known.
+_DEFAULTS = {
+    Verdict.MISSED: "cause not known",
+    Verdict.UNDECIDED: "too few trials to tell",
+    Verdict.ORDERING: "too few trials to tell more than the order",
+}
+
+
+@dataclass(frozen=True)
+class PageRow:
+    """A judged row of the page.
+
+    Attributes:
+        section: the heading of its section, such as ``fig-4.5 on bullet``.
+        quantity: its name, as on the page.
+        ours: the number and its interval.
+        verdict: the word.
+    """
+
+    section: str
+    quantity: str
+    ours: str
+    verdict: str
+
+
+@dataclass(frozen=True)
+class Cause:
+    """The measured cause of a miss.
+
+    Attributes:
+        experiment: whose rows it explains.
+        quantity: a part of their names; empty for all of the experiment.
+        text: the cause, a clause without capital and full stop.
+    """
+
+    experiment: str
+    quantity: str
+    text: str
+
+    def explains(self, row: PageRow) -> bool:
+        """Whether it is the cause of a row's verdict."""
+        return row.section.split()[0] == self.experiment and self.quantity in row.quantity
+
+
+def summary(sections: Sequence[str]) -> str:
+    """Counts by section, and every row that is not reproduced with its cause.
+
+    Args:
+        sections: the texts of the sections of the page, in their order.
+    """
+    rows = [row for section in sections for row in rows_of(section)]
+    judged = [row for row in rows if row.verdict != Verdict.NOT_JUDGED]
+    count = Counter(row.verdict for row in rows)
+    share = 100 * count[Verdict.REPRODUCED] / len(judged) if judged else 0.0
+    lines = [
+        "## Summary",
+        "",
+        f"{count[Verdict.REPRODUCED]} of {len(judged)} judged rows are reproduced ({share:.0f} %); "
+        f"{count[Verdict.NOT_JUDGED]} are not judged.",
+        "",
+        *_counts(rows),
+        "",
+        *(_miss(row) for row in rows if row.verdict in _DEFAULTS),
+        "",
+    ]
+    return "\n".join(lines)
+
+
+def rows_of(section: str) -> Iterator[PageRow]:
+    """The rows of the table of a section."""
+    heading = _HEADING.search(section)
+    table = [line for line in section.splitlines() if line.startswith("|")]
+    if heading is None or len(table) < 2:
+        return
+    headings, *rest = (_cells(line) for line in table)
+    for cells in rest[1:]:
+        row = dict(zip(headings, cells, strict=True))
+        yield PageRow(heading[1], row["quantity"], row["ours"], row["verdict"])
+
+
+def _cells(line: str) -> list[str]:
+    return [cell.strip() for cell in _CELLS.split(line)[1:-1]]
+
+
+def _counts(rows: Sequence[PageRow]) -> Iterator[str]:
+    """A table with a line for each section."""
+    verdicts = [verdict.value for verdict in Verdict]
+    yield f"| section | {' | '.join(verdicts)} |"
+    yield f"|{' --- |' * (1 + len(verdicts))}"
+    for section in dict.fromkeys(row.section for row in rows):
+        count = Counter(row.verdict for row in rows if row.section == section)
+        yield f"| {section} | {' | '.join(str(count[verdict]) for verdict in verdicts)} |"
+
+
+def _miss(row: PageRow) -> str:
+    default = _DEFAULTS[Verdict(row.verdict)]
+    cause = next((each.text for each in causes() if each.explains(row)), default)
+    return f"* {row.section}, {row.quantity}: {row.ours}, {row.verdict}; {cause}."
+
+
+def causes() -> tuple[Cause, ...]:
+    """The causes that are known, in the order in which they are asked."""
+    text = (resources.files(__package__) / "causes.toml").read_text(encoding="utf-8")
+    return tuple(Cause(**entry) for entry in tomllib.loads(text)["cause"])

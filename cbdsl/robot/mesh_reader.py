@@ -1,0 +1,54 @@
+"""Corners and triangles of mesh files, in every format that Pinocchio reads."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+Floats = NDArray[np.float64]
+Triangles = NDArray[np.intp]
+
+
+class MeshError(ValueError):
+    """A mesh file cannot be read; the message says why."""
+
+
+class Mesh(NamedTuple):
+    """Triangles.
+
+    Attributes:
+        corners: m, shape (corners, 3).
+        triangles: indices of their corners, shape (triangles, 3).
+    """
+
+    corners: Floats
+    triangles: Triangles
+
+
+def read_mesh_file(file: Path, scale: Sequence[float]) -> Mesh:
+    """The mesh in a file, its corners times ``scale``.
+
+    Raises:
+        MeshError: the file is no mesh, or the reader is not installed.
+    """
+    try:
+        # Pinocchio brings it along.
+        import coal
+    except ImportError as error:
+        raise MeshError(f"{file}: the reader of meshes is not installed: {error}") from error
+    try:
+        loaded: Any = coal.MeshLoader().load(str(file), np.array(scale, dtype=float))
+        corners = np.array(loaded.vertices(), dtype=np.float64).reshape(-1, 3)
+        rows = [loaded.tri_indices(index) for index in range(loaded.num_tris)]
+    except (RuntimeError, ValueError) as error:
+        # Where in the reader's source it happened is of no use here.
+        told = " ".join(str(error).partition("message: ")[2].split()) or str(error)
+        raise MeshError(f"{file}: {told}") from error
+    triangles = np.array([[row[0], row[1], row[2]] for row in rows], dtype=np.intp).reshape(-1, 3)
+    if not len(triangles):
+        raise MeshError(f"{file}: it has no triangles")
+    return Mesh(corners, triangles)

@@ -1,0 +1,48 @@
+"""The onset: a controller of a load is undefined until that has changed."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING
+
+from cbdsl.program.controller import Onset
+from cbdsl.types.modifier import Call, ModifierType
+from cbdsl.types.resource import FingerLoad, NetLoad, Tip
+from cbdsl.types.resource_type import TYPES
+
+if TYPE_CHECKING:
+    from cbdsl.control.plan import SlotForm
+    from cbdsl.documents.program import OnsetSection
+    from cbdsl.runtime.slot_setting import SlotSetting
+
+
+def _read(section: OnsetSection, _: Call) -> Onset:
+    return Onset(section.change, section.window, section.pace)
+
+
+def bind(form: SlotForm, onset: Onset, setting: SlotSetting) -> SlotForm:
+    """The slot of a controller that waits for a change along its reference's displacement."""
+    from cbdsl.control.onset import OnsetForm
+
+    source, signals = setting.controller.feedback.source, setting.signals
+    assert isinstance(source, (NetLoad, FingerLoad))
+    carrier = signals.touch.carriers.get(source.hand)
+    tip = -1
+    if carrier is not None:
+        tip = signals.bind_tip(Tip(carrier, "position"), -1, (0.0, 0.0, 0.0))
+    offset = signals.table.values(form.offset)
+    along = offset / math.hypot(*offset.tolist())
+    form_of_load = OnsetForm(onset.change, along, onset.window, onset.pace, tip, setting.period)
+    return form._replace(onset=form_of_load)
+
+
+ONSET = ModifierType(
+    name="onset",
+    summary="undefined until a load has changed",
+    # Of which loads it is, is told with its reference.
+    accepts=frozenset(TYPES),
+    options={"change": "force", "window": "time", "pace": "speed"},
+    slot=f"{__name__}:bind",
+    read=_read,
+    positive=("pace",),
+)

@@ -1,0 +1,30 @@
+"""Requirements: a controller is undefined without another one that acts with it."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from cbdsl.types.modifier import Call, ModifierType
+from cbdsl.types.resource_type import TYPES
+
+if TYPE_CHECKING:
+    from cbdsl.control.plan import SlotForm
+    from cbdsl.runtime.slot_setting import SlotSetting
+
+
+def _read(text: str, call: Call) -> str | None:
+    return call(text, "")
+
+
+def bind(form: SlotForm, name: str, _: SlotSetting) -> SlotForm:
+    """The slot of a controller that another one has to act with."""
+    return form._replace(requires=True)
+
+
+REQUIRES = ModifierType(
+    name="requires",
+    summary="undefined without another controller",
+    accepts=frozenset(TYPES),
+    slot=f"{__name__}:bind",
+    read=_read,
+)

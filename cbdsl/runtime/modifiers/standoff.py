@@ -1,0 +1,48 @@
+"""The standoff: the control point of a tip in front of it, the farther the larger the thing."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from cbdsl.program.controller import Standoff
+from cbdsl.types.modifier import Call, ModifierType, OptionFault
+from cbdsl.types.resource import Tip
+
+if TYPE_CHECKING:
+    from cbdsl.control.plan import SlotForm
+    from cbdsl.documents.program import StandoffSection
+    from cbdsl.runtime.slot_setting import SlotSetting
+
+
+def _read(section: StandoffSection, _: Call) -> Standoff:
+    return Standoff(section.clearance, section.least, section.most)
+
+
+def _fault(section: StandoffSection) -> OptionFault | None:
+    if section.least <= section.most:
+        return None
+    ends = {"least": f"{section.least:g}", "most": f"{section.most:g}"}
+    return OptionFault("least", "CB518", ends)
+
+
+def bind(form: SlotForm, standoff: Standoff, setting: SlotSetting) -> SlotForm:
+    """The slot of a controller whose feedback is the control point."""
+    source = setting.controller.feedback.source
+    assert isinstance(source, Tip)
+    row = setting.signals.bind_tip(source, form.reference, standoff)
+    return form._replace(feedback=row)
+
+
+STANDOFF = ModifierType(
+    name="standoff",
+    summary="keeps a tip in front of its reference, along its own normal",
+    accepts=frozenset({"position"}),
+    options={"clearance": "length", "least": "length", "most": "length"},
+    slot=f"{__name__}:bind",
+    sources=(Tip,),
+    purpose="the position of a tip",
+    read=_read,
+    fault=_fault,
+    positive=("most",),
+    not_negative=("clearance", "least"),
+)

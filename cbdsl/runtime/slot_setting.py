@@ -1,0 +1,68 @@
+"""The setting in which a controller's modifiers change its slot."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from importlib import import_module
+from typing import Any, NamedTuple
+
+from cbdsl.control.plan import SlotForm
+from cbdsl.program.controller import Controller
+from cbdsl.sensing.signals import Signals
+from cbdsl.types.modifier import MODIFIERS, ModifierType, declared
+
+
+class SlotSetting(NamedTuple):
+    """Everything that a modifier may look at when a controller gets its slot.
+
+    Attributes:
+        controller: whose slot it is.
+        signals: of the robot.
+        period: of the control ticks, s.
+    """
+
+    controller: Controller
+    signals: Signals
+    period: float
+
+
+def modified(form: SlotForm, setting: SlotSetting) -> SlotForm:
+    """A slot as all of its controller's modifiers change it.
+
+    Raises:
+        PluginError: a modifier of another package fails; the message names both.
+    """
+    for kind, options in declared(setting.controller):
+        if setting.controller.potential in kind.read_by:
+            continue
+        form = _bind_of(kind)(form, options, setting)
+    for modifier in setting.controller.modifiers:
+        kind = MODIFIERS.get(modifier.name)
+        if not kind.slot:
+            continue
+        try:
+            form = _changed(form, _bind_of(kind)(form, dict(modifier.options), setting))
+        except Exception as error:
+            raise MODIFIERS.fault(kind.name, f"{type(error).__name__}: {error}") from error
+    return form
+
+
+def _bind_of(kind: ModifierType) -> Callable[[SlotForm, Any, SlotSetting], SlotForm]:
+    module, function = kind.slot.split(":")
+    bind: Callable[[SlotForm, Any, SlotSetting], SlotForm] = getattr(
+        import_module(module), function
+    )
+    return bind
+
+
+def _changed(form: SlotForm, changed: object) -> SlotForm:
+    """Refuse what is no slot, or has another number of coordinates.
+
+    Raises:
+        ValueError: it is not.
+    """
+    if not isinstance(changed, SlotForm):
+        raise ValueError(f"it returns a {type(changed).__name__}, not a SlotForm")
+    if len(changed.bounds) != len(form.bounds) or len(changed.settings) != len(form.settings):
+        raise ValueError("its bounds or settings have another shape")
+    return changed

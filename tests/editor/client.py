@@ -1,0 +1,93 @@
+"""An editor, as far as its language server can tell: the real server over its streams."""
+
+from __future__ import annotations
+
+import json
+import subprocess
+import sys
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+COMMAND = [sys.executable, "-c", "from cbdsl.cli.main import main; main()", "lsp"]
+
+
+class Client:
+    """An editor with one document.
+
+    Attributes:
+        published: the findings that were sent last, by URI.
+    """
+
+    def __init__(self, folder: Path) -> None:
+        self._process = subprocess.Popen(
+            COMMAND, cwd=folder, stdin=subprocess.PIPE, stdout=subprocess.PIPE
+        )
+        self._number = 0
+        self._version = 0
+        self.published: dict[str, list[dict[str, Any]]] = {}
+        options = {"processId": None, "rootUri": folder.as_uri(), "capabilities": {}}
+        self.capabilities = self.ask("initialize", options)["capabilities"]
+        self.tell("initialized", {})
+
+    def tell(self, method: str, params: Mapping[str, Any]) -> None:
+        """A notification."""
+        self._send({"method": method, "params": params})
+
+    def ask(self, method: str, params: Mapping[str, Any]) -> Any:
+        """A request; its answer, once all that came before it has been read."""
+        self._number += 1
+        self._send({"id": self._number, "method": method, "params": params})
+        while True:
+            message = self._receive()
+            if message.get("method") == "textDocument/publishDiagnostics":
+                self.published[message["params"]["uri"]] = message["params"]["diagnostics"]
+            if message.get("id") == self._number:
+                assert "error" not in message, message["error"]
+                return message["result"]
+
+    def open(self, path: Path, text: str) -> None:
+        document = {"uri": path.as_uri(), "languageId": "yaml", "version": 0, "text": text}
+        self.tell("textDocument/didOpen", {"textDocument": document})
+
+    def change(self, path: Path, text: str) -> None:
+        self._version += 1
+        document = {"uri": path.as_uri(), "version": self._version}
+        changes = {"textDocument": document, "contentChanges": [{"text": text}]}
+        self.tell("textDocument/didChange", changes)
+
+    def at(self, method: str, path: Path, line: int, character: int) -> Any:
+        """A request about a place."""
+        position = {"line": line, "character": character}
+        place = {"textDocument": {"uri": path.as_uri()}, "position": position}
+        return self.ask(f"textDocument/{method}", place)
+
+    def findings(self, path: Path) -> list[dict[str, Any]]:
+        """The findings of a document, once the server has answered something after its change."""
+        self.at("hover", path, 0, 0)
+        return self.published[path.as_uri()]
+
+    def close(self) -> int:
+        """End the server as editors do; its exit code."""
+        self.ask("shutdown", {})
+        self.tell("exit", {})
+        assert self._process.stdin is not None
+        self._process.stdin.close()
+        return self._process.wait(timeout=20)
+
+    def _send(self, message: Mapping[str, Any]) -> None:
+        body = json.dumps({"jsonrpc": "2.0", **message}).encode()
+        assert self._process.stdin is not None
+        self._process.stdin.write(b"Content-Length: %d\r\n\r\n" % len(body) + body)
+        self._process.stdin.flush()
+
+    def _receive(self) -> dict[str, Any]:
+        assert self._process.stdout is not None
+        length = 0
+        while line := self._process.stdout.readline().strip():
+            name, _, value = line.partition(b":")
+            if name.lower() == b"content-length":
+                length = int(value)
+        assert length, "the server ended"
+        message: dict[str, Any] = json.loads(self._process.stdout.read(length))
+        return message

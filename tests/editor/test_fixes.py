@@ -1,0 +1,36 @@
+"""Corrections replace the misspelled name, and nothing else."""
+
+from __future__ import annotations
+
+from cbdsl.editor.fixes import Fix, fix, fixed
+from cbdsl.errors.diagnostic import Diagnostic, Place
+
+TEXT = "a: {potential: sprung, feedback: haed}\nb: sprung sprung\r\n"
+
+
+def finding(given: str, allowed: str, line: int, column: int, width: int) -> Diagnostic:
+    place = Place("own.yaml", line, column, column + width)
+    return Diagnostic("CB401", "unknown", place, allowed=(allowed,), given=given)
+
+
+SPRUNG = finding("sprung", "spring", 1, 16, 6)
+HAED = finding("haed", "head", 1, 34, 4)
+
+
+def test_all_of_a_line_are_corrected() -> None:
+    assert fixed(TEXT, [SPRUNG, HAED, SPRUNG]) == TEXT.replace("sprung,", "spring,").replace(
+        "haed", "head"
+    )
+
+
+def test_a_name_within_a_longer_text_is_found_in_it() -> None:
+    wide = finding("sprung", "spring", 1, 1, 30)
+    assert fix(wide, TEXT.splitlines()) == Fix(1, 16, 22, "spring")
+
+
+def test_what_is_not_certain_is_left() -> None:
+    twice = finding("sprung", "spring", 2, 4, 13)
+    elsewhere = finding("gone", "gene", 1, 16, 6)
+    nothing_near = finding("sprung", "manipulability", 1, 16, 6)
+    beyond = finding("sprung", "spring", 9, 1, 6)
+    assert fixed(TEXT, [twice, elsewhere, nothing_near, beyond]) == TEXT

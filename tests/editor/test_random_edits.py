@@ -1,0 +1,59 @@
+"""Whatever is typed, cut and pasted, the editor's questions are answered."""
+
+from __future__ import annotations
+
+import random
+from pathlib import Path
+
+import pytest
+
+from cbdsl.editor.buffers import Buffers
+from cbdsl.editor.cursor import cursor
+from cbdsl.editor.definition import definition
+from cbdsl.editor.fixes import fixed
+from cbdsl.editor.hover import hover
+from cbdsl.editor.keys import keys
+from cbdsl.editor.names import choices
+from tests.conftest import ROOT
+
+PROGRAMS = sorted((ROOT / "programs").glob("*.yaml"))
+PIECES = [
+    *("{", "}", "[", "]", ":", ": ", ", ", "\n", "\n  ", "'", '"', "#", "$", "&a ", "*a", "!x "),
+    *("\t", "\r", "\x00", "\u2028", "\U0001f600", "◁", "- ", "? ", "|", ">-", "%", "---\n"),
+    *("potential", "spring", "head.uniform", "controllers:", "kind: robot", "1e999", "-", "0 deg"),
+]
+
+
+def edited(text: str, rng: random.Random) -> str:
+    """The text with something cut out, copied, or typed into it."""
+    start = rng.randrange(len(text) + 1)
+    end = min(len(text), start + rng.choice((0, 0, 1, 1, 5, 80)))
+    piece = rng.choice((rng.choice(PIECES), "", text[end : end + rng.randrange(60)]))
+    return (text[:start] + piece + text[end:])[:6000]
+
+
+def type_and_ask(edits: int, seed: int) -> None:
+    rng, buffers = random.Random(seed), Buffers(ROOT)
+    for number in range(edits):
+        if number % 20 == 0:
+            source = rng.choice(PROGRAMS)
+            path, text = Path("/nowhere") / source.name, source.read_text("utf-8")
+        text = edited(text, rng)
+        buffers.change(path, text)
+        lines = text.splitlines()
+        fixed(text, buffers.findings(path))
+        line = rng.randrange(len(lines) + 1)
+        at = cursor(lines, line, rng.randrange(80))
+        choices(buffers, path, at.steps)
+        keys(text, at.steps)
+        hover(buffers, path, at)
+        definition(buffers, path, at)
+
+
+def test_a_few_hundred_edits() -> None:
+    type_and_ask(300, seed=1)
+
+
+@pytest.mark.slow
+def test_ten_thousand_edits() -> None:
+    type_and_ask(10_000, seed=2)

@@ -1,0 +1,139 @@
+"""The language server as an editor meets it: over its streams, with texts that are being typed."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+from tests.conftest import ROOT
+from tests.editor.client import Client
+
+pytest.importorskip("pygls")
+
+TEXT = (ROOT / "programs" / "searchtrack.yaml").read_text("utf-8")
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return tmp_path_factory.mktemp("own")
+
+
+@pytest.fixture(scope="module")
+def client(folder: Path) -> Iterator[Client]:
+    client = Client(folder)
+    yield client
+    assert client.close() == 0
+
+
+@pytest.fixture
+def path(folder: Path, client: Client) -> Path:
+    path = folder / "searchtrack.yaml"
+    client.open(path, TEXT)
+    return path
+
+
+def place(text: str, mark: str) -> tuple[int, int]:
+    """Line and column behind a mark."""
+    before = text[: text.index(mark) + len(mark)]
+    return before.count("\n"), len(before) - before.rfind("\n") - 1
+
+
+def test_it_says_what_it_can(client: Client) -> None:
+    assert {"completionProvider", "hoverProvider", "definitionProvider", "codeActionProvider"} <= (
+        client.capabilities.keys()
+    )
+
+
+def test_findings_come_and_go_with_what_is_typed(client: Client, path: Path) -> None:
+    assert client.findings(path) == []
+    client.change(path, TEXT.replace("potential: spring", "potential: sprung", 1))
+    (finding,) = client.findings(path)
+    line, column = place(TEXT, "potential: ")
+    assert finding["code"].startswith("CB") and finding["severity"] == 1
+    assert finding["range"]["start"] == {"line": line, "character": column}
+    assert "spring" in finding["message"]
+    client.change(path, TEXT)
+    assert client.findings(path) == []
+
+
+def test_a_misspelled_name_can_be_corrected(client: Client, path: Path) -> None:
+    client.change(path, TEXT.replace("potential: spring", "potential: sprung", 1))
+    (finding,) = client.findings(path)
+    params = {
+        "textDocument": {"uri": path.as_uri()},
+        "range": finding["range"],
+        "context": {"diagnostics": []},
+    }
+    (action,) = client.ask("textDocument/codeAction", params)
+    (edit,) = action["edit"]["changes"][path.as_uri()]
+    assert edit == {"range": finding["range"], "newText": "spring"}
+
+
+def test_names_are_completed_by_what_they_are_for(client: Client, path: Path) -> None:
+    def labels(mark: str) -> set[str]:
+        return {
+            each["label"] for each in client.at("completion", path, *place(TEXT, mark))["items"]
+        }
+
+    assert {"spring", "range", "manipulability"} <= labels("potential: ")
+    assert "head" in labels("effector: ") and "spring" not in labels("effector: ")
+    assert {"search", "track"} <= labels("actions: [")
+    assert "dexter" in labels("robot: ")
+
+
+def test_a_resource_tells_its_type(client: Client, path: Path) -> None:
+    shown = client.at("hover", path, *place(TEXT, "effector: "))["contents"]["value"]
+    assert "configuration" in shown and "rad" in shown
+
+
+def test_names_lead_to_what_they_name(client: Client, path: Path) -> None:
+    there = client.at("definition", path, *place(TEXT, "actions: ["))
+    assert there["uri"] == path.as_uri()
+    line = there["range"]["start"]["line"]
+    assert TEXT.splitlines()[line].strip().startswith("search:")
+    robot = client.at("definition", path, *place(TEXT, "robot: "))
+    assert robot["uri"].endswith("robots/dexter.yaml")
+
+
+@pytest.mark.parametrize(
+    "text", ["", "{", "kind: program\ncontrollers: {a: [", "\ud83d\ude00: x", "\x00"]
+)
+def test_what_is_half_typed_or_nonsense_ends_nothing(client: Client, path: Path, text: str) -> None:
+    client.change(path, text)
+    client.findings(path)
+    for method in ("completion", "hover", "definition"):
+        client.at(method, path, 1, 30)
+    client.change(path, TEXT)
+    assert client.findings(path) == []
+
+
+def test_every_prefix_of_a_program_is_survived(client: Client, path: Path) -> None:
+    for end in range(0, len(TEXT), 97):
+        client.change(path, TEXT[:end])
+        lines = TEXT[:end].split("\n")
+        client.at("completion", path, len(lines) - 1, len(lines[-1]))
+    client.change(path, TEXT)
+    assert client.findings(path) == []
+
+
+def test_a_completion_replaces_all_of_a_name_with_dots(client: Client, path: Path) -> None:
+    text = TEXT.replace("effector: head", "effector: right_arm.pos", 1)
+    client.change(path, text)
+    line, column = place(text, "right_arm.po")
+    items = client.at("completion", path, line, column)["items"]
+    (item,) = [each for each in items if each["label"] == "right_arm.position"]
+    edited = item["textEdit"]["range"]
+    assert (edited["start"]["character"], edited["end"]["character"]) == (column - 12, column + 1)
+
+
+def test_columns_count_what_editors_count(client: Client, path: Path) -> None:
+    """UTF-16 code units, of which a character beyond the basic plane has two."""
+    text = TEXT.replace("effector: head", 'effector: "\U0001f600head"', 1)
+    client.change(path, text)
+    (finding,) = client.findings(path)
+    line, column = place(text, 'effector: "')
+    start, end = finding["range"]["start"], finding["range"]["end"]
+    assert (start["line"], start["character"]) == (line, column - 1)
+    assert end["character"] - start["character"] == len('"xxhead"')

@@ -1,0 +1,65 @@
+"""Shipped schemas choose what works, and say before they move where nothing does."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import pytest
+
+from cbdsl.checking.document import check_document
+from cbdsl.checking.session import Session
+from cbdsl.yaml_text.library import Library
+from tests.cli.test_main import cb
+from tests.conftest import ROOT
+
+SCHEMAS = sorted((ROOT / "knowledge" / "schemas").glob("*.yaml"))
+RUN = ("--stage", "near_and_far_training", "--backend", "kinematic", "--json")
+USING = """\
+cbdsl: 1
+kind: program
+name: using
+robot: dexter
+use: {pick: {program: reachtouch, schema: reachtouch}}
+controllers:
+  nod: {potential: spring, reference: [0 rad, 0.5 rad], feedback: head, effector: head}
+actions: [pick, nod]
+policy: {XX: pick, 0X: pick, -X: nod, X0: nod}
+"""
+
+
+@pytest.mark.parametrize("path", SCHEMAS, ids=lambda path: path.stem)
+def test_it_has_no_findings(path: Path) -> None:
+    assert check_document(path, Session(Library(ROOT))) == []
+
+
+def test_reachtouch_touches_what_it_can_and_begins_nothing_else(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    words = ("run", "reachtouch", "--schema", "reachtouch", *RUN)
+    cb(monkeypatch, *words, "--episodes", "20", "--seed", "7700000")
+    episodes = [json.loads(line) for line in capsys.readouterr().out.splitlines()]
+    far = [each for each in episodes if each["context"] == "far"]
+    near = [each for each in episodes if each["context"] != "far"]
+    assert len(far) >= 5 and len(near) >= 5
+    for each in far:
+        assert "reward is unlikely here" in each["ending"] and not each["rewarded"]
+        # The first action is chosen before anything is seen, and lasts one tick.
+        assert set(each["actions"][1:]) <= {"searchtrack"}
+    assert sum(each["rewarded"] for each in near) >= 0.9 * len(near)
+    used = {word for each in near for word in each["actions"][-1].split(" with ")[1:]}
+    assert len(used) >= 2, "not always the same resources"
+
+
+def test_whoever_uses_it_sees_that_it_is_undefined(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    path = tmp_path / "using.yaml"
+    path.write_text(USING, encoding="utf-8")
+    cb(monkeypatch, "run", str(path), *RUN, "--episodes", "8", "--seed", "7700000")
+    episodes = [json.loads(line) for line in capsys.readouterr().out.splitlines()]
+    far = [each for each in episodes if each["context"] == "far"]
+    assert far
+    for each in far:
+        states = each["predicates"]
+        assert states[states.index("-X") + 1] == "X0" and each["actions"][-1] == "nod"

@@ -1,0 +1,22 @@
+"""A modifier that slows a controller down."""
+
+from collections.abc import Mapping
+
+from cbdsl.control.plan import SlotForm
+from cbdsl.runtime.slot_setting import SlotSetting
+from cbdsl.types.modifier import ModifierType
+
+CALM = ModifierType(
+    name="calm",
+    summary="a share of gain and speed",
+    accepts=frozenset({"position"}),
+    options={"share": ""},
+    slot="demo.calm:bind",
+)
+
+
+def bind(form: SlotForm, options: Mapping[str, float], setting: SlotSetting) -> SlotForm:
+    """The slot of a controller with a share of its gain, 1/s, and of its speed."""
+    bounds = form.bounds.copy()
+    bounds[:2] *= options["share"]
+    return form._replace(bounds=bounds)

@@ -1,0 +1,204 @@
+"""The chain of casts that is printed, and the row of the plan that is compiled from it."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from cbdsl.cli.program_text import casts_text
+from cbdsl.control.plan import ControllerPlan
+from cbdsl.documents.robot import RobotDocument
+from cbdsl.program.checked import CheckedProgram
+from cbdsl.program.controller import AlongNormals, Controller
+from cbdsl.robot.resources import resources
+from cbdsl.runtime.controller_rows import bind_rows
+from cbdsl.runtime.controller_run import ControllerRun
+from cbdsl.sensing.camera import heading
+from cbdsl.sensing.chain import CastError
+from cbdsl.sensing.kinematics import Kinematics
+from cbdsl.sensing.signals import Signals
+from cbdsl.sensing.vision import SeenHeading
+from cbdsl.types.casts import CASTS, chains_of
+from cbdsl.types.resource import FingerForces, Heading, NetLoad, palms_of
+from tests.conftest import ROOT, Checked
+from tests.sensing.test_visual_signals import between, facing, feel
+
+Floats = NDArray[np.float64]
+STEP = 1e-6
+PROGRAMS = [
+    path.stem
+    for path in sorted((ROOT / "programs").glob("*.yaml"))
+    if "robot: dexter" in path.read_text("utf-8")
+]
+_HELD = "rigid hold", "inverse manipulator Jacobian"
+
+
+class Oracle:
+    """Dexter with something seen between its hands; each cast is computed a second time here."""
+
+    def __init__(self, robot: RobotDocument, kinematics: Kinematics) -> None:
+        self.robot, self.kinematics = robot, kinematics
+        self.signals = Signals(robot, kinematics, resources(robot).values())
+        self.positions = facing(robot, self.signals)
+        feel(robot, self.signals, self.positions, 0.0)
+        feel(robot, self.signals, self.positions, 5.0)
+        self.point = between(robot, self.signals)
+        self.eyes = {name: kinematics.frame(eye.link) for name, eye in robot.cameras.items()}
+        for channel, memory in self.signals.vision.memories.items():
+            memory.position, memory.radius = self.point, 0.1
+            for name in robot.cameras:
+                seen = SeenHeading(self._sighted(name, self.point), 1)
+                self.signals.vision.headings[name, channel, 0] = seen
+        self.casts: dict[tuple[str, ...], Callable[[Controller], Floats]] = {
+            (): self._joints,
+            ("inverse manipulator Jacobian",): self._moved,
+            ("compliance",): self._pressed,
+            ("inverse camera Jacobian",): self._turned,
+            ("inverse sighting Jacobian", *_HELD): self._carried,
+            ("stereo triangulation", *_HELD): self._carried,
+        }
+
+    def _sighted(self, camera: str, point: Floats) -> Floats:
+        frame = self.kinematics.frame(self.robot.cameras[camera].link)
+        return heading(frame.rotation.T @ (point - frame.position))
+
+    def _joints(self, controller: Controller) -> Floats:
+        return np.eye(len(self.positions))[self.signals.joints.pick(controller.joints)]
+
+    def _moved(self, controller: Controller) -> Floats:
+        """How the joints move a tip, by finite differences; an orientation's in world axes."""
+
+        def value() -> Floats:
+            reading = self.signals.read(controller.feedback)
+            assert reading is not None
+            return reading.value
+
+        slopes = self._differences(value)
+        if controller.feedback.type.name != "orientation":
+            return slopes
+        spins = [slope.reshape(3, 3) @ value().T for slope in slopes.T]
+        return np.array([(spin[2, 1], spin[0, 2], spin[1, 0]) for spin in spins]).T
+
+    def _pressed(self, controller: Controller) -> Floats:
+        source, control = controller.feedback.source, self.robot.control
+        if isinstance(source, FingerForces):
+            touch = self.signals.touch
+            rows = np.eye(len(self.positions))[touch.flexing[source.hand]]
+            return control.stiffness * touch.closing[source.hand] * rows
+        if isinstance(source, NetLoad) and not isinstance(controller.reference, AlongNormals):
+            return control.contact_stiffness * self._differences(lambda: self._tips(source.hand))
+        palms = palms_of(source)
+        assert palms is not None
+        rows = []
+        for hand in self.robot.members(palms.group):
+            normal = self.signals.tips.normal(self.signals.touch.carriers[hand]).copy()
+            rows.append(normal @ self._differences(lambda hand=hand: self._tips(hand)))
+        return control.contact_stiffness * np.array(rows)
+
+    def _tips(self, hand: str) -> Floats:
+        """The sum of where the fingertips of a hand are."""
+        links = [cell.link for cell in self.robot.load_cells[hand].values()]
+        return np.sum([self.kinematics.frame(link).position for link in links], axis=0)
+
+    def _turned(self, controller: Controller) -> Floats:
+        """How headings to what is far away change as the cameras turn."""
+        return self._differences(lambda: self._over_cameras(controller, self._ahead))
+
+    def _ahead(self, camera: str) -> Floats:
+        frame = self.kinematics.frame(self.robot.cameras[camera].link)
+        return heading(frame.rotation.T @ (self.point - self.eyes[camera].position))
+
+    def _carried(self, controller: Controller) -> Floats:
+        """How headings to what both hands carry change in cameras that stand still."""
+
+        def seen(camera: str) -> Floats:
+            eye = self.eyes[camera]
+            return heading(eye.rotation.T @ (between(self.robot, self.signals) - eye.position))
+
+        return self._differences(lambda: self._over_cameras(controller, seen))
+
+    def _over_cameras(self, controller: Controller, seen: Callable[[str], Floats]) -> Floats:
+        headings = [seen(camera) for camera in self.robot.cameras]
+        one = isinstance(controller.feedback.source, Heading)
+        return np.mean(headings, axis=0) if one else np.concatenate(headings)
+
+    def _differences(self, function: Callable[[], Floats]) -> Floats:
+        """The Jacobian of a function of the posture, shape (m, n)."""
+        columns = []
+        for joint in range(len(self.positions)):
+            ends = []
+            for sign in (1.0, -1.0):
+                moved = self.positions.copy()
+                moved[joint] += sign * STEP
+                self.kinematics.update(moved)
+                ends.append(function().ravel().copy())
+            columns.append((ends[0] - ends[1]) / (2 * STEP))
+        self.kinematics.update(self.positions)
+        return np.array(columns).T
+
+
+@pytest.fixture
+def oracle(dexter: RobotDocument, kinematics: Kinematics) -> Oracle:
+    return Oracle(dexter, kinematics)
+
+
+def printed_chains(controller: Controller) -> list[tuple[str, ...]]:
+    """The names of casts in the text that people read."""
+    known = {cast.name for cast in CASTS} | {"rigid hold", "inverse sighting Jacobian"}
+    chains = casts_text(controller).split(", and ")
+    words = [[re.sub(r" \(.*\)$", "", word) for word in chain.split(" → ")] for chain in chains]
+    return [tuple(word for word in chain if word in known) for chain in words]
+
+
+def compared(program: CheckedProgram) -> list[Controller]:
+    """Controllers whose row is their feedback: a manipulability's is that of a Jacobian."""
+    lists = (primitive.controllers for primitive in program.primitives.values())
+    controllers = [each for controllers in lists for each in controllers]
+    return [replace(c, standoff=None) for c in controllers if c.manipulator is None]
+
+
+@pytest.mark.parametrize("name", PROGRAMS)
+def test_the_row_of_a_controller_is_the_chain_that_is_printed(
+    checked: Checked, oracle: Oracle, name: str
+) -> None:
+    for controller in compared(checked(name)):
+        row = bind_rows(controller, oracle.signals).feedback
+        reading = oracle.signals.reading(row)
+        assert reading is not None and reading.jacobian is not None
+        own = oracle.signals.joints.pick(controller.joints)
+        printed = sum(oracle.casts[chain](controller) for chain in printed_chains(controller))
+        wanted = np.asarray(printed)[:, own]
+        scale = np.abs(wanted).max()
+        assert scale > 0.0
+        assert reading.jacobian[:, own] == pytest.approx(wanted, abs=1e-6 * scale + 1e-9), (
+            controller.name
+        )
+
+
+def test_another_chain_runs_otherwise(checked: Checked, oracle: Oracle) -> None:
+    """A head turns to what is seen by the chain through the cameras, not by that through hands."""
+    track = checked("searchtrack").primitives["track"].lead
+    own = oracle.signals.joints.pick(track.joints)
+    by_camera, by_hold = chains_of(track.feedback)
+    assert track.chains == (by_camera,)
+    for chains, moves in (((by_camera,), True), ((by_hold,), False), ((by_camera, by_hold), True)):
+        other = replace(track, chains=chains)
+        reading = oracle.signals.reading(bind_rows(other, oracle.signals).feedback)
+        assert reading is not None and reading.jacobian is not None
+        assert bool(reading.jacobian[:, own].any()) == moves
+
+
+def test_no_controller_runs_by_a_chain_that_nothing_executes(
+    checked: Checked, oracle: Oracle
+) -> None:
+    approach = checked("reachtouch").primitives["reach"].lead
+    touch = checked("reachtouch").primitives["touch"].lead
+    for controller, other in ((approach, touch), (touch, approach)):
+        wrong = replace(controller, chains=other.chains)
+        with pytest.raises(CastError, match="no row of"):
+            ControllerRun(wrong, oracle.signals, ControllerPlan(), 1 / 60)

@@ -1,0 +1,37 @@
+"""``pick_and_lift``: what becomes of a hand that takes hold of nothing."""
+
+from __future__ import annotations
+
+import pytest
+
+from cbdsl.runtime.episode import Tick
+from tests.conftest import Checked
+from tests.runtime.conftest import GRIP, TABLE_BALL, Play
+from tests.runtime.synthetic import Ball, World
+
+FINGERS = [f"right_finger_{number}" for number in (1, 2, 3)]
+
+
+def test_a_hand_that_closed_on_nothing_opens_before_it_tries_again(
+    checked: Checked, play: Play
+) -> None:
+    flexions: list[tuple[str, float]] = []
+
+    def note(tick: Tick) -> None:
+        joints = tick.signals.joints.pick(FINGERS)
+        flexions.append((tick.run.state, float(tick.observation.positions[joints].min())))
+
+    def direct(world: World, time: float) -> None:
+        """There is something to be felt once the hand has closed in vain."""
+        if flexions and flexions[-1][0] == "-XXXX":
+            world.contact_angle = GRIP
+
+    program = checked("pick_and_lift", feature="sat_10")
+    played = play(program, lambda rng: World(Ball(TABLE_BALL)), direct, watch=note)
+    states = [each.next_state for each in played.at(0)]
+    first = states.index("-XXXX")
+    assert states[first : first + 4] == ["-XXXX", "XXXX0", "XXXX1", "0XXXX"]
+    assert max(angle for state, angle in flexions if state == "0XXXX") > 1.5
+    opened = next(angle for state, angle in flexions if state == "XXXX1")
+    assert opened == pytest.approx(0.2, abs=0.05)
+    assert played.result.outcome == "success"
