@@ -6,9 +6,11 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
+from cbdsl.cli.run_request import read_request
+from cbdsl.cli.simulation import simulation
 from cbdsl.program.transition import Transition
 from cbdsl.reproduction.simulation_fixture import simulation_fixture
-from cbdsl.runtime.episode import Tick
+from cbdsl.runtime.episode import Runner, Tick
 
 
 @pytest.mark.slow
@@ -88,9 +90,11 @@ def test_a_thing_is_handed_over_in_either_direction(giver: str) -> None:
         "to_arm": f"{taker}_arm", "to_hand": f"{taker}_hand",
         "side": f"{10 * side} cm", "turn": f"{-69.282 * side} deg", "away": f"{20 * side} cm",
     }  # fmt: skip
-    with simulation_fixture("handover", values) as fixture:
-        truth = fixture.backend.truth
-        result = fixture.runner().run(fixture.stage, 8000320, f"cube_{giver}")
+    request = read_request("handover", None, None, values)
+    with simulation(request, "bullet", cameras="ideal") as (backend, kinematics):
+        truth = backend.truth
+        runner = Runner(request.robot, kinematics, request.program, backend)
+        result = runner.run(request.stage, 8000320, f"cube_{giver}")
         assert result.outcome == "success", result.ending
         assert {hand for hand, _ in truth.touching("cube")} == {f"{taker}_hand"}
         place = truth.pose("cube").position

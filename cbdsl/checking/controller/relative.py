@@ -41,11 +41,12 @@ def _problem(
     """The fault of a relative reference, as a clause; empty where there is none."""
     if is_here and document.standoff is not None:
         return "a tip cannot stand off from 'here', where it is itself"
-    if is_here and POTENTIALS[document.potential].field:
-        return "a field is solved for before it is known where 'here' is"
-    compares = POTENTIALS[document.potential].compares
-    if is_here and compares is not None:
-        return f"'here' is no {compares}, which {document.potential} wants"
+    potential = POTENTIALS.get(document.potential)
+    if is_here and potential is not None:
+        if potential.field:
+            return "a field is solved for before it is known where 'here' is"
+        if potential.compares is not None:
+            return f"'here' is no {potential.compares}, which {potential.name} wants"
     base = reference.base if isinstance(reference, Relative) else None
     if base is not None and base.origin in DRAWN:
         return f"'{base.name}' is drawn anew, and nothing is displaced from a draw"
