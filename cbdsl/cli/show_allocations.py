@@ -9,7 +9,7 @@ import typer
 from cbdsl.cli.show_program import Json, With
 
 if TYPE_CHECKING:
-    from cbdsl.checking.allocations import Allocation
+    from cbdsl.checking.substitution import Allocation
 
 Program = Annotated[str, typer.Argument(metavar="NAME", help="Name or file of a program.")]
 
