@@ -12,6 +12,7 @@ from tests.cli.test_main import cb
 LEARN = (
     *("learn", "reachtouch", "--learner", "assimilate", "--stage", "wide_table_training"),
     *("--backend", "kinematic", "--seed", "3", "--transition-time", "8", "--idle-time", "1"),
+    *("--set", "least_samples=2"),
 )
 RUN = ("run", "reachtouch", "--stage", "wide_table_training", "--backend", "kinematic", "--json")
 
