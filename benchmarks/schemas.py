@@ -39,7 +39,7 @@ from cbdsl.types.decision_tree import decide
 from cbdsl.yaml_text.library import Library
 
 # Where held-out episodes begin; trials draw theirs from their own seeds.
-HELD_OUT = 7_400_000
+HELD_OUT = 8_400_000
 # Least share of right choices where several allocations work and where one does, and of what is out
 # of reach and said to be; largest share of what is in reach and said not to be.
 POSSIBLE, ALONE, OUT_OF_REACH, FALSE_ALARMS = 0.95, 0.9, 0.95, 0.02

@@ -363,7 +363,7 @@ def test_files_of_the_project_that_are_named_exist(page: Path) -> None:
     folders = "benchmarks|cbdsl|docs|programs|robots|schemas|tests"
     text = FENCE.sub("", page.read_text("utf-8"))
     own = {block.marks["file"] for block in blocks(page) if "file" in block.marks}
-    for name in re.findall(rf"`[^`\n]*?\b((?:{folders})/[\w./-]+)", text):
+    for name in re.findall(rf"`[^`\n]*?(?<![\w/])((?:{folders})/[\w./-]+)", text):
         assert name in own or (ROOT / name).exists(), name
 
 

@@ -66,7 +66,7 @@ class Buffers:
         return [each for each in every if Path(each.place.file) == path]
 
     def document(self, path: Path) -> Loaded[Document] | None:
-        """What has no faults of a file, or ``None`` where there is nothing."""
+        """The sound parts of a file, or ``None`` where there is nothing."""
         try:
             return self._session.library.read_sound_parts(path, Document)
         except DiagnosticsError:

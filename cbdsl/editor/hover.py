@@ -14,7 +14,7 @@ from cbdsl.types.resource import Resource
 
 
 def hover(buffers: Buffers, path: Path, cursor: Cursor) -> str | None:
-    """What a word is: a key, a potential, a resource or a document; ``None`` for others."""
+    """An explanation of a key, a potential, a resource or a document; ``None`` for others."""
     if cursor.on_key:
         description = keys(buffers.text(path), cursor.steps).get(cursor.word)
         return f"**{cursor.word}**: {description}" if description else None

@@ -76,8 +76,8 @@ def section(lines: Sequence[str], name: str) -> dict[str, int]:
         if re.match(rf"{name}\s*:", text):
             inside = True
             flow = re.search(r"\{(.*)\}", text)
-            found = re.findall(r"(?:^|,)\s*([\w]+)\s*:", flow[1]) if flow else []
-            keys.update(dict.fromkeys(found, number))
+            inline = re.findall(r"(?:^|,)\s*([\w]+)\s*:", flow[1]) if flow else []
+            keys.update(dict.fromkeys(inline, number))
         elif inside and re.match(r"\S", text) and not text.startswith("#"):
             break
         elif inside:

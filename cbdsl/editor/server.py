@@ -92,14 +92,14 @@ class Server(LanguageServer):
         place = Place(str(path), position.line + 1, at.start + 1, at.end + 1)
         whole = _within(place, text)
         value, key = lsp.CompletionItemKind.Value, lsp.CompletionItemKind.Property
-        found = [(*each, value) for each in choices(self.buffers, path, at.steps)]
+        offered = [(*each, value) for each in choices(self.buffers, path, at.steps)]
         if at.on_key:
             known = keys(self.buffers.text(path), at.steps)
-            found += [(name, description, key) for name, description in known.items()]
+            offered += [(name, description, key) for name, description in known.items()]
         # Editors disagree on what a word is; names have dots.
         items = [
             lsp.CompletionItem(name, detail=detail, kind=kind, text_edit=lsp.TextEdit(whole, name))
-            for name, detail, kind in found
+            for name, detail, kind in offered
             if typed in name
         ]
         is_all = len(items) <= _MOST_CHOICES
@@ -204,13 +204,13 @@ def _diagnostic(finding: Diagnostic, lines: Sequence[str]) -> lsp.Diagnostic:
 
 
 def _action(path: Path, finding: Diagnostic, lines: Sequence[str]) -> lsp.CodeAction | None:
-    found = fix(finding, lines)
-    if found is None:
+    correction = fix(finding, lines)
+    if correction is None:
         return None
-    place = Place(str(path), found.line, found.column, found.end_column)
-    edit = lsp.TextEdit(_range(place, lines), found.new)
+    place = Place(str(path), correction.line, correction.column, correction.end_column)
+    edit = lsp.TextEdit(_range(place, lines), correction.new)
     return lsp.CodeAction(
-        f"Write '{found.new}'",
+        f"Write '{correction.new}'",
         kind=lsp.CodeActionKind.QuickFix,
         diagnostics=[_diagnostic(finding, lines)],
         edit=lsp.WorkspaceEdit(changes={_uri(path): [edit]}),

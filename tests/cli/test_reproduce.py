@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+import subprocess
 import sys
 import types
 import xml.etree.ElementTree as ET
@@ -247,17 +248,16 @@ def test_a_json_file(
     assert [row["experiment"] for row in rows] == ["toy-1", "toy-2"]
 
 
-def test_what_is_not_installed_is_told(
-    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
-    monkeypatch.setitem(sys.modules, "pybullet", None)
-    for name in [name for name in sys.modules if name.startswith("cbdsl.")]:
-        if "bullet" in name or "reproduction" in name:
-            monkeypatch.delitem(sys.modules, name)
-    assert cb(monkeypatch, "fig-3.4") == 2
-    printed = capsys.readouterr().err
-    assert printed.startswith("cb: backend 'bullet' cannot be loaded: ")
-    assert printed.endswith("pip install 'cbdsl[sim]'\n")
+def test_what_is_not_installed_is_told() -> None:
+    """In a process of its own: what has been loaded once is not looked for again."""
+    script = (
+        "import sys\nsys.modules['pybullet'] = None\n"
+        "from cbdsl.cli.main import main\nsys.argv = ['cb', 'reproduce', 'fig-3.4']\nmain()\n"
+    )
+    done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True)
+    assert done.returncode == 2
+    assert done.stderr.startswith("cb: backend 'bullet' cannot be loaded: ")
+    assert done.stderr.endswith("pip install 'cbdsl[sim]'\n")
 
 
 @pytest.mark.slow

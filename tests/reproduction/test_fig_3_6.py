@@ -15,8 +15,8 @@ def test_low_frequencies_are_read_from_everywhere_and_high_ones_not_from_afar() 
     sharp = outcome.quantities[: len(outcome.quantities) // 2]
     share = {tuple(each.name.split(", ")[:2]): each.ours for each in sharp}
     assert steps == [(1, 3), (2, 3), (3, 3)]
-    assert share["low", "table"] == share["low", "held"] == share["low", "optimum"] == 1
-    assert share["medium", "optimum"] == 1
+    assert share["low", "table"] == share["low", "held"] == share["low", "optimum"] == 100
+    assert share["medium", "optimum"] == 100
     assert [line.name for line in outcome.charts[0].lines] == ["low", "medium", "high"]
     table, held, optimum = outcome.charts[0].lines[0].x
     assert table > held > optimum

@@ -168,12 +168,12 @@ class _Triple:
 
     def _modifiers(self) -> dict[str, Any]:
         """Modifiers of cbdsl's own, by the field that has them."""
-        found = {
+        own = {
             modifier.name: modifier.read(section, partial(self._call, modifier.name))
             for modifier, section in declared(self._document)
         }
         # Whatever looks does so along an axis of its tip.
-        return {"free_axis": "z", **found} if self._document.potential == LOOK_AT else found
+        return {"free_axis": "z", **own} if self._document.potential == LOOK_AT else own
 
     def _call(self, modifier: str, text: str | None, option: str) -> str | None:
         """Another controller, called as the actions call it."""
