@@ -8,7 +8,9 @@ from pathlib import Path
 import pytest
 
 from cbdsl.checking.document import check_document
+from cbdsl.checking.knowledge.digest import policy_digest
 from cbdsl.checking.session import Session
+from cbdsl.documents.schema import SchemaDocument
 from cbdsl.yaml_text.library import Library
 from tests.cli.test_main import cb
 from tests.conftest import ROOT
@@ -31,6 +33,16 @@ policy: {XX: pick, 0X: pick, -X: nod, X0: nod}
 @pytest.mark.parametrize("path", SCHEMAS, ids=lambda path: path.stem)
 def test_it_has_no_findings(path: Path) -> None:
     assert check_document(path, Session(Library(ROOT))) == []
+
+
+@pytest.mark.parametrize("path", SCHEMAS, ids=lambda path: path.stem)
+def test_it_was_learned_with_the_policies_that_are_shipped(path: Path) -> None:
+    """Which part of a composition leads decides whether both hands can stand in for one."""
+    library = Library(ROOT)
+    provenance = library.read(path, SchemaDocument).document.provenance
+    assert provenance is not None and provenance.policies
+    for name, digest in provenance.policies.items():
+        assert digest == policy_digest(name, path, library), name
 
 
 def test_reachtouch_touches_what_it_can_and_begins_nothing_else(
