@@ -8,7 +8,6 @@ import os
 import sys
 from collections.abc import Iterable
 from importlib import import_module
-from types import ModuleType
 from typing import TYPE_CHECKING
 
 from cbdsl.cli.words import require_words
@@ -83,21 +82,7 @@ def _start_quickly() -> None:
     # Importing makes many objects and no garbage: to look for it took a twentieth of cb validate.
     gc.set_threshold(100_000)
     # Else pydantic reads the metadata of every installed package.
-    if os.environ.setdefault("PYDANTIC_DISABLE_PLUGINS", "1") == "1":
-        _leave_out_plugins()
-
-
-def _leave_out_plugins() -> None:
-    """Take the place of pydantic's loader of plugins, which gives none when they are disabled.
-
-    That one would import what reads metadata, and with it sockets, archives and mail: a twelfth of
-    the time of ``cb validate``.
-    """
-    name = "pydantic.plugin._loader"
-    if name not in sys.modules:
-        loader = ModuleType(name)
-        vars(loader)["get_plugins"] = tuple
-        sys.modules[name] = loader
+    os.environ.setdefault("PYDANTIC_DISABLE_PLUGINS", "1")
 
 
 def _print_anything() -> None:

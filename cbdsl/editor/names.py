@@ -16,15 +16,8 @@ from cbdsl.robot.resources import resources
 from cbdsl.types.potential import POTENTIALS
 from cbdsl.types.resource import Resource
 
-#: Keys whose values are the names of documents, by kind.
-_DOCUMENTS = {
-    "robot": "robot",
-    "stage": "stage",
-    "program": "program",
-    "policy": "policy",
-    "schema": "schema",
-    "calibration": "calibration",
-}
+#: Keys whose values are the names of documents, of the kind that has the key's name.
+_DOCUMENTS = frozenset({"robot", "stage", "program", "policy", "schema", "calibration"})
 _RESOURCES = ("feedback", "effector", "reference")
 #: Sections of a program in whose values its controllers are named.
 _COMPOSED = ("actions", "background", "policy", "requires", "rewards", "once")
@@ -58,7 +51,7 @@ def choices(buffers: Buffers, path: Path, steps: Sequence[str]) -> list[Choice]:
     if key == "kind" and len(steps) == 1:
         return [Choice(name, "kind of document") for name in KINDS.usable_names()]
     if key in _DOCUMENTS and not (key == "policy" and len(steps) == 1):
-        return _documents(buffers, path, _DOCUMENTS[key])
+        return _documents(buffers, path, key)
     if key in _RESOURCES:
         parameters = [Choice(f"${name}", "parameter") for name in section(lines, "parameters")]
         return parameters + [_resource(each) for each in robot_resources(buffers, path).values()]
@@ -109,7 +102,7 @@ def document_named(buffers: Buffers, path: Path, key: str, name: str) -> Path | 
     """The file of a document that the value of a key names."""
     if key not in _DOCUMENTS:
         return None
-    model: type[Document] = KINDS.get(_DOCUMENTS[key]).model
+    model: type[Document] = KINDS.get(key).model
     return buffers.library.find(model, name, path)
 
 

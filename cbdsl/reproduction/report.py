@@ -22,7 +22,8 @@ it is, **undecided** where it is neither, **ordering only** where at least the r
 clear, **not judged** where there is no spread to judge by (one trial) or nothing is claimed. The
 column *chance* tells how often as many trials would be called reproduced if the claim were only
 just false; a coin, or a model that is uniform, passes at most as often wherever the claim is false
-of it. Above 5 % nothing is called reproduced. Regions that were set when the numbers were known say
+of it. Of curves, ratios and trials drawn anew it is the 2.5 % for which intervals are made. Above
+5 % nothing is called reproduced. Regions that were set when the numbers were known say
 so. Intervals are exact (Clopper-Pearson) for proportions, bootstrapped for everything else. Where
 the robot learns, it does so on the kinematic backend, many times from zero; other backends have
 sections of their own.

@@ -132,8 +132,9 @@ class Library:
         """Have other bytes stand in for those of a file, and forget what was read of it.
 
         Returns:
-            Whether no other document that was read can have changed by that: not where the file
-            was or becomes a robot, or was not known, which may be found by a name from now on.
+            Whether no robot that was read can have changed by that: not where the file was or
+            becomes a robot or its calibration, or was not known, which may be found by a name from
+            now on.
         """
         key = self.real(path)
         before, kind = self._given.get(key), _KIND_LINE.search(data.decode("utf-8", "replace"))
@@ -141,7 +142,7 @@ class Library:
         self._read.pop(key, None)
         was = None if before is None else _KIND_LINE.search(before.decode("utf-8", "replace"))
         kinds = {match[1] if match else "" for match in (was, kind)}
-        return before is not None and len(kinds) == 1 and kinds != {"robot"}
+        return before is not None and len(kinds) == 1 and kinds.isdisjoint(("robot", "calibration"))
 
     def locate(self, kind: type[Document], name: str | Path) -> Path:
         """The file that a user means by a path, or by a name as a document here would use it.

@@ -37,6 +37,7 @@ def test_the_outcome() -> None:
     for quantity in outcome.quantities:
         ours = quantity.name.startswith("ours")
         assert (quantity.verdict is not Verdict.MISSED) == ours, quantity
+        assert (quantity.ours == 100) == ours, quantity
     again = law_as_printed.run(RunSettings(quick=True))
     assert [each.ours for each in again.quantities] == [each.ours for each in outcome.quantities]
     assert again.charts == outcome.charts

@@ -2,15 +2,13 @@
 
 from __future__ import annotations
 
-import resource
-from collections.abc import Iterator
-from contextlib import contextmanager
 from pathlib import Path
 
 import pytest
 
 from cbdsl.errors.errors import UsageError
 from cbdsl.runtime.recording_folder import RecordingFolder, replace_file
+from tests.full_disk import no_file_beyond
 
 
 def test_a_folder_that_cannot_be_written_is_told_beforehand(tmp_path: Path) -> None:
@@ -48,20 +46,10 @@ def test_an_episode_is_recorded_by_one_at_a_time(tmp_path: Path) -> None:
     assert not list(tmp_path.iterdir())
 
 
-@contextmanager
-def no_file_larger_than(size: int) -> Iterator[None]:
-    before = resource.getrlimit(resource.RLIMIT_FSIZE)
-    resource.setrlimit(resource.RLIMIT_FSIZE, (size, before[1]))
-    try:
-        yield
-    finally:
-        resource.setrlimit(resource.RLIMIT_FSIZE, before)
-
-
 def test_a_write_that_fails_names_its_file_and_leaves_what_was_there(tmp_path: Path) -> None:
     path = tmp_path / "file"
     replace_file(path, lambda file: file.write(b"before"))
-    with pytest.raises(OSError) as caught, no_file_larger_than(100):
+    with pytest.raises(OSError) as caught, no_file_beyond(100):
         replace_file(path, lambda file: file.write(b"x" * 200_000))
     assert caught.value.filename == str(path) and caught.value.strerror
     assert [file.read_bytes() for file in tmp_path.iterdir()] == [b"before"]

@@ -3,12 +3,9 @@
 from __future__ import annotations
 
 import os
-import resource
 import shutil
 import subprocess
 import sys
-from collections.abc import Iterator
-from contextlib import contextmanager
 from pathlib import Path
 
 import pytest
@@ -16,19 +13,9 @@ import pytest
 from cbdsl.training import trial_loop
 from cbdsl.training.trial_loop import journal_file
 from tests.conftest import ROOT
+from tests.full_disk import no_file_beyond
 from tests.training.tasks import outcome
 from tests.training.toy import EPISODES, take
-
-
-@contextmanager
-def no_file_beyond(size: int) -> Iterator[None]:
-    """Have the system refuse to write beyond so many bytes of any file."""
-    before = resource.getrlimit(resource.RLIMIT_FSIZE)
-    resource.setrlimit(resource.RLIMIT_FSIZE, (size, before[1]))
-    try:
-        yield
-    finally:
-        resource.setrlimit(resource.RLIMIT_FSIZE, before)
 
 
 def test_a_disk_without_room_is_told_before_the_episodes(tmp_path: Path) -> None:

@@ -82,3 +82,18 @@ def test_a_folder_does_not_hide_the_document_of_its_name(
     assert library.locate_any("own") == [folder]
     Path("empty").mkdir()
     assert library.locate_any("empty") == [Path("empty")]
+
+
+@pytest.mark.parametrize(
+    ("kind", "goes_on"),
+    [("program", True), ("policy", True), ("robot", False), ("calibration", False)],
+)
+def test_other_bytes_for_what_robots_are_made_of_begin_anew(
+    kind: str, goes_on: bool, tmp_path: Path
+) -> None:
+    library, path = Library(tmp_path), tmp_path / "own.yaml"
+    text = f"cbdsl: 1\nkind: {kind}\n".encode()
+    assert not library.replace(path, text), "it may be found by a name from now on"
+    assert library.replace(path, text + b"name: own\n") == goes_on
+    assert not library.replace(path, b"kind: stage\n"), "it is of another kind"
+    assert library.text(path) == "kind: stage\n"
