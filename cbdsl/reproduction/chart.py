@@ -7,8 +7,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from html import escape
 
-_WIDTH, _HEIGHT = 560, 300
-_LEFT, _RIGHT, _TOP, _BOTTOM = 70, 150, 34, 46
+_WIDTH, _HEIGHT = 610, 300
+# On the right there is room for a line's name of 30 characters.
+_LEFT, _RIGHT, _TOP, _BOTTOM = 70, 200, 34, 46
 # Distinguishable without colour vision (Okabe and Ito), and by dashes in print.
 _STYLES = (("#0072b2", ""), ("#d55e00", "7 3"), ("#009e73", "2 3"), ("#cc79a7", "9 3 2 3"))
 _TICKS = 5
