@@ -72,7 +72,7 @@ def test_an_edit_of_a_callee_in_another_file_is_seen(tmp_path: Path) -> None:
 
 def run(folder: Path) -> str:
     code = f"import sys; sys.path.insert(0, {str(folder)!r}){CALL}"
-    # Without bytecode: by its time in whole seconds and its size, Python's is of an edited file, too.
+    # Without bytecode: Python tells an edited file by whole seconds and by its size.
     words = [sys.executable, "-B", "-c", code]
     done = subprocess.run(words, capture_output=True, text=True, check=True)
     return done.stdout.strip()
