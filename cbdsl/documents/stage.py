@@ -1,9 +1,17 @@
 """The stage document: a training context, set up by the experimenter and unseen by the robot."""
 
+import hashlib
 import math
+from pathlib import Path
 from typing import Annotated, Literal, Self
 
-from pydantic import Field, field_serializer, model_validator
+from pydantic import (
+    Field,
+    PrivateAttr,
+    ValidationInfo,
+    field_serializer,
+    model_validator,
+)
 
 from cbdsl.documents.document import (
     Angle,
@@ -231,7 +239,40 @@ class ComposedForm(Section):
         return tuple((edge, edge) for edge in edges)
 
 
-Form = BallForm | BoxForm | CylinderForm | TubeForm | OpenBoxForm | ComposedForm
+class MeshForm(Section):
+    """A closed mesh; its centre is the middle of the box around it."""
+
+    shape: Literal["mesh"]
+    """Which shape it is."""
+    file: Annotated[str, Field(min_length=1)]
+    """Its file, STL or OBJ, with the path from the stage's folder."""
+    scale: Size = 1.0
+    """Length of the file's unit: 1 mm where its numbers are millimetres."""
+    solid: Literal["hull", "boxes", "ball", "box", "cylinder"] = "hull"
+    """What is touched: its convex hull; up to 16 boxes that fill it, for what is hollow; or the
+    ball, box or upright cylinder around it."""
+
+    _folder: Path = PrivateAttr(default=Path())
+
+    @model_validator(mode="after")
+    def _is_in_a_folder(self, info: ValidationInfo) -> Self:
+        if info.context is not None:
+            self._folder = info.context["folder"]
+        return self
+
+    @property
+    def path(self) -> Path:
+        """Its file."""
+        return self._folder / self.file
+
+    @field_serializer("file", when_used="json")
+    def _by_its_content(self, file: str) -> str:
+        # What was learned with a mesh holds for this mesh, wherever it lies.
+        path = self.path
+        return hashlib.sha256(path.read_bytes()).hexdigest() if path.is_file() else file
+
+
+Form = BallForm | BoxForm | CylinderForm | TubeForm | OpenBoxForm | ComposedForm | MeshForm
 
 
 class Surface(Section):
