@@ -7,6 +7,7 @@ from typing import Annotated, Literal, Self
 
 from pydantic import (
     Field,
+    FieldSerializationInfo,
     PrivateAttr,
     ValidationInfo,
     field_serializer,
@@ -265,11 +266,19 @@ class MeshForm(Section):
         """Its file."""
         return self._folder / self.file
 
-    @field_serializer("file", when_used="json")
-    def _by_its_content(self, file: str) -> str:
+    @field_serializer("file")
+    def _by_its_content(self, file: str, info: FieldSerializationInfo) -> str:
         # What was learned with a mesh holds for this mesh, wherever it lies.
-        path = self.path
-        return hashlib.sha256(path.read_bytes()).hexdigest() if path.is_file() else file
+        if info.context is None or not self.path.is_file():
+            return file
+        return hashlib.sha256(self.path.read_bytes()).hexdigest()
+
+    # A document is what it says, wherever it lies.
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, MeshForm) and self.model_dump() == other.model_dump()
+
+    def __hash__(self) -> int:
+        return hash((self.file, self.scale, self.solid))
 
 
 Form = BallForm | BoxForm | CylinderForm | TubeForm | OpenBoxForm | ComposedForm | MeshForm

@@ -42,7 +42,7 @@ def parts_of(item: SceneObject) -> list[Part]:
 
 
 def solid_parts(shape: SolidShape, color: tuple[float, ...]) -> list[Part]:
-    """What a shape is made of."""
+    """The parts that a shape is made of, seen or not."""
     return [
         Part(wall.shape.kind, _size(wall.shape), wall.origin.xyz, wall.origin.quaternion, color)
         for wall in shape.solids

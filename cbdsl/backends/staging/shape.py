@@ -6,6 +6,7 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from functools import lru_cache
+from pathlib import Path
 from typing import Literal, NamedTuple
 
 import numpy as np
@@ -124,15 +125,20 @@ class SolidShape:
         return cls("box", (x, y, z), walls=tuple(_wall(piece, middle) for piece in form.pieces))
 
     @classmethod
-    def meshed(cls, form: MeshForm) -> SolidShape:
+    def meshed(cls, file: Path, scale: float, solid: str) -> SolidShape:
         """A mesh, and what is touched of it.
+
+        Args:
+            file: the mesh.
+            scale: of its unit, m.
+            solid: as ``MeshForm`` has it.
 
         Raises:
             UsageError: its file is not there, or no mesh of a thing.
         """
-        mesh, halves = read_thing_mesh(form.path, form.scale)
+        mesh, halves = read_thing_mesh(file, scale)
         x, y, z = halves
-        match form.solid:
+        match solid:
             case "ball":
                 radius = max(halves)
                 return cls("ball", (radius, radius, radius), mesh=mesh)
@@ -162,7 +168,7 @@ class SolidShape:
         if isinstance(form, ComposedForm):
             return cls.composed(form)
         if isinstance(form, MeshForm):
-            return _meshed(form, changed(form.path))
+            return _meshed(form.path, form.scale, form.solid, changed(form.path))
         radius, height = draw(form.radius, rng), draw(form.height, rng)
         if isinstance(form, TubeForm):
             return cls.tube(radius, height, form.wall)
@@ -224,8 +230,8 @@ def _wall(piece: Piece, middle: Sequence[float]) -> Wall:
 
 
 @lru_cache(maxsize=16)  # each episode draws its things again
-def _meshed(form: MeshForm, _changed: int) -> SolidShape:
-    return SolidShape.meshed(form)
+def _meshed(file: Path, scale: float, solid: str, _changed: int) -> SolidShape:
+    return SolidShape.meshed(file, scale, solid)
 
 
 def _filling(triangles: Floats) -> tuple[Wall, ...]:
