@@ -1,9 +1,18 @@
 """The stage document: a training context, set up by the experimenter and unseen by the robot."""
 
+import hashlib
 import math
+from pathlib import Path
 from typing import Annotated, Literal, Self
 
-from pydantic import Field, field_serializer, model_validator
+from pydantic import (
+    Field,
+    FieldSerializationInfo,
+    PrivateAttr,
+    ValidationInfo,
+    field_serializer,
+    model_validator,
+)
 
 from cbdsl.documents.document import (
     Angle,
@@ -231,7 +240,48 @@ class ComposedForm(Section):
         return tuple((edge, edge) for edge in edges)
 
 
-Form = BallForm | BoxForm | CylinderForm | TubeForm | OpenBoxForm | ComposedForm
+class MeshForm(Section):
+    """A closed mesh; its centre is the middle of the box around it."""
+
+    shape: Literal["mesh"]
+    """Which shape it is."""
+    file: Annotated[str, Field(min_length=1)]
+    """Its file, STL or OBJ, with the path from the stage's folder."""
+    scale: Size = 1.0
+    """Length of the file's unit: 1 mm where its numbers are millimetres."""
+    solid: Literal["hull", "boxes", "ball", "box", "cylinder"] = "hull"
+    """What is touched: its convex hull; up to 16 boxes that fill it, for what is hollow; or the
+    ball, box or upright cylinder around it."""
+
+    _folder: Path = PrivateAttr(default=Path())
+
+    @model_validator(mode="after")
+    def _is_in_a_folder(self, info: ValidationInfo) -> Self:
+        if info.context is not None:
+            self._folder = info.context["folder"]
+        return self
+
+    @property
+    def path(self) -> Path:
+        """Its file."""
+        return self._folder / self.file
+
+    @field_serializer("file")
+    def _by_its_content(self, file: str, info: FieldSerializationInfo) -> str:
+        # What was learned with a mesh holds for this mesh, wherever it lies.
+        if info.context is None or not self.path.is_file():
+            return file
+        return hashlib.sha256(self.path.read_bytes()).hexdigest()
+
+    # A document is what it says, wherever it lies.
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, MeshForm) and self.model_dump() == other.model_dump()
+
+    def __hash__(self) -> int:
+        return hash((self.file, self.scale, self.solid))
+
+
+Form = BallForm | BoxForm | CylinderForm | TubeForm | OpenBoxForm | ComposedForm | MeshForm
 
 
 class Surface(Section):

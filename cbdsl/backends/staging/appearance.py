@@ -31,15 +31,22 @@ def parts_of(item: SceneObject) -> list[Part]:
     """The visible parts of an object: first what it is made of, then its print or spot."""
     shape = item.shape
     color = tuple(item.surface.color)
-    parts = [
-        Part(wall.shape.kind, _size(wall.shape), wall.origin.xyz, wall.origin.quaternion, color)
-        for wall in shape.solids
-    ]
+    if shape.mesh is not None:
+        return [Part("mesh", (), _CENTRE, _UNTURNED, color, shape.mesh)]
+    parts = solid_parts(shape, color)
     if shape.pattern is not None:
         parts += _bars(shape.halves, shape.pattern)
     if shape.spot is not None:
         parts.append(_spot(shape, shape.spot))
     return parts
+
+
+def solid_parts(shape: SolidShape, color: tuple[float, ...]) -> list[Part]:
+    """The parts that a shape is made of, seen or not."""
+    return [
+        Part(wall.shape.kind, _size(wall.shape), wall.origin.xyz, wall.origin.quaternion, color)
+        for wall in shape.solids
+    ]
 
 
 def _size(shape: SolidShape) -> tuple[float, ...]:
