@@ -30,7 +30,7 @@ def check(*documents: str | Path, values: Mapping[str, str] | None = None) -> li
     library = Library()
     session = Session(library, dict(values or {}))
     files = [file for word in documents for file in library.locate_any(str(word))]
-    found: dict[Diagnostic, None] = {}
+    findings: dict[Diagnostic, None] = {}
     for file in files:
-        found.update(dict.fromkeys(check_document(file, session)))
-    return list(found)
+        findings.update(dict.fromkeys(check_document(file, session)))
+    return list(findings)

@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True)
-class Learned:
+class LearningOutcome:
     """Knowledge from one trial.
 
     Attributes:
@@ -45,7 +45,7 @@ def learn(
     constants: Mapping[str, str | float] | None = None,
     resume: bool = False,
     on_episode: Callable[[Experience], None] | None = None,
-) -> Learned:
+) -> LearningOutcome:
     """Learn what a program's actions are good for, from zero, in this process.
 
     A file beside the policy's holds each episode as soon as it is over; with ``resume`` an
@@ -56,7 +56,7 @@ def learn(
         out: file for the policy, ``NAME.yaml``; internal models go beside it.
         episodes: how many in all.
         seed: of all chance.
-        backend, cameras: as of ``open_body``.
+        backend, cameras: as of ``open_robot``.
         learner: name of the algorithm.
         constants: of the algorithm, by name, in SI or as text with units.
         resume: whether a trial that was begun there goes on.
@@ -67,17 +67,17 @@ def learn(
         UsageError: something is not there, not installed, does not fit, or is in the way.
         OSError: a document cannot be written.
     """
-    from cbdsl.api.body import open_body
     from cbdsl.api.load import load
+    from cbdsl.api.open_robot import open_robot
     from cbdsl.api.run_request import RunRequest
 
     request = program if isinstance(program, RunRequest) else load(program)
     task = _task(request, Path(out), episodes, seed, backend, cameras, learner, constants or {})
     task.require_ready(resume=resume)
     watcher = _Watcher(on_episode)
-    with open_body(request, backend=backend, cameras=cameras) as body:
-        files = task.run(body.backend, body.kinematics, watcher)
-    return Learned(task.path, tuple(files), tuple(watcher.episodes))
+    with open_robot(request, backend=backend, cameras=cameras) as robot:
+        files = task.run(robot.backend, robot.kinematics, watcher)
+    return LearningOutcome(task.path, tuple(files), tuple(watcher.episodes))
 
 
 class _Watcher:
@@ -120,6 +120,8 @@ def _task(
     given = {name: str(value) for name, value in constants.items()}
     options = [("episodes", episodes), ("seed", seed), ("backend", backend), ("learner", learner)]
     words = [f"{name}={value!r}" for name, value in [*options, ("constants", given)]]
+    chosen = (request.program.name, request.stage.name, dict(request.program.parameters))
+    loaded = "cbdsl.load({!r}, stage={!r}, values={!r})".format(*chosen)
     return LearningTask(
         program=request.program,
         digest=program_digest(request.program_file, request.library),
@@ -132,7 +134,7 @@ def _task(
         seed=seed,
         number=0,
         episodes=episodes,
-        command=f"cbdsl.learn('{request.program.name}', '{out.name}', {', '.join(words)})",
+        command=f"cbdsl.learn({loaded}, {out.name!r}, {', '.join(words)})",
         path=out.absolute(),
         cameras=cameras,
     )

@@ -30,7 +30,7 @@ def run(
         seed: of the first episode; the others have the next ones.
         episodes: how many.
         context: one of the stage's contexts; drawn by their shares when ``None``.
-        backend, cameras: as of ``open_body``.
+        backend, cameras: as of ``open_robot``.
         on_transition: is told each change of state.
         on_tick: is told each control tick, with the observation and the signals.
 
@@ -41,10 +41,10 @@ def run(
         DiagnosticsError: a document has errors.
         UsageError: something is not there, not installed, or does not fit.
     """
-    from cbdsl.api.body import open_body
+    from cbdsl.api.open_robot import open_robot
 
-    with open_body(program, backend=backend, cameras=cameras) as body:
+    with open_robot(program, backend=backend, cameras=cameras) as robot:
         return [
-            body.run(each, context=context, on_transition=on_transition, on_tick=on_tick)
+            robot.run(each, context=context, on_transition=on_transition, on_tick=on_tick)
             for each in range(seed, seed + episodes)
         ]

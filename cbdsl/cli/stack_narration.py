@@ -81,7 +81,7 @@ def _row(level: LevelExplanation, changes: tuple[float, float]) -> tuple[str, ..
 
 
 def _others(level: LevelExplanation) -> str:
-    """What other levels, or limits, do to it."""
+    """Effect of other levels, or of limits, on it."""
     if level.pushed_by:
         return f"pushed on by {level.pushed_by}"
     return f"held by {level.held_by}" if level.held_by else ""

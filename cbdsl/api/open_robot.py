@@ -1,4 +1,4 @@
-"""Bodies: a robot on a backend, kept open for any number of episodes."""
+"""Open robots: on a backend, kept open for any number of episodes."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from cbdsl.types.policy import Policy
 
 
-class Body:
+class OpenRobot:
     """A robot on a backend, on which its program runs.
 
     Args:
@@ -68,18 +68,17 @@ class Body:
         if context is not None and context not in stage.contexts:
             what = f"context of stage '{stage.name}'"
             raise UsageError.unknown(what, context, stage.contexts)
-        told = on_transition or _ignore
-        return self.runner().run(stage, seed, context, told, on_tick)
+        return self.runner().run(stage, seed, context, on_transition or _ignore, on_tick)
 
 
 @contextmanager
-def open_body(
+def open_robot(
     program: str | Path | RunRequest,
     *,
     backend: str = "bullet",
     cameras: str | None = None,
     gui: bool = False,
-) -> Iterator[Body]:
+) -> Iterator[OpenRobot]:
     """Open the robot of a program on a backend, and close it in the end.
 
     Args:
@@ -100,7 +99,7 @@ def open_body(
     request = program if isinstance(program, RunRequest) else load(program)
     simulated = embody(backend, request.robot, request.urdf, gui=gui, cameras=cameras)
     try:
-        yield Body(request, simulated, Kinematics(request.robot, request.urdf))
+        yield OpenRobot(request, simulated, Kinematics(request.robot, request.urdf))
     finally:
         simulated.close()
 
