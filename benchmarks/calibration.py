@@ -39,11 +39,11 @@ _EYES = np.array((0.24, 0.0, 0.5))
 
 def judge_body(body: int, seeds: Sequence[int], backend_name: str) -> dict[str, Any]:
     """Calibrate one body, and run its episodes without and with the calibration."""
+    from cbdsl.api.run_request import read_request
     from cbdsl.backends.backend import embody
     from cbdsl.backends.cameras.camera_system import camera_errors
     from cbdsl.calibration.estimate import CalibrationError, estimate
     from cbdsl.calibration.watching import watch
-    from cbdsl.cli.run_request import read_request
     from cbdsl.documents.calibration import with_corrections
     from cbdsl.sensing.kinematics import Kinematics
 

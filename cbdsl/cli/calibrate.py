@@ -13,8 +13,8 @@ import typer
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
+    from cbdsl.api.run_request import RunRequest
     from cbdsl.calibration.estimate import Estimate
-    from cbdsl.cli.run_request import RunRequest
     from cbdsl.documents.calibration import CalibrationDocument, CalibrationOrigin
 
 Robot = Annotated[str, typer.Argument(help="A robot: its file, or its name.")]
@@ -96,9 +96,9 @@ def _request(
     robot: str, program: str, stage: str | None, body: int | None, with_: list[str]
 ) -> RunRequest:
     """The program that shows the ball, of an uncalibrated robot."""
+    from cbdsl.api.run_request import read_request
     from cbdsl.calibration.watching import require_sight_and_touch
     from cbdsl.cli.assignments import read_assignments
-    from cbdsl.cli.run_request import read_request
     from cbdsl.cli.simulation import needing_simulation
     from cbdsl.documents.robot import RobotDocument
     from cbdsl.errors.errors import UsageError

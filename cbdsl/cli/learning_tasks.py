@@ -9,8 +9,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
+    from cbdsl.api.run_request import RunRequest
     from cbdsl.cli.learning_progress import LearningProgress
-    from cbdsl.cli.run_request import RunRequest
     from cbdsl.training.journal_follower import JournalFollower
     from cbdsl.training.learning_task import LearningTask
 

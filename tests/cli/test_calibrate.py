@@ -10,9 +10,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from cbdsl.api.calibration import read_calibration
+from cbdsl.api.run_request import read_request
 from cbdsl.backends.cameras.camera_system import camera_errors
-from cbdsl.cli.calibration import read_calibration
-from cbdsl.cli.run_request import read_request
 from cbdsl.documents.calibration import CalibratedCamera, CalibrationDocument, CalibrationOrigin
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.errors.errors import UsageError

@@ -1,0 +1,108 @@
+"""Open robots: on a backend, kept open for any number of episodes."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from cbdsl.api.run_request import RunRequest
+    from cbdsl.backends.backend import Backend
+    from cbdsl.program.transition import Transition
+    from cbdsl.runtime.episode import EpisodeResult, Runner, TickListener
+    from cbdsl.sensing.kinematics import Kinematics
+    from cbdsl.types.policy import Policy
+
+
+class OpenRobot:
+    """A robot on a backend, on which its program runs.
+
+    Args:
+        request: the program, its robot and its stage.
+        backend: the backend, which belongs to the caller.
+        kinematics: of the robot.
+
+    Attributes:
+        request, backend, kinematics: as given.
+    """
+
+    def __init__(self, request: RunRequest, backend: Backend, kinematics: Kinematics) -> None:
+        self.request, self.backend, self.kinematics = request, backend, kinematics
+        self._written: Runner | None = None
+
+    def runner(self, policy: Policy | None = None) -> Runner:
+        """A runner of the program's episodes; without a policy the program's own, kept."""
+        from cbdsl.runtime.episode import Runner
+
+        request = self.request
+        if policy is None and self._written is not None:
+            return self._written
+        made = Runner(request.robot, self.kinematics, request.program, self.backend, policy)
+        self._written = made if policy is None else self._written
+        return made
+
+    def run(
+        self,
+        seed: int = 0,
+        *,
+        context: str | None = None,
+        on_transition: Callable[[Transition], None] | None = None,
+        on_tick: TickListener | None = None,
+    ) -> EpisodeResult:
+        """Run one episode; equal seeds give equal episodes.
+
+        Args:
+            seed: of all chance, from 0.
+            context: one of the stage's contexts; drawn by their shares when ``None``.
+            on_transition: is told each change of state.
+            on_tick: is told each control tick, with the observation and the signals.
+
+        Raises:
+            UsageError: the stage has no such context, or the episode cannot go on.
+        """
+        from cbdsl.errors.errors import UsageError
+
+        stage = self.request.stage
+        if context is not None and context not in stage.contexts:
+            what = f"context of stage '{stage.name}'"
+            raise UsageError.unknown(what, context, stage.contexts)
+        return self.runner().run(stage, seed, context, on_transition or _ignore, on_tick)
+
+
+@contextmanager
+def open_robot(
+    program: str | Path | RunRequest,
+    *,
+    backend: str = "bullet",
+    cameras: str | None = None,
+    gui: bool = False,
+) -> Iterator[OpenRobot]:
+    """Open the robot of a program on a backend, and close it in the end.
+
+    Args:
+        program: what ``load`` gave, or a file or name for it.
+        backend: ``bullet`` or ``mujoco`` (physics), ``kinematic``, or one of another package.
+        cameras: ``rendered`` or ``ideal``; the backend's own choice when ``None``.
+        gui: whether to open the simulator's window.
+
+    Raises:
+        DiagnosticsError: a document has errors.
+        UsageError: something is not there, not installed, or does not fit.
+    """
+    from cbdsl.api.load import load
+    from cbdsl.api.run_request import RunRequest
+    from cbdsl.backends.backend import embody
+    from cbdsl.sensing.kinematics import Kinematics
+
+    request = program if isinstance(program, RunRequest) else load(program)
+    simulated = embody(backend, request.robot, request.urdf, gui=gui, cameras=cameras)
+    try:
+        yield OpenRobot(request, simulated, Kinematics(request.robot, request.urdf))
+    finally:
+        simulated.close()
+
+
+def _ignore(transition: Transition) -> None:
+    """Listen to nothing."""
