@@ -108,6 +108,14 @@ class AffordanceModel:
         odds = math.log(prior / (1 - prior)) + with_ - without
         return 1 / (1 + math.exp(-odds)) if odds > -700 else 0.0
 
+    def distance(self, features: Floats) -> float:
+        """Mahalanobis distance of features from those with reward."""
+        if self.rewarded.weight == 0:
+            return 0.0
+        known = self._predictive(self.rewarded)
+        apart = features - known.mean
+        return math.sqrt(float(apart @ np.linalg.solve(known.covariance, apart)))
+
     def density(self, features: Floats) -> float:
         """Pr(f | a) per unit of the features: the mixture over reward and none."""
         prior = self.reward_probability

@@ -115,6 +115,7 @@ class Runner:
         backend: where.
         policy: chooses the actions instead of the program's written policy.
         clock: the wall time that deadlines are held against, s.
+        observed: resources that listeners read besides those of the program.
     """
 
     def __init__(
@@ -126,12 +127,13 @@ class Runner:
         policy: Policy | None = None,
         *,
         clock: Callable[[], float] = time.perf_counter,
+        observed: Sequence[Resource] = (),
     ) -> None:
         self._program = program
         self._clock = clock
         self._backend = backend
         self._policy = policy
-        self.signals = Signals(robot, kinematics, resources_of(program))
+        self.signals = Signals(robot, kinematics, (*resources_of(program), *observed))
         plan, period = ControllerPlan(), backend.control_period
         self._run = ProgramRun(program, self.signals, plan, period)
         self._actuation = Actuation(robot, self.signals, plan, period, program.all_guards)
