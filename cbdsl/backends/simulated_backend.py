@@ -111,7 +111,12 @@ class SimulatedBackend(Generic[SomeEngine]):
         return name
 
     def resume(
-        self, stage: StageDocument, context: str | None, channels: Collection[str] | None = None
+        self,
+        stage: StageDocument,
+        context: str | None,
+        channels: Collection[str] | None = None,
+        *,
+        undisturbed: bool = False,
     ) -> str | None:
         """Begin an episode in the world as it is; see ``ResumableBackend.resume``."""
         if self._world is None or self._world[0] is not stage:
@@ -120,7 +125,8 @@ class SimulatedBackend(Generic[SomeEngine]):
         if context not in (None, name):
             return None
         self._began = self._tick
-        self._experimenter.tidy(stage.world.put_back)
+        if not undisturbed:
+            self._experimenter.tidy(stage.world.put_back)
         self._cameras.look_for(channels)
         self._observation = self._sense()
         return name

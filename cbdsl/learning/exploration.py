@@ -182,7 +182,7 @@ class Exploration(ABC):
     Attributes:
         affordances: what is known of each action but noop, by name.
         steps: what was done so far.
-        values: reward to expect of each action.
+        constants: of the algorithm.
     """
 
     Constants: type[ExplorationConstants] = ExplorationConstants
@@ -190,7 +190,7 @@ class Exploration(ABC):
     def __init__(
         self, actions: Mapping[str, Sequence[FeatureForm]], constants: ExplorationConstants
     ) -> None:
-        self._constants = constants
+        self.constants = constants
         self.affordances: dict[str, Affordance] = {}
         self.steps: list[Step] = []
         self._largest = 0.0
@@ -220,11 +220,11 @@ class Exploration(ABC):
         if outcome.action == NOOP:
             step = Step(NOOP, False, 0.0, 0.0)
         else:
-            change = self.affordances[outcome.action].note(outcome, self._constants)
+            change = self.affordances[outcome.action].note(outcome, self.constants)
             change = change if outcome.rewarded else 0.0
             self._largest = max(self._largest, change)
             share = change / self._largest if self._largest else 0.0
-            step = Step(outcome.action, outcome.rewarded, change, share - self._constants.cost)
+            step = Step(outcome.action, outcome.rewarded, change, share - self.constants.cost)
         for name, affordance in self.affordances.items():
             affordance.ahead = outcome.ahead.get(name, {})
         self.steps.append(step)
@@ -240,8 +240,8 @@ class Exploration(ABC):
         """Whether an action was tried often enough, and its model changes no more."""
         affordance = self.affordances[name]
         change = self.change_of(name)
-        calm = change is None or change < self._constants.habituated
-        return affordance.failed or (affordance.tried >= self._constants.least and calm)
+        calm = change is None or change < self.constants.habituated
+        return affordance.failed or (affordance.tried >= self.constants.least and calm)
 
     @property
     def is_over(self) -> bool:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from typing import NamedTuple
 
 from cbdsl.runtime.episode import Tick
 from cbdsl.runtime.program_run import ProgramRun
@@ -70,15 +69,3 @@ def _draws(tick: Tick, run: ProgramRun, resource: Resource) -> Iterator[tuple[fl
             yield tuple(table.values(own).tolist())
     for child in run.children.values():
         yield from _draws(tick, child, resource)
-
-
-class Seen(NamedTuple):
-    """What was noted of the signals of one episode.
-
-    Attributes:
-        features: components of those that were defined at its activation, in SI, by name.
-        found: names of watched resources that were defined long enough to be believed.
-    """
-
-    features: Mapping[str, tuple[float, ...]]
-    found: tuple[str, ...]
