@@ -104,7 +104,7 @@ class SimulatedBackend(Generic[SomeEngine]):
         self.truth.begin(self._reference)
         self._cells = self._load_cells(noise)
         sampler = ScenarioSampler(stage, self._robot, self.truth.link_pose, rng)
-        self._experimenter = Experimenter(sampler.sample(chosen), self.truth)
+        self._experimenter = Experimenter(sampler, chosen, self.truth)
         self._cameras.begin(self.truth, stage.disturbance, channels, Chance(rng, noise))
         self._world = stage, name
         self._observation = self._sense()
@@ -126,7 +126,7 @@ class SimulatedBackend(Generic[SomeEngine]):
             return None
         self._began = self._tick
         if not undisturbed:
-            self._experimenter.tidy(stage.world.put_back)
+            self._experimenter.take_turn(stage.world)
         self._cameras.look_for(channels)
         self._observation = self._sense()
         return name

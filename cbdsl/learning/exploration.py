@@ -43,6 +43,8 @@ class ExplorationConstants(Section):
     """Below this change of its variance, relative to the largest so far, a model is habituated."""
     least: Count = 3
     """Times that each action is taken at least before an exploration is over."""
+    longest: Annotated[float, quantity("time", gt=0, le=3600)] = 60.0
+    """Time after which an action that is not over has failed."""
 
 
 class FeatureForm(NamedTuple):

@@ -31,6 +31,7 @@ class ActionRunner:
         stage: the world.
         actions: what can be done.
         between: what the robot does after each of them, which makes it ready for the next.
+        longest: time of an action, s.
     """
 
     def __init__(
@@ -41,11 +42,12 @@ class ActionRunner:
         stage: StageDocument,
         actions: Sequence[Explorable],
         between: CheckedProgram,
+        longest: float,
     ) -> None:
         self._robot, self._kinematics = robot, kinematics
         self._backend, self._stage = backend, stage
         self._actions = {each.name: each for each in actions}
-        self._between = between
+        self._between, self._longest = between, longest
         self._runners: dict[str, Runner] = {}
         self._last: Runner | None = None
         self._turns = 0
@@ -125,6 +127,9 @@ class ActionRunner:
 
     def _runner(self, name: str, program: CheckedProgram, observed: Sequence[Resource]) -> Runner:
         if name not in self._runners:
+            program = program._replace(
+                episode_time=min(self._longest, program.episode_time or self._longest)
+            )
             self._runners[name] = Runner(
                 self._robot, self._kinematics, program, self._backend, observed=observed
             )

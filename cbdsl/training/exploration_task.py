@@ -13,7 +13,7 @@ import numpy as np
 from cbdsl.backends.backend import Backend
 from cbdsl.documents.catalog import CatalogDocument, CatalogProvenance
 from cbdsl.documents.digest import digest
-from cbdsl.documents.document import Document, Section
+from cbdsl.documents.document import Document
 from cbdsl.documents.policy import Identity
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.documents.stage import StageDocument
@@ -21,6 +21,7 @@ from cbdsl.learning.exploration import (
     EXPLORATIONS,
     ActionOutcome,
     Exploration,
+    ExplorationConstants,
     FeatureForm,
     Step,
 )
@@ -71,7 +72,7 @@ class ExplorationTask:
     stage: StageDocument
     backend: str
     algorithm: str
-    constants: Section
+    constants: ExplorationConstants
     seed: int
     number: int
     count: int
@@ -114,7 +115,15 @@ class ExplorationTask:
             JournalError: the journal is of something else.
             OSError: journal or catalog cannot be written.
         """
-        runner = ActionRunner(self.robot, kinematics, body, self.stage, self.actions, self.between)
+        runner = ActionRunner(
+            self.robot,
+            kinematics,
+            body,
+            self.stage,
+            self.actions,
+            self.between,
+            self.constants.longest,
+        )
         exploration = self.exploration()
         outcomes: list[ActionOutcome] = []
         with RowJournal(self.journal, self._identity(body.renderer)) as journal:
