@@ -89,7 +89,7 @@ def _explorable(text: ActionText, feature: str, stage: str) -> tuple[RunRequest,
     if len(open_keys) > 1:
         raise UsageError(f"'{text.label}' leaves {' and '.join(open_keys)} open: one can be")
     closed = {key: value for key, value in text.values.items() if value != _OPEN}
-    request, action = _bound(text._replace(values=closed), feature, stage)
+    request, action = bound_action(text._replace(values=closed), feature, stage)
     if not open_keys:
         return request, action
     resources = _resources(request)
@@ -98,11 +98,12 @@ def _explorable(text: ActionText, feature: str, stage: str) -> tuple[RunRequest,
     for channel in _hues(request, own, resources):
         label = f"{text.label}_{channel}"
         values = {**closed, open_keys[0]: channel}
-        marks[channel] = _bound(ActionText(label, text.program, values), feature, stage)[1]
+        marks[channel] = bound_action(ActionText(label, text.program, values), feature, stage)[1]
     return request, replace(action, marks=marks)
 
 
-def _bound(text: ActionText, feature: str, stage: str) -> tuple[RunRequest, Explorable]:
+def bound_action(text: ActionText, feature: str, stage: str) -> tuple[RunRequest, Explorable]:
+    """A program with its values, and the features that its model is over."""
     from cbdsl.checking.knowledge.digest import program_digest
     from cbdsl.cli.run_request import read_request
     from cbdsl.documents.program import ProgramDocument

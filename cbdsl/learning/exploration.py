@@ -25,6 +25,11 @@ _WORKSPACE: Mapping[str, float] = {
 }  # fmt: skip
 
 
+def deviation_of(unit: str) -> float:
+    """Deviation of a component of this unit that counts for something in a workspace."""
+    return _WORKSPACE.get(unit, 1.0)
+
+
 class ExplorationConstants(Section):
     """Constants that all explorations have (Sections 6.1 and 6.2)."""
 
@@ -151,7 +156,7 @@ class Affordance:
         chosen = [form for form in self.forms if form.name in defined]
         self.features = tuple(form.name for form in chosen)
         deviations = [
-            _WORKSPACE.get(form.unit, 1.0) if constants.units == "workspace" else 1.0
+            deviation_of(form.unit) if constants.units == "workspace" else 1.0
             for form in chosen
             for _ in range(form.size)
         ]

@@ -15,6 +15,9 @@ from cbdsl.sensing.kinematics import Kinematics
 from cbdsl.training.explorable import Explorable
 from cbdsl.types.resource import Resource
 
+Features = Mapping[str, tuple[float, ...]]
+"""Components of features that were defined, in SI, by name."""
+
 # A region that is seen for so long is one, s.
 _BELIEVED = 0.3
 
@@ -77,6 +80,15 @@ class ActionRunner:
             return ActionOutcome(name, ending=str(error), failed=name != NOOP)
         return outcome._replace(ahead=ahead, sim_seconds=outcome.sim_seconds + seconds)
 
+    def look(self, known: Sequence[str], seed: int) -> dict[str, Features]:
+        """Set the world up anew, bring the robot back, and look at what each action would find.
+
+        Raises:
+            EpisodeError, BackendError: it cannot.
+        """
+        self._last = None
+        return self._come_back(known, seed, undisturbed=False)[0]
+
     def _act(self, name: str, known: Sequence[str], seed: int) -> ActionOutcome:
         action = self.known([name])[name]
         if action.marks:
@@ -112,12 +124,12 @@ class ActionRunner:
 
     def _come_back(
         self, known: Sequence[str], seed: int, *, undisturbed: bool
-    ) -> tuple[dict[str, Mapping[str, tuple[float, ...]]], float]:
+    ) -> tuple[dict[str, Features], float]:
         """Make the robot ready, and look at what each action would find."""
         observed = [each for action in self._actions.values() for each in action.observed]
         runner = self._runner("", self._between, observed)
         result = self._run(runner, seed, None, undisturbed=undisturbed)
-        ahead: dict[str, Mapping[str, tuple[float, ...]]] = {}
+        ahead: dict[str, Features] = {}
         for name, action in self.known(known).items():
             if runner.signals.read(action.presence) is None:
                 continue
