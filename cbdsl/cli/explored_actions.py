@@ -84,6 +84,7 @@ def _explorable(text: ActionText, feature: str, stage: str) -> tuple[RunRequest,
     from dataclasses import replace
 
     from cbdsl.errors.errors import UsageError
+    from cbdsl.training.explorable import other_hues
 
     open_keys = [key for key, value in text.values.items() if value == _OPEN]
     if len(open_keys) > 1:
@@ -92,10 +93,9 @@ def _explorable(text: ActionText, feature: str, stage: str) -> tuple[RunRequest,
     request, action = bound_action(text._replace(values=closed), feature, stage)
     if not open_keys:
         return request, action
-    resources = _resources(request)
     own = {feature, action.program.parameters.get("feature", "")}
     marks = {}
-    for channel in _hues(request, own, resources):
+    for channel in other_hues(request.robot, own):
         label = f"{text.label}_{channel}"
         values = {**closed, open_keys[0]: channel}
         marks[channel] = bound_action(ActionText(label, text.program, values), feature, stage)[1]
@@ -108,7 +108,7 @@ def bound_action(text: ActionText, feature: str, stage: str) -> tuple[RunRequest
     from cbdsl.cli.run_request import read_request
     from cbdsl.documents.program import ProgramDocument
     from cbdsl.errors.errors import UsageError
-    from cbdsl.training.explorable import Explorable, features_of
+    from cbdsl.training.explorable import explorable
     from cbdsl.yaml_text.library import Library
 
     library = Library()
@@ -117,25 +117,16 @@ def bound_action(text: ActionText, feature: str, stage: str) -> tuple[RunRequest
     if "feature" in document.document.parameters:
         values.setdefault("feature", feature)
     request = read_request(text.program, stage, None, values)
-    read = features_of(request.program, _resources(request))
-    if read is None:
+    digest = program_digest(request.program_file, request.library)
+    action = explorable(text.label, request.program, digest, _resources(request))
+    if action is None:
         raise UsageError(
             f"'{text.program}' cannot be explored: nothing that it tracks or touches is rewarded"
         )
-    digest = program_digest(request.program_file, request.library)
-    return request, Explorable(text.label, request.program, digest, *read)
+    return request, action
 
 
 def _resources(request: RunRequest) -> Mapping[str, Resource]:
     from cbdsl.robot.resources import resources
 
     return resources(request.robot)
-
-
-def _hues(request: RunRequest, own: set[str], resources: Mapping[str, Resource]) -> list[str]:
-    """Channels of hue besides the object's own, by their aliases where they have some."""
-    channels = request.robot.vision.channels
-    aliases = {channel: alias for alias, channel in channels.aliases.items()}
-    taken = {channels.aliases.get(name, name) for name in own}
-    hues = [f"hue_{number}" for number in range(1, channels.hue + 1)]
-    return [aliases.get(hue, hue) for hue in hues if hue not in taken]

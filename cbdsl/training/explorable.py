@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Collection, Iterator, Mapping
 from dataclasses import dataclass, field
 
 from cbdsl.documents.digest import ProgramDigest
+from cbdsl.documents.robot import RobotDocument
 from cbdsl.learning.exploration import FeatureForm
 from cbdsl.program.checked import CheckedProgram
 from cbdsl.program.controller import Controller
@@ -79,6 +80,30 @@ def features_of(
         return {"place": place}, head
     names = {"place": "", "velocity": ".velocity", "volume": ".volume"}
     return _known(place.name, names, resources), head
+
+
+def explorable(
+    name: str, program: CheckedProgram, digest: ProgramDigest, resources: Mapping[str, Resource]
+) -> Explorable | None:
+    """An action, or ``None`` where its program is rewarded for nothing that it tracks or touches.
+
+    Args:
+        name: in the catalog.
+        program: what runs.
+        digest: of its text.
+        resources: of its robot, by name.
+    """
+    read = features_of(program, resources)
+    return None if read is None else Explorable(name, program, digest, *read)
+
+
+def other_hues(robot: RobotDocument, own: Collection[str]) -> list[str]:
+    """Channels of hue besides some, by their aliases where they have some."""
+    channels = robot.vision.channels
+    aliases = {channel: alias for alias, channel in channels.aliases.items()}
+    taken = {channels.aliases.get(name, name) for name in own}
+    hues = [f"hue_{number}" for number in range(1, channels.hue + 1)]
+    return [aliases.get(hue, hue) for hue in hues if hue not in taken]
 
 
 def _known(
