@@ -36,8 +36,7 @@ def parts_of(item: SceneObject) -> list[Part]:
     parts = solid_parts(shape, color)
     if shape.pattern is not None:
         parts += _bars(shape.halves, shape.pattern)
-    if shape.spot is not None:
-        parts.append(_spot(shape, shape.spot))
+    parts += [_spot(shape, spot) for spot in shape.spots]
     return parts
 
 
@@ -59,7 +58,7 @@ def _size(shape: SolidShape) -> tuple[float, ...]:
 
 def _spot(shape: SolidShape, spot: Spot) -> Part:
     """A spot: of a ball the part of another ball that stands out of it, of a box a disc."""
-    normal, height = np.array(_NORMALS[spot.face], dtype=np.float64), shape.spot_height()
+    normal, height = np.array(_NORMALS[spot.face], dtype=np.float64), shape.spot_height(spot)
     if shape.kind == "ball":
         raised = _RAISED * shape.halves[0]
         size, centre = math.hypot(spot.radius, height - raised), raised * normal

@@ -63,7 +63,7 @@ class SolidShape:
         kind: which of them it is, or fills if it is hollow; a cylinder stands along its z.
         halves: half its extents along its own axes, m.
         pattern: what is printed on it, if it is a box.
-        spot: what is painted on it, if it is a ball or a box.
+        spots: what is painted on its sides, if it is a ball or a box.
         walls: the solids that it is made of, if it is hollow; those of a hull fill it, for whoever
             knows balls, boxes and cylinders only.
         mesh: what is seen of it, if it is a mesh, m, in its frame.
@@ -73,15 +73,15 @@ class SolidShape:
     kind: Literal["ball", "box", "cylinder"]
     halves: tuple[float, float, float]
     pattern: Pattern | None = None
-    spot: Spot | None = None
+    spots: tuple[Spot, ...] = ()
     walls: tuple[Wall, ...] = ()
     mesh: Mesh | None = field(default=None, compare=False, repr=False)
     hull: Floats | None = field(default=None, compare=False, repr=False)
 
     @classmethod
-    def ball(cls, radius: float, spot: Spot | None = None) -> SolidShape:
+    def ball(cls, radius: float, spots: tuple[Spot, ...] = ()) -> SolidShape:
         """A ball of this radius, m."""
-        return cls("ball", (radius, radius, radius), spot=spot)
+        return cls("ball", (radius, radius, radius), spots=spots)
 
     @classmethod
     def cylinder(cls, radius: float, height: float) -> SolidShape:
@@ -158,10 +158,10 @@ class SolidShape:
     def draw(cls, form: Form, rng: np.random.Generator) -> SolidShape:
         """A shape of this form, of a size drawn from its spans."""
         if isinstance(form, BallForm):
-            return cls.ball(draw(form.radius, rng), form.spot)
+            return cls.ball(draw(form.radius, rng), form.all_spots)
         if isinstance(form, BoxForm):
             x, y, z = (draw(span, rng) / 2 for span in form.size)
-            return cls("box", (x, y, z), form.pattern, form.spot)
+            return cls("box", (x, y, z), form.pattern, form.all_spots)
         if isinstance(form, OpenBoxForm):
             depth, width, height = (draw(span, rng) for span in form.size)
             return cls.open_box(depth, width, height, form.wall)
@@ -192,13 +192,11 @@ class SolidShape:
         share = {"ball": math.pi / 6, "box": 1.0, "cylinder": math.pi / 4}[self.kind]
         return share * 8 * math.prod(self.halves)
 
-    def spot_height(self) -> float:
-        """From its centre along the spot's axis to the plane of the spot's edge, m."""
-        if self.spot is None:
-            raise ValueError("there is no spot")
+    def spot_height(self, spot: Spot) -> float:
+        """From its centre along a spot's axis to the plane of the spot's edge, m."""
         if self.kind == "ball":
-            return math.sqrt(self.halves[0] ** 2 - self.spot.radius**2)
-        return self.halves["xy".index(self.spot.face[1])]
+            return math.sqrt(self.halves[0] ** 2 - spot.radius**2)
+        return self.halves["xy".index(spot.face[1])]
 
     def depth(self, rotation: Floats) -> float:
         """From its centre to its lowest point with these axes, shape (3, 3), m."""
