@@ -11,7 +11,7 @@ from cbdsl.cli.learn import Cameras, Resume, Seed, Set
 from cbdsl.cli.simulation import BackendName
 
 if TYPE_CHECKING:
-    from cbdsl.cli.run_request import RunRequest
+    from cbdsl.api.run_request import RunRequest
     from cbdsl.training.exploration_task import ExplorationTask
 
 Programs = Annotated[
@@ -70,10 +70,10 @@ def explore(
     Exit 0 when all actions were taken, 1 when a document has errors, 2 when it could not act, 130
     when it was interrupted.
     """
+    from cbdsl.api.run_request import read_request
     from cbdsl.cli.assignments import read_assignments
     from cbdsl.cli.explored_actions import read_actions
     from cbdsl.cli.quiet import shown_on_failure
-    from cbdsl.cli.run_request import read_request
     from cbdsl.cli.simulation import needing_simulation
     from cbdsl.cli.termination import termination_interrupts
     from cbdsl.errors.errors import UsageError

@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, NamedTuple
 
 if TYPE_CHECKING:
-    from cbdsl.cli.run_request import RunRequest
+    from cbdsl.api.run_request import RunRequest
     from cbdsl.training.explorable import Explorable
     from cbdsl.types.resource import Resource
 
@@ -104,8 +104,8 @@ def _explorable(text: ActionText, feature: str, stage: str) -> tuple[RunRequest,
 
 def bound_action(text: ActionText, feature: str, stage: str) -> tuple[RunRequest, Explorable]:
     """A program with its values, and the features that its model is over."""
+    from cbdsl.api.run_request import read_request
     from cbdsl.checking.knowledge.digest import program_digest
-    from cbdsl.cli.run_request import read_request
     from cbdsl.documents.program import ProgramDocument
     from cbdsl.errors.errors import UsageError
     from cbdsl.training.explorable import explorable

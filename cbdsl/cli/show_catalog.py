@@ -63,7 +63,7 @@ def show_catalog(
 
 
 def _read(name: str) -> CatalogDocument:
-    from cbdsl.cli.clean import require_clean
+    from cbdsl.api.clean import require_clean
     from cbdsl.documents.catalog import CatalogDocument
     from cbdsl.yaml_text.library import Library
 
@@ -99,8 +99,8 @@ def _predict(
     cameras: str | None,
     as_json: bool,
 ) -> None:
+    from cbdsl.api.run_request import read_request
     from cbdsl.cli.explored_actions import ActionText, bound_action
-    from cbdsl.cli.run_request import read_request
     from cbdsl.cli.simulation import needing_simulation, simulation
     from cbdsl.errors.errors import UsageError
 
