@@ -2,8 +2,8 @@
 
 Every rewarded episode is checked against the simulator's own contacts: fingertips have to touch the
 thing, all three of a hand in most programs. Rates come with exact (Clopper-Pearson) 95 % intervals.
-Episodes are spread over the processors; each is the same as ``cb run`` gives for its seed. Exits with
-1 where a rate misses its target.
+Episodes are spread over the processors; each is the same as ``cb run`` gives for its seed. Exits
+with 1 where a rate misses its target.
 
     python benchmarks/success_rates.py --episodes 100 --seed 20000 [--only right,left] [--json]
         [--backend mujoco] [--cameras ideal]
