@@ -18,7 +18,7 @@ _LEARNED = ("predicates", "policy", "values", "transitions")
 _MEMBERS = ("controllers", "use")
 
 
-class Spot(NamedTuple):
+class Occurrence(NamedTuple):
     """A stretch of a line.
 
     Attributes:
@@ -41,7 +41,7 @@ class Renaming(NamedTuple):
     """
 
     old: str
-    spots: dict[Path, list[Spot]]
+    spots: dict[Path, list[Occurrence]]
     moved: Path | None = None
 
 
@@ -76,13 +76,13 @@ def _of_parameter(path: Path, lines: Sequence[str], name: str) -> Renaming | Non
     if name not in declared:
         return None
     spots = [
-        Spot(number, match.start() + 1, match.end())
+        Occurrence(number, match.start() + 1, match.end())
         for number, line in enumerate(lines)
         for match in re.finditer(rf"\$\b{re.escape(name)}\b", _code(line))
     ]
     key = re.search(rf"\b{re.escape(name)}(?=[\"']?\s*:)", lines[declared[name]])
     assert key is not None, "its section has it as a key"
-    spots.append(Spot(declared[name], key.start(), key.end()))
+    spots.append(Occurrence(declared[name], key.start(), key.end()))
     return Renaming(name, {path: sorted(spots)})
 
 
@@ -96,12 +96,12 @@ def _of_member(buffers: Buffers, path: Path, lines: Sequence[str], name: str) ->
     return Renaming(name, {file: places for file, places in spots.items() if places})
 
 
-def _member_spots(lines: Sequence[str], name: str) -> Iterator[Spot]:
+def _member_spots(lines: Sequence[str], name: str) -> Iterator[Occurrence]:
     pattern = re.compile(rf"(?<![\w.$]){re.escape(name)}(?![\w.])")
     for number, line in enumerate(lines):
         for match in pattern.finditer(_code(line)):
             if _names_member(lines, cursor(lines, number, match.start())):
-                yield Spot(number, match.start(), match.end())
+                yield Occurrence(number, match.start(), match.end())
 
 
 def _names_member(lines: Sequence[str], at: Cursor) -> bool:
@@ -120,12 +120,12 @@ def _of_document(buffers: Buffers, file: Path, kind: str, name: str) -> Renaming
         return None
     own = re.compile(rf"^name:\s*[\"']?(?P<name>{re.escape(name)})[\"']?\s*$")
     named = re.compile(rf"(?<![\w.]){kind}:\s*[\"']?(?P<name>{re.escape(name)})(?![\w.])")
-    spots: dict[Path, list[Spot]] = {}
+    spots: dict[Path, list[Occurrence]] = {}
     for each in {file, *buffers.documents()}:
         for number, line in enumerate(buffers.text(each).splitlines()):
             patterns = (own, named) if each == file else (named,)
             for match in (m for pattern in patterns for m in pattern.finditer(_code(line))):
-                spots.setdefault(each, []).append(Spot(number, *match.span("name")))
+                spots.setdefault(each, []).append(Occurrence(number, *match.span("name")))
     return Renaming(name, spots, file if file.stem == name else None)
 
 

@@ -17,7 +17,7 @@ from cbdsl.editor.fixes import fix
 from cbdsl.editor.hover import hover
 from cbdsl.editor.keys import keys
 from cbdsl.editor.names import choices
-from cbdsl.editor.rename import Renaming, Spot, is_name, renaming
+from cbdsl.editor.rename import Occurrence, Renaming, is_name, renaming
 from cbdsl.errors.diagnostic import Diagnostic, Place, Severity
 from cbdsl.errors.errors import DiagnosticsError
 from cbdsl.types.registry import PluginError
@@ -129,7 +129,7 @@ class Server(LanguageServer):
         changes: list[lsp.TextDocumentEdit | lsp.CreateFile | lsp.RenameFile | lsp.DeleteFile] = []
         for file, spots in named.spots.items():
             lines = self.buffers.text(file).splitlines()
-            edits = [lsp.TextEdit(_spot(each, lines), new) for each in spots]
+            edits = [lsp.TextEdit(_occurrence(each, lines), new) for each in spots]
             document = lsp.OptionalVersionedTextDocumentIdentifier(_uri(file))
             changes.append(lsp.TextDocumentEdit(document, list(edits)))
         if named.moved is not None:
@@ -144,13 +144,13 @@ class Server(LanguageServer):
             return None
         start = at.start + at.word.startswith("$")
         lines = self.buffers.text(path).splitlines()
-        return _spot(Spot(position.line, start, at.end), lines)
+        return _occurrence(Occurrence(position.line, start, at.end), lines)
 
     def colored(self, path: Path) -> lsp.SemanticTokens:
         """The words that have a kind, each relative to the one before, as the protocol wants."""
         lines, data, last = self.buffers.text(path).splitlines(), list[int](), (0, 0)
         for word in colored_words(self.buffers, path):
-            where = _spot(Spot(word.line, word.start, word.end), lines)
+            where = _occurrence(Occurrence(word.line, word.start, word.end), lines)
             start = where.start.character
             step = word.line - last[0]
             column = start - last[1] if step == 0 else start
@@ -307,7 +307,7 @@ def _within(place: Place, text: str) -> lsp.Range:
     return _at(place.line - 1, *ends)
 
 
-def _spot(spot: Spot, lines: Sequence[str]) -> lsp.Range:
+def _occurrence(spot: Occurrence, lines: Sequence[str]) -> lsp.Range:
     """A stretch of a line in code units of UTF-16."""
     text = lines[spot.line] if spot.line < len(lines) else ""
     return _at(spot.line, _units(text, spot.start), _units(text, spot.end))
