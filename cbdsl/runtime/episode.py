@@ -116,6 +116,7 @@ class Runner:
         backend: where.
         policy: chooses the actions instead of the program's written policy.
         clock: the wall time that deadlines are held against, s.
+        observed: resources that listeners read besides those of the program.
     """
 
     def __init__(
@@ -127,12 +128,13 @@ class Runner:
         policy: Policy | None = None,
         *,
         clock: Callable[[], float] = time.perf_counter,
+        observed: Sequence[Resource] = (),
     ) -> None:
         self._program = program
-        self._clock = clock
+        self._clock, self.observed = clock, tuple(observed)
         self._backend = backend
         self._policy = policy
-        self.signals = Signals(robot, kinematics, resources_of(program))
+        self.signals = Signals(robot, kinematics, (*resources_of(program), *observed))
         plan, period = ControllerPlan(), backend.control_period
         self._run = ProgramRun(program, self.signals, plan, period)
         self._actuation = Actuation(robot, self.signals, plan, period, program.all_guards)
@@ -149,6 +151,8 @@ class Runner:
         on_transition: TransitionListener = lambda transition: None,
         on_tick: TickListener | None = None,
         on_end: EndListener = lambda result: None,
+        *,
+        undisturbed: bool = False,
     ) -> EpisodeResult:
         """Run one episode; the same seed gives the same episode.
 
@@ -160,6 +164,7 @@ class Runner:
             on_tick: is told of each control tick.
             on_end: is told the result, also of an episode that was begun and is then interrupted
                 or fails.
+            undisturbed: whether the experimenter leaves a world that goes on as it is.
 
         Raises:
             BackendError: the stage names something that it or the robot does not have.
@@ -198,7 +203,8 @@ class Runner:
         """
         began = time.perf_counter()
         world_rng, own_rng = (np.random.default_rng([seed, stream]) for stream in (0, 1))
-        drawn = self._resume(stage, context) or self._reset(stage, context, world_rng)
+        drawn = self._resume(stage, context, undisturbed=undisturbed)
+        drawn = drawn or self._reset(stage, context, world_rng)
         passed: list[Transition] = []
 
         def note(transition: Transition) -> None:
@@ -230,7 +236,9 @@ class Runner:
         """Go on where another program left the same robot, on a stage whose world is persistent."""
         self._before = before
 
-    def _resume(self, stage: StageDocument, context: str | None) -> str | None:
+    def _resume(
+        self, stage: StageDocument, context: str | None, *, undisturbed: bool
+    ) -> str | None:
         """Begin an episode in the world as it is, on a stage that asks for it, after another one.
 
         References and tare stay, so that what is in a hand is held, and felt.
@@ -248,7 +256,11 @@ class Runner:
             raise BackendError(
                 f"stage '{stage.name}' has a persistent world, and this backend offers none"
             )
-        drawn = backend.resume(stage, context, self.signals.vision.channels)
+        channels = self.signals.vision.channels
+        if undisturbed:
+            drawn = backend.resume(stage, context, channels, undisturbed=True)
+        else:
+            drawn = backend.resume(stage, context, channels)
         if drawn is not None:
             self.signals.resume(before.signals)
             self._actuation.resume(before._actuation.reference)

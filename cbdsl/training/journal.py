@@ -10,7 +10,7 @@ from collections.abc import Mapping
 from dataclasses import asdict
 from pathlib import Path
 from types import TracebackType
-from typing import Any, BinaryIO, NamedTuple
+from typing import Any, BinaryIO, NamedTuple, Self
 
 from cbdsl.errors.errors import UsageError
 from cbdsl.learning.experience import Experience
@@ -36,8 +36,8 @@ class JournalEntry(NamedTuple):
     wall_seconds: float
 
 
-class Journal:
-    """File of JSON lines: the identity of a trial, then each episode as soon as it ends.
+class RowJournal:
+    """File of JSON lines: the identity of a trial, then a row for each thing as soon as it is over.
 
     Where the file is there, the trial goes on.
     A line that a killed process left unfinished counts for nothing, and is overwritten.
@@ -45,10 +45,11 @@ class Journal:
 
     Args:
         path: the file.
-        identity: all that the episodes depend on, as JSON has it.
+        identity: all that the rows depend on, as JSON has it.
 
     Attributes:
-        finished: the episodes that the file holds.
+        path: the file.
+        rows: those that the file held.
 
     Raises:
         JournalError: the file belongs to another trial, or is none, or is being written.
@@ -59,31 +60,29 @@ class Journal:
         self._file = os.fdopen(os.open(path, os.O_RDWR | os.O_CREAT, 0o644), "r+b", buffering=0)
         try:
             _lock(self._file, path, _PATIENCE)
-            self.finished = self._take_up(path, identity)
+            self.path, self.rows = path, self._take_up(path, identity)
         except BaseException:
             self._file.close()
             raise
 
-    def _take_up(self, path: Path, identity: Mapping[str, Any]) -> tuple[Experience, ...]:
+    def _take_up(self, path: Path, identity: Mapping[str, Any]) -> list[dict[str, Any]]:
         rows, sound = rows_of(self._file.read(), path)
         if rows:
             _require_same(path, rows[0], identity)
-        entries = (entry_of(row, path, line) for line, row in enumerate(rows[1:], 2))
-        finished = tuple(entry.experience for entry in entries)
         self._file.truncate(sound)
         self._file.seek(sound)
         if not rows:
             self._begin(path, identity)
-        return finished
+        return rows[1:]
 
     def _begin(self, path: Path, identity: Mapping[str, Any]) -> None:
         try:
-            self._append(identity)
+            self.append_row(identity)
         except OSError:
             path.unlink()  # a journal that holds nothing would only be in the way
             raise
 
-    def __enter__(self) -> Journal:
+    def __enter__(self) -> Self:
         return self
 
     def __exit__(
@@ -93,6 +92,34 @@ class Journal:
         traceback: TracebackType | None,
     ) -> None:
         self._file.close()
+
+    def append_row(self, row: Mapping[str, Any]) -> None:
+        """Append a row and flush it to disk.
+
+        Raises:
+            OSError: it cannot be written.
+        """
+        left = memoryview(json.dumps(row, ensure_ascii=False).encode() + b"\n")
+        while left:  # a disk that is nearly full takes a part, and says so only of the next
+            left = left[self._file.write(left) :]
+        os.fsync(self._file.fileno())
+
+
+class Journal(RowJournal):
+    """Journal of episodes; see ``RowJournal``.
+
+    Attributes:
+        finished: the episodes that the file holds.
+    """
+
+    def __init__(self, path: Path, identity: Mapping[str, Any]) -> None:
+        super().__init__(path, identity)
+        try:
+            entries = (entry_of(row, path, line) for line, row in enumerate(self.rows, 2))
+            self.finished = tuple(entry.experience for entry in entries)
+        except BaseException:
+            self._file.close()
+            raise
 
     def append(self, experience: Experience, wall_seconds: float) -> None:
         """Append a finished episode and flush it to disk.
@@ -104,13 +131,7 @@ class Journal:
         Raises:
             OSError: it cannot be written.
         """
-        self._append({**asdict(experience), "wall_seconds": round(wall_seconds, 3)})
-
-    def _append(self, row: Mapping[str, Any]) -> None:
-        left = memoryview(json.dumps(row, ensure_ascii=False).encode() + b"\n")
-        while left:  # a disk that is nearly full takes a part, and says so only of the next
-            left = left[self._file.write(left) :]
-        os.fsync(self._file.fileno())
+        self.append_row({**asdict(experience), "wall_seconds": round(wall_seconds, 3)})
 
 
 def rows_of(data: bytes, path: Path, first: int = 1) -> tuple[list[dict[str, Any]], int]:

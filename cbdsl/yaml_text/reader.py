@@ -114,7 +114,7 @@ def _read_clean(path: Path, kind: type[D], text: str) -> Loaded[D] | None:
         if not issubclass(model, kind):
             return None
         source = SourceMap(path, composed.lines, composed.root)
-        return Loaded(model.model_validate(data), source)
+        return Loaded(model.model_validate(data, context={"folder": path.parent}), source)
     except (SyntaxFaultError, DiagnosticsError, UsageError, ValidationError):
         return None
 

@@ -13,7 +13,7 @@ from cbdsl.checking.program import check_program
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.documents.stage import StageDocument
 from cbdsl.robot.joints import Joints
-from cbdsl.robot.urdf import read_urdf
+from cbdsl.robot.urdf_reader import read_urdf
 from cbdsl.runtime.episode import Runner
 from cbdsl.sensing.kinematics import Kinematics
 from cbdsl.yaml_text.library import Library

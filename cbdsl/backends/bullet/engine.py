@@ -122,7 +122,7 @@ class BulletEngine(Engine):
 
     def _create(self, item: SceneObject) -> int:
         shape, client = item.shape, self.client
-        if shape.pattern is not None or shape.spot is not None or shape.walls:
+        if shape.pattern is not None or shape.spots or shape.walls or shape.mesh:
             return create_composed(client, item)
         kind, color = _KINDS[shape.kind], [*item.surface.color, 1]
         # The simulator has two words for a cylinder's extent.

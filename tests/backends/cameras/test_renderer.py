@@ -15,7 +15,8 @@ from cbdsl.backends.cameras.view import View
 from cbdsl.backends.staging.pose import Pose
 from cbdsl.documents.robot import Camera
 from cbdsl.documents.stage import StageDocument
-from cbdsl.robot.urdf import UrdfModel, read_urdf
+from cbdsl.robot.urdf import UrdfModel
+from cbdsl.robot.urdf_reader import read_urdf
 from tests.backends.conftest import URDF, made_stage
 
 RADIUS = 0.07
