@@ -92,7 +92,7 @@ class ProgramEnvironment(gymnasium.Env[States, np.int64]):
             drawn, policy=self._policy, context=self._context, on_transition=self._note
         )
         self._advance()
-        return self._observed(), self._told()
+        return self._observed(), self._info()
 
     def step(self, action: np.int64) -> tuple[States, float, bool, bool, dict[str, Any]]:
         """Run an action until the state changes, or its time is over.
@@ -108,7 +108,7 @@ class ProgramEnvironment(gymnasium.Env[States, np.int64]):
         reward = sum(transition.reward for transition in self._passed[before:])
         ended = run.predicate != "0"
         terminated = ended and (run.rewarded or bool(run.outcome))
-        return self._observed(), float(reward), terminated, ended and not terminated, self._told()
+        return self._observed(), float(reward), terminated, ended and not terminated, self._info()
 
     def close(self) -> None:
         """End the episode and close the robot."""
@@ -132,7 +132,7 @@ class ProgramEnvironment(gymnasium.Env[States, np.int64]):
         assert self._tick is not None, "an episode was begun"
         return np.array([LETTERS.index(letter) for letter in self._tick.run.state], dtype=np.int64)
 
-    def _told(self) -> dict[str, Any]:
+    def _info(self) -> dict[str, Any]:
         assert self._tick is not None, "an episode was begun"
         run = self._tick.run
         return {"state": run.state, "time": self._tick.observation.time, "ending": run.ending}

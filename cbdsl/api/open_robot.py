@@ -30,7 +30,8 @@ class OpenRobot:
 
     def __init__(self, request: RunRequest, backend: Backend, kinematics: Kinematics) -> None:
         self.request, self.backend, self.kinematics = request, backend, kinematics
-        self._written: Runner | None = None
+        # Runners of this program, each with the policy that chooses its actions.
+        self._runners: list[tuple[Policy | None, Runner]] = []
         # The runner of the last episode, of whichever program of the same body.
         self._last: list[Runner] = []
 
@@ -59,14 +60,15 @@ class OpenRobot:
         return shared
 
     def runner(self, policy: Policy | None = None) -> Runner:
-        """A runner of the program's episodes; without a policy the program's own, kept."""
+        """The runner of the program's episodes under a policy; without one, its own."""
         from cbdsl.runtime.episode import Runner
 
+        for chooser, runner in self._runners:
+            if chooser is policy:
+                return runner
         request = self.request
-        if policy is None and self._written is not None:
-            return self._written
         made = Runner(request.robot, self.kinematics, request.program, self.backend, policy)
-        self._written = made if policy is None else self._written
+        self._runners.append((policy, made))
         return made
 
     def run(
@@ -94,7 +96,10 @@ class OpenRobot:
         if context is not None and context not in stage.contexts:
             what = f"context of stage '{stage.name}'"
             raise UsageError.unknown(what, context, stage.contexts)
-        return self._next().run(stage, seed, context, on_transition or _ignore, on_tick)
+        goes_on = self._is_taken_over()
+        return self._next().run(
+            stage, seed, context, on_transition or _ignore, on_tick, undisturbed=goes_on
+        )
 
     def ticks(
         self,
@@ -105,8 +110,15 @@ class OpenRobot:
         on_transition: Callable[[Transition], None] | None = None,
     ) -> Generator[Tick, None, EpisodeResult]:
         """Run one episode control tick by control tick; see ``Runner.ticks``."""
-        runner, stage = self._next(policy), self.request.stage
-        return runner.ticks(stage, seed, context, on_transition or _ignore)
+        stage, goes_on = self.request.stage, self._is_taken_over()
+        return self._next(policy).ticks(
+            stage, seed, context, on_transition or _ignore, undisturbed=goes_on
+        )
+
+    def _is_taken_over(self) -> bool:
+        """Whether another program's episode goes on, which the experimenter leaves as it is."""
+        own = [runner for _, runner in self._runners]
+        return bool(self._last) and self._last[-1] not in own
 
     def _next(self, policy: Policy | None = None) -> Runner:
         """The runner of the next episode, which goes on where the last one ended."""

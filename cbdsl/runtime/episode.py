@@ -174,7 +174,10 @@ class Runner:
 
         Whatever is raised, Ctrl-C too, the backend is halted before.
         """
-        with closing(self.ticks(stage, seed, context, on_transition, on_tick, on_end)) as ticks:
+        ticks = self.ticks(
+            stage, seed, context, on_transition, on_tick, on_end, undisturbed=undisturbed
+        )
+        with closing(ticks):
             while True:
                 try:
                     next(ticks)
@@ -190,6 +193,8 @@ class Runner:
         on_transition: TransitionListener = lambda transition: None,
         on_tick: TickListener | None = None,
         on_end: EndListener = lambda result: None,
+        *,
+        undisturbed: bool = False,
     ) -> Generator[Tick, None, EpisodeResult]:
         """Run one episode tick by tick, which halts between them; see ``run``.
 
