@@ -17,7 +17,7 @@ from cbdsl.program.transition import Transition
 from cbdsl.runtime.context import ContextReader
 from cbdsl.runtime.controller_run import ControllerRun
 from cbdsl.sensing.signals import Signals
-from cbdsl.types.policy import Policy, WrittenPolicy
+from cbdsl.types.policy import DeferredPolicy, Policy, WrittenPolicy
 from cbdsl.types.state import matches
 
 Listener = Callable[[Transition], None]
@@ -73,6 +73,7 @@ class ProgramRun:
         rewarded: whether a transition was rewarded: the last, if that ends it.
         outcome: ``success`` or ``failure`` where its state says so; empty otherwise.
         ending: why it ended, as a clause; empty while it runs.
+        is_open: whether a deferred choice is to be made by ``decide``.
     """
 
     def __init__(
@@ -161,6 +162,7 @@ class ProgramRun:
         self.ending = self.outcome = ""
         self.rewarded = False
         self.transitions = 0
+        self.is_open = self._was_changed = False
         self._action: Action | None = None
         self._features: Mapping[str, float] = {}
         self._ticks = self._idle_ticks = self._all_ticks = 0
@@ -208,7 +210,7 @@ class ProgramRun:
 
     def advance(self) -> None:
         """Take in the predicates of this tick; change the action where the state changed."""
-        if self.predicate != "0" or self._action is None:
+        if self.predicate != "0" or self._action is None or self.is_open:
             return
         child = self.children.get(self._action.name)
         if child is not None:
@@ -311,7 +313,23 @@ class ProgramRun:
         )
 
     def _choose(self, *, changed: bool) -> None:
-        name = self._policy.choose(self.state, changed=changed)
+        if isinstance(self._policy, DeferredPolicy):
+            self.is_open, self._was_changed = True, changed
+        else:
+            self._begin_action(self._policy.choose(self.state, changed=changed), changed)
+
+    def decide(self, name: str | None) -> None:
+        """Make the choice that is open.
+
+        Args:
+            name: of an action; ``None`` ends the program.
+        """
+        if not self.is_open:
+            raise ValueError("no choice is open")
+        self.is_open = False
+        self._begin_action(name, self._was_changed)
+
+    def _begin_action(self, name: str | None, changed: bool) -> None:
         if name is None:
             self._end(self._outcome(changed), self._no_action(changed))
             return
