@@ -29,7 +29,7 @@ SEEN: Mapping[str, Mapping[str, tuple[float, ...]]] = {
 
 
 def catalog(**constants: float) -> CatalogExploration:
-    return CatalogExploration(ACTIONS, CatalogConstants(**constants))  # type: ignore[arg-type]
+    return CatalogExploration(ACTIONS, CatalogConstants(**constants))
 
 
 def touched(rng: np.random.Generator, spread: float = 0.05) -> ActionOutcome:
@@ -116,7 +116,7 @@ def test_an_action_whose_features_were_undefined_counts_and_teaches_nothing() ->
 
 
 def models(**constants: float) -> ModelExploration:
-    return ModelExploration(ACTIONS, ModelConstants(**constants))  # type: ignore[arg-type]
+    return ModelExploration(ACTIONS, ModelConstants(**constants))
 
 
 def test_states_are_of_models() -> None:
