@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 Programs = Annotated[
     list[str],
     typer.Argument(
-        metavar="PROGRAM...",
+        metavar="PROGRAM",
         help="What can be done: programs, as NAME, NAME:key=value, or LABEL=NAME:key=value; the "
         "value ? stands for whichever channel is found while it runs.",
     ),
