@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from cbdsl.documents.catalog import AffordanceSection, FeatureSection, SampleModel
-from cbdsl.training.catalog_reading import models_of, predict
+from cbdsl.program.catalog_models import models_of, predict
 from cbdsl.training.held_out import Prediction, brier, reliability
 from tests.reproduction.test_habituation import TEN
 
