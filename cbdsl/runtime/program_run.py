@@ -108,7 +108,8 @@ class ProgramRun:
         }
         self._background = make.stack(program.background) if program.background else ()
         self._acting = {
-            name: self._above_background(_together(runs)) for name, runs in self._stacks.items()
+            name: self._above_background(self._together(runs))
+            for name, runs in self._stacks.items()
         }
         self._leads = {
             action.name: [
@@ -198,6 +199,11 @@ class ProgramRun:
         if acting is not self._of_child:
             self._of_child, self._all_active = acting, self._above_background(acting)
         return self._all_active
+
+    def _together(self, runs: Sequence[ControllerRun]) -> list[Active]:
+        """The controllers of an action, which may require what is in the background, too."""
+        peers = {run.controller.name: run for run in (*self._background, *runs)}
+        return [Active(run, peers) for run in runs]
 
     def _above_background(self, acting: Sequence[Active]) -> Sequence[Active]:
         running = [item.run for item in acting]
@@ -379,11 +385,6 @@ class ProgramRun:
     def _end(self, predicate: str, ending: str) -> None:
         self.predicate = predicate
         self.ending = ending
-
-
-def _together(runs: Sequence[ControllerRun]) -> list[Active]:
-    peers = {run.controller.name: run for run in runs}
-    return [Active(run, peers) for run in runs]
 
 
 class _ControllerRuns:
