@@ -155,4 +155,4 @@ def test_a_schema_of_a_policy_that_has_changed_is_found(tmp_path: Path) -> None:
     (found,) = check_document(schema, Session(Library(tmp_path)))
     assert found.code == "CB644" and "cb learn reachtouch" in found.message
     lines = schema.read_text(encoding="utf-8").splitlines()
-    assert lines[found.line - 1].strip().startswith("reachtouch: c46ac23")
+    assert lines[found.place.line - 1].strip().startswith("reachtouch: c46ac23")
