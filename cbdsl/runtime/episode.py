@@ -193,6 +193,11 @@ class Runner:
             raise DeadlineError(result)
         return result
 
+    @property
+    def done(self) -> bool:
+        """Whether the program of the last episode came to its end: succeeded, or at rest."""
+        return self._run.predicate == "1"
+
     def take_over(self, before: Runner) -> None:
         """Go on where another program left the same robot, on a stage whose world is persistent."""
         self._before = before
