@@ -93,7 +93,7 @@ def plugin_versions(learner: str, backend: str) -> dict[str, str]:
 
 
 def versions(backend: str = "") -> dict[str, str]:
-    """Versions of the installed packages that an outcome depends on, on a backend if one is named."""
+    """Versions of the installed packages that an outcome on a backend, or any, depends on."""
     installed = {"python": platform.python_version()}
     for package in (*_PACKAGES, *([_ENGINES[backend]] if backend in _ENGINES else ())):
         try:
