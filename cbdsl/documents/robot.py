@@ -180,8 +180,9 @@ class VisionSection(Section):
 
     rate: Rate = 15.0
     """Images per second."""
-    renderer: Literal["auto", "opengl", "tiny"] = "auto"
-    """``opengl`` needs EGL; ``tiny`` runs everywhere; ``auto`` takes the first that works."""
+    renderer: Literal["auto", "opengl", "tiny", "mujoco"] = "auto"
+    """``opengl`` needs EGL; ``tiny``, of the backend bullet, runs everywhere; ``mujoco`` is that of
+    the backend mujoco, and needs EGL; ``auto`` takes the first that works of the former two."""
     channels: Channels = Channels.model_construct()
     regions: Regions = Regions.model_construct()
 
