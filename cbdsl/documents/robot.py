@@ -16,6 +16,7 @@ from cbdsl.documents.document import (
     Force,
     JointName,
     Length,
+    Lever,
     LinkName,
     Name,
     NonNegative,
@@ -285,7 +286,7 @@ class MujocoSection(Section):
     """Inertia of the joints' drives, as a share of what each joint moves; 1 is matched gearing."""
     contact_time: Duration = 0.01
     """Time constant with which contacts push things apart."""
-    spinning_friction: Length = 0.005
+    spinning_friction: Lever = 0.005
     """Torque about the normal of a contact that friction bears, per force of the contact."""
     friction_stiffness: Positive = 1.0
     """How much stiffer contacts are along the surfaces than across them."""

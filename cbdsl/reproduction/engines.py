@@ -8,6 +8,7 @@ from functools import partial
 from statistics import median
 from typing import Any, NamedTuple
 
+from cbdsl.backends.backend import find_backend
 from cbdsl.backends.simulated_backend import SimulatedBackend, simulate
 from cbdsl.checking.knowledge.digest import program_digest
 from cbdsl.checking.knowledge.learned import with_policy
@@ -95,6 +96,8 @@ def run(settings: RunSettings) -> Result:
     seeds = range(settings.seed, settings.seed + episodes)
     library = Library(shipped())
     parts = list(_parts(library))
+    for setup in _SETUPS:
+        find_backend(setup.backend)  # what is not installed is said before anything runs
     played: dict[EngineSetup, dict[str, Episodes]] = {setup: {} for setup in _SETUPS}
     for number, setup in enumerate(_SETUPS):
         kept = KeptEpisodes(settings.folder / f"{setup.backend}_{setup.cameras}.jsonl")
