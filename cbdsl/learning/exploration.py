@@ -30,7 +30,7 @@ class ExplorationConstants(Section):
     prior: Annotated[float, quantity(gt=0)] = 1.0
     """As how many samples the prior of a model counts."""
     units: Literal["workspace", "si"] = "workspace"
-    """Deviations of the prior: 10 cm, 0.1 rad, 1 l and so on, or 1 in SI."""
+    """Deviations of the prior: 3 cm, 0.1 rad, 1 l and so on, or 1 in SI."""
     measure: Measure = "sum"
     """Variance of a covariance: the sum of all its elements, its trace, or the d-th root of its
     determinant."""
