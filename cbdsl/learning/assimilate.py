@@ -147,29 +147,30 @@ class Assimilate:
 
     def documents(self, summary: TrialSummary) -> list[Document]:
         """The schema."""
+        learned = {"curve": curve_of(summary.experiences), "provenance": summary.provenance}
+        description = "Learned by ASSIMILATE; provenance says from what, and how to learn it again."
+        schema = self.document(summary.name, summary.program)
+        return [schema.model_copy(update={"description": description, **learned})]
+
+    def document(self, name: str, program: CheckedProgram) -> SchemaDocument:
+        """What is known by now as a schema, without a word of how it was learned."""
         assert self._program is not None and self._program.schema is not None
-        schema, parameters = self._program.schema, summary.program.parameters
+        schema, parameters = self._program.schema, program.parameters
         units = {name: _unit(name, schema) for name in schema.components}
-        return [
-            SchemaDocument(
-                cbdsl=1,
-                kind="schema",
-                name=summary.name,
-                description="Learned by ASSIMILATE; provenance says from what, and how to learn "
-                "it again.",
-                program=summary.program.name,
-                policy=schema.policy,
-                actions=_abstract_actions(self._program),
-                features={n: _text(r.name, parameters) for n, r in schema.features.items()},
-                allocations={name: dict(each) for name, each in schema.allocations.items()},
-                choose=_written(self.choice(), units, ChoiceQuestion, _answer),
-                otherwise=tuple(schema.allocations),
-                reward=_written(self.reward(), units, RewardQuestion, float),
-                least_reward=self._constants.least_reward,
-                curve=curve_of(summary.experiences),
-                provenance=summary.provenance,
-            )
-        ]
+        return SchemaDocument(
+            cbdsl=1,
+            kind="schema",
+            name=name,
+            program=program.name,
+            policy=schema.policy,
+            actions=_abstract_actions(self._program),
+            features={n: _text(r.name, parameters) for n, r in schema.features.items()},
+            allocations={name: dict(each) for name, each in schema.allocations.items()},
+            choose=_written(self.choice(), units, ChoiceQuestion, _answer),
+            otherwise=tuple(schema.allocations),
+            reward=_written(self.reward(), units, RewardQuestion, float),
+            least_reward=self._constants.least_reward,
+        )
 
 
 class _Always:
