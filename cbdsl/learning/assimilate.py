@@ -153,7 +153,7 @@ class Assimilate:
         return [schema.model_copy(update={"description": description, **learned})]
 
     def document(self, name: str, program: CheckedProgram) -> SchemaDocument:
-        """What is known by now as a schema, without a word of how it was learned."""
+        """A schema of all that is known by now, without a word of how it was learned."""
         assert self._program is not None and self._program.schema is not None
         schema, parameters = self._program.schema, program.parameters
         units = {name: _unit(name, schema) for name in schema.components}

@@ -51,14 +51,14 @@ _FAR = "far"
 
 
 class Question(NamedTuple):
-    """What the trees are asked about: the features of a context at its first choice."""
+    """A question to the trees: the features of a context at its first choice."""
 
     context: str
     features: Features
 
 
 class Trees(NamedTuple):
-    """What a trial has learned: which allocation first, and how likely reward is."""
+    """Trees of a trial: which allocation first, and how likely reward is."""
 
     choice: Tree[Ranking]
     reward: Tree[float]
@@ -135,7 +135,7 @@ def _prepared() -> tuple[CheckedProgram, BackendEpisodeRunner]:
 def questions(
     program: CheckedProgram, runner: BackendEpisodeRunner, seeds: Sequence[int]
 ) -> Iterator[Question]:
-    """What is seen at the first informed choice of episodes."""
+    """Features of the first informed choice of episodes."""
     assert program.schema is not None
     names, wanted = tuple(program.schema.allocations), set(program.schema.components)
     policy = SchemaPolicy(program, lambda features: names, gives_up=False)
@@ -168,20 +168,20 @@ def quantities(trees: Sequence[Trees], known: Sequence[Question], seed: int) -> 
         ]
         yield _trials(f"Figure 5.11, {name}", source, rights)
     ends = [_forward(each.reward) for each in trees]
-    told = [end for end in ends if end is not None]
+    asking = [end for end in ends if end is not None]
     yield percentage(
         "Figure 5.11: trials that ask for the distance forward first",
         "asked first",
-        len(told),
+        len(asking),
         len(trees),
         above(50.0),
     )
-    if len(told) > 1:
+    if len(asking) > 1:
         yield mean_of(
             "Figure 5.11: distance forward where reach ends",
             "m",
             "1.17 on the original robot",
-            told,
+            asking,
             at_least(0.8),
             seed=seed,
             note="nothing stands between 0.8 and 1.15 m",
