@@ -85,7 +85,7 @@ def reproduce(
 
     Experiments in which the robot learns run trials, and share those of the same programs. With
     --keep each of their episodes is kept as soon as it is over, and so is each of engines and
-    fig-5.3-5.5.
+    fig-5.3-5.5, and each trial of fig-5.10-5.11.
 
     Exit 0 when it ran, whatever the verdicts, and 2 when it could not run.
     """

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from types import MappingProxyType
 from typing import Annotated, Any
 
@@ -65,7 +65,7 @@ class Assimilate:
         constants: AssimilateConstants,
         programs: Mapping[int, str] = MappingProxyType({}),
     ) -> None:
-        self._first, self._constants = actions[0], constants
+        self._first, self._constants = actions[0] if actions else "", constants
         self._program: CheckedProgram | None = None
         self._contexts: list[TriedContext] = []
 
@@ -90,6 +90,15 @@ class Assimilate:
         if made:
             outcomes = {each.allocation: each.rewarded for each in made}
             self._contexts.append(TriedContext(_distinct(made[0].features, schema), outcomes))
+
+    @property
+    def contexts(self) -> tuple[TriedContext, ...]:
+        """Contexts in which something was tried, by episode."""
+        return tuple(self._contexts)
+
+    def recall(self, contexts: Iterable[TriedContext]) -> None:
+        """Take in what was tried before, instead of running it again."""
+        self._contexts.extend(contexts)
 
     def policy(self, rng: np.random.Generator) -> Policy:
         """Declarative policy with epsilon-greedy allocations, by what is known then."""

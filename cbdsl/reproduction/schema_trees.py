@@ -6,6 +6,7 @@ asked about what is seen at the first choice of episodes that they did not learn
 
 from __future__ import annotations
 
+import json
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any, NamedTuple
@@ -17,6 +18,7 @@ from cbdsl.documents.policy import PolicyDocument
 from cbdsl.documents.program import ProgramDocument
 from cbdsl.documents.schema import SchemaDocument
 from cbdsl.documents.stage import StageDocument
+from cbdsl.learning.allocation_tree import TriedContext
 from cbdsl.learning.assimilate import Assimilate, AssimilateConstants
 from cbdsl.learning.learner import ASSIMILATE
 from cbdsl.program.checked import CheckedProgram
@@ -90,19 +92,20 @@ class SchemaPicture:
 def run(settings: RunSettings) -> Result:
     """Learn several times, and ask the trees."""
     trials, episodes, asked = _QUICK if settings.quick else (_TRIALS, _EPISODES, _ASKED)
+    trials = settings.trials or trials
     program, runner = _prepared()
-    # None of the trials' own seeds are as small.
-    first = settings.seed
+    first = settings.seed  # trials draw seeds of their own
     known = list(questions(program, runner, range(first, first + asked)))
     trees: list[Trees] = []
     pictures: list[SchemaPicture] = []
     for number in range(trials):
         settings.progress(number, trials)
-        trial = Trial(program, AssimilateConstants(), settings.seed, number, ASSIMILATE)
-        for _ in range(episodes):
-            trial.run(runner)
-        learner = trial.learner
-        assert isinstance(learner, Assimilate)
+        file = settings.folder / f"assimilation_{settings.seed}_{number}_{episodes}.json"
+        if not file.exists():
+            file.write_text(json.dumps(_tried(program, runner, settings.seed, number, episodes)))
+        learner = Assimilate([], AssimilateConstants())
+        learner.adopt(program)
+        learner.recall(TriedContext(*each) for each in json.loads(file.read_text()))
         trees.append(Trees(learner.choice(), learner.reward()))
         if not pictures:
             schema = learner.document(_PROGRAM, program)
@@ -117,6 +120,17 @@ _NOTES = (
     "second of 50 others. Nothing moves on this stage, so that the source's branch for moving "
     "things, the arm that anticipates them, is not asked for.",
 )
+
+
+def _tried(
+    program: CheckedProgram, runner: BackendEpisodeRunner, seed: int, number: int, episodes: int
+) -> tuple[TriedContext, ...]:
+    """Contexts of a trial, with what was tried in them."""
+    trial = Trial(program, AssimilateConstants(), seed, number, ASSIMILATE)
+    for _ in range(episodes):
+        trial.run(runner)
+    assert isinstance(trial.learner, Assimilate)
+    return trial.learner.contexts
 
 
 def _prepared() -> tuple[CheckedProgram, BackendEpisodeRunner]:

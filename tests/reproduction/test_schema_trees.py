@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 from cbdsl.reproduction import schema_trees
 from cbdsl.reproduction.experiment import RunSettings
 from cbdsl.reproduction.quantity import Verdict
@@ -35,8 +37,13 @@ def test_one_arm_for_all_and_no_end_of_reach_are_missed() -> None:
     assert right.verdict is near.verdict is Verdict.REPRODUCED
 
 
-def test_it_runs() -> None:
-    result = schema_trees.run(RunSettings(seed=5330000, quick=True))
+def test_it_runs_and_goes_on_from_what_was_kept(tmp_path: Path) -> None:
+    settings = RunSettings(seed=5330000, quick=True, folder=tmp_path)
+    result = schema_trees.run(settings)
     assert len(result.quantities) >= 6
     (picture,) = result.charts
     assert "place.x" in picture.svg()
+    (kept,) = tmp_path.iterdir()
+    written = kept.stat().st_mtime_ns
+    assert schema_trees.run(settings).quantities == result.quantities
+    assert kept.stat().st_mtime_ns == written
