@@ -50,8 +50,7 @@ _NOTES = (
     "all), and the state in which most episodes end that do not succeed.",
     "States differ although both succeed where contacts come some ticks earlier, as without "
     "inertia on the kinematic body, where soft contacts chatter, and where references are drawn at "
-    "random, since what is drawn depends on what was seen. Where nothing presses with finite "
-    "stiffness nothing slips.",
+    "random, since what is drawn depends on what was seen.",
 )
 
 
