@@ -1,4 +1,4 @@
-"""``pick_and_place`` and ``deliver`` with physics: on the pad, by itself, never placed in the air."""
+"""``pick_and_place`` and ``deliver`` with physics: on the pad, never placed in the air."""
 
 from __future__ import annotations
 
@@ -69,6 +69,6 @@ def test_nothing_is_transported_or_placed_by_an_empty_hand(
             states.add(state)
             return "transport ◁ place" if changed else None
 
-    runner._policy = Both()  # type: ignore[assignment]
+    runner._policy = Both()
     result = runner.run(stage_named("things_and_a_pad"), 7_100_004, "ball")
     assert states == {"XXX", "X--"} and not result.rewarded
