@@ -22,15 +22,15 @@ from cbdsl.learning.exploration import (
     ActionOutcome,
     Exploration,
     ExplorationConstants,
+    ExplorationStep,
     FeatureForm,
-    Step,
 )
 from cbdsl.program.checked import CheckedProgram
+from cbdsl.runtime.line_journal import JournalError, LineJournal
 from cbdsl.sensing.kinematics import Kinematics
 from cbdsl.training.action_runner import ActionRunner
 from cbdsl.training.catalog_writing import catalog_document
 from cbdsl.training.explorable import Explorable
-from cbdsl.training.journal import JournalError, RowJournal
 from cbdsl.training.provenance import versions
 from cbdsl.yaml_text.writer import remove_leftovers, write
 
@@ -38,7 +38,7 @@ from cbdsl.yaml_text.writer import remove_leftovers, write
 _CHOICE = 2
 
 #: Is told the number of actions that are over, the newest with its outcome, and its wall time, s.
-ExplorationObserver = Callable[[int, Step, ActionOutcome, float], None]
+ExplorationObserver = Callable[[int, ExplorationStep, ActionOutcome, float], None]
 
 
 @dataclass(frozen=True)
@@ -126,7 +126,8 @@ class ExplorationTask:
         )
         exploration = self.exploration()
         outcomes: list[ActionOutcome] = []
-        with RowJournal(self.journal, self._identity(body.renderer)) as journal:
+        identity = self._identity(body.renderer)
+        with LineJournal(self.journal, identity, "exploration") as journal:
             for row in journal.rows[: self.count]:
                 outcomes.append(_outcome(row, journal.path))
                 self._note(exploration, outcomes[-1], runner)
@@ -156,8 +157,10 @@ class ExplorationTask:
         made: Exploration = EXPLORATIONS[self.algorithm](forms, self.constants)
         return made
 
-    def _note(self, exploration: Exploration, outcome: ActionOutcome, runner: ActionRunner) -> Step:
-        new = runner.known([outcome.action, *outcome.found])
+    def _note(
+        self, exploration: Exploration, outcome: ActionOutcome, runner: ActionRunner
+    ) -> ExplorationStep:
+        new = runner.known([outcome.action, *outcome.opened])
         exploration.add({name: each.forms for name, each in new.items()})
         return exploration.note(outcome)
 
@@ -212,7 +215,7 @@ def _outcome(row: Mapping[str, Any], path: Path) -> ActionOutcome:
             action=row["action"],
             rewarded=bool(row["rewarded"]),
             features=_tuples(row["features"]),
-            found=tuple(row["found"]),
+            opened=tuple(row["opened"]),
             ahead=ahead,
             ending=row["ending"],
             failed=bool(row["failed"]),
