@@ -1,4 +1,4 @@
-"""``pick_and_place`` and ``deliver`` with physics: on the pad by themselves, never in the air."""
+
 """``pick_and_place`` and ``deliver`` with physics: on the pad, never placed in the air."""
 
 from __future__ import annotations
