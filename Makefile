@@ -4,7 +4,11 @@ BIN = $(dir $(PYTHON))
 # The tests to run, by pytest's marks: all. CI has already run the fast ones and asks for `slow`.
 MARK ?= slow or not slow
 
-.PHONY: check format lint types layers spelling documents tests fix
+# How many mutants, and with which tests: `all` fast ones take minutes for each that is hard to kill.
+SAMPLE ?= 100
+REACH ?= all
+
+.PHONY: check format lint types layers spelling documents tests mutants fix
 
 check: format lint types layers spelling documents tests
 
@@ -25,10 +29,15 @@ spelling:
 
 documents:
 	$(BIN)cb validate robots programs knowledge
+	$(BIN)cb fmt --check robots programs knowledge
 
 # The slow ones run episodes on the simulator.
 tests:
 	$(BIN)pytest -n auto -m "$(MARK)"
+
+# Small faults in control, sensing, runtime and learning that the fast tests have to notice.
+mutants:
+	$(BIN)python -m tests.mutants --sample $(SAMPLE) --reach $(REACH)
 
 fix:
 	$(BIN)ruff check --fix .

@@ -104,7 +104,7 @@ class _Judge:
 
 def run_episodes(program: str, cameras: str, thing: str, seeds: Iterable[int]) -> list[Episode]:
     """Take one kind of thing, in this process."""
-    from cbdsl.cli.run_request import read_request
+    from cbdsl.api.run_request import read_request
     from cbdsl.cli.simulation import simulation
     from cbdsl.runtime.episode import Runner
 

@@ -39,20 +39,19 @@ _EYES = np.array((0.24, 0.0, 0.5))
 
 def judge_body(body: int, seeds: Sequence[int], backend_name: str) -> dict[str, Any]:
     """Calibrate one body, and run its episodes without and with the calibration."""
+    from cbdsl.api.run_request import read_request
     from cbdsl.backends.backend import embody
     from cbdsl.backends.cameras.camera_system import camera_errors
     from cbdsl.calibration.estimate import CalibrationError, estimate
     from cbdsl.calibration.watching import watch
-    from cbdsl.cli.run_request import read_request
     from cbdsl.documents.calibration import with_corrections
     from cbdsl.sensing.kinematics import Kinematics
 
     shown = read_request("show_ball", None, None, {}, body=body, uncalibrated=True)
     robot, urdf = shown.robot, shown.urdf
     backend = embody(backend_name, robot, urdf)
-    views = watch(
-        robot, Kinematics(robot, urdf), shown.program, backend, shown.stage, seed=body
-    ).views
+    kinematics = Kinematics(robot, urdf)
+    views = watch(robot, kinematics, shown.program, backend, shown.stage, seed=body)
     true = camera_errors(robot.cameras, shown.stage.disturbance, np.random.default_rng())
     row: dict[str, Any] = {"body": body, "views": len(views)}
     try:

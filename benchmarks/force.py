@@ -93,7 +93,7 @@ class _Judge:
 
 def run_episodes(backend: str, side: str, seeds: Iterable[int]) -> list[Episode]:
     """Some slides, in this process. Nothing is looked at, so that cameras are ideal."""
-    from cbdsl.cli.run_request import read_request
+    from cbdsl.api.run_request import read_request
     from cbdsl.cli.simulation import simulation
     from cbdsl.runtime.episode import Runner
 

@@ -46,7 +46,7 @@ class Episode(NamedTuple):
 
 def run_episodes(seeds: Iterable[int]) -> list[Episode]:
     """Pick and place some cubes, in this process."""
-    from cbdsl.cli.run_request import read_request
+    from cbdsl.api.run_request import read_request
     from cbdsl.cli.simulation import simulation
     from cbdsl.runtime.episode import Runner
 

@@ -51,7 +51,7 @@ def run_episodes(
     thing: str, direction: str, body: Body, seeds: Iterable[int]
 ) -> list[dict[str, Any]]:
     """Hand over one kind of thing in one direction, in this process."""
-    from cbdsl.cli.run_request import read_request
+    from cbdsl.api.run_request import read_request
     from cbdsl.cli.simulation import simulation
     from cbdsl.runtime.episode import Runner
 

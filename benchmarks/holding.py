@@ -80,7 +80,7 @@ class Episode(NamedTuple):
 
 def run_episodes(setting: Setting, thing: str, seeds: Iterable[int]) -> list[Episode]:
     """Carry one kind of thing, in this process."""
-    from cbdsl.cli.run_request import read_request
+    from cbdsl.api.run_request import read_request
     from cbdsl.cli.simulation import simulation
     from cbdsl.runtime.episode import Runner
 

@@ -100,7 +100,8 @@ def moved(urdf: Path, engine: str) -> dict[str, Any]:
     from cbdsl.documents.stage import StageDocument
     from cbdsl.errors.errors import UsageError
     from cbdsl.robot.joints import Joints
-    from cbdsl.robot.urdf import UrdfError, read_urdf
+    from cbdsl.robot.urdf import UrdfError
+    from cbdsl.robot.urdf_reader import read_urdf
 
     head = {"cbdsl": 1, "kind": "stage", "name": "empty", "robot": "public"}
     stage = StageDocument.model_validate({**head, "contexts": {"empty": {}}})

@@ -3,7 +3,8 @@
 A page is a session in a folder of its own. What a block is for follows from its language:
 
 * ``yaml`` is a document: written to the session's folder, it has no findings.
-* ``python`` and ``toml`` are files that later commands or tests use.
+* ``python`` and ``toml`` with a file's name are files that later commands or tests use.
+* ``python`` without is run, in one session a page; ``text`` behind it is what it prints.
 * ``sh`` are ``cb`` commands, one a line.
 * ``text`` is what the ``sh`` block before it prints; a line ``...`` stands for lines left out.
 
@@ -129,6 +130,7 @@ class Session:
         self._monkeypatch, self._capsys = monkeypatch, capsys
         self._printed: str | None = None  # by the last block of commands
         self._left_out = False  # whether that was not run this time
+        self._names: dict[str, Any] = {}  # of the page's Python
         monkeypatch.chdir(folder)
         monkeypatch.setenv("COLUMNS", "100")
 
@@ -149,7 +151,12 @@ class Session:
         assert codes == set(block.marks.get("findings", "").split()), file
 
     def _python(self, block: Block, slow: bool, follows: Block | None) -> None:
-        compile(block.text, str(self._file(block)), "exec")
+        if "file" in block.marks:
+            compile(block.text, str(self._file(block)), "exec")
+            return
+        self._capsys.readouterr()
+        exec(compile(block.text, str(self._page), "exec"), self._names)
+        self._printed, self._left_out = self._capsys.readouterr().out, False
 
     def _toml(self, block: Block, slow: bool, follows: Block | None) -> None:
         install(self._file(block), self._monkeypatch)
@@ -268,6 +275,8 @@ def test_no_block_escapes(page: Path) -> None:
         ("```sh\ncb explain CB504\n```\n```text\nCB504: fine\n```\n", AssertionError),
         ("```text\nnobody printed this\n```\n", AssertionError),
         ("<!-- file: a.py -->\n```python\nif:\n```\n", SyntaxError),
+        ("```python\nprint(1)\n```\n```text\n2\n```\n", AssertionError),
+        ("```python\na = 1\n```\n```python\nassert a == 2\n```\n", AssertionError),
         ("Type `cb show resources --robot nobody`.", AssertionError),
     ],
 )

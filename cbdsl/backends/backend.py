@@ -100,7 +100,12 @@ class ResumableBackend(Protocol):
     """A backend whose world can go on from one episode to the next."""
 
     def resume(
-        self, stage: StageDocument, context: str | None, channels: Collection[str] | None = None
+        self,
+        stage: StageDocument,
+        context: str | None,
+        channels: Collection[str] | None = None,
+        *,
+        undisturbed: bool = False,
     ) -> str | None:
         """Begin an episode in the world as the one before left it, robot and references included.
 
@@ -111,6 +116,7 @@ class ResumableBackend(Protocol):
             stage: that the world should be of.
             context: that it should be of; any when ``None``.
             channels: of vision, as of ``Backend.reset``.
+            undisturbed: whether the experimenter does nothing before it.
 
         Returns:
             The name of the context; ``None`` where the world is of another stage or context, or

@@ -104,14 +104,19 @@ class SimulatedBackend(Generic[SomeEngine]):
         self.truth.begin(self._reference)
         self._cells = self._load_cells(noise)
         sampler = ScenarioSampler(stage, self._robot, self.truth.link_pose, rng)
-        self._experimenter = Experimenter(sampler.sample(chosen), self.truth)
+        self._experimenter = Experimenter(sampler, chosen, self.truth)
         self._cameras.begin(self.truth, stage.disturbance, channels, Chance(rng, noise))
         self._world = stage, name
         self._observation = self._sense()
         return name
 
     def resume(
-        self, stage: StageDocument, context: str | None, channels: Collection[str] | None = None
+        self,
+        stage: StageDocument,
+        context: str | None,
+        channels: Collection[str] | None = None,
+        *,
+        undisturbed: bool = False,
     ) -> str | None:
         """Begin an episode in the world as it is; see ``ResumableBackend.resume``."""
         if self._world is None or self._world[0] is not stage:
@@ -120,7 +125,8 @@ class SimulatedBackend(Generic[SomeEngine]):
         if context not in (None, name):
             return None
         self._began = self._tick
-        self._experimenter.tidy(stage.world.put_back)
+        if not undisturbed:
+            self._experimenter.take_turn(stage.world)
         self._cameras.look_for(channels)
         self._observation = self._sense()
         return name

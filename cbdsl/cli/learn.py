@@ -18,7 +18,7 @@ from cbdsl.documents.json_schema import docstrings
 from cbdsl.learning.constants import AccommodateConstants, read_constants
 
 if TYPE_CHECKING:
-    from cbdsl.cli.run_request import RunRequest
+    from cbdsl.api.run_request import RunRequest
     from cbdsl.documents.digest import ProgramDigest
     from cbdsl.documents.document import Section
     from cbdsl.program.checked import CheckedProgram
@@ -184,11 +184,11 @@ def learn(
     Exit 0 when all episodes were run, 1 when a document has errors, 2 when it could not run, 130
     when it was interrupted, by Ctrl-C or SIGTERM.
     """
+    from cbdsl.api.run_request import read_request
     from cbdsl.checking.knowledge.digest import program_digest
     from cbdsl.cli.assignments import read_assignments
     from cbdsl.cli.learning_tasks import one_by_one, side_by_side
     from cbdsl.cli.quiet import shown_on_failure
-    from cbdsl.cli.run_request import read_request
     from cbdsl.cli.simulation import needing_simulation
     from cbdsl.cli.termination import termination_interrupts
 
@@ -251,10 +251,10 @@ def _to_assimilate(
     request: RunRequest, policy: str, values: Mapping[str, str], digest: ProgramDigest
 ) -> tuple[CheckedProgram, ProgramDigest]:
     """Program with all its allocations under a policy, and the digest of both."""
+    from cbdsl.api.run_request import read_policy
     from cbdsl.checking.assimilation import program_to_assimilate
     from cbdsl.checking.knowledge.digest import policy_digest
     from cbdsl.checking.session import Session
-    from cbdsl.cli.run_request import read_policy
 
     loaded = read_policy(request.program, policy, request.program_file, request.library)
     session = Session(request.library)

@@ -9,8 +9,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
+    from cbdsl.api.run_request import RunRequest
     from cbdsl.cli.learning_progress import LearningProgress
-    from cbdsl.cli.run_request import RunRequest
     from cbdsl.training.journal_follower import JournalFollower
     from cbdsl.training.learning_task import LearningTask
 
@@ -154,7 +154,7 @@ def _explained(*tasks: LearningTask) -> Iterator[None]:
     """Turn what stops trials into one message, with what is kept."""
     from cbdsl.cli.terminal import print_problem
     from cbdsl.errors.errors import UsageError
-    from cbdsl.training.journal import JournalError
+    from cbdsl.runtime.line_journal import JournalError
 
     try:
         yield

@@ -48,7 +48,8 @@ def new_robot(name: Name, urdf: Urdf, to: To = None, force: Force = False) -> No
     from cbdsl.cli.proposal import propose
     from cbdsl.documents.robot import RobotDocument
     from cbdsl.errors.errors import UsageError
-    from cbdsl.robot.urdf import UrdfError, read_urdf
+    from cbdsl.robot.urdf import UrdfError
+    from cbdsl.robot.urdf_reader import read_urdf
 
     try:
         model = read_urdf(urdf)

@@ -8,8 +8,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
+    from cbdsl.api.run_request import RunRequest
     from cbdsl.backends.backend import Backend
-    from cbdsl.cli.run_request import RunRequest
     from cbdsl.runtime.episode import EpisodeResult
     from cbdsl.runtime.recording import Recording
 

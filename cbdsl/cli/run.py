@@ -12,9 +12,9 @@ import typer
 from cbdsl.cli.simulation import BackendName
 
 if TYPE_CHECKING:
+    from cbdsl.api.run_request import RunRequest
     from cbdsl.backends.backend import Backend
     from cbdsl.cli.recorder import Recorder
-    from cbdsl.cli.run_request import RunRequest
     from cbdsl.documents.stage import StageDocument
     from cbdsl.program.transition import Transition
     from cbdsl.runtime.episode import (
@@ -134,10 +134,10 @@ def run(
     document has errors, 2 when it could not run, 130 when it was interrupted, by Ctrl-C or SIGTERM;
     what was recorded by then is kept.
     """
+    from cbdsl.api.run_request import read_request
     from cbdsl.cli.assignments import read_assignments
     from cbdsl.cli.quiet import shown_on_failure
     from cbdsl.cli.recorder import Recorder
-    from cbdsl.cli.run_request import read_request
     from cbdsl.cli.simulation import simulation
     from cbdsl.cli.termination import termination_interrupts
     from cbdsl.errors.errors import UsageError

@@ -1,4 +1,4 @@
-"""``cb show``: types, potentials, resources, plug-ins, programs, policies, schemas and meshes."""
+"""``cb show``: types, potentials, resources, plug-ins, programs, and what was learned."""
 
 from __future__ import annotations
 
@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from cbdsl.cli.show_allocations import show_allocations
+from cbdsl.cli.show_catalog import show_catalog
 from cbdsl.cli.show_mesh import show_mesh
 from cbdsl.cli.show_plugins import (
     show_backends,
@@ -23,7 +24,7 @@ if TYPE_CHECKING:
     from cbdsl.types.potential import PotentialType
 
 show = typer.Typer(
-    help="Show types, potentials, resources, plug-ins, programs, policies, schemas and meshes.",
+    help="Show types, potentials, resources, plug-ins, programs, meshes, and what was learned.",
     no_args_is_help=True,
     rich_markup_mode=None,
     pretty_exceptions_enable=False,
@@ -116,6 +117,7 @@ show.command("allocations")(show_allocations)
 show.command("policy")(show_policy)
 show.command("mesh")(show_mesh)
 show.command("schema")(show_schema)
+show.command("catalog")(show_catalog)
 
 
 def _signature(potential: PotentialType) -> dict[str, object]:

@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 if TYPE_CHECKING:
+    from cbdsl.api.run_request import RunRequest
     from cbdsl.backends.backend import Backend
-    from cbdsl.cli.run_request import RunRequest
     from cbdsl.sensing.kinematics import Kinematics
 
 BackendName = Annotated[

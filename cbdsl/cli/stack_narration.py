@@ -15,7 +15,7 @@ _PAUSE = 1.0
 
 # As wide as the time in front of a table.
 _INDENT = " " * 12
-_HEADINGS = ("level", "phi", "predicted", "measured", "achieved", "rank", "s_min", "held by")
+_HEADINGS = ("level", "phi", "predicted", "measured", "achieved", "rank", "s_min", "others")
 
 
 class StackNarration:
@@ -77,7 +77,14 @@ def _row(level: LevelExplanation, changes: tuple[float, float]) -> tuple[str, ..
     numbers = [_number(each) for each in (level.phi, *changes)]
     share = _number(level.share, ".2f")
     smallest = _number(level.singular_value, ".2g")
-    return (level.name, *numbers, share, str(level.rank), smallest, level.held_by)
+    return (level.name, *numbers, share, str(level.rank), smallest, _others(level))
+
+
+def _others(level: LevelExplanation) -> str:
+    """Effect of other levels, or of limits, on it."""
+    if level.pushed_by:
+        return f"pushed on by {level.pushed_by}"
+    return f"held by {level.held_by}" if level.held_by else ""
 
 
 def _number(value: float, how: str = ".3g") -> str:

@@ -41,7 +41,7 @@ class LevelReport:
         name: the controller.
         share: part of the wanted displacement that the tick achieves to first order: 1 in full,
             0 where higher levels, limits or singularities leave nothing, negative where higher
-            levels move the task away.
+            levels move the task away, above 1 where they carry it further than it wants.
         rank: independent task coordinates that higher levels and limits leave.
         singular_value: the smallest singular value among them, 0 where none is left.
     """

@@ -25,14 +25,19 @@ class ProgramDigest(NamedTuple):
 def digest(document: Document, leave_out: Iterable[str] = ()) -> str:
     """SHA-256 of a document's content, in hexadecimal.
 
-    Its description, comments and layout do not matter, nor does a default that is written out.
+    Its description, comments and layout do not matter, nor does a default that is written out. Of a
+    mesh its content counts, and not where it lies.
 
     Args:
         document: the document.
         leave_out: keys at its top that do not matter either.
     """
     data = document.model_dump(
-        mode="json", by_alias=True, exclude_defaults=True, exclude={"description", *leave_out}
+        mode="json",
+        by_alias=True,
+        exclude_defaults=True,
+        exclude={"description", *leave_out},
+        context={"by_content": True},
     )
     return digest_of_text(json.dumps(data, sort_keys=True, ensure_ascii=True))
 

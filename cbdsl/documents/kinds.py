@@ -53,6 +53,7 @@ KINDS: Registry[Kind] = Registry(
         "policy": "cbdsl.documents.policy:POLICY",
         "model": "cbdsl.documents.model:MODEL",
         "schema": "cbdsl.documents.schema:SCHEMA",
+        "catalog": "cbdsl.documents.catalog:CATALOG",
         "calibration": "cbdsl.documents.calibration:CALIBRATION",
     },
     _record,

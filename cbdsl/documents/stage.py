@@ -1,9 +1,18 @@
 """The stage document: a training context, set up by the experimenter and unseen by the robot."""
 
+import hashlib
 import math
+from pathlib import Path
 from typing import Annotated, Literal, Self
 
-from pydantic import Field, field_serializer, model_validator
+from pydantic import (
+    Field,
+    FieldSerializationInfo,
+    PrivateAttr,
+    ValidationInfo,
+    field_serializer,
+    model_validator,
+)
 
 from cbdsl.documents.document import (
     Angle,
@@ -18,6 +27,7 @@ from cbdsl.documents.document import (
     NonNegative,
     Point,
     Positive,
+    PositiveCount,
     Section,
     Size,
     SizeSpan,
@@ -30,6 +40,10 @@ from cbdsl.documents.kind import Kind
 
 Side = Literal["-x", "+x", "-y", "+y"]
 """Where a side looks while the thing's yaw is 0."""
+
+
+#: Most solids that something composed, or a mesh, is made of.
+MOST_PIECES = 16
 
 
 class Spot(Section):
@@ -46,6 +60,13 @@ class Spot(Section):
     """Red, green and blue, each from 0 to 1."""
 
 
+def _require_own_sides(spots: tuple[Spot, ...]) -> None:
+    """Raise ``ValueError`` where a side has two spots."""
+    faces = [spot.face for spot in spots]
+    if len(set(faces)) < len(faces):
+        raise ValueError("two spots are on the same side")
+
+
 class BallForm(Section):
     """A sphere."""
 
@@ -55,10 +76,18 @@ class BallForm(Section):
     """Radius, or the span that it is drawn from."""
     spot: Spot | None = None
     """Pattern that is painted on a side of it."""
+    spots: tuple[Spot, ...] = ()
+    """Several of them, each on a side of its own."""
+
+    @property
+    def all_spots(self) -> tuple[Spot, ...]:
+        """The spots, one or several."""
+        return (*([self.spot] if self.spot else []), *self.spots)
 
     @model_validator(mode="after")
-    def _has_room_for_the_spot(self) -> Self:
-        if self.spot is not None and self.spot.radius >= self.radius[0]:
+    def _has_room_for_the_spots(self) -> Self:
+        _require_own_sides(self.all_spots)
+        if any(spot.radius >= self.radius[0] for spot in self.all_spots):
             raise ValueError("the spot is larger than the side of the ball")
         return self
 
@@ -91,13 +120,21 @@ class BoxForm(Section):
     """Pattern that is printed on a side of it."""
     spot: Spot | None = None
     """Pattern that is painted on a side of it."""
+    spots: tuple[Spot, ...] = ()
+    """Several of them, each on a side of its own."""
+
+    @property
+    def all_spots(self) -> tuple[Spot, ...]:
+        """The spots, one or several."""
+        return (*([self.spot] if self.spot else []), *self.spots)
 
     @model_validator(mode="after")
-    def _has_room_for_the_spot(self) -> Self:
-        if self.spot is not None:
-            (depth, _), (width, _), (height, _) = self.size
-            across = width if self.spot.face.endswith("x") else depth
-            if 2 * self.spot.radius > min(across, height):
+    def _has_room_for_the_spots(self) -> Self:
+        _require_own_sides(self.all_spots)
+        (depth, _), (width, _), (height, _) = self.size
+        for spot in self.all_spots:
+            across = width if spot.face.endswith("x") else depth
+            if 2 * spot.radius > min(across, height):
                 raise ValueError("the spot is larger than the side of the box")
         return self
 
@@ -178,7 +215,7 @@ class Piece(Section):
             spans = (*spans, form.height)
         if any(first != last for first, last in spans):
             raise ValueError("a piece has one size, which is not drawn")
-        if isinstance(form, (BallForm, BoxForm)) and form.spot is not None:
+        if isinstance(form, (BallForm, BoxForm)) and form.all_spots:
             raise ValueError("a piece has no spot")
         if isinstance(form, BoxForm) and form.pattern is not None:
             raise ValueError("a piece has no pattern")
@@ -210,7 +247,7 @@ class ComposedForm(Section):
 
     shape: Literal["composed"]
     """Which shape it is."""
-    pieces: Annotated[tuple[Piece, ...], Field(min_length=1, max_length=16)]
+    pieces: Annotated[tuple[Piece, ...], Field(min_length=1, max_length=MOST_PIECES)]
     """What it is made of. `cb show mesh FILE` writes those that fill a mesh."""
 
     @property
@@ -231,7 +268,48 @@ class ComposedForm(Section):
         return tuple((edge, edge) for edge in edges)
 
 
-Form = BallForm | BoxForm | CylinderForm | TubeForm | OpenBoxForm | ComposedForm
+class MeshForm(Section):
+    """A closed mesh; its centre is the middle of the box around it."""
+
+    shape: Literal["mesh"]
+    """Which shape it is."""
+    file: Annotated[str, Field(min_length=1)]
+    """Its file, STL or OBJ, with the path from the stage's folder."""
+    scale: Size = 1.0
+    """Length of the file's unit: 1 mm where its numbers are millimetres."""
+    solid: Literal["hull", "boxes", "ball", "box", "cylinder"] = "hull"
+    """What is touched: its convex hull; up to 16 boxes that fill it, for what is hollow; or the
+    ball, box or upright cylinder around it."""
+
+    _folder: Path = PrivateAttr(default=Path())
+
+    @model_validator(mode="after")
+    def _is_in_a_folder(self, info: ValidationInfo) -> Self:
+        if info.context is not None:
+            self._folder = info.context["folder"]
+        return self
+
+    @property
+    def path(self) -> Path:
+        """Its file."""
+        return self._folder / self.file
+
+    @field_serializer("file")
+    def _by_its_content(self, file: str, info: FieldSerializationInfo) -> str:
+        # What was learned with a mesh holds for this mesh, wherever it lies.
+        if info.context is None or not self.path.is_file():
+            return file
+        return hashlib.sha256(self.path.read_bytes()).hexdigest()
+
+    # A document is what it says, wherever it lies.
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, MeshForm) and self.model_dump() == other.model_dump()
+
+    def __hash__(self) -> int:
+        return hash((self.file, self.scale, self.solid))
+
+
+Form = BallForm | BoxForm | CylinderForm | TubeForm | OpenBoxForm | ComposedForm | MeshForm
 
 
 class Surface(Section):
@@ -353,6 +431,26 @@ class Motion(Section):
     """When the motion starts."""
 
 
+class Scatter(Section):
+    """How far the experimenter moves a thing about in each turn."""
+
+    deviation: Size
+    """Standard deviation along x and along y from where it was put at first."""
+    x: LengthSpan
+    """Bounds of its place along x, in the world frame."""
+    y: LengthSpan
+    """Bounds of its place along y, in the world frame."""
+
+
+class Displacement(Section):
+    """A move of a thing in one turn of the experimenter, after which it belongs there."""
+
+    turn: PositiveCount
+    """Which turn."""
+    by: Point
+    """How far, in the world frame."""
+
+
 class Presentation(Section):
     """A thing that is shown, its place, and the experimenter's actions on it."""
 
@@ -366,6 +464,17 @@ class Presentation(Section):
     """When the thing is taken away."""
     returned_after: Time | None = None
     """How long after it fell from where it was put the experimenter puts it there again."""
+    from_turn: Count = 0
+    """Turn of the experimenter in which it is put there; 0 is the first episode's beginning."""
+    scattered: Scatter | None = None
+    """How it is moved in each turn."""
+    displaced: tuple[Displacement, ...] = ()
+    """Moves that last."""
+
+    @property
+    def takes_turns(self) -> bool:
+        """Whether it comes or moves between episodes."""
+        return bool(self.from_turn or self.scattered or self.displaced)
 
 
 class PlacedSection(Presentation):
@@ -425,6 +534,8 @@ class WorldSection(Section):
     """Things that the experimenter puts where they were at first before an episode goes on, unless
     the robot touches them or is in the way: those that fell 20 cm or more below that place, or
     moved 2 cm or more from it."""
+    where: Literal["same", "anew"] = "same"
+    """Whether they are put where they were, or at a place that is drawn anew."""
 
 
 class StageDocument(Document):
@@ -442,6 +553,13 @@ class StageDocument(Document):
     """Ways in which an episode can begin, by name."""
     disturbance: Disturbance = Disturbance.model_construct()
     world: WorldSection = WorldSection.model_construct()
+
+    @model_validator(mode="after")
+    def _takes_turns_in_a_persistent_world(self) -> Self:
+        shown = [each for c in self.contexts.values() for each in c.presentations.values()]
+        if not self.world.persistent and any(each.takes_turns for each in shown):
+            raise ValueError("things come and move from turn to turn of a `persistent` world only")
+        return self
 
 
 STAGE = Kind(

@@ -19,6 +19,8 @@ _SCHEMA = (
     "  right: {arm: right_arm, hand: right_hand}\n  left: {arm: left_arm, hand: left_hand}\n"
 )
 
+_CATALOG = _HEAD.format("catalog") + "robot: dexter\nfeature: red\n"
+
 #: Frames of examples: ``$name`` is the file's, ``$body`` what the catalogue has.
 _FRAMES = {
     "program": f"{_HEAD.format('program')}$body\n",
@@ -28,6 +30,9 @@ _FRAMES = {
     "calibration": f"{_HEAD.format('calibration')}$body\n",
     "model": f"{_HEAD.format('model')}$body\n",
     "schema": f"{_SCHEMA}$body\n",
+    "catalog": f"{_CATALOG}$body\n",
+    "afforded": _SCHEMA.replace("features: {", "catalog: ball\nfeatures: {sure: $body, ")
+    + "choose: {if: sure > 0.5, then: left, else: right}\notherwise: [right]\n",
     "tracking": f"{_DEXTER}{_TRACK}\n$body\n",
     "controller": f"{_DEXTER}{{$body}}\nactions: [track]\n",
     "effectors": f"{_ROBOT}$body\n{_CONTROL}",

@@ -1,4 +1,4 @@
-"""Convex bodies: balls, boxes and cylinders somewhere, and the distance between two of them."""
+"""Convex bodies: balls, boxes, cylinders and hulls, and the distance between two of them."""
 
 from __future__ import annotations
 
@@ -20,19 +20,21 @@ _ROUNDING = 1e-12
 
 @dataclass(frozen=True)
 class Convex:
-    """A ball, box or cylinder in the world; a cylinder lies along its z axis.
+    """A ball, box, cylinder or hull in the world; a cylinder lies along its z axis.
 
     Attributes:
         kind: which of them.
         halves: half its extents along its own axes, m.
         position: of its centre, m, shape (3,).
         rotation: its axes as columns, shape (3, 3).
+        corners: of a hull, in its own axes around its centre, m, shape (k, 3).
     """
 
-    kind: Literal["ball", "box", "cylinder"]
+    kind: Literal["ball", "box", "cylinder", "hull"]
     halves: tuple[float, float, float]
     position: Floats
     rotation: Floats
+    corners: Floats | None = None
 
     @property
     def radius(self) -> float:
@@ -46,7 +48,11 @@ class Convex:
 
     def support(self, direction: Floats) -> Floats:
         """The point of the body that is farthest in a direction, m, shape (3,)."""
-        u, v, w = (float(part) for part in direction @ self.rotation)
+        along = direction @ self.rotation
+        if self.corners is not None:
+            farthest: Floats = self.corners[int(np.argmax(self.corners @ along))]
+            return np.asarray(self.position + self.rotation @ farthest, dtype=np.float64)
+        u, v, w = (float(part) for part in along)
         a, b, c = self.halves
         if self.kind == "box":
             own = (math.copysign(a, u), math.copysign(b, v), math.copysign(c, w))
@@ -60,9 +66,14 @@ class Convex:
         return point
 
     def shrunk(self, margin: float) -> Convex:
-        """The body with its surface ``margin`` further inside, m, or half way to its centre."""
+        """The body with its surface ``margin`` further inside, m, or half way to its middle."""
         a, b, c = (max(half - margin, half / 2) for half in self.halves)
-        return replace(self, halves=(a, b, c))
+        if self.corners is None:
+            return replace(self, halves=(a, b, c))
+        shares = np.array((a, b, c)) / np.array(self.halves)
+        # The middle of the box around a hull may be on its surface.
+        middle = self.corners.mean(axis=0)
+        return replace(self, halves=(a, b, c), corners=middle + shares * (self.corners - middle))
 
 
 def gap(one: Convex, other: Convex) -> float:

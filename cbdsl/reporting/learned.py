@@ -18,7 +18,8 @@ from cbdsl.errors.counting import count
 from cbdsl.errors.errors import DiagnosticsError, UsageError
 from cbdsl.errors.reason import reason
 from cbdsl.reporting.drawing.policy_transitions import require_legible
-from cbdsl.robot.urdf import UrdfError, read_urdf
+from cbdsl.robot.urdf import UrdfError
+from cbdsl.robot.urdf_reader import read_urdf
 from cbdsl.yaml_text.library import Library, is_of
 
 _JOURNAL = ".episodes.jsonl"

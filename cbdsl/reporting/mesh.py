@@ -5,13 +5,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 from pathlib import Path
 
-import numpy as np
-
 from cbdsl.robot.mesh_reader import Mesh, MeshError, read_mesh_file
-
-# Enough to know a link by its shape; a robot of 30 links then takes half a megabyte.
-_MOST_TRIANGLES = 1500
-_FINEST = 64
+from cbdsl.robot.simplified_mesh import simplified
 
 
 def read_mesh(file: Path, scale: Sequence[float]) -> Mesh | None:
@@ -20,28 +15,3 @@ def read_mesh(file: Path, scale: Sequence[float]) -> Mesh | None:
         return simplified(read_mesh_file(file, scale))
     except MeshError:
         return None
-
-
-def simplified(mesh: Mesh) -> Mesh:
-    """The mesh with corners that are close together merged, until it is small enough."""
-    cells = _FINEST
-    small = _merged(mesh, cells)
-    while len(small.triangles) > _MOST_TRIANGLES:
-        cells = cells * 3 // 4
-        small = _merged(mesh, cells)
-    return small
-
-
-def _merged(mesh: Mesh, cells: int) -> Mesh:
-    """Every corner becomes the mean of those in its cell, of ``cells`` along the longest edge."""
-    lowest = mesh.corners.min(axis=0)
-    size = float((mesh.corners.max(axis=0) - lowest).max()) / cells or 1.0
-    places = np.floor((mesh.corners - lowest) / size).astype(np.intp)
-    _, cell, count = np.unique(places, axis=0, return_inverse=True, return_counts=True)
-    cell = cell.reshape(-1)
-    corners = np.zeros((len(count), 3))
-    np.add.at(corners, cell, mesh.corners)
-    triangles = cell[mesh.triangles]
-    a, b, c = triangles.T
-    triangles = triangles[(a != b) & (b != c) & (c != a)]
-    return Mesh(corners / count[:, None], np.unique(triangles, axis=0))

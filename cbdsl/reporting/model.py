@@ -11,7 +11,8 @@ from cbdsl.reporting.link_shape import Numbers as _Numbers
 from cbdsl.reporting.mesh import read_mesh
 from cbdsl.reporting.skeleton import skeleton
 from cbdsl.robot.mesh_file import find_mesh
-from cbdsl.robot.urdf import UrdfJoint, UrdfModel, UrdfOrigin, UrdfShape, parse_urdf
+from cbdsl.robot.urdf import UrdfJoint, UrdfModel, UrdfOrigin, UrdfShape
+from cbdsl.robot.urdf_reader import parse_urdf
 
 _GREY = (0.7, 0.7, 0.7)
 _KINDS = {"revolute": "turn", "continuous": "turn", "prismatic": "slide"}

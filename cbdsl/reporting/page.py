@@ -15,6 +15,7 @@ from cbdsl.reporting.reasons import reasons
 from cbdsl.reporting.recorded import Recorded
 from cbdsl.reporting.template import filled
 from cbdsl.reporting.thumbnails import chosen, encoded
+from cbdsl.robot.mesh_reader import Mesh
 
 _SCRIPTS = ("vendor/three.min.js", "vendor/uPlot.iife.min.js", "page.js", "data.js", "chart.js",
             "world.js", "timeline.js", "replay.js")  # fmt: skip
@@ -42,7 +43,10 @@ def _data(recorded: Recorded) -> str:
         "cells": summary["load_cells"],
         "guards": summary.get("guards", []),
         "links": [_link(link, bundle) for link in read_links(summary["robot"], summary["joints"])],
-        "bodies": summary["scene"],
+        "bodies": {
+            name: [_part(part, bundle) for part in parts]
+            for name, parts in summary["scene"].items()
+        },
         "arrays": {key: bundle.add(array) for key, array in _series(recorded).items()},
         "cameras": _cameras(recorded, bundle),
     }
@@ -92,11 +96,23 @@ def _link(link: DrawnLink, bundle: Bundle) -> dict[str, object]:
     return {**link._asdict(), "shapes": [_shape(shape, bundle) for shape in link.shapes]}
 
 
+def _part(part: Mapping[str, Any], bundle: Bundle) -> Mapping[str, object]:
+    """A visible part of a thing."""
+    if "mesh" not in part:
+        return part
+    corners, triangles = (np.array(part["mesh"][key]) for key in ("corners", "triangles"))
+    return {**part, "mesh": _mesh(Mesh(corners, triangles), bundle)}
+
+
+def _mesh(mesh: Mesh, bundle: Bundle) -> Mapping[str, object]:
+    return {
+        "corners": bundle.add(mesh.corners.astype(np.float32)),
+        "triangles": bundle.add(mesh.triangles.astype(np.uint16)),
+    }
+
+
 def _shape(shape: LinkShape, bundle: Bundle) -> Mapping[str, object]:
     data = shape._asdict()
     if shape.mesh is not None:
-        data["mesh"] = {
-            "corners": bundle.add(shape.mesh.corners.astype(np.float32)),
-            "triangles": bundle.add(shape.mesh.triangles.astype(np.uint16)),
-        }
+        data["mesh"] = _mesh(shape.mesh, bundle)
     return data

@@ -26,7 +26,7 @@ from cbdsl.reproduction.percentage import percentage
 from cbdsl.reproduction.quantity import Quantity
 from cbdsl.reproduction.shipped import shipped_file, shipped_robot
 from cbdsl.reproduction.slip_gauge import SlipGauge, palms
-from cbdsl.robot.urdf import read_urdf
+from cbdsl.robot.urdf_reader import read_urdf
 from cbdsl.runtime.episode import Runner
 from cbdsl.sensing.kinematics import Kinematics
 from cbdsl.yaml_text.library import Library, shipped
@@ -138,7 +138,7 @@ class EmbodiedRobot:
         def play(seed: int) -> PlayedEpisode:
             slip = SlipGauge(self.backend.truth, self._hands, fixtures)
             result = runner.run(part.stage, seed, on_tick=slip.watch)
-            return PlayedEpisode(result, result.rewarded or runner.done, slip.largest)
+            return PlayedEpisode(result, result.rewarded or runner.predicate == "1", slip.largest)
 
         return play
 

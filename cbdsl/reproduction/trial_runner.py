@@ -5,7 +5,7 @@ from __future__ import annotations
 import time
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -13,15 +13,18 @@ import numpy as np
 from cbdsl.backends.backend import Backend, embody
 from cbdsl.checking.knowledge.digest import program_digest
 from cbdsl.checking.program import check_program
+from cbdsl.documents.catalog import CatalogDocument
 from cbdsl.documents.policy import Provenance
 from cbdsl.documents.program import ProgramDocument
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.documents.stage import StageDocument
 from cbdsl.learning.constants import AccommodateConstants
 from cbdsl.learning.experience import Experience
+from cbdsl.learning.exploration import ActionOutcome, ExplorationStep
 from cbdsl.program.checked import CheckedProgram
 from cbdsl.program.transition import Transition
 from cbdsl.reproduction.experiment import RunSettings
+from cbdsl.reproduction.exploration_series import ExplorationSeries
 from cbdsl.reproduction.series import Series
 from cbdsl.reproduction.shipped import shipped_file, shipped_robot
 from cbdsl.sensing.kinematics import Kinematics
@@ -109,7 +112,7 @@ class TrialRunner:
         """Tell those who watch that so many more episodes are to come."""
         self._expected += episodes
 
-    def numbers(self, series: Series) -> list[int]:
+    def numbers(self, series: Series | ExplorationSeries) -> list[int]:
         """The trials of a series that are to be run."""
         numbers = range(trials(self._settings, series))
         return [each for each in numbers if self._settings.only in (None, each)]
@@ -128,6 +131,45 @@ class TrialRunner:
         """
         program = self.program(series)
         return [self._follow(series, program, n) for n in self.numbers(series)]
+
+    def explore(self, series: ExplorationSeries) -> list[CatalogDocument]:
+        """Run the explorations of a series, each from zero.
+
+        Raises:
+            JournalError: what is kept in the folder belongs to others.
+            OSError: they cannot be kept.
+        """
+        return [self._explore(series, number) for number in self.numbers(series)]
+
+    def actions(self, series: ExplorationSeries) -> int:
+        """How many actions each exploration has."""
+        return _QUICK_EPISODES if self._settings.quick else series.actions
+
+    def _explore(self, series: ExplorationSeries, number: int) -> CatalogDocument:
+        settings, count, done = self._settings, self.actions(series), 0
+        where = settings.backend, settings.cameras
+        task = series.task(
+            self._library, self._robot, shipped_dexter()[1], self._path(series, number)
+        )
+        task = replace(
+            task,
+            backend=settings.backend,
+            cameras=settings.cameras,
+            seed=settings.seed,
+            number=number,
+            count=count,
+            command=series.command(settings.seed, count, *where),
+        )
+
+        def note(over: int, step: ExplorationStep, outcome: ActionOutcome, seconds: float) -> None:
+            nonlocal done
+            done += 1
+            seen = Experience(series.stage, number, (), {}, 0, outcome.sim_seconds)
+            self.note(number, seen, seconds)
+
+        catalog = task.run(self._body, self._kinematics, note)
+        self._advance(count - done)
+        return catalog
 
     def program(self, series: Series) -> CheckedProgram:
         """The program of a series, with the actions to choose from."""
@@ -215,7 +257,7 @@ class TrialRunner:
     def _classroom(self, stage: StageDocument) -> BackendEpisodeRunner:
         return BackendEpisodeRunner(self._robot, self._kinematics, self._body, stage)
 
-    def _path(self, series: Series, number: int) -> Path:
+    def _path(self, series: Series | ExplorationSeries, number: int) -> Path:
         """Where a policy goes: trials that are not comparable have folders of their own."""
         settings = self._settings
         eyes = "" if settings.cameras is None else f"_{settings.cameras}"
@@ -228,7 +270,7 @@ class TrialRunner:
         self._settings.progress(self._done, max(self._expected, self._done))
 
 
-def trials(settings: RunSettings, series: Series) -> int:
+def trials(settings: RunSettings, series: Series | ExplorationSeries) -> int:
     """How many trials of a series there are."""
     if settings.trials is not None:
         return settings.trials

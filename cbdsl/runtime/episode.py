@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Generator, Sequence
+from contextlib import closing
 from dataclasses import dataclass
 from itertools import count
 from typing import NamedTuple
@@ -115,6 +116,7 @@ class Runner:
         backend: where.
         policy: chooses the actions instead of the program's written policy.
         clock: the wall time that deadlines are held against, s.
+        observed: resources that listeners read besides those of the program.
     """
 
     def __init__(
@@ -126,12 +128,13 @@ class Runner:
         policy: Policy | None = None,
         *,
         clock: Callable[[], float] = time.perf_counter,
+        observed: Sequence[Resource] = (),
     ) -> None:
         self._program = program
-        self._clock = clock
+        self._clock, self.observed = clock, tuple(observed)
         self._backend = backend
         self._policy = policy
-        self.signals = Signals(robot, kinematics, resources_of(program))
+        self.signals = Signals(robot, kinematics, (*resources_of(program), *observed))
         plan, period = ControllerPlan(), backend.control_period
         self._run = ProgramRun(program, self.signals, plan, period)
         self._actuation = Actuation(robot, self.signals, plan, period, program.all_guards)
@@ -148,6 +151,8 @@ class Runner:
         on_transition: TransitionListener = lambda transition: None,
         on_tick: TickListener | None = None,
         on_end: EndListener = lambda result: None,
+        *,
+        undisturbed: bool = False,
     ) -> EpisodeResult:
         """Run one episode; the same seed gives the same episode.
 
@@ -159,6 +164,7 @@ class Runner:
             on_tick: is told of each control tick.
             on_end: is told the result, also of an episode that was begun and is then interrupted
                 or fails.
+            undisturbed: whether the experimenter leaves a world that goes on as it is.
 
         Raises:
             BackendError: the stage names something that it or the robot does not have.
@@ -168,9 +174,42 @@ class Runner:
 
         Whatever is raised, Ctrl-C too, the backend is halted before.
         """
+        ticks = self.ticks(
+            stage, seed, context, on_transition, on_tick, on_end, undisturbed=undisturbed
+        )
+        with closing(ticks):
+            while True:
+                try:
+                    next(ticks)
+                except StopIteration as ended:
+                    result: EpisodeResult = ended.value
+                    return result
+
+    def ticks(
+        self,
+        stage: StageDocument,
+        seed: int,
+        context: str | None = None,
+        on_transition: TransitionListener = lambda transition: None,
+        on_tick: TickListener | None = None,
+        on_end: EndListener = lambda result: None,
+        *,
+        undisturbed: bool = False,
+    ) -> Generator[Tick, None, EpisodeResult]:
+        """Run one episode tick by tick, which halts between them; see ``run``.
+
+        Whoever closes the generator interrupts the episode.
+
+        Yields:
+            The state after each tick but the last, before the world goes on.
+
+        Returns:
+            The outcome.
+        """
         began = time.perf_counter()
         world_rng, own_rng = (np.random.default_rng([seed, stream]) for stream in (0, 1))
-        drawn = self._resume(stage, context) or self._reset(stage, context, world_rng)
+        drawn = self._resume(stage, context, undisturbed=undisturbed)
+        drawn = drawn or self._reset(stage, context, world_rng)
         passed: list[Transition] = []
 
         def note(transition: Transition) -> None:
@@ -182,7 +221,7 @@ class Runner:
         self._ticks = 0
         begun = _Begun(stage.name, drawn, seed, began, passed)
         try:
-            late = self._control(seed, on_tick)
+            late = yield from self._control(seed, on_tick)
         except BaseException as error:
             self._backend.halt()
             on_end(self._result(begun, describe_stop(self._run, self._seconds, error)))
@@ -194,15 +233,17 @@ class Runner:
         return result
 
     @property
-    def done(self) -> bool:
-        """Whether the program of the last episode came to its end: succeeded, or at rest."""
-        return self._run.predicate == "1"
+    def predicate(self) -> str:
+        """The program's, as an action: 0 running, 1 achieved, - ended without, X idle."""
+        return self._run.predicate
 
     def take_over(self, before: Runner) -> None:
         """Go on where another program left the same robot, on a stage whose world is persistent."""
         self._before = before
 
-    def _resume(self, stage: StageDocument, context: str | None) -> str | None:
+    def _resume(
+        self, stage: StageDocument, context: str | None, *, undisturbed: bool
+    ) -> str | None:
         """Begin an episode in the world as it is, on a stage that asks for it, after another one.
 
         References and tare stay, so that what is in a hand is held, and felt.
@@ -220,7 +261,11 @@ class Runner:
             raise BackendError(
                 f"stage '{stage.name}' has a persistent world, and this backend offers none"
             )
-        drawn = backend.resume(stage, context, self.signals.vision.channels)
+        channels = self.signals.vision.channels
+        if undisturbed:
+            drawn = backend.resume(stage, context, channels, undisturbed=True)
+        else:
+            drawn = backend.resume(stage, context, channels)
         if drawn is not None:
             self.signals.resume(before.signals)
             self._actuation.resume(before._actuation.reference)
@@ -261,7 +306,7 @@ class Runner:
         """Simulated time of the episode so far, s."""
         return self._ticks * self._backend.control_period
 
-    def _control(self, seed: int, on_tick: TickListener | None) -> str:
+    def _control(self, seed: int, on_tick: TickListener | None) -> Generator[Tick, None, str]:
         """Run the control ticks of an episode, and count them.
 
         Returns:
@@ -274,13 +319,17 @@ class Runner:
             observation = backend.observe()
             self._advance(observation, seed, first=ticks == 0)
             taken = self._clock() - began
+            tick = Tick(observation, self.signals, run, self._actuation)
             if on_tick is not None:
-                on_tick(Tick(observation, self.signals, run, self._actuation))
+                on_tick(tick)
             if run.predicate != "0":
                 break
             if backend.deadline is not None and taken > backend.deadline:
                 backend.halt()
                 return describe_lateness(run, observation.time, taken, backend.deadline)
+            yield tick
+            if run.predicate != "0":
+                break  # whoever runs it has ended it
             backend.apply(self._actuation.reference)
             backend.step()
         return ""

@@ -23,6 +23,8 @@ LIMITS = "joint limits"
 
 # A level that achieves less of what it wants is asked who took the rest.
 _SMALL_SHARE = 0.5
+# A level that achieves more than this share is asked who pushes it on.
+_LARGE_SHARE = 1.5
 # Whoever responds to less of a level's velocity than this did not take it.
 _TAKEN = 0.1
 
@@ -40,6 +42,8 @@ class LevelExplanation:
         measured: change of phi since the tick before; NaN where there was none.
         held_by: the level above, or ``LIMITS``, that took most of its freedom; empty where it
             achieves what it wants, or nobody else is the cause.
+        pushed_by: the level whose motion carries it further than it wants, if its share is far
+            above 1; empty otherwise.
     """
 
     name: str
@@ -50,6 +54,7 @@ class LevelExplanation:
     predicted: float
     measured: float
     held_by: str
+    pushed_by: str = ""
 
 
 @dataclass(frozen=True)
@@ -81,10 +86,10 @@ class Explanation:
             return TickExplanation((), ())
         runs = [_run(tick.run, level.name) for level in step.levels]
         names = [name for name, _ in runs]
-        holders = [_holder(step, place, names) for place in range(len(names))]
+        others = [_others(step, place, names) for place in range(len(names))]
         levels = tuple(
-            self._level(name, run, report, holder)
-            for (name, run), report, holder in zip(runs, step.reports, holders, strict=True)
+            self._level(name, run, report, *by)
+            for (name, run), report, by in zip(runs, step.reports, others, strict=True)
         )
         self._before = {
             name: (run.phi, _change(run, level, step.displacement))
@@ -94,7 +99,7 @@ class Explanation:
         return TickExplanation(levels, tick.actuation.at_limits(), guards)
 
     def _level(
-        self, name: str, run: ControllerRun, report: LevelReport, holder: str
+        self, name: str, run: ControllerRun, report: LevelReport, held_by: str, pushed_by: str
     ) -> LevelExplanation:
         phi, predicted = self._before.get(name, (math.nan, math.nan))
         return LevelExplanation(
@@ -105,7 +110,8 @@ class Explanation:
             report.singular_value,
             predicted,
             run.phi - phi,
-            holder if report.share < _SMALL_SHARE else "",
+            held_by,
+            pushed_by,
         )
 
 
@@ -131,6 +137,28 @@ def _change(run: ControllerRun, level: Level, displacement: Floats) -> float:
         return math.nan
     change = evaluation.jacobian @ displacement
     return -float(evaluation.residual @ change) if kind.residual else float(change[0])
+
+
+def _others(step: Step, place: int, names: Sequence[str]) -> tuple[str, str]:
+    """Who holds a level back, and who pushes it on; empty where nobody does."""
+    share = step.reports[place].share
+    if share < _SMALL_SHARE:
+        return _holder(step, place, names), ""
+    return "", _pusher(step, place, names) if share > _LARGE_SHARE else ""
+
+
+def _pusher(step: Step, place: int, names: Sequence[str]) -> str:
+    """Whose own motion, as if it were alone, goes furthest in a level's wanted direction."""
+    level = step.levels[place]
+    pushed = {
+        names[other]: float(
+            level.velocity @ level.jacobian @ np.linalg.pinv(each.jacobian) @ each.velocity
+        )
+        for other, each in enumerate(step.levels)
+        if other != place
+    }
+    pusher = max(pushed, key=lambda name: pushed[name], default="")
+    return pusher if pusher and pushed[pusher] > 0 else ""
 
 
 def _holder(step: Step, place: int, names: Sequence[str]) -> str:

@@ -18,6 +18,7 @@ from cbdsl.program.checked import CheckedProgram
 from cbdsl.program.controller import AlongNormals, Controller, Literal, Relative
 from cbdsl.program.transition import Transition
 from cbdsl.robot.joints import Joints
+from cbdsl.robot.simplified_mesh import simplified
 from cbdsl.runtime.episode import EpisodeResult, Tick, resources_of
 from cbdsl.runtime.explanation import LIMITS, Explanation, LevelExplanation, named_runs
 from cbdsl.runtime.recording_folder import RecordingFolder, replace_file
@@ -211,7 +212,7 @@ class Recording:
                 for each in self._resources
             },
             "scene": {
-                name: [part._asdict() for part in parts] for name, parts in self._bodies.items()
+                name: [drawn(part) for part in parts] for name, parts in self._bodies.items()
             },
             "robot": {
                 "name": self._robot.name,
@@ -273,3 +274,14 @@ def _value(resource: Resource, signals: Signals) -> NDArray[np.float64]:
     if reading is not None:
         return reading.value
     return np.full(_SHAPES.get(resource.type.name, (resource.type.size,)), np.nan)
+
+
+def drawn(part: Part) -> dict[str, object]:
+    """A part as JSON has it, a mesh with as few triangles as a page needs."""
+    row = part._asdict()
+    mesh = row.pop("mesh")
+    if mesh is not None:
+        small = simplified(mesh)
+        corners = small.corners.round(5).tolist()
+        row["mesh"] = {"corners": corners, "triangles": small.triangles.tolist()}
+    return row

@@ -326,6 +326,9 @@ class Instances:
             return False
         if self._may_be_fragments(sightings):
             return False
+        # What a hand hides a part of looks smaller than it is, and grows as that goes: a motion.
+        if self._field.is_hidden_by_hand(candidate.meeting.position):
+            return False
         radius = math.sqrt(max(candidate.meeting.sizes) / math.pi)
         return all(
             memory.position is None

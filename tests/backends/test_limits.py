@@ -10,7 +10,8 @@ from cbdsl.backends.simulated_backend import SimulatedBackend
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.documents.stage import StageDocument
 from cbdsl.robot.joints import Joints
-from cbdsl.robot.urdf import UrdfJoint, read_urdf
+from cbdsl.robot.urdf import UrdfJoint
+from cbdsl.robot.urdf_reader import read_urdf
 from cbdsl.yaml_text.library import Library
 from tests.backends.conftest import robot_named, sightless
 from tests.conftest import ROOT

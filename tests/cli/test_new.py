@@ -11,7 +11,7 @@ from cbdsl.checking.document import check_document
 from cbdsl.checking.program import check_program
 from cbdsl.checking.session import Session
 from cbdsl.documents.robot import RobotDocument
-from cbdsl.robot.urdf import read_urdf
+from cbdsl.robot.urdf_reader import read_urdf
 from cbdsl.yaml_text.library import Library
 from tests.cli.test_main import cb
 from tests.robot.test_chains import MODELS

@@ -41,16 +41,19 @@ def rows_of(rng: np.random.Generator, count: int, joints: int) -> Floats:
 
 
 def random_stack(rng: np.random.Generator, joints: int) -> list[Level]:
-    """Two to six levels; some repeat or mix the rows of the levels above them."""
+    """Two to six levels; some repeat or mix the rows of the levels above them, some nearly so."""
     levels: list[Level] = []
     for i in range(rng.integers(2, 7)):
         rows = rows_of(rng, int(rng.integers(1, min(joints, 7) + 1)), joints)
         above = np.vstack([level.jacobian for level in levels]) if levels else rows
-        match rng.choice(["own", "own", "own", "repeated", "mixed"]):
+        match rng.choice(["own", "own", "own", "repeated", "mixed", "nearly mixed"]):
             case "repeated":
                 rows = above[: len(rows)]
             case "mixed":
                 rows = rng.normal(size=(len(rows), len(above))) @ above / len(above)
+            case "nearly mixed":  # what is left of them has lost all but a few of its digits
+                mixed = rng.normal(size=(len(rows), len(above))) @ above / len(above)
+                rows = mixed + 10.0 ** rng.uniform(-12, -6) * rows
         levels.append(Level(f"level {i}", rows, rng.normal(size=len(rows))))
     return levels
 

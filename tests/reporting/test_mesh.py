@@ -8,9 +8,10 @@ import numpy as np
 import pytest
 
 from cbdsl.backends.cameras import mesh as primitives
-from cbdsl.reporting.mesh import read_mesh, simplified
+from cbdsl.reporting.mesh import read_mesh
 from cbdsl.robot.mesh_file import find_mesh
 from cbdsl.robot.mesh_reader import Mesh
+from cbdsl.robot.simplified_mesh import simplified
 
 
 def from_soup(triangles: np.ndarray) -> Mesh:

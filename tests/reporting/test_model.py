@@ -13,7 +13,7 @@ from cbdsl.backends.staging.pose import rotations
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.reporting.link_shape import LinkShape
 from cbdsl.reporting.model import DrawnLink, read_links
-from cbdsl.robot.urdf import parse_urdf
+from cbdsl.robot.urdf_reader import parse_urdf
 from cbdsl.sensing.kinematics import Kinematics
 from cbdsl.yaml_text.library import Library
 from tests.conftest import ROOT

@@ -8,7 +8,8 @@ import pybullet_data
 import pytest
 
 from cbdsl.robot.chains import chains, root
-from cbdsl.robot.urdf import UrdfError, UrdfModel, read_urdf
+from cbdsl.robot.urdf import UrdfError, UrdfModel
+from cbdsl.robot.urdf_reader import read_urdf
 from cbdsl.yaml_text.library import shipped
 
 

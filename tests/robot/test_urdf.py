@@ -9,7 +9,8 @@ from pathlib import Path
 import pybullet_data
 import pytest
 
-from cbdsl.robot.urdf import UrdfError, UrdfOrigin, read_urdf
+from cbdsl.robot.urdf import UrdfError, UrdfOrigin
+from cbdsl.robot.urdf_reader import read_urdf
 from cbdsl.yaml_text.library import shipped
 
 LINKS = '<robot name="m"><link name="b"/><link name="c"/>'

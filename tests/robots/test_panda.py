@@ -7,13 +7,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from cbdsl.backends.bullet.backend import BulletBackend
 from cbdsl.backends.kinematic.tree import Tree
+from cbdsl.backends.simulated_backend import simulate
 from cbdsl.checking.program import check_program
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.documents.stage import StageDocument
 from cbdsl.robot.joints import Joints
-from cbdsl.robot.urdf import read_urdf
+from cbdsl.robot.urdf_reader import read_urdf
 from cbdsl.runtime.episode import Runner
 from cbdsl.sensing.kinematics import Kinematics
 from cbdsl.yaml_text.library import Library
@@ -61,10 +61,13 @@ def test_a_joint_without_end_has_no_limits(tmp_path: Path, panda: RobotDocument)
 
 
 @pytest.mark.slow
-def test_it_puts_a_cube_where_it_belongs(panda: RobotDocument, library: Library) -> None:
+@pytest.mark.parametrize("engine", ["bullet", "mujoco"])
+def test_it_puts_a_cube_where_it_belongs(
+    panda: RobotDocument, library: Library, engine: str
+) -> None:
     program = check_program("panda_pick", {}, library)
     stage = library.read(library.locate(StageDocument, program.stage), StageDocument).document
-    backend = BulletBackend(panda, URDF)
+    backend = simulate(engine, panda, URDF, cameras="ideal")
     Runner(panda, Kinematics(panda, URDF), program, backend).run(stage, 1)
     cube = backend.truth.pose("cube")
     assert cube.position == pytest.approx([0.45, 0.30, 0.0225], abs=0.02)

@@ -84,6 +84,16 @@ def test_the_level_above_that_takes_all_freedom_is_named(
         assert below.held_by == ("ready" if below.share < 0.5 else "")
 
 
+def test_the_level_that_pushes_another_further_than_it_wants_is_named(
+    explained: Callable[..., list[TickExplanation]],
+) -> None:
+    """Two springs to one posture, the lower with a tenth of the gain: it is carried ten times."""
+    body = RIVALS.replace("right_arm.home", "right_arm.ready, gain: 0.2 /s")
+    pushed = [below for _, below in (tick.levels for tick in explained(body)) if below.share > 1.5]
+    assert max(below.share for below in pushed) == pytest.approx(10.0, abs=1.0)
+    assert {(below.pushed_by, below.held_by) for below in pushed} == {("ready", "")}
+
+
 def test_limits_are_named(
     explained: Callable[..., list[TickExplanation]],
 ) -> None:

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from cbdsl.cli.run_request import read_request
+from cbdsl.api.run_request import read_request
 from cbdsl.cli.simulation import simulation
 from cbdsl.program.transition import Transition
 from cbdsl.reproduction.simulation_fixture import simulation_fixture

@@ -1,4 +1,4 @@
-"""Objects of several parts: hollow ones, and those with a print or a spot on a side."""
+"""Objects of several parts: hollow ones, meshes, and those with a print or a spot on a side."""
 
 from __future__ import annotations
 
@@ -7,23 +7,30 @@ import tempfile
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 
+import numpy as np
 import pybullet as p
+from numpy.typing import NDArray
 
-from cbdsl.backends.staging.appearance import LYING, parts_of
+from cbdsl.backends.staging.appearance import LYING, parts_of, solid_parts
 from cbdsl.backends.staging.scenario import SceneObject
 from cbdsl.backends.staging.world_state import Part
+from cbdsl.numeric.convex_hull import hull_faces
+from cbdsl.robot.mesh_reader import Mesh
 
+# Files of what is seen of a mesh, and of the hull that is touched.
+_SEEN, _HULL = "seen.obj", "hull.obj"
 # URDF writes rotations as angles; what is not among these is turned about z.
 _ANGLES = {origin.quaternion: origin.rpy for origin in LYING.values()}
 
 
 def create_composed(client: int, item: SceneObject) -> int:
-    """Put something hollow into the world, or with something printed or painted on a side.
+    """Put something hollow into the world, a mesh, or with something printed or painted on a side.
 
     The simulator's own calls make bodies of 16 shapes at most, while a URDF may have any number.
     """
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "thing.urdf"
+        _write_meshes(item, Path(folder))
         # The simulator's reader stumbles over long lines.
         path.write_text("\n".join(_lines(item)), encoding="utf-8")
         position, quaternion = item.pose.position.tolist(), list(item.pose.quaternion())
@@ -44,10 +51,35 @@ def _lines(item: SceneObject) -> Iterator[str]:
     # The simulator derives the inertia from the shape, whatever is written here.
     yield f'<inertial><mass value="{item.mass:.9g}"/>'
     yield '<inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial>'
-    solid = parts[: len(item.shape.solids)]
-    yield from (f"<collision>{_origin(part)}{_geometry(part)}</collision>" for part in solid)
+    if item.shape.hull is not None:
+        # The simulator takes the convex hull of what collides.
+        yield f'<collision><geometry><mesh filename="{_HULL}"/></geometry></collision>'
+    else:
+        solid = solid_parts(item.shape, ())
+        yield from (f"<collision>{_origin(part)}{_geometry(part)}</collision>" for part in solid)
     yield from (_visual(f"part_{number}", part) for number, part in enumerate(parts))
     yield "</link></robot>"
+
+
+def _write_meshes(item: SceneObject, folder: Path) -> None:
+    """Write the files that the object's URDF names."""
+    mesh, hull = item.shape.mesh, item.shape.hull
+    if mesh is not None:
+        _write_mesh(folder / _SEEN, mesh)
+    if hull is not None:
+        _write_mesh(folder / _HULL, Mesh(hull, hull_faces(hull)))
+
+
+def _write_mesh(file: Path, mesh: Mesh) -> None:
+    """Write an OBJ, with a normal for each triangle."""
+    a, b, c = np.moveaxis(mesh.corners[mesh.triangles], 1, 0)
+    normals: NDArray[np.float64] = np.cross(b - a, c - a)
+    normals /= np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-12)
+    lines = [f"v {x:.7g} {y:.7g} {z:.7g}" for x, y, z in mesh.corners.tolist()]
+    lines += [f"vn {x:.6f} {y:.6f} {z:.6f}" for x, y, z in normals.tolist()]
+    faces = enumerate((mesh.triangles + 1).tolist(), 1)
+    lines += [f"f {i}//{n} {j}//{n} {k}//{n}" for n, (i, j, k) in faces]
+    file.write_text("\n".join(lines) + "\n", encoding="utf-8")
 
 
 def _visual(name: str, part: Part) -> str:
@@ -68,6 +100,8 @@ def _geometry(part: Part) -> str:
         return f'<geometry><box size="{_numbers(part.size)}"/></geometry>'
     if part.shape == "ball":
         return f'<geometry><sphere radius="{part.size[0]:.9g}"/></geometry>'
+    if part.shape == "mesh":
+        return f'<geometry><mesh filename="{_SEEN}"/></geometry>'
     radius, length = part.size
     return f'<geometry><cylinder radius="{radius:.9g}" length="{length:.9g}"/></geometry>'
 

@@ -122,7 +122,7 @@ class BulletEngine(Engine):
 
     def _create(self, item: SceneObject) -> int:
         shape, client = item.shape, self.client
-        if shape.pattern is not None or shape.spot is not None or shape.walls:
+        if shape.pattern is not None or shape.spots or shape.walls or shape.mesh:
             return create_composed(client, item)
         kind, color = _KINDS[shape.kind], [*item.surface.color, 1]
         # The simulator has two words for a cylinder's extent.
@@ -229,6 +229,12 @@ class BulletEngine(Engine):
 
     def touching(self, name: str) -> frozenset[Cell]:
         return frozenset(touch.cell for touch in self.touches(name))
+
+    def neighbours(self, name: str) -> frozenset[str]:
+        """Names of the other objects that one presses on, as of the last step."""
+        contacts = p.getContactPoints(bodyA=self.bodies[name], physicsClientId=self.client)
+        pressing = {contact[2] for contact in contacts if contact[9]}
+        return frozenset(other for other, body in self.bodies.items() if body in pressing)
 
     def touches(self, name: str | None = None) -> list[ContactPoint]:
         """Contact points of the fingertips, with everything or with one object."""

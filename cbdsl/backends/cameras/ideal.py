@@ -359,9 +359,9 @@ def _surfaces(
     wholes, spots = [], []
     items = list(engine.objects.values())
     for target, owner in enumerate(owners.tolist()):
-        item, spot = items[owner], items[owner].shape.spot
+        item = items[owner]
         wholes.append(VisibleSurface(item, owner, target, WHOLE, wanted(item.surface.color)))
-        if spot is not None:
+        for spot in item.shape.spots:
             patch = _patch(item.shape, spot)
             spots.append(VisibleSurface(item, owner, target, patch, wanted(spot.color)))
     return wholes + spots
@@ -371,5 +371,5 @@ def _patch(shape: SolidShape, spot: Spot) -> tuple[float, float, float, float]:
     """A spot as ``silhouettes`` has it."""
     side = -1.0 if spot.face.startswith("-") else 1.0
     # A ray meets a plane but for rounding.
-    height = shape.spot_height() - _ROUNDING
+    height = shape.spot_height(spot) - _ROUNDING
     return float("xy".index(spot.face[1])), side, height, spot.radius

@@ -1,9 +1,11 @@
-"""Triangle meshes of the unit primitives, for the graphics card."""
+"""Triangle meshes of the unit primitives and of things, for the graphics card."""
 
 from __future__ import annotations
 
 import numpy as np
 from numpy.typing import NDArray
+
+from cbdsl.robot.mesh_reader import Mesh
 
 Floats = NDArray[np.float64]
 
@@ -57,6 +59,15 @@ def cylinder() -> Floats:
         for end in (up, -up)
     ]
     return np.concatenate(wall + lids)
+
+
+def flat(mesh: Mesh) -> Floats:
+    """Triangles of a mesh, each with the normal of its plane, shape (triangles, 3, 6)."""
+    corners = mesh.corners[mesh.triangles]
+    a, b, c = np.moveaxis(corners, 1, 0)
+    normals: Floats = np.cross(b - a, c - a)
+    normals /= np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-12)
+    return np.concatenate((corners, np.repeat(normals[:, None], 3, axis=1)), axis=2)
 
 
 def _with_normals(corners: tuple[Floats, ...], normals: tuple[Floats, ...]) -> Floats:

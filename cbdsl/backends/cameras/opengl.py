@@ -1,4 +1,4 @@
-"""Images by OpenGL without a window: all shapes as instances of three unit meshes."""
+"""Images by OpenGL without a window: all shapes as instances of unit meshes, or of their own."""
 
 from __future__ import annotations
 
@@ -16,6 +16,7 @@ from cbdsl.backends.staging.engine import Engine
 from cbdsl.backends.staging.pose import rotations
 from cbdsl.backends.staging.solids import POSITION, ROTATION
 from cbdsl.backends.staging.world_state import Part
+from cbdsl.robot.mesh_reader import Mesh
 from cbdsl.robot.urdf import UrdfModel, UrdfShape
 from cbdsl.sensing.observation import Image
 
@@ -79,6 +80,8 @@ def _scale(part: Part) -> Sequence[float]:
         return (size[0], size[0], size[0])
     if part.shape == "box":
         return (size[0] / 2, size[1] / 2, size[2] / 2)
+    if part.shape == "mesh":
+        return (1.0, 1.0, 1.0)
     return (size[0], size[0], size[1] / 2)
 
 
@@ -112,6 +115,8 @@ class OpenGLRenderer:
                 ("cylinder", mesh.cylinder()),
             )
         }
+        #: Those of things, with the mesh, so that no other one gets its identity.
+        self._own: dict[int, tuple[Mesh, Any]] = {}
         self._canvases: dict[tuple[int, int], Any] = {}
         self._shown: Floats | None = None
         self._instances: list[_Instances] = []
@@ -123,17 +128,30 @@ class OpenGLRenderer:
             parts += [(frame, part) for part in engine.parts(name)]
         self._release(self._instances)
         self._instances = [
-            self._upload(kind, own)
-            for kind in self._meshes
+            self._upload(buffer, own)
+            for kind, buffer in self._meshes.items()
             if (own := [(frame, part) for frame, part in parts if part.shape == kind])
         ]
+        self._instances += [
+            self._upload(self._own_mesh(part.mesh), [(frame, part)])
+            for frame, part in parts
+            if part.mesh is not None
+        ]
 
-    def _upload(self, kind: str, parts: Sequence[tuple[int, Part]]) -> _Instances:
+    def _own_mesh(self, triangles: Mesh) -> Any:
+        """The buffer of a thing's mesh, which stays on the graphics card."""
+        key = id(triangles)
+        if key not in self._own:
+            buffer = self._context.buffer(mesh.flat(triangles).astype("f4").tobytes())
+            self._own[key] = triangles, buffer
+        return self._own[key][1]
+
+    def _upload(self, own: Any, parts: Sequence[tuple[int, Part]]) -> _Instances:
         rows = np.zeros((len(parts), 19), dtype=np.float32)
         rows[:, 16:] = [part.color for _, part in parts]
         buffer = self._context.buffer(rows.tobytes())
         layout = [
-            (self._meshes[kind], "3f 3f", "corner", "normal"),
+            (own, "3f 3f", "corner", "normal"),
             (buffer, _INSTANCE, *_COLUMNS),
         ]
         return _Instances(

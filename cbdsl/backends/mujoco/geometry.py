@@ -81,8 +81,20 @@ def _add_hull(spec: Any, shape: UrdfShape, urdf: Path, link: str) -> str:
     return name
 
 
-def add_solids(body: Any, shape: SolidShape, mass: float) -> list[Any]:
-    """Add what an object is made of to its body; walls share its mass by their volumes."""
+def add_solids(spec: Any, body: Any, shape: SolidShape, mass: float) -> list[Any]:
+    """Add what an object is made of to its body; walls share its mass by their volumes.
+
+    Args:
+        spec: of the world, which takes the corners of a hull.
+        body: of the object.
+        shape: of it.
+        mass: kg.
+    """
+    if shape.hull is not None:
+        name = f"{body.name}/hull"
+        spec.add_mesh(name=name, uservert=shape.hull.ravel())
+        kind = mj.mjtGeom.mjGEOM_MESH
+        return [body.add_geom(type=kind, meshname=name, mass=mass)]
     solids = shape.solids
     volumes = [wall.shape.volume for wall in solids]
     geoms = []

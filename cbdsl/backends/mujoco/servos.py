@@ -29,8 +29,10 @@ class MujocoServos:
     The torque of a servo is kp (reference - q) - kv dq/dt, and what gravity takes; kp is the
     inertia that the joint moves times the frequency squared, kv is kp times the servos' lag. All
     joints, coupled ones too, are given a share of that inertia besides, as of a gearing's rotor.
-    A reference is kept so near that the torque falls along a line: from the effort at rest, or what
-    is stable, to that which keeps the largest speed. Beyond that speed a joint is braked.
+    A reference is kept so near that the torque falls along a line: from the effort at rest to that
+    which keeps the largest speed. Rotors are at least so heavy that this line is stable: a gripper
+    whose light fingers are slow pushes as hard as its drive can. Beyond the largest speed a joint
+    is braked.
 
     Args:
         spec: of the robot, without servos; takes them.
@@ -46,22 +48,28 @@ class MujocoServos:
         timestep = spec.option.timestep
         lag = timestep / max(robot.simulation.position_gain, 1e-9)
         moved = _inertias(first, joints)
-        for name, inertia in zip(joints.all, moved.tolist(), strict=True):
-            spec.joint(name).armature = settings.armature * inertia
-        inertias = (1 + settings.armature) * moved[: len(joints.names)]
+        limits = [model.joints[name] for name in joints.names]
+        fastest = np.array([joint.velocity for joint in limits])
         efforts = [_effort(robot, model, name) for name in joints.names]
+        rotors = settings.armature * moved
+        # The steepest stable fall of the torque over the speed, per inertia.
+        steepest = _STEEPEST / timestep + settings.servo_frequency**2 * lag
+        least = np.where(np.isfinite(efforts), efforts, 0.0) / (fastest * steepest)
+        own = slice(len(joints.names))
+        rotors[own] = np.maximum(rotors[own], least - moved[own])
+        for name, rotor in zip(joints.all, rotors.tolist(), strict=True):
+            spec.joint(name).armature = rotor
+        inertias = (moved + rotors)[own]
         for name, inertia, effort in zip(joints.names, inertias.tolist(), efforts, strict=True):
             stiffness = settings.servo_frequency**2 * inertia
             servo = spec.add_actuator(name=name, target=name, trntype=mj.mjtTrn.mjTRN_JOINT)
             servo.set_to_position(stiffness, stiffness * lag)
             _limit(spec.joint(name), effort)
-        limits = [model.joints[name] for name in joints.names]
-        fastest = np.array([joint.velocity for joint in limits])
         stiffness = settings.servo_frequency**2 * inertias
         impulses = inertias / timestep
         # How much the torque may fall with the speed, besides the servo's own damping.
-        steepest = np.array(efforts) / fastest - stiffness * lag
-        tapers = np.clip(steepest, 0.0, _STEEPEST * impulses) / stiffness
+        falls = np.array(efforts) / fastest - stiffness * lag
+        tapers = np.clip(falls, 0.0, _STEEPEST * impulses) / stiffness
         self._limits = np.array(
             [
                 [joint.lower for joint in limits],

@@ -104,7 +104,7 @@ class MujocoWorld:
         movable = item.mass > 0
         mobility = 1 / item.mass if movable else 0.0
         self._pairs[item.name] = []
-        for number, geom in enumerate(add_solids(body, item.shape, item.mass)):
+        for number, geom in enumerate(add_solids(spec, body, item.shape, item.mass)):
             geom.name = f"{name}/{number}"
             geom.condim, geom.rgba = 6, [*item.surface.color, 1.0]
             self._contact.apply_surface(geom, item.surface, movable=movable)

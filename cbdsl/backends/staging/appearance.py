@@ -31,15 +31,21 @@ def parts_of(item: SceneObject) -> list[Part]:
     """The visible parts of an object: first what it is made of, then its print or spot."""
     shape = item.shape
     color = tuple(item.surface.color)
-    parts = [
+    if shape.mesh is not None:
+        return [Part("mesh", (), _CENTRE, _UNTURNED, color, shape.mesh)]
+    parts = solid_parts(shape, color)
+    if shape.pattern is not None:
+        parts += _bars(shape.halves, shape.pattern)
+    parts += [_spot(shape, spot) for spot in shape.spots]
+    return parts
+
+
+def solid_parts(shape: SolidShape, color: tuple[float, ...]) -> list[Part]:
+    """The parts that a shape is made of, seen or not."""
+    return [
         Part(wall.shape.kind, _size(wall.shape), wall.origin.xyz, wall.origin.quaternion, color)
         for wall in shape.solids
     ]
-    if shape.pattern is not None:
-        parts += _bars(shape.halves, shape.pattern)
-    if shape.spot is not None:
-        parts.append(_spot(shape, shape.spot))
-    return parts
 
 
 def _size(shape: SolidShape) -> tuple[float, ...]:
@@ -52,7 +58,7 @@ def _size(shape: SolidShape) -> tuple[float, ...]:
 
 def _spot(shape: SolidShape, spot: Spot) -> Part:
     """A spot: of a ball the part of another ball that stands out of it, of a box a disc."""
-    normal, height = np.array(_NORMALS[spot.face], dtype=np.float64), shape.spot_height()
+    normal, height = np.array(_NORMALS[spot.face], dtype=np.float64), shape.spot_height(spot)
     if shape.kind == "ball":
         raised = _RAISED * shape.halves[0]
         size, centre = math.hypot(spot.radius, height - raised), raised * normal

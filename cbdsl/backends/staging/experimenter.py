@@ -3,10 +3,14 @@
 from __future__ import annotations
 
 import math
-from typing import Literal
+from dataclasses import replace
+
+import numpy as np
 
 from cbdsl.backends.staging.engine import Engine
 from cbdsl.backends.staging.fall import FALLEN
+from cbdsl.backends.staging.pose import Pose
+from cbdsl.backends.staging.sampler import ScenarioSampler
 from cbdsl.backends.staging.scenario import PlacedThing, Scenario
 from cbdsl.backends.staging.scripted_action import (
     CarryAction,
@@ -15,6 +19,7 @@ from cbdsl.backends.staging.scripted_action import (
     ScriptedAction,
     ThrowAction,
 )
+from cbdsl.documents.stage import Context, WorldSection
 
 # What is this far from where it was put has moved, m.
 _MOVED = 0.02
@@ -56,27 +61,80 @@ class Experimenter:
     """Acts in the world as a person would beside the robot, and sees all of it.
 
     Args:
-        scenario: what is shown in this episode.
+        sampler: draws what is shown in this episode, and where it is put again.
+        context: that it draws from.
         engine: where it is put.
     """
 
-    def __init__(self, scenario: Scenario, engine: Engine) -> None:
-        for item in (*scenario.fixtures, *(thing.item for thing in scenario.things)):
+    def __init__(self, sampler: ScenarioSampler, context: Context, engine: Engine) -> None:
+        self._sampler, self._context, self._engine = sampler, context, engine
+        self._scenario = sampler.sample(context)
+        self._turn = 0
+        for item in self._scenario.fixtures:
             engine.add(item)
-        self._engine = engine
-        self._places = {thing.item.name: thing.item.pose for thing in scenario.things}
-        self._plans = [_Plan(thing, engine) for thing in scenario.things]
+        self._plans: list[_Plan] = []
+        self._places: dict[str, Pose] = {}
+        self._bring()
 
     def act(self, time: float) -> None:
         """Act at this time since the episode began, s."""
         self._plans = [plan for plan in self._plans if not plan.act(time)]
 
-    def tidy(self, which: Literal["nothing", "fallen", "moved"]) -> None:
-        """Put things where they were at first, unless the robot touches them or is in the way."""
-        for name, place in self._places.items():
-            if name not in self._engine.objects or self._engine.touched(name):
-                continue
-            way = self._engine.pose(name).position - place.position
-            fallen = which != "nothing" and float(way[2]) <= -FALLEN
-            if fallen or (which == "moved" and math.hypot(*way.tolist()) >= _MOVED):
-                self._engine.put_back(name, place)
+    def take_turn(self, world: WorldSection) -> None:
+        """Between two episodes of a world that goes on: bring, move and put back things."""
+        self._turn += 1
+        self._bring()
+        for thing in self._scenario.things:
+            name = thing.item.name
+            if name in self._places and name in self._engine.objects:
+                self._displace(thing)
+                self._tidy(thing, world)
+
+    def _bring(self) -> None:
+        """Put up the things whose turn has come."""
+        for thing in self._scenario.things:
+            if thing.from_turn == self._turn:
+                self._engine.add(thing.item)
+                self._plans.append(_Plan(thing, self._engine))
+                self._places[thing.item.name] = thing.item.pose
+
+    def _displace(self, thing: PlacedThing) -> None:
+        """Move a thing for good, as its script says."""
+        for move in thing.displaced:
+            if move.turn == self._turn:
+                home = self._places[thing.item.name]
+                moved = Pose(home.position + np.array(move.by), home.rotation)
+                self._places[thing.item.name] = moved
+                self._engine.put_back(thing.item.name, moved)
+
+    def _tidy(self, thing: PlacedThing, world: WorldSection) -> None:
+        """Put a thing where it belongs, unless the robot touches it or is in the way."""
+        name = thing.item.name
+        if self._engine.touched(name):
+            return
+        home = self._places[name]
+        if thing.scattered is not None:
+            place = self._sampler.scatter(self._context, self._now(), name, home)
+        elif not self._is_astray(name, home, world):
+            return
+        elif world.where == "anew":
+            place = self._sampler.place_again(self._context, self._now(), name)
+            self._places[name] = place or home
+        else:
+            place = home
+        self._engine.put_back(name, place or home)
+
+    def _is_astray(self, name: str, home: Pose, world: WorldSection) -> bool:
+        """Whether a thing is where the experimenter does not leave it."""
+        way = self._engine.pose(name).position - home.position
+        fallen = world.put_back != "nothing" and float(way[2]) <= -FALLEN
+        return fallen or (world.put_back == "moved" and math.hypot(*way.tolist()) >= _MOVED)
+
+    def _now(self) -> Scenario:
+        """The scene as it is now."""
+        things = tuple(
+            replace(thing, item=thing.item._replace(pose=self._engine.pose(thing.item.name)))
+            for thing in self._scenario.things
+            if thing.item.name in self._engine.objects
+        )
+        return Scenario(self._scenario.fixtures, things)

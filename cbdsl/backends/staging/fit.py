@@ -8,7 +8,8 @@ from pathlib import Path
 from cbdsl.backends.backend import BackendError
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.robot.chains import root
-from cbdsl.robot.urdf import UrdfError, UrdfModel, read_urdf
+from cbdsl.robot.urdf import UrdfError, UrdfModel
+from cbdsl.robot.urdf_reader import read_urdf
 
 
 def read_fitting(robot: RobotDocument, urdf: Path) -> UrdfModel:

@@ -81,6 +81,62 @@ class ScenarioSampler:
             f"drawn, most often ({count} times) {conflict}; give them more room"
         )
 
+    def place_again(self, context: Context, scenario: Scenario, name: str) -> Pose | None:
+        """Another place for one thing of a scene, with the others where they are.
+
+        Args:
+            context: that the scene is of.
+            scenario: the scene as it is now.
+            name: of the thing.
+
+        Returns:
+            ``None`` where there is no room for it.
+        """
+        presentation = context.presentations.get(name) or context.presentations.get(None)
+        item = next(thing.item for thing in scenario.things if thing.item.name == name)
+        if presentation is None or presentation.place is None:
+            return None
+        known = {f.name: f for f in scenario.fixtures}
+        known |= {thing.item.name: thing.item for thing in scenario.things}
+        place, half = presentation.place, item.shape.half_height
+        return self._fitting(context, scenario, item, lambda: self._pose(place, half, known))
+
+    def scatter(self, context: Context, scenario: Scenario, name: str, home: Pose) -> Pose | None:
+        """A place around the one that a thing was put at; see ``place_again``."""
+        thing = next(thing for thing in scenario.things if thing.item.name == name)
+        own = thing.scattered
+        if own is None:
+            return None
+
+        def draw_place() -> Pose | None:
+            way = self._rng.normal(0.0, own.deviation, 2)
+            x, y = (home.position[:2] + way).tolist()
+            if not (own.x[0] <= x <= own.x[1] and own.y[0] <= y <= own.y[1]):
+                return None
+            return Pose(np.array([x, y, home.position[2]]), home.rotation)
+
+        return self._fitting(context, scenario, thing.item, draw_place)
+
+    def _fitting(
+        self,
+        context: Context,
+        scenario: Scenario,
+        item: SceneObject,
+        draw_place: Callable[[], Pose | None],
+    ) -> Pose | None:
+        """The first place of those drawn at which a thing overlaps no other."""
+        apart = {name: each.apart for name, each in context.placed.items()}
+        supports = {name: each.place.on for name, each in context.placed.items()}
+        others = tuple(thing for thing in scenario.things if thing.item.name != item.name)
+        for _ in range(_TRIES):
+            pose = draw_place()
+            if pose is None:
+                continue
+            things = (*others, PlacedThing(item._replace(pose=pose)))
+            if find_conflict(Scenario(scenario.fixtures, things), apart, supports) is None:
+                return pose
+        return None
+
     def _draw(self, context: Context) -> Scenario:
         """A scene whose things may overlap."""
         fixtures = self._fixtures()
@@ -149,6 +205,9 @@ class ScenarioSampler:
             removed=math.inf if removed is None else removed,
             returned_after=presentation.returned_after,
             movement=None if presentation.motion is None else self._movement(presentation.motion),
+            from_turn=presentation.from_turn,
+            scattered=presentation.scattered,
+            displaced=presentation.displaced,
         )
 
     def _pose(

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from cbdsl.backends.staging.pose import Pose
 from cbdsl.backends.staging.shape import SolidShape
-from cbdsl.documents.stage import Surface
+from cbdsl.documents.stage import Displacement, Scatter, Surface
 
 Floats = NDArray[np.float64]
 
@@ -61,6 +61,9 @@ class PlacedThing:
         removed: when it is taken away.
         returned_after: how long after it has fallen it is put back, ``None`` if nobody does that.
         movement: how it is moved, if it is.
+        from_turn: turn of the experimenter in which it comes.
+        scattered: how it is moved in each turn, if it is.
+        displaced: moves in single turns.
     """
 
     item: SceneObject
@@ -68,6 +71,9 @@ class PlacedThing:
     removed: float = math.inf
     returned_after: float | None = None
     movement: Movement | None = None
+    from_turn: int = 0
+    scattered: Scatter | None = None
+    displaced: tuple[Displacement, ...] = ()
 
 
 @dataclass(frozen=True)

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
+from functools import lru_cache
+from pathlib import Path
 from typing import Literal, NamedTuple
 
 import numpy as np
@@ -13,18 +15,24 @@ from numpy.typing import NDArray
 from cbdsl.backends.staging.pose import Pose
 from cbdsl.backends.staging.span import draw
 from cbdsl.documents.stage import (
+    MOST_PIECES,
     BallForm,
     BoxForm,
     ComposedForm,
     CylinderForm,
     Form,
+    MeshForm,
     OpenBoxForm,
     Pattern,
     Piece,
     Spot,
     TubeForm,
 )
+from cbdsl.numeric.box_cover import cover
 from cbdsl.numeric.convex import Convex
+from cbdsl.numeric.convex_hull import hull_corners, hull_faces
+from cbdsl.robot.mesh_reader import Mesh
+from cbdsl.robot.thing_mesh import changed, read_thing_mesh
 from cbdsl.robot.urdf import UrdfOrigin
 
 Floats = NDArray[np.float64]
@@ -54,20 +62,25 @@ class SolidShape:
         kind: which of them it is, or fills if it is hollow; a cylinder stands along its z.
         halves: half its extents along its own axes, m.
         pattern: what is printed on it, if it is a box.
-        spot: what is painted on it, if it is a ball or a box.
-        walls: the solids that it is made of, if it is hollow.
+        spots: what is painted on its sides, if it is a ball or a box.
+        walls: the solids that it is made of, if it is hollow; those of a hull fill it, for whoever
+            knows balls, boxes and cylinders only.
+        mesh: what is seen of it, if it is a mesh, m, in its frame.
+        hull: corners of the convex hull that is touched, if it is one, m, shape (k, 3).
     """
 
     kind: Literal["ball", "box", "cylinder"]
     halves: tuple[float, float, float]
     pattern: Pattern | None = None
-    spot: Spot | None = None
+    spots: tuple[Spot, ...] = ()
     walls: tuple[Wall, ...] = ()
+    mesh: Mesh | None = field(default=None, compare=False, repr=False)
+    hull: Floats | None = field(default=None, compare=False, repr=False)
 
     @classmethod
-    def ball(cls, radius: float, spot: Spot | None = None) -> SolidShape:
+    def ball(cls, radius: float, spots: tuple[Spot, ...] = ()) -> SolidShape:
         """A ball of this radius, m."""
-        return cls("ball", (radius, radius, radius), spot=spot)
+        return cls("ball", (radius, radius, radius), spots=spots)
 
     @classmethod
     def cylinder(cls, radius: float, height: float) -> SolidShape:
@@ -111,18 +124,50 @@ class SolidShape:
         return cls("box", (x, y, z), walls=tuple(_wall(piece, middle) for piece in form.pieces))
 
     @classmethod
+    def meshed(cls, file: Path, scale: float, solid: str) -> SolidShape:
+        """A mesh, and what is touched of it.
+
+        Args:
+            file: the mesh.
+            scale: of its unit, m.
+            solid: as ``MeshForm`` has it.
+
+        Raises:
+            UsageError: its file is not there, or no mesh of a thing.
+        """
+        mesh, halves = read_thing_mesh(file, scale)
+        x, y, z = halves
+        match solid:
+            case "ball":
+                radius = max(halves)
+                return cls("ball", (radius, radius, radius), mesh=mesh)
+            case "cylinder":
+                radius = max(x, y)
+                return cls("cylinder", (radius, radius, z), mesh=mesh)
+            case "box":
+                return cls("box", halves, mesh=mesh)
+            case "boxes":
+                triangles = mesh.corners[mesh.triangles]
+                return cls("box", halves, walls=_filling(triangles), mesh=mesh)
+        corners = hull_corners(mesh.corners)
+        walls = _filling(corners[hull_faces(corners)])
+        return cls("box", halves, walls=walls, mesh=mesh, hull=corners)
+
+    @classmethod
     def draw(cls, form: Form, rng: np.random.Generator) -> SolidShape:
         """A shape of this form, of a size drawn from its spans."""
         if isinstance(form, BallForm):
-            return cls.ball(draw(form.radius, rng), form.spot)
+            return cls.ball(draw(form.radius, rng), form.all_spots)
         if isinstance(form, BoxForm):
             x, y, z = (draw(span, rng) / 2 for span in form.size)
-            return cls("box", (x, y, z), form.pattern, form.spot)
+            return cls("box", (x, y, z), form.pattern, form.all_spots)
         if isinstance(form, OpenBoxForm):
             depth, width, height = (draw(span, rng) for span in form.size)
             return cls.open_box(depth, width, height, form.wall)
         if isinstance(form, ComposedForm):
             return cls.composed(form)
+        if isinstance(form, MeshForm):
+            return _meshed(form.path, form.scale, form.solid, changed(form.path))
         radius, height = draw(form.radius, rng), draw(form.height, rng)
         if isinstance(form, TubeForm):
             return cls.tube(radius, height, form.wall)
@@ -146,13 +191,11 @@ class SolidShape:
         share = {"ball": math.pi / 6, "box": 1.0, "cylinder": math.pi / 4}[self.kind]
         return share * 8 * math.prod(self.halves)
 
-    def spot_height(self) -> float:
-        """From its centre along the spot's axis to the plane of the spot's edge, m."""
-        if self.spot is None:
-            raise ValueError("there is no spot")
+    def spot_height(self, spot: Spot) -> float:
+        """From its centre along a spot's axis to the plane of the spot's edge, m."""
         if self.kind == "ball":
-            return math.sqrt(self.halves[0] ** 2 - self.spot.radius**2)
-        return self.halves["xy".index(self.spot.face[1])]
+            return math.sqrt(self.halves[0] ** 2 - spot.radius**2)
+        return self.halves["xy".index(spot.face[1])]
 
     def depth(self, rotation: Floats) -> float:
         """From its centre to its lowest point with these axes, shape (3, 3), m."""
@@ -166,6 +209,8 @@ class SolidShape:
 
     def bodies(self, pose: Pose) -> list[Convex]:
         """The convex bodies that it is made of at a pose."""
+        if self.hull is not None:
+            return [Convex("hull", self.halves, pose.position, pose.rotation, self.hull)]
         frames = [(wall.shape, pose @ Pose.at(wall.origin)) for wall in self.solids]
         return [Convex(shape.kind, shape.halves, at.position, at.rotation) for shape, at in frames]
 
@@ -179,3 +224,17 @@ def _wall(piece: Piece, middle: Sequence[float]) -> Wall:
     if isinstance(piece.form, CylinderForm):
         return Wall(SolidShape("cylinder", piece.halves), origin)
     return Wall(SolidShape("ball", piece.halves), origin)
+
+
+@lru_cache(maxsize=16)  # each episode draws its things again
+def _meshed(file: Path, scale: float, solid: str, _changed: int) -> SolidShape:
+    return SolidShape.meshed(file, scale, solid)
+
+
+def _filling(triangles: Floats) -> tuple[Wall, ...]:
+    """Boxes that fill a closed surface."""
+    boxes = cover(triangles, MOST_PIECES).boxes
+    return tuple(
+        Wall(SolidShape("box", (a / 2, b / 2, c / 2)), UrdfOrigin((x, y, z)))
+        for (x, y, z), (a, b, c) in boxes.tolist()
+    )

@@ -6,17 +6,20 @@ from collections.abc import Sequence
 from typing import NamedTuple, Protocol, runtime_checkable
 
 from cbdsl.backends.staging.pose import Pose
+from cbdsl.robot.mesh_reader import Mesh
 
 
 class Part(NamedTuple):
     """A visible shape of an object.
 
     Attributes:
-        shape: ``ball`` (radius), ``box`` (edge lengths) or ``cylinder`` about z (radius, height).
+        shape: ``ball`` (radius), ``box`` (edge lengths), ``cylinder`` about z (radius, height), or
+            ``mesh`` (nothing).
         size: as the shape needs it, m.
         position: of its centre in the object's frame, m.
         quaternion: of its axes in the object's frame, as (x, y, z, w).
         color: red, green and blue, each from 0 to 1.
+        mesh: the triangles of a mesh.
     """
 
     shape: str
@@ -24,6 +27,7 @@ class Part(NamedTuple):
     position: tuple[float, ...]
     quaternion: tuple[float, ...]
     color: tuple[float, ...]
+    mesh: Mesh | None = None
 
 
 class WorldState(Protocol):

@@ -22,7 +22,8 @@ from cbdsl.robot.channel_names import channel_names
 from cbdsl.robot.resources import resources
 from cbdsl.robot.source_kind import SOURCES
 from cbdsl.robot.unsupported_joint import UnsupportedJoint, unsupported
-from cbdsl.robot.urdf import UrdfError, UrdfJoint, UrdfModel, read_urdf
+from cbdsl.robot.urdf import UrdfError, UrdfJoint, UrdfModel
+from cbdsl.robot.urdf_reader import read_urdf
 from cbdsl.types.resource_type import TYPES
 from cbdsl.yaml_text.loaded import Loaded
 from cbdsl.yaml_text.source_map import Step

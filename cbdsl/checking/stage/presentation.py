@@ -2,16 +2,19 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Collection
 from graphlib import CycleError, TopologicalSorter
 
 from cbdsl.checking.findings import Findings
 from cbdsl.checking.robot.checked_robot import CheckedRobot
+from cbdsl.checking.stage.mesh import extents_of
 from cbdsl.documents.stage import (
     BoxForm,
     ComposedForm,
     Context,
     Fixture,
+    MeshForm,
     OpenBoxForm,
     PlaceSection,
     Presentation,
@@ -181,6 +184,9 @@ class _PresentationCheck:
 def _halves(fixture: Fixture) -> tuple[float, float]:
     """Half the largest extent of a fixture along x and y, m."""
     form = fixture.form
+    if isinstance(form, MeshForm):
+        x, y, _ = extents_of(form) or (math.inf, math.inf, math.inf)
+        return x / 2, y / 2
     if isinstance(form, (BoxForm, OpenBoxForm, ComposedForm)):
         return form.size[0][1] / 2, form.size[1][1] / 2
     return form.radius[1], form.radius[1]

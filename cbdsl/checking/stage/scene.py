@@ -21,6 +21,7 @@ from cbdsl.documents.stage import (
     Context,
     Fixture,
     Form,
+    MeshForm,
     OpenBoxForm,
     PlaceSection,
     Presentation,
@@ -224,7 +225,7 @@ class _Arrangement:
 
 
 def _is_hollow(form: Form) -> bool:
-    return isinstance(form, (OpenBoxForm, TubeForm, ComposedForm))
+    return isinstance(form, (OpenBoxForm, TubeForm, ComposedForm, MeshForm))
 
 
 def _smallest(form: Form) -> tuple[Literal["ball", "box", "cylinder"], Triple]:
@@ -232,6 +233,7 @@ def _smallest(form: Form) -> tuple[Literal["ball", "box", "cylinder"], Triple]:
     if isinstance(form, (BoxForm, OpenBoxForm, ComposedForm)):
         a, b, c = (least / 2 for least, _ in form.size)
         return "box", (a, b, c)
+    assert not isinstance(form, MeshForm), "like what is hollow, it has no one shape"
     radius = form.radius[0]
     if isinstance(form, BallForm):
         return "ball", (radius, radius, radius)

@@ -10,10 +10,19 @@ from cbdsl.checking.lookup.documents import find_document
 from cbdsl.checking.robot.checked_robot import CheckedRobot
 from cbdsl.checking.robot.limits import limit_details
 from cbdsl.checking.session import Session
+from cbdsl.checking.stage.mesh import check_meshes, extents_of
 from cbdsl.checking.stage.presentation import check_presentations, idle_keys
 from cbdsl.checking.stage.scene import check_scenes
 from cbdsl.documents.robot import RobotDocument
-from cbdsl.documents.stage import BallForm, BoxForm, ComposedForm, Form, OpenBoxForm, StageDocument
+from cbdsl.documents.stage import (
+    BallForm,
+    BoxForm,
+    ComposedForm,
+    Form,
+    MeshForm,
+    OpenBoxForm,
+    StageDocument,
+)
 from cbdsl.errors.diagnostic import Place
 from cbdsl.yaml_text.loaded import Loaded
 from cbdsl.yaml_text.node import Node
@@ -34,6 +43,7 @@ def examine_stage(loaded: Loaded[StageDocument], session: Session, findings: Fin
     for key, context in loaded.document.contexts.items():
         check_presentations(loaded, findings, key, context, body)
     _names(loaded, findings)
+    check_meshes(loaded, findings)
     _matter(loaded, findings)
     check_scenes(loaded, body, findings)
     if body is not None:
@@ -56,6 +66,8 @@ def _size_key(form: Form) -> str:
     """Key of a form that says how wide a thing is."""
     if isinstance(form, ComposedForm):
         return "pieces"
+    if isinstance(form, MeshForm):
+        return "file"
     return "size" if isinstance(form, (BoxForm, OpenBoxForm)) else "radius"
 
 
@@ -82,6 +94,8 @@ def _narrowest(form: Form) -> float:
     """The least extent of a thing, at its smallest, m."""
     if isinstance(form, (BoxForm, OpenBoxForm, ComposedForm)):
         return min(size[0] for size in form.size)
+    if isinstance(form, MeshForm):
+        return min(extents_of(form) or (0.0,))
     across = 2 * form.radius[0]
     return across if isinstance(form, BallForm) else min(across, form.height[0])
 

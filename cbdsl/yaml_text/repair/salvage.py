@@ -59,6 +59,7 @@ class _Salvage(Generic[D]):
         self._broken = Broken()
         self._respelt: set[Steps] = set()
         self._unknown: dict[str, object] = {}
+        self._context = {"folder": source.path.parent}
 
     def salvage(self) -> Loaded[D]:
         if self._faults:
@@ -66,7 +67,9 @@ class _Salvage(Generic[D]):
             self._leave_out(_faulty(self._source.root, ()))
         for _ in range(_MOST_ROUNDS):
             try:
-                document = self._model.model_validate(self._source.root.plain())
+                document = self._model.model_validate(
+                    self._source.root.plain(), context=self._context
+                )
             except ValidationError as error:
                 self._mend(error.errors(include_url=False))
             else:
@@ -74,6 +77,9 @@ class _Salvage(Generic[D]):
                 source = self._source._replace(broken=self._broken)
                 return Loaded(document, source, tuple(self._faults))
         raise self._hopeless()
+
+    def _validated(self) -> D:
+        return self._model.model_validate(self._source.root.plain(), context=self._context)
 
     def _judge_words(self) -> None:
         """Take words such as ``off`` for texts where no text is wanted: what is says more.
@@ -96,7 +102,7 @@ class _Salvage(Generic[D]):
 
     def _errors(self) -> list[ErrorDetails]:
         try:
-            self._model.model_validate(self._source.root.plain())
+            self._validated()
         except ValidationError as error:
             return error.errors(include_url=False)
         return []

@@ -123,4 +123,4 @@ def _kinds_in(kind: Any, step: Step) -> Iterator[Any]:
 
 def _carries(section: type[Section], tag: Step) -> bool:
     """Whether a section is the one of a union that a tag chooses."""
-    return any(tag in get_args(field.annotation) for field in fields_of(section).values())
+    return any(get_args(field.annotation) == (tag,) for field in fields_of(section).values())

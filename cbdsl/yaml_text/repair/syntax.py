@@ -38,6 +38,9 @@ _COMMENT = re.compile(r"\s*(?P<sign>//|--|;|%)\s*(?P<text>.*)")
 _STATE_IN_BRACKETS = re.compile(r"\s*(?P<state>[\[({][X01*,\s-]+[\])}])\s*:(?=\s)")
 _UNQUOTED_KEY = re.compile(r"(?P<text>[^\s:#]+)(?=\s*:(?:\s|$))")
 _UNQUOTED = re.compile(r"(?P<text>[^,\[\]{}#]*[^,\[\]{}#\s])")
+# A text that goes on with a row, as a displaced reference does.
+_SUM = re.compile(r"(?P<text>[^\s,\[\]{}:][^,\[\]{}:]*[+-] *)\Z")
+_ROW = re.compile(r"\[[^\[\]{}]*\]")
 _BEGINS = re.compile(r"\s*(?:- |---|\.\.\.|(?:- +)*['\"]?[\w$*-]+['\"]?:(?:\s|$))")
 _FENCE = re.compile(r"\s*(?:```|~~~)\w*\s*\Z")
 # Words of a line that may be a key and its value.
@@ -224,6 +227,19 @@ def _after_the_end(trouble: _Trouble) -> Slip | None:
         "each number, and a comment behind ' #'"
     )
     return Slip(problem, trouble.line, trouble.column)
+
+
+def _row_in_text(trouble: _Trouble) -> Slip | None:
+    """A text within braces that holds a row, such as a displaced reference."""
+    start = _SUM.search(trouble.before)
+    row = _ROW.match(trouble.rest)
+    if trouble.problem not in _OPENED or start is None or row is None:
+        return None
+    quoted = f'"{start["text"]}{row[0]}"'
+    line = trouble.before[: start.start()] + quoted + trouble.rest[row.end() :]
+    problem = f"within braces, text that holds brackets has to be quoted; write {quoted}"
+    column = start.start() + 1
+    return Slip(problem, trouble.line, column, "CB124", trouble.instead(line))
 
 
 def _within_brackets(trouble: _Trouble) -> Slip | None:
@@ -416,6 +432,7 @@ _EXPLANATIONS = (
     _directive,
     _colon,
     _after_the_end,
+    _row_in_text,
     _within_brackets,
     _open_quote,
     _second_colon,

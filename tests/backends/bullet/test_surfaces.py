@@ -13,7 +13,7 @@ import pytest
 
 from cbdsl.backends.bullet.robot import BulletRobot
 from cbdsl.documents.robot import RobotDocument
-from cbdsl.robot.urdf import read_urdf
+from cbdsl.robot.urdf_reader import read_urdf
 
 SLOPE = math.radians(15)
 PLATE = f"""<robot name="plate">

@@ -16,7 +16,8 @@ from cbdsl.backends.cameras.view import View
 from cbdsl.backends.staging.pose import Pose
 from cbdsl.documents.robot import Camera, RobotDocument
 from cbdsl.documents.stage import StageDocument
-from cbdsl.robot.urdf import UrdfModel, read_urdf
+from cbdsl.robot.urdf import UrdfModel
+from cbdsl.robot.urdf_reader import read_urdf
 from tests.backends.conftest import BACKENDS, URDF, Simulated, made_stage, stage_named, with_vision
 
 RADIUS = 0.07

@@ -7,7 +7,7 @@ import pytest
 
 from cbdsl.backends.kinematic.tree import Tree
 from cbdsl.documents.robot import RobotDocument
-from cbdsl.robot.urdf import read_urdf
+from cbdsl.robot.urdf_reader import read_urdf
 from cbdsl.sensing.kinematics import Kinematics
 from tests.backends.conftest import LIBRARY, ROOT
 

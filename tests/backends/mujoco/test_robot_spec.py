@@ -12,7 +12,7 @@ from cbdsl.backends.mujoco.backend import MujocoBackend
 from cbdsl.backends.mujoco.robot_spec import body_name, compile_spec, make_robot_spec
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.robot.joints import Joints
-from cbdsl.robot.urdf import read_urdf
+from cbdsl.robot.urdf_reader import read_urdf
 from tests.backends.conftest import URDF, made_stage
 
 

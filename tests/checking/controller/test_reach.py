@@ -9,7 +9,7 @@ import pytest
 
 from cbdsl.checking.findings import Findings
 from cbdsl.checking.session import Session
-from cbdsl.robot.urdf import read_urdf
+from cbdsl.robot.urdf_reader import read_urdf
 from cbdsl.sensing.kinematics import Kinematics
 from cbdsl.yaml_text.library import shipped
 

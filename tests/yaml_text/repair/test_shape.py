@@ -15,6 +15,7 @@ from cbdsl.documents.stage import (
     BoxForm,
     ComposedForm,
     CylinderForm,
+    MeshForm,
     OpenBoxForm,
     StageDocument,
     ThingSection,
@@ -55,7 +56,7 @@ def test_what_is_required_is_known_and_completes_a_section(kind: str) -> None:
         (
             StageDocument,
             ("things", "cup", "form"),
-            (BallForm, BoxForm, CylinderForm, TubeForm, OpenBoxForm, ComposedForm),
+            (BallForm, BoxForm, CylinderForm, TubeForm, OpenBoxForm, ComposedForm, MeshForm),
         ),
         (StageDocument, ("things", "cup", "unknown"), ()),
         (StageDocument, ("things", 0), ()),

@@ -110,6 +110,8 @@ UNQUOTED = [
     ("a: @b\n", (1, 4), "write '@b'"),
     ("a: `b`\n", (1, 4), "write 'b'"),
     ("a: &b\n", (1, 4), "write '&b'"),
+    ("a: {b: here + [0 cm, 1 cm], c: d}\n", (1, 8), 'write "here + [0 cm, 1 cm]"'),
+    ("a: {b: 1 m, c: stereo.red - [1 cm]}\n", (1, 16), 'write "stereo.red - [1 cm]"'),
 ]
 LOOK_ALIKE = [
     ("a: \u221244 cm\n", (1, 4), "(U+2212, minus sign) is not the character that is meant"),
@@ -163,6 +165,8 @@ def test_words_may_have_any_character(text: str) -> None:
 def test_what_is_mended_hides_nothing() -> None:
     text = "a:\n  *1: b\n  c: yes\n   d: 1\n  e: \u22121\n  f: no\n"
     assert [d.code for d in slips(text)] == ["CB121", "CB124", "CB114", "CB123", "CB114"]
+    text = "a: {b: here + [0 cm], c: yes}\nd: {e: here + [1 cm]}\n"
+    assert sorted(d.code for d in slips(text)) == ["CB114", "CB124", "CB124"]
 
 
 @pytest.mark.parametrize("ours", ["b: 1\n", ""])

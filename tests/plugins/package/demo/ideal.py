@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from cbdsl.backends.backend import BackendError
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.documents.stage import StageDocument
-from cbdsl.robot.urdf import read_urdf
+from cbdsl.robot.urdf_reader import read_urdf
 from cbdsl.sensing.kinematics import Kinematics
 from cbdsl.sensing.observation import Observation
 

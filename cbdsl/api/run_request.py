@@ -65,8 +65,8 @@ def read_request(
         DiagnosticsError: a document has errors.
         UsageError: there is no such document, or they do not fit each other.
     """
+    from cbdsl.api.calibration import read_calibration, require_body, with_body
     from cbdsl.checking.program import check_program
-    from cbdsl.cli.calibration import read_calibration, require_body, with_body
     from cbdsl.documents.calibration import calibrated, with_corrections
     from cbdsl.documents.program import ProgramDocument
     from cbdsl.documents.robot import RobotDocument
@@ -102,7 +102,7 @@ def read_request(
 def _read_stage(
     name: str | None, program: CheckedProgram, program_file: Path, library: Library
 ) -> StageDocument:
-    from cbdsl.cli.clean import require_clean
+    from cbdsl.api.clean import require_clean
     from cbdsl.documents.stage import StageDocument
     from cbdsl.errors.errors import UsageError
 
@@ -158,7 +158,7 @@ def read_policy(
         DiagnosticsError: it has errors.
         UsageError: there is no such policy, or it serves another program.
     """
-    from cbdsl.cli.clean import require_clean
+    from cbdsl.api.clean import require_clean
     from cbdsl.documents.policy import PolicyDocument
     from cbdsl.errors.errors import UsageError
 
@@ -182,12 +182,12 @@ def _as_schema(
     values: Mapping[str, str],
 ) -> CheckedProgram:
     """A program that is allocated by a schema."""
+    from cbdsl.api.clean import require_clean
     from cbdsl.checking.causes import causes_first
     from cbdsl.checking.findings import Findings
     from cbdsl.checking.program import examine_program
     from cbdsl.checking.schema import checked_schema
     from cbdsl.checking.session import Session
-    from cbdsl.cli.clean import require_clean
     from cbdsl.documents.schema import SchemaDocument
     from cbdsl.errors.errors import DiagnosticsError, UsageError
 

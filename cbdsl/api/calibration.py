@@ -47,7 +47,7 @@ def read_calibration(
         DiagnosticsError: it has errors.
         UsageError: there is none, or it is another robot's.
     """
-    from cbdsl.cli.clean import require_clean
+    from cbdsl.api.clean import require_clean
     from cbdsl.documents.calibration import CalibrationDocument
     from cbdsl.errors.errors import UsageError
 

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from cbdsl.cli.run_request import read_request
+from cbdsl.api.run_request import read_request
 from cbdsl.documents.stage import StageDocument
 from cbdsl.errors.errors import UsageError
 from cbdsl.yaml_text.library import Library

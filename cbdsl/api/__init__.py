@@ -1,0 +1,1 @@
+"""Verbs of cbdsl in Python: load, check, run and learn, with typed results."""

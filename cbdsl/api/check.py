@@ -1,0 +1,36 @@
+"""``cbdsl.check``: the findings in documents."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from cbdsl.errors.diagnostic import Diagnostic
+
+
+def check(*documents: str | Path, values: Mapping[str, str] | None = None) -> list[Diagnostic]:
+    """All findings in documents and in what they refer to; causes come first.
+
+    Args:
+        documents: files or names, as of ``cb validate``.
+        values: of programs' parameters, by name.
+
+    Returns:
+        Each finding once; empty where there is none. ``is_error`` tells errors from warnings.
+
+    Raises:
+        UsageError: no document has such a name.
+    """
+    from cbdsl.checking.document import check_document
+    from cbdsl.checking.session import Session
+    from cbdsl.yaml_text.library import Library
+
+    library = Library()
+    session = Session(library, dict(values or {}))
+    files = [file for word in documents for file in library.locate_any(str(word))]
+    findings: dict[Diagnostic, None] = {}
+    for file in files:
+        findings.update(dict.fromkeys(check_document(file, session)))
+    return list(findings)

@@ -1,0 +1,115 @@
+"""Catalog documents against their robot and the programs of their actions."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from cbdsl.checking.findings import Findings
+from cbdsl.checking.lookup.documents import find_document
+from cbdsl.checking.robot.checked_robot import CheckedRobot
+from cbdsl.checking.session import Session
+from cbdsl.documents.catalog import AffordanceSection, CatalogDocument, SampleModel
+from cbdsl.documents.program import ProgramDocument
+from cbdsl.documents.robot import RobotDocument
+from cbdsl.errors.counting import count
+from cbdsl.yaml_text.loaded import Loaded
+from cbdsl.yaml_text.source_map import Step
+
+# Of the largest element: what rounding may take from a covariance.
+_ROUNDING = 1e-9
+
+
+def examine_catalog(loaded: Loaded[CatalogDocument], session: Session, findings: Findings) -> None:
+    """Check a catalog: its programs are there, its models are Gaussians of its robot's signals."""
+    if loaded.faults:
+        return  # a model makes sense as a whole
+    document, source, library = loaded.document, loaded.source, session.library
+    path = find_document(RobotDocument, document.robot, source.place("robot"), library, findings)
+    body = session.body(path, findings)
+    for index, name in enumerate(document.over):
+        place = source.place("over", index)
+        find_document(CatalogDocument, name, place, library, findings, own=document.name)
+    for name, affordance in document.affordances.items():
+        _check_program(loaded, name, affordance, session, findings)
+        if body is not None:
+            _check_signals(loaded, name, affordance, body, findings)
+        for key, model in (
+            ("with_reward", affordance.with_reward),
+            ("without_reward", affordance.without_reward),
+        ):
+            if model is not None:
+                steps = ("affordances", name, key)
+                _check_model(loaded, steps, affordance, model, findings)
+
+
+def _check_program(
+    loaded: Loaded[CatalogDocument],
+    name: str,
+    affordance: AffordanceSection,
+    session: Session,
+    findings: Findings,
+) -> None:
+    """The program of an action is there, and has the parameters that it is given."""
+    source, library = loaded.source, session.library
+    place = source.place("affordances", name, "program")
+    path = find_document(ProgramDocument, affordance.program, place, library, findings)
+    read = session.read(path, ProgramDocument, findings)
+    if read is None:
+        return
+    known = read.document.parameters
+    for key in affordance.with_:
+        if key not in known:
+            at = source.key("affordances", name, "with", key)
+            findings.add("CB606", at, names=list(known), name=key, program=affordance.program)
+
+
+def _check_signals(
+    loaded: Loaded[CatalogDocument],
+    name: str,
+    affordance: AffordanceSection,
+    body: CheckedRobot,
+    findings: Findings,
+) -> None:
+    """The features are signals of the robot, of their units and sizes."""
+    for key, feature in affordance.features.items():
+        steps = ("affordances", name, "features", key)
+        resource = body.resources.get(feature.signal)
+        if resource is None:
+            names, robot = list(body.resources), loaded.document.robot
+            place = loaded.source.place(*steps, "signal")
+            findings.add("CB654", place, names=names, name=feature.signal, robot=robot)
+            continue
+        wanted, given = (resource.type.size, resource.type.unit), (feature.components, feature.unit)
+        if wanted != given:
+            place = loaded.source.place(*steps, "unit")
+            details = {"wanted": _described(*wanted), "found": _described(*given)}
+            findings.add("CB652", place, signal=feature.signal, **details)
+
+
+def _described(size: int, unit: str) -> str:
+    return f"{count(size, 'component')} in {unit or 'no unit'}"
+
+
+def _check_model(
+    loaded: Loaded[CatalogDocument],
+    steps: tuple[Step, ...],
+    affordance: AffordanceSection,
+    model: SampleModel,
+    findings: Findings,
+) -> None:
+    """A model has the components of the features, and a covariance that samples can have."""
+    wanted = sum(feature.components for feature in affordance.features.values())
+    if wanted != len(model.mean):
+        details = {"wanted": count(wanted, "component"), "found": f"{len(model.mean)}"}
+        findings.add("CB653", loaded.source.place(*steps, "mean"), **details)
+        return
+    covariance = np.array(model.covariance)
+    bound = _ROUNDING * max(float(np.abs(covariance).max()), 1e-12)
+    fault = ""
+    if np.abs(covariance - covariance.T).max() > bound:
+        fault = "symmetric"
+    elif np.linalg.eigvalsh(covariance).min() < -bound:
+        fault = "positive"
+    if fault:
+        place = loaded.source.place(*steps, "covariance")
+        findings.add("CB651", place, what=f"'{steps[1]}' {steps[2]}", fault=fault)

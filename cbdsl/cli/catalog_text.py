@@ -1,0 +1,62 @@
+"""Catalogs as text."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from cbdsl.documents.catalog import AffordanceSection, CatalogDocument
+
+
+def catalog_text(catalog: CatalogDocument) -> str:
+    """A catalog as lines for people: counts and intervals, then the features with reward."""
+    head = f"{catalog.name}: what '{catalog.feature}' affords {catalog.robot}"
+    if catalog.provenance is not None:
+        origin = catalog.provenance
+        head += f", after {origin.actions} actions on {origin.stage.name}"
+    rows = [
+        (name, *_counts(each), _habituation(each)) for name, each in catalog.affordances.items()
+    ]
+    titles = ("action", "rewarded", "95 % interval", "value", "model")
+    widths = [max(len(row[i]) for row in (titles, *rows)) for i in range(len(titles))]
+    lines = [head, ""]
+    for row in (titles, *rows):
+        lines.append(
+            "  ".join(f"{cell:{w}s}" for cell, w in zip(row, widths, strict=True)).rstrip()
+        )
+    for name, each in catalog.affordances.items():
+        lines += _models(name, each)
+    return "\n".join(lines) + "\n"
+
+
+def _counts(affordance: AffordanceSection) -> tuple[str, str, str]:
+    counts = f"{affordance.rewarded} of {affordance.tried}"
+    interval = "-"
+    if affordance.interval is not None:
+        low, high = affordance.interval
+        interval = f"{low:.2f} to {high:.2f}"
+    return counts, interval, f"{affordance.value:+.3f}"
+
+
+def _habituation(affordance: AffordanceSection) -> str:
+    if affordance.failed:
+        return f"left out: {affordance.failed}"
+    own = affordance.habituation
+    if own is None:
+        return "none"
+    return f"{'habituated' if own.habituated else 'changing'}, by {own.change:.3f}"
+
+
+def _models(name: str, affordance: AffordanceSection) -> list[str]:
+    """Mean and deviation of each component with reward."""
+    model = affordance.with_reward
+    if model is None:
+        return []
+    lines, place = ["", f"{name} with reward, {model.count} samples: mean and deviation"], 0
+    for key, feature in affordance.features.items():
+        own = range(place, place + feature.components)
+        place += feature.components
+        mean = ", ".join(f"{model.mean[i]:.3g}" for i in own)
+        spread = ", ".join(f"{max(model.covariance[i][i], 0.0) ** 0.5:.2g}" for i in own)
+        lines.append(f"  {key} ({feature.signal}, {feature.unit}): {mean} ± {spread}")
+    return lines

@@ -1,0 +1,164 @@
+"""``cb explore``: find out by acting what an object affords."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from cbdsl.cli.learn import Cameras, Resume, Seed, Set
+from cbdsl.cli.simulation import BackendName
+
+if TYPE_CHECKING:
+    from cbdsl.api.run_request import RunRequest
+    from cbdsl.documents.stage import StageDocument
+    from cbdsl.training.exploration_task import ExplorationTask
+
+Programs = Annotated[
+    list[str],
+    typer.Argument(
+        metavar="PROGRAM",
+        help="What can be done: programs, as NAME, NAME:key=value, or LABEL=NAME:key=value; the "
+        "value ? stands for whichever channel is found while it runs.",
+    ),
+]
+Stage = Annotated[str, typer.Option("--stage", help="World to act in: a file or a name.")]
+Out = Annotated[Path, typer.Option("--out", help="File for the catalog, NAME.yaml.")]
+Feature = Annotated[
+    str, typer.Option("--feature", help="Channel of the object, for all programs with that key.")
+]
+Actions = Annotated[int, typer.Option("--actions", min=1, help="How many actions.")]
+UntilHabituated = Annotated[
+    bool,
+    typer.Option("--until-habituated", help="End before, when no action tells anything new."),
+]
+Between = Annotated[
+    str, typer.Option("--between", help="Program that runs after each action, and brings it back.")
+]
+Algorithm = Annotated[
+    str,
+    typer.Option("--algorithm", help="explore_catalog (Algorithm 3) or explore_models (6.3)."),
+]
+Json = Annotated[bool, typer.Option("--json", help="Print one JSON object per action.")]
+
+
+def explore(
+    context: typer.Context,
+    programs: Programs,
+    out: Out,
+    *,
+    stage: Stage,
+    feature: Feature = "sat_10",
+    actions: Actions = 100,
+    until_habituated: UntilHabituated = False,
+    seed: Seed = 0,
+    backend: BackendName = "bullet",
+    cameras: Cameras = None,
+    between: Between = "let_go",
+    algorithm: Algorithm = "explore_catalog",
+    set_: Set = [],  # noqa: B006 (typer)
+    resume: Resume = False,
+    as_json: Json = False,
+) -> None:
+    """Explore what can be done with an object, until its models change no more (Chapter 6).
+
+    Each action that is rewarded teaches with which features it is; what changes its model most is
+    worth most. The catalog in --out says how often each action was rewarded, and with what. Beside
+    it, a file that ends in .actions.jsonl holds each action as soon as it is over: whatever
+    interrupts it, it goes on with --resume, in a world that is set up anew.
+
+    Exit 0 when all actions were taken, 1 when a document has errors, 2 when it could not act, 130
+    when it was interrupted.
+    """
+    from cbdsl.api.run_request import read_request
+    from cbdsl.cli.assignments import read_assignments
+    from cbdsl.cli.explored_actions import read_actions
+    from cbdsl.cli.quiet import shown_on_failure
+    from cbdsl.cli.simulation import needing_simulation
+    from cbdsl.cli.termination import termination_interrupts
+    from cbdsl.errors.errors import UsageError
+
+    if out.suffix != ".yaml":
+        raise UsageError(f"--out {out}: a catalog is <name>.yaml")
+    with needing_simulation():
+        from cbdsl.learning.constants import read_constants
+        from cbdsl.learning.exploration import EXPLORATIONS
+        from cbdsl.training.exploration_task import ExplorationTask
+
+        if algorithm not in EXPLORATIONS:
+            raise UsageError.unknown("exploration", algorithm, EXPLORATIONS)
+        requests, explorable = read_actions(programs, feature, stage)
+        request = requests[0]
+        require_persistent(request.stage)
+        between_request = read_request(between, stage, None, {})
+        task = ExplorationTask(
+            actions=explorable,
+            between=between_request.program,
+            feature=feature,
+            robot=request.robot,
+            urdf=request.urdf.absolute(),
+            stage=request.stage,
+            backend=backend,
+            algorithm=algorithm,
+            constants=read_constants(
+                EXPLORATIONS[algorithm].Constants, read_assignments(set_, "--set"), algorithm
+            ),
+            seed=seed,
+            number=0,
+            count=actions,
+            until_habituated=until_habituated,
+            command=_command(context),
+            path=out.absolute(),
+            cameras=cameras,
+        )
+        task.require_ready(resume=resume)
+    with shown_on_failure(), termination_interrupts():
+        _run(task, request, as_json=as_json)
+
+
+def require_persistent(stage: StageDocument) -> None:
+    """Check that actions can follow each other in one world.
+
+    Raises:
+        UsageError: each of them would begin in another one.
+    """
+    from cbdsl.errors.errors import UsageError
+
+    if not stage.world.persistent:
+        raise UsageError(
+            f"stage '{stage.name}' has no persistent world, in which one action follows another: "
+            "give it world: {persistent: true}"
+        )
+
+
+def _run(task: ExplorationTask, request: RunRequest, *, as_json: bool) -> None:
+    from cbdsl.cli.exploration_progress import ExplorationProgress
+    from cbdsl.cli.simulation import simulation
+
+    with simulation(request, task.backend, cameras=task.cameras) as (body, kinematics):
+        progress = ExplorationProgress(task.count, as_json=as_json)
+        document = task.run(body, kinematics, progress.note)
+    if not as_json:
+        from cbdsl.cli.catalog_text import catalog_text
+
+        print(catalog_text(document), end="")
+        print(f"wrote {task.path}")
+
+
+def _command(context: typer.Context) -> str:
+    """Command that explores the same again, in one spelling, however it was typed."""
+    import shlex
+
+    given = context.params | {"out": context.params["out"].name}
+    words = ["cb", "explore", *given["programs"]]
+    for parameter in context.command.params:
+        name, value = str(parameter.name), given[str(parameter.name)]
+        if name in ("programs", "resume", "as_json", "actions"):
+            continue
+        if value == parameter.default and name not in ("seed", "backend"):
+            continue
+        several = value if isinstance(value, (list, tuple)) else [value]
+        flag = parameter.opts[0]
+        words += [flag] if value is True else [w for each in several for w in (flag, str(each))]
+    return shlex.join([*words, "--actions", str(given["actions"])])

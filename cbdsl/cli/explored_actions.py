@@ -1,0 +1,132 @@
+"""Actions of ``cb explore``, read from what is typed."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING, NamedTuple
+
+if TYPE_CHECKING:
+    from cbdsl.api.run_request import RunRequest
+    from cbdsl.training.explorable import Explorable
+    from cbdsl.types.resource import Resource
+
+# Stands for a channel that is found while the action runs.
+_OPEN = "?"
+
+
+class ActionText(NamedTuple):
+    """An action as it is typed.
+
+    Attributes:
+        label: its name in the catalog.
+        program: a file or a name.
+        values: of the program's parameters.
+    """
+
+    label: str
+    program: str
+    values: Mapping[str, str]
+
+
+def read_action(text: str) -> ActionText:
+    """Read ``NAME``, ``NAME:key=value,key=value`` or ``LABEL=NAME:...``.
+
+    Raises:
+        UsageError: it is none of them.
+    """
+    import re
+    from pathlib import Path
+
+    from cbdsl.documents.document import NAME_PATTERN
+    from cbdsl.errors.errors import UsageError
+
+    head, _, tail = text.partition(":")
+    label, given, program = head.rpartition("=")
+    pairs = [pair.partition("=") for pair in tail.split(",")] if tail else []
+    label = (
+        label if given else "_".join([Path(program).stem, *(v for _, _, v in pairs if v != "?")])
+    )
+    if not program or not re.match(NAME_PATTERN, label) or any(not v for _, _, v in pairs):
+        raise UsageError(
+            f"'{text}' is no action: give a program as NAME, NAME:key=value or LABEL=NAME:key=value"
+        )
+    return ActionText(label, program, {key: value for key, _, value in pairs})
+
+
+def read_actions(
+    texts: Sequence[str], feature: str, stage: str
+) -> tuple[list[RunRequest], tuple[Explorable, ...]]:
+    """Read, check and resolve the actions of an exploration.
+
+    Args:
+        texts: as they are typed.
+        feature: value of the key of that name, where it is not given.
+        stage: the world.
+
+    Raises:
+        DiagnosticsError: a document has errors.
+        UsageError: an action is no action, or there is nothing that it could be rewarded for.
+    """
+    from cbdsl.errors.errors import UsageError
+
+    requests: list[RunRequest] = []
+    actions: list[Explorable] = []
+    for each in map(read_action, texts):
+        request, action = _explorable(each, feature, stage)
+        if action.name in {known.name for known in actions}:
+            raise UsageError(f"two actions are named '{action.name}': give one a LABEL=")
+        requests.append(request)
+        actions.append(action)
+    return requests, tuple(actions)
+
+
+def _explorable(text: ActionText, feature: str, stage: str) -> tuple[RunRequest, Explorable]:
+    from dataclasses import replace
+
+    from cbdsl.errors.errors import UsageError
+    from cbdsl.training.explorable import other_hues
+
+    open_keys = [key for key, value in text.values.items() if value == _OPEN]
+    if len(open_keys) > 1:
+        raise UsageError(f"'{text.label}' leaves {' and '.join(open_keys)} open: one can be")
+    closed = {key: value for key, value in text.values.items() if value != _OPEN}
+    request, action = bound_action(text._replace(values=closed), feature, stage)
+    if not open_keys:
+        return request, action
+    own = {feature, action.program.parameters.get("feature", "")}
+    marks = {}
+    for channel in other_hues(request.robot, own):
+        label = f"{text.label}_{channel}"
+        values = {**closed, open_keys[0]: channel}
+        marks[channel] = bound_action(ActionText(label, text.program, values), feature, stage)[1]
+    return request, replace(action, marks=marks)
+
+
+def bound_action(text: ActionText, feature: str, stage: str) -> tuple[RunRequest, Explorable]:
+    """A program with its values, and the features that its model is over."""
+    from cbdsl.api.run_request import read_request
+    from cbdsl.checking.knowledge.digest import program_digest
+    from cbdsl.documents.program import ProgramDocument
+    from cbdsl.errors.errors import UsageError
+    from cbdsl.training.explorable import explorable
+    from cbdsl.yaml_text.library import Library
+
+    library = Library()
+    document = library.read(library.locate(ProgramDocument, text.program), ProgramDocument)
+    values = dict(text.values)
+    if "feature" in document.document.parameters:
+        values.setdefault("feature", feature)
+    request = read_request(text.program, stage, None, values)
+    digest = program_digest(request.program_file, request.library)
+    action = explorable(text.label, request.program, digest, _resources(request))
+    if action is None:
+        raise UsageError(
+            f"'{text.program}' cannot be explored: nothing that it tracks or touches is rewarded"
+        )
+    return request, action
+
+
+def _resources(request: RunRequest) -> Mapping[str, Resource]:
+    from cbdsl.robot.resources import resources
+
+    return resources(request.robot)

@@ -1,0 +1,161 @@
+"""``cb show catalog``: what an object affords, as text, as data, as an icon, or as predictions."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from cbdsl.cli.learn import Cameras, Seed
+from cbdsl.cli.show_program import Json
+from cbdsl.cli.simulation import BackendName
+
+if TYPE_CHECKING:
+    from cbdsl.documents.catalog import CatalogDocument
+    from cbdsl.training.held_out import Prediction
+
+Catalog = Annotated[str, typer.Argument(metavar="FILE|NAME", help="A catalog.")]
+Against = Annotated[
+    str | None,
+    typer.Option("--against", metavar="FILE|NAME", help="Another catalog: show what differs."),
+]
+Expect = Annotated[
+    str | None,
+    typer.Option("--expect", metavar="STAGE", help="Predict what is rewarded there, and try it."),
+]
+Scenes = Annotated[int, typer.Option("--scenes", min=1, help="How many, with --expect.")]
+Icon = Annotated[bool, typer.Option("--svg", help="Print the icon as SVG.")]
+
+
+def show_catalog(
+    name: Catalog,
+    *,
+    against: Against = None,
+    expect: Expect = None,
+    scenes: Scenes = 20,
+    seed: Seed = 1_000_000,
+    backend: BackendName = "bullet",
+    cameras: Cameras = None,
+    svg: Icon = False,
+    as_json: Json = False,
+) -> None:
+    """Show what an object affords, how often that was so, and how sure its models are.
+
+    With --against, the lines by which another catalog differs. With --expect, the robot looks at
+    scenes of a stage, says how likely each action is to be rewarded, and tries one action in each.
+    """
+    from cbdsl.cli.catalog_text import catalog_text
+    from cbdsl.cli.terminal import print_json
+    from cbdsl.errors.errors import UsageError
+
+    if expect is not None and against is not None:
+        raise UsageError("--expect predicts and --against compares: choose one")
+    catalog = _read(name)
+    if expect is not None:
+        _predict(catalog, expect, scenes, seed, backend, cameras, as_json)
+    elif against is not None:
+        print(_difference(_read(against), catalog), end="")
+    elif svg:
+        print(_icon(catalog), end="")
+    elif as_json:
+        print_json(catalog.model_dump(mode="json", by_alias=True, exclude_none=True))
+    else:
+        print(catalog_text(catalog), end="")
+
+
+def _read(name: str) -> CatalogDocument:
+    from cbdsl.api.clean import require_clean
+    from cbdsl.documents.catalog import CatalogDocument
+    from cbdsl.yaml_text.library import Library
+
+    library = Library()
+    file = library.locate(CatalogDocument, name)
+    require_clean(file, library)
+    return library.read(file, CatalogDocument).document
+
+
+def _difference(other: CatalogDocument, catalog: CatalogDocument) -> str:
+    from difflib import unified_diff
+
+    from cbdsl.cli.catalog_text import catalog_text
+
+    before, after = (catalog_text(each).splitlines() for each in (other, catalog))
+    lines = list(unified_diff(before, after, lineterm="", n=len(before) + len(after)))[3:]
+    return "\n".join(lines or ["no difference"]) + "\n"
+
+
+def _icon(catalog: CatalogDocument) -> str:
+    from cbdsl.reporting.drawing.catalog_icon import Layer, catalog_icon
+
+    layers = [Layer(key, e.tried, e.rewarded) for key, e in catalog.affordances.items()]
+    return catalog_icon(catalog.name, catalog.feature, layers)
+
+
+def _predict(
+    catalog: CatalogDocument,
+    stage: str,
+    scenes: int,
+    seed: int,
+    backend: str,
+    cameras: str | None,
+    as_json: bool,
+) -> None:
+    from cbdsl.api.run_request import read_request
+    from cbdsl.cli.explore import require_persistent
+    from cbdsl.cli.explored_actions import ActionText, bound_action
+    from cbdsl.cli.simulation import needing_simulation, simulation
+
+    with needing_simulation():
+        from cbdsl.training.action_runner import ActionRunner
+        from cbdsl.training.held_out import try_scenes
+
+    texts = [ActionText(k, e.program, e.with_) for k, e in catalog.affordances.items()]
+    bound = [bound_action(text, catalog.feature, stage) for text in texts]
+    request = bound[0][0]
+    require_persistent(request.stage)
+    between = read_request("let_go", stage, None, {})
+    with simulation(request, backend, cameras=cameras) as (body, kinematics):
+        runner = ActionRunner(
+            request.robot,
+            kinematics,
+            body,
+            request.stage,
+            [action for _, action in bound],
+            between.program,
+            60.0,
+        )
+
+        def tell(prediction: Prediction) -> None:
+            if not as_json:
+                word = "rewarded" if prediction.rewarded else "no reward"
+                print(
+                    f"scene {prediction.scene + 1} of {scenes}: {prediction.action:20s} "
+                    f"{prediction.probability:.2f}  {word}",
+                    flush=True,
+                )
+
+        predictions = try_scenes(catalog, runner, scenes, seed, tell)
+    _conclude(predictions, as_json=as_json)
+
+
+def _conclude(predictions: list[Prediction], *, as_json: bool) -> None:
+    from cbdsl.cli.terminal import print_json
+    from cbdsl.training.held_out import brier, reliability
+
+    own, base, rows = brier(predictions), brier(predictions, base=True), reliability(predictions)
+    if as_json:
+        print_json(
+            {
+                "predictions": [each._asdict() for each in predictions],
+                "brier": own,
+                "base_rates": base,
+                "reliability": [each._asdict() for each in rows],
+            }
+        )
+        return
+    print(f"\nBrier score {own:.4f}; of the base rates {base:.4f}")
+    for row in rows:
+        print(
+            f"  predicted {row.low:.1f} to {row.high:.1f}: {row.number} times, "
+            f"mean {row.predicted:.2f}, rewarded {row.rewarded:.2f}"
+        )

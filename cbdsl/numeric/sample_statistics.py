@@ -1,0 +1,71 @@
+"""Gaussian: mean and scatter of samples, kept up to date one sample at a time."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+Floats = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class SampleStatistics:
+    """Multivariate Gaussian as its sufficient statistics; a sample more makes another one.
+
+    Attributes:
+        weight: number of the samples; of a prior as how many it counts.
+        mean: of them, shape (d,).
+        scatter: sum of the outer products of their deviations from the mean, shape (d, d).
+    """
+
+    weight: float
+    mean: Floats
+    scatter: Floats
+
+    @classmethod
+    def empty(cls, size: int) -> SampleStatistics:
+        """Gaussian of no samples of this many components."""
+        return cls(0.0, np.zeros(size), np.zeros((size, size)))
+
+    @classmethod
+    def of(cls, weight: float, mean: Floats, covariance: Floats) -> SampleStatistics:
+        """Gaussian of so many samples with this mean and this covariance."""
+        return cls(weight, mean, weight * covariance)
+
+    def updated(self, sample: Floats) -> SampleStatistics:
+        """Gaussian with one sample more, by Welford's update, which cancels no large numbers."""
+        weight = self.weight + 1.0
+        before = sample - self.mean
+        mean = self.mean + before / weight
+        scatter = self.scatter + np.outer(before, before) * (self.weight / weight)
+        return SampleStatistics(weight, mean, scatter)
+
+    def merged(self, other: SampleStatistics) -> SampleStatistics:
+        """Gaussian of the samples of both."""
+        weight = self.weight + other.weight
+        if not weight:
+            return self
+        apart = other.mean - self.mean
+        mean = self.mean + apart * (other.weight / weight)
+        between = np.outer(apart, apart) * (self.weight * other.weight / weight)
+        return SampleStatistics(weight, mean, self.scatter + other.scatter + between)
+
+    @property
+    def covariance(self) -> Floats:
+        """Mean outer product of the deviations, shape (d, d); zero without samples."""
+        return self.scatter / self.weight if self.weight else self.scatter
+
+    def log_density(self, point: Floats) -> float:
+        """Logarithm of the density at a point.
+
+        Raises:
+            numpy.linalg.LinAlgError: the covariance is not positive definite.
+        """
+        factor = np.linalg.cholesky(self.covariance)
+        standard = np.linalg.solve(factor, point - self.mean)
+        volume = float(np.log(np.diag(factor)).sum())
+        constant = 0.5 * len(self.mean) * math.log(2 * math.pi)
+        return -0.5 * float(standard @ standard) - volume - constant

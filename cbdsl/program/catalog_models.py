@@ -1,0 +1,82 @@
+"""Catalogs as they are read: the models of a document, to predict with."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+
+from cbdsl.documents.catalog import AffordanceSection, CatalogDocument, SampleModel
+from cbdsl.numeric.affordance import AffordanceModel, deviation_of
+from cbdsl.numeric.sample_statistics import SampleStatistics
+from cbdsl.types.resource import DRAWN, AffordanceProbability, Origin, Resource
+from cbdsl.types.resource_type import PROBABILITY
+
+#: Beginning of the names of such resources.
+AFFORDS = "affords."
+
+
+def affordance_resource(
+    catalog: CatalogDocument, action: str, resources: Mapping[str, Resource]
+) -> Resource | None:
+    """Resource ``affords.<action>``: Pr(reward | f, a) by what is seen now.
+
+    Args:
+        catalog: has the action.
+        action: its name.
+        resources: of the robot, by name.
+
+    Returns:
+        ``None`` where a feature of its model cannot be read beforehand, as what is drawn.
+    """
+    own = catalog.affordances[action]
+    signals = [resources.get(each.signal) for each in own.features.values()]
+    features = tuple(each for each in signals if each is not None)
+    if len(features) < len(signals) or any(each.origin in DRAWN for each in features):
+        return None
+    source = AffordanceProbability(catalog.name, action, model_of(own), features)
+    return Resource(f"{AFFORDS}{action}", PROBABILITY, Origin.ENVIRONMENT, source)
+
+
+def models_of(catalog: CatalogDocument) -> dict[str, AffordanceModel]:
+    """Models of a catalog's actions by name; one without features knows its counts alone."""
+    return {name: model_of(each) for name, each in catalog.affordances.items()}
+
+
+def model_of(affordance: AffordanceSection) -> AffordanceModel:
+    """Model of one action of a catalog."""
+    scale = np.array(
+        [
+            deviation_of(feature.unit)
+            for feature in affordance.features.values()
+            for _ in range(feature.components)
+        ]
+    )
+    return AffordanceModel(
+        scale,
+        1.0,
+        affordance.tried,
+        affordance.rewarded,
+        _samples(affordance.with_reward, len(scale)),
+        _samples(affordance.without_reward, len(scale)),
+    )
+
+
+def _samples(model: SampleModel | None, size: int) -> SampleStatistics:
+    if model is None:
+        return SampleStatistics.empty(size)
+    return SampleStatistics.of(float(model.count), np.array(model.mean), np.array(model.covariance))
+
+
+def predict(
+    affordance: AffordanceSection,
+    model: AffordanceModel,
+    ahead: Mapping[str, tuple[float, ...]],
+) -> float:
+    """Probability that an action is rewarded, by what is seen before it; Pr(reward | a) unseen."""
+    if not affordance.features or not all(name in ahead for name in affordance.features):
+        return model.reward_probability
+    numbers = [value for name in affordance.features for value in ahead[name]]
+    if len(numbers) != len(model.scale):
+        return model.reward_probability
+    return model.reward_given(np.array(numbers))

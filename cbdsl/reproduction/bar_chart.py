@@ -1,0 +1,82 @@
+"""Bars in two parts, and their picture as SVG: how often actions were taken, and rewarded."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from html import escape
+from typing import NamedTuple
+
+_WIDTH, _ROW, _LEFT, _TOP, _RIGHT = 610, 30, 170, 54, 120
+_FULL, _REST, _INK = "#0072b2", "#b5e0cf", "#222222"
+
+
+class Bar(NamedTuple):
+    """One bar.
+
+    Attributes:
+        name: what it is of.
+        first: length of its first part.
+        second: length of the part behind it.
+    """
+
+    name: str
+    first: float
+    second: float
+
+
+@dataclass(frozen=True)
+class BarChart:
+    """Bars over a common axis.
+
+    Attributes:
+        name: of its file, without suffix.
+        title: what it shows.
+        first, second: what the parts are.
+        bars: from top to bottom.
+    """
+
+    name: str
+    title: str
+    first: str
+    second: str
+    bars: tuple[Bar, ...]
+
+    def data(self) -> dict[str, object]:
+        """The data of the chart, for scripts."""
+        return {bar.name: {self.first: bar.first, self.second: bar.second} for bar in self.bars}
+
+    def svg(self) -> str:
+        """The picture, as the text of an SVG file."""
+        longest = max((bar.first + bar.second for bar in self.bars), default=1.0) or 1.0
+        scale, height = (_WIDTH - _LEFT - _RIGHT) / longest, _TOP + _ROW * len(self.bars) + 10
+        parts = [
+            f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {_WIDTH} {height}" '
+            f'font-family="sans-serif" font-size="12">',
+            f'<rect width="{_WIDTH}" height="{height}" fill="#ffffff"/>',
+            _text(20, 20, self.title, weight="bold"),
+            f'<rect x="20" y="32" width="12" height="12" fill="{_FULL}"/>',
+            _text(38, 42, self.first),
+            f'<rect x="150" y="32" width="12" height="12" fill="{_REST}"/>',
+            _text(168, 42, self.second),
+        ]
+        for row, bar in enumerate(self.bars):
+            parts += _drawn(bar, _TOP + row * _ROW, scale)
+        return "\n".join([*parts, "</svg>", ""])
+
+
+def _drawn(bar: Bar, y: float, scale: float) -> list[str]:
+    first, second = bar.first * scale, bar.second * scale
+    return [
+        _text(_LEFT - 8, y + 18, bar.name, "end"),
+        f'<rect x="{_LEFT}" y="{y + 4}" width="{first:.1f}" height="20" fill="{_FULL}"/>',
+        f'<rect x="{_LEFT + first:.1f}" y="{y + 4}" width="{second:.1f}" height="20" '
+        f'fill="{_REST}"/>',
+        _text(_LEFT + first + second + 6, y + 18, f"{bar.first:.3g} + {bar.second:.3g}"),
+    ]
+
+
+def _text(x: float, y: float, text: str, anchor: str = "start", weight: str = "normal") -> str:
+    return (
+        f'<text x="{x:.1f}" y="{y:g}" text-anchor="{anchor}" font-weight="{weight}" '
+        f'fill="{_INK}">{escape(text)}</text>'
+    )

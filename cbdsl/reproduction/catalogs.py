@@ -1,0 +1,251 @@
+"""Three catalogs: what a table and two balls afford (Figures 6.2 to 6.5)."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from cbdsl.documents.catalog import CatalogDocument
+from cbdsl.learning.exploration import NOOP
+from cbdsl.reporting.drawing.catalog_icon import Layer, catalog_icon
+from cbdsl.reproduction.bar_chart import Bar, BarChart
+from cbdsl.reproduction.claim import Claim, above, at_least, at_most, below
+from cbdsl.reproduction.estimate import chance_of_samples, mean, median
+from cbdsl.reproduction.experiment import Picture, Result, RunSettings
+from cbdsl.reproduction.exploration_series import (
+    BASKETBALL,
+    RED_BALL,
+    TABLE,
+    ExplorationSeries,
+)
+from cbdsl.reproduction.habituation import (
+    actions_of,
+    change_chart,
+    negligible_after,
+    reward_chart,
+    rewards,
+)
+from cbdsl.reproduction.interval import bootstrap_interval, median_interval
+from cbdsl.reproduction.percentage import percentage
+from cbdsl.reproduction.quantity import Quantity
+from cbdsl.reproduction.trial_runner import TrialRunner, trial_runner
+
+# In its first and its last actions an exploration chooses to do nothing seldom and often.
+_FIRST, _LAST = 30, 30
+
+
+@dataclass(frozen=True)
+class Expected:
+    """Report of the source of one action on one object.
+
+    Attributes:
+        source: in a few words.
+        claim: about the percentage of times that it was rewarded.
+    """
+
+    source: str
+    claim: Claim
+
+
+_ALWAYS, _NEVER = Expected("100 %", at_least(95)), Expected("0 %", at_most(5))
+#: By figure: the series, and how often each action is rewarded.
+FIGURES: Mapping[str, tuple[ExplorationSeries, Mapping[str, Expected]]] = {
+    "fig-6.2": (
+        TABLE,
+        {
+            "searchtrack": _ALWAYS,
+            "reachtouch": _ALWAYS,
+            "bimanualtouch": _NEVER,
+            "visualinspect": _NEVER,
+        },
+    ),
+    "fig-6.3": (
+        BASKETBALL,
+        {
+            "searchtrack": _ALWAYS,
+            "reachtouch": Expected("about 90 %", at_least(90)),
+            "bimanualtouch": Expected("about 75 %", at_least(75)),
+            "visualinspect": _NEVER,
+        },
+    ),
+    "fig-6.4": (RED_BALL, {"searchtrack": _ALWAYS}),
+}
+#: Actions that belong to each catalog.
+_ICONS: Mapping[str, frozenset[str]] = {
+    "table": frozenset({"searchtrack", "reachtouch"}),
+    "basketball": frozenset({"searchtrack", "reachtouch", "bimanualtouch"}),
+    "red_ball": frozenset(
+        {
+            "searchtrack",
+            "reachtouch",
+            "bimanualtouch",
+            "visualinspect_blue",
+            "visualinspect_yellow",
+        }
+    ),
+}
+
+
+def run(settings: RunSettings, name: str) -> Result:
+    """Explore, and count what was rewarded."""
+    with trial_runner(settings) as dexter:
+        explored = gather(dexter, settings, name)
+    if name == "fig-6.5":
+        return _icons(explored)
+    series, catalogs = explored[0]
+    expected = FIGURES[name][1]
+    quantities = [
+        *_shares(catalogs, expected),
+        *(_marks(catalogs) if series is RED_BALL else ()),
+        *_counts(catalogs),
+        *_habituation(catalogs, settings.seed),
+    ]
+    pictures: list[Picture] = [
+        reward_chart(name, series.label, catalogs),
+        _bars(name, series.label, catalogs),
+    ]
+    change = change_chart(name, series.label, catalogs)
+    return Result(tuple(quantities), (*pictures, *([change] if change else [])), _NOTES)
+
+
+_NOTES = (
+    "Every action of every trial is carried out, with the robot's own signals; the source carried "
+    "one trial out and drew the others from its models. The reward is relative to the largest "
+    "change until then; relative to the largest of the whole trial, as the source has it, it is "
+    "known only at the end, and drawn beside it.",
+)
+
+
+def series_of(name: str) -> tuple[ExplorationSeries, ...]:
+    """The series of explorations."""
+    return (TABLE, BASKETBALL, RED_BALL) if name == "fig-6.5" else (FIGURES[name][0],)
+
+
+def gather(
+    dexter: TrialRunner, settings: RunSettings, name: str
+) -> list[tuple[ExplorationSeries, list[CatalogDocument]]]:
+    """Run all actions; the catalogs of each series."""
+    for series in series_of(name):
+        dexter.expect(len(dexter.numbers(series)) * dexter.actions(series))
+    return [(series, dexter.explore(series)) for series in series_of(name)]
+
+
+def _tally(catalogs: Sequence[CatalogDocument], name: str) -> tuple[int, int]:
+    """How often an action was rewarded, and taken, in all trials."""
+    own = [each.affordances[name] for each in catalogs if name in each.affordances]
+    return sum(each.rewarded for each in own), sum(each.tried for each in own)
+
+
+def _shares(
+    catalogs: Sequence[CatalogDocument], expected: Mapping[str, Expected]
+) -> Iterator[Quantity]:
+    for name, what in expected.items():
+        hits, tried = _tally(catalogs, name)
+        yield percentage(f"{name} rewarded", what.source, hits, tried, what.claim, of="actions")
+
+
+def _marks(catalogs: Sequence[CatalogDocument]) -> Iterator[Quantity]:
+    """Of a ball with two patches: how often either was found, of all inspections."""
+    for name in ("reachtouch", "bimanualtouch"):
+        hits, tried = _tally(catalogs, name)
+        yield percentage(f"{name} rewarded", "no number", hits, tried, None, of="actions")
+    names = dict.fromkeys(k for each in catalogs for k in each.affordances if "inspect" in k)
+    inspected = sum(_tally(catalogs, name)[1] for name in names)
+    for name in names:
+        hits, _ = _tally(catalogs, name)
+        if name != "visualinspect":
+            label = f"{name} rewarded, of all inspections"
+            yield percentage(label, "below one half", hits, inspected, below(50))
+    both = sum(
+        {"visualinspect_blue", "visualinspect_yellow"} <= set(e.affordances) for e in catalogs
+    )
+    yield percentage("both patches found", "always", both, len(catalogs), at_least(90))
+
+
+def _counts(catalogs: Sequence[CatalogDocument]) -> Iterator[Quantity]:
+    """How often each action was taken in a trial."""
+    names = dict.fromkeys(a for each in catalogs for a in actions_of(each))
+    for name in names:
+        counts = np.array([float(actions_of(each).count(name)) for each in catalogs])
+        interval = bootstrap_interval(counts.tolist()) if len(counts) > 1 else None
+        yield Quantity(f"{name} taken", "", "", float(counts.mean()), None, interval=interval)
+
+
+def _habituation(catalogs: Sequence[CatalogDocument], seed: int) -> Iterator[Quantity]:
+    after = np.array([negligible_after(row) for row in rewards(catalogs)])
+    claim, middle = at_most(60), float(np.median(after))
+    yield Quantity(
+        "reward negligible after, median",
+        "actions",
+        "40 to 60",
+        middle,
+        claim,
+        interval=median_interval(after, seed) if len(after) > 1 and np.isfinite(middle) else None,
+        chance=chance_of_samples(claim, after[np.isfinite(after)], median, seed),
+    )
+    more = np.array([_more_often(actions_of(each)) for each in catalogs])
+    grows = above(0.0)
+    yield Quantity(
+        f"noop, last {_LAST} minus first {_FIRST} actions",
+        "actions",
+        "grows",
+        float(more.mean()),
+        grows,
+        interval=bootstrap_interval(more.tolist()) if len(more) > 1 else None,
+        chance=chance_of_samples(grows, more, mean, seed),
+    )
+
+
+def _more_often(actions: Sequence[str]) -> float:
+    return float(actions[-_LAST:].count(NOOP) - actions[:_FIRST].count(NOOP))
+
+
+def _bars(name: str, label: str, catalogs: Sequence[CatalogDocument]) -> BarChart:
+    bars, trials = [], len(catalogs)
+    for key in dict.fromkeys(k for each in catalogs for k in each.affordances):
+        hits, tried = _tally(catalogs, key)
+        bars.append(Bar(key, hits / trials, (tried - hits) / trials))
+    nothing = sum(actions_of(each).count(NOOP) for each in catalogs) / trials
+    bars.append(Bar(NOOP, 0.0, nothing))
+    title = f"{label}: actions of a trial"
+    return BarChart(f"{name}-actions", title, "rewarded", "not rewarded", tuple(bars))
+
+
+@dataclass(frozen=True)
+class IconPicture:
+    """The icon of a catalog as a picture of an experiment."""
+
+    name: str
+    title: str
+    feature: str
+    layers: tuple[Layer, ...]
+
+    def svg(self) -> str:
+        """The picture, as the text of an SVG file."""
+        return catalog_icon(self.title, self.feature, self.layers)
+
+    def data(self) -> dict[str, object]:
+        """The data of the picture, for scripts."""
+        return {each.name: [each.rewarded, each.tried] for each in self.layers}
+
+
+def _icons(explored: Sequence[tuple[ExplorationSeries, list[CatalogDocument]]]) -> Result:
+    quantities, pictures = [], []
+    for series, catalogs in explored:
+        wanted = _ICONS[series.name]
+        hits = sum(_afforded(each) == wanted for each in catalogs)
+        label = f"{series.label}: catalogs with just these {len(wanted)} affordances"
+        quantities.append(percentage(label, "all", hits, len(catalogs), at_least(90)))
+        keys = dict.fromkeys(k for each in catalogs for k in each.affordances)
+        layers = tuple(
+            Layer(key, tally[1], tally[0]) for key in keys if (tally := _tally(catalogs, key))
+        )
+        pictures.append(IconPicture(f"fig-6.5-{series.name}", series.label, series.feature, layers))
+    return Result(tuple(quantities), tuple(pictures))
+
+
+def _afforded(catalog: CatalogDocument) -> frozenset[str]:
+    """Actions that were rewarded at least once."""
+    return frozenset(name for name, each in catalog.affordances.items() if each.rewarded)

@@ -1,0 +1,181 @@
+"""The explorations of the source's Chapter 6, as data."""
+
+from __future__ import annotations
+
+import shlex
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import NamedTuple
+
+from cbdsl.checking.knowledge.digest import program_digest
+from cbdsl.checking.program import check_program
+from cbdsl.documents.program import ProgramDocument
+from cbdsl.documents.robot import RobotDocument
+from cbdsl.documents.stage import StageDocument
+from cbdsl.learning.constants import read_constants
+from cbdsl.learning.exploration import EXPLORATIONS
+from cbdsl.program.checked import CheckedProgram
+from cbdsl.reproduction.shipped import shipped_file
+from cbdsl.robot.resources import resources
+from cbdsl.training.explorable import Explorable, explorable, other_hues
+from cbdsl.training.exploration_task import ExplorationTask
+from cbdsl.yaml_text.library import Library
+
+_OPEN = "?"
+
+
+class ExploredAction(NamedTuple):
+    """An action of a series.
+
+    Attributes:
+        name: in the catalog.
+        program: what runs.
+        values: of its parameters; ``?`` for a channel that is found while it runs.
+    """
+
+    name: str
+    program: str
+    values: Mapping[str, str] = {}
+
+    @property
+    def text(self) -> str:
+        """As ``cb explore`` takes it."""
+        values = ",".join(f"{key}={value}" for key, value in self.values.items())
+        return f"{self.name}={self.program}" + (f":{values}" if values else "")
+
+
+@dataclass(frozen=True)
+class ExplorationSeries:
+    """Explorations of one world, each from zero.
+
+    Attributes:
+        name: of the files of its trials.
+        label: how tables and pictures call it.
+        feature: channel by which the object is known.
+        stage: the world.
+        explored: what can be done.
+        algorithm: how actions are chosen.
+        actions: of each exploration, as many as the source has.
+        trials: as many as the source has, most of which it drew from its models.
+    """
+
+    name: str
+    label: str
+    feature: str
+    stage: str
+    explored: tuple[ExploredAction, ...]
+    algorithm: str = "explore_catalog"
+    actions: int = 100
+    trials: int = 25
+
+    def command(self, seed: int, actions: int, backend: str, cameras: str | None) -> str:
+        """The command line of ``cb explore`` that explores the same."""
+        words = ["cb", "explore", *(each.text for each in self.explored)]
+        words += ["--out", f"{self.name}.yaml", "--stage", self.stage, "--feature", self.feature]
+        words += ["--seed", str(seed), "--backend", backend]
+        words += ["--cameras", cameras] if cameras is not None else []
+        words += ["--algorithm", self.algorithm] if self.algorithm != "explore_catalog" else []
+        return shlex.join([*words, "--actions", str(actions)])
+
+    def task(
+        self, library: Library, robot: RobotDocument, urdf: Path, path: Path
+    ) -> ExplorationTask:
+        """The task of one exploration, but for who runs it and with which seed."""
+        stage = library.read(shipped_file(library, StageDocument, self.stage), StageDocument)
+        constants = EXPLORATIONS[self.algorithm].Constants
+        return ExplorationTask(
+            actions=tuple(self._explorable(each, library, robot) for each in self.explored),
+            between=_checked("let_go", {}, library),
+            feature=self.feature,
+            robot=robot,
+            urdf=urdf,
+            stage=stage.document,
+            backend="",
+            algorithm=self.algorithm,
+            constants=read_constants(constants, {}, self.algorithm),
+            seed=0,
+            number=0,
+            count=self.actions,
+            until_habituated=False,
+            command="",
+            path=path,
+        )
+
+    def _explorable(
+        self, action: ExploredAction, library: Library, robot: RobotDocument
+    ) -> Explorable:
+        values = {"feature": self.feature, **action.values}
+        open_keys = [key for key, value in values.items() if value == _OPEN]
+        closed = {key: value for key, value in values.items() if value != _OPEN}
+        made = _bound(action.name, action.program, closed, library, robot)
+        if not open_keys:
+            return made
+        marks = {
+            channel: _bound(
+                f"{action.name}_{channel}",
+                action.program,
+                {**closed, open_keys[0]: channel},
+                library,
+                robot,
+            )
+            for channel in other_hues(robot, {values["feature"]})
+        }
+        return replace(made, marks=marks)
+
+
+def _bound(
+    name: str, program: str, values: Mapping[str, str], library: Library, robot: RobotDocument
+) -> Explorable:
+    file = shipped_file(library, ProgramDocument, program)
+    checked = _checked(program, values, library)
+    made = explorable(name, checked, program_digest(file, library), resources(robot))
+    assert made is not None, "shipped programs are rewarded"
+    return made
+
+
+def _checked(program: str, values: Mapping[str, str], library: Library) -> CheckedProgram:
+    return check_program(shipped_file(library, ProgramDocument, program), values, library)
+
+
+_LOOK = ExploredAction("searchtrack", "searchtrack")
+_TOUCH = ExploredAction("reachtouch", "reachtouch")
+_BOTH = ExploredAction("bimanualtouch", "bimanualtouch")
+_INSPECT = ExploredAction("visualinspect", "visualinspect", {"mark": _OPEN})
+_SURFACE = ExploredAction("reachtouch", "touch_table")
+
+
+def _reaching(*colors: str) -> tuple[ExploredAction, ...]:
+    return tuple(
+        ExploredAction(f"reachtouch_{color}", "reachtouch", {"feature": color}) for color in colors
+    )
+
+
+TABLE = ExplorationSeries(
+    "table", "green table", "green", "exploring_table", (_LOOK, _SURFACE, _BOTH, _INSPECT)
+)
+BASKETBALL = ExplorationSeries(
+    "basketball", "basketball", "yellow", "exploring_basketball", (_LOOK, _TOUCH, _BOTH, _INSPECT)
+)
+RED_BALL = ExplorationSeries(
+    "red_ball", "red ball", "red", "exploring_red_ball", (_LOOK, _TOUCH, _BOTH, _INSPECT)
+)
+TABLE_MODELS = ExplorationSeries(
+    "table_models", "green table", "green", "exploring_table", (_LOOK, _SURFACE), "explore_models"
+)
+THREE_BALLS = ExplorationSeries(
+    "scattered_balls",
+    "three balls",
+    "red",
+    "scattered_balls",
+    _reaching("red", "yellow", "blue"),
+    "explore_models",
+)
+NOVEL = ExplorationSeries(
+    "novel_and_surprising",
+    "novelty and surprise",
+    "red",
+    "novel_and_surprising",
+    _reaching("red", "blue"),
+    "explore_models",
+)

@@ -1,0 +1,114 @@
+"""Habituation over the actions of explorations: rewards, changes of models, and when they end."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cbdsl.documents.catalog import CatalogDocument
+from cbdsl.learning.exploration import NOOP
+from cbdsl.reproduction.chart import Chart, Line
+from cbdsl.reproduction.interval import bootstrap_interval
+
+Floats = NDArray[np.float64]
+
+# Reward is negligible where its mean over so many actions stays below what an action costs.
+_WINDOW, _NEGLIGIBLE = 10, 0.05
+_MOST_LINES = 4
+
+
+def actions_of(catalog: CatalogDocument) -> tuple[str, ...]:
+    """The actions of an exploration in turn."""
+    return () if catalog.steps is None else catalog.steps.action
+
+
+def rewards(catalogs: Sequence[CatalogDocument]) -> Floats:
+    """Reward by trial and action, shape (trials, actions)."""
+    return np.array([each.steps.reward for each in catalogs if each.steps is not None])
+
+
+def rewards_by_hindsight(catalogs: Sequence[CatalogDocument], cost: float = 0.05) -> Floats:
+    """Reward relative to the largest change of the whole trial, as the source has it."""
+    rows = []
+    for steps in (each.steps for each in catalogs):
+        if steps is not None:
+            largest = max(steps.change, default=0.0) or 1.0
+            rows.append(
+                [
+                    0.0 if action == NOOP else change / largest - cost
+                    for action, change in zip(steps.action, steps.change, strict=True)
+                ]
+            )
+    return np.array(rows)
+
+
+def negligible_after(reward: Floats) -> float:
+    """Actions after which the reward of one trial is negligible; infinite where it never is."""
+    if len(reward) < _WINDOW:
+        return math.inf
+    means = np.convolve(reward, np.full(_WINDOW, 1 / _WINDOW), mode="valid")
+    large = np.flatnonzero(means >= _NEGLIGIBLE)
+    if not len(large):
+        return 0.0
+    last = int(large[-1]) + _WINDOW
+    return float(last) if last < len(reward) else math.inf
+
+
+def tries_until_habituated(catalog: CatalogDocument, name: str, share: float = 0.1) -> float:
+    """How often an action was taken until its model's change fell below a share for good.
+
+    The share is of the largest change of the exploration.
+    """
+    steps = catalog.steps
+    if steps is None:
+        return math.nan
+    bound = share * (max(steps.change, default=0.0) or 1.0)
+    own = [c for a, c in zip(steps.action, steps.change, strict=True) if a == name]
+    large = [index for index, change in enumerate(own) if change > bound]
+    return float(large[-1] + 2) if large else 0.0
+
+
+def reward_chart(name: str, label: str, catalogs: Sequence[CatalogDocument]) -> Chart:
+    """Mean reward over the actions, causal and by hindsight, with the interval of the first."""
+    causal, hindsight = rewards(catalogs), rewards_by_hindsight(catalogs)
+    x = tuple(float(k + 1) for k in range(causal.shape[1]))
+    ends = [bootstrap_interval(column) for column in causal.T] if len(causal) > 1 else []
+    first = Line(
+        "largest until then",
+        x,
+        tuple(causal.mean(axis=0).tolist()),
+        tuple(low for low, _ in ends),
+        tuple(high for _, high in ends),
+    )
+    second = Line("largest of the trial", x, tuple(hindsight.mean(axis=0).tolist()))
+    return Chart(f"{name}-reward", f"{label}: reward", "action", "mean reward", (first, second))
+
+
+def change_chart(name: str, label: str, catalogs: Sequence[CatalogDocument]) -> Chart | None:
+    """Mean change of each model's variance at its first, second, ... reward."""
+    keys = dict.fromkeys(key for each in catalogs for key in each.affordances)
+    lines = []
+    for key in keys:
+        rows = [_changes(each, key) for each in catalogs]
+        longest = max(map(len, rows))
+        if longest > 1:
+            y = [float(np.mean([r[k] for r in rows if len(r) > k])) for k in range(longest)]
+            lines.append(Line(key, tuple(float(k + 1) for k in range(longest)), tuple(y)))
+    if not lines:
+        return None
+    title = f"{label}: change of the models"
+    own = tuple(lines[:_MOST_LINES])
+    return Chart(f"{name}-change", title, "time that it was rewarded", "change, share", own)
+
+
+def _changes(catalog: CatalogDocument, name: str) -> list[float]:
+    """Changes of one model relative to the largest of the trial, reward by reward."""
+    steps = catalog.steps
+    if steps is None:
+        return []
+    largest = max(steps.change, default=0.0) or 1.0
+    rows = zip(steps.action, steps.rewarded, steps.change, strict=True)
+    return [change / largest for action, rewarded, change in rows if rewarded and action == name]

@@ -1,0 +1,58 @@
+"""Meshes of things, in the middle of the box around them."""
+
+from __future__ import annotations
+
+from functools import lru_cache
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+
+from cbdsl.errors.errors import UsageError
+from cbdsl.robot.mesh_reader import Mesh
+from cbdsl.robot.triangles import read_triangles
+
+# Volume over the cube of the longest extent, below which nothing is inside.
+_LEAST = 1e-6
+
+
+class ThingMesh(NamedTuple):
+    """A closed mesh in the middle of the box around it.
+
+    Attributes:
+        mesh: its corners, m, and triangles.
+        halves: half its extents along x, y and z, m.
+    """
+
+    mesh: Mesh
+    halves: tuple[float, float, float]
+
+
+def read_thing_mesh(file: Path, scale: float) -> ThingMesh:
+    """The mesh in a file, of a unit of ``scale`` metres; read again once the file has changed.
+
+    Raises:
+        UsageError: there is no such file, it is no mesh, or none of a thing that a hand could hold.
+    """
+    return _read(file, scale, changed(file))
+
+
+def changed(file: Path) -> int:
+    """When a file was last changed, ns; 0 where it is not there."""
+    return file.stat().st_mtime_ns if file.is_file() else 0
+
+
+@lru_cache(maxsize=32)
+def _read(file: Path, scale: float, _changed: int) -> ThingMesh:
+    triangles = read_triangles(file, scale)
+    a, b, c = np.moveaxis(triangles, 1, 0)
+    volume = float(np.sum(a * np.cross(b, c))) / 6
+    if abs(volume) < _LEAST * float(np.ptp(triangles.reshape(-1, 3), axis=0).max()) ** 3:
+        raise UsageError(f"{file}: it has no inside")
+    if volume < 0:  # its triangles are seen from the inside
+        triangles = triangles[:, ::-1]
+    corners, places = np.unique(triangles.reshape(-1, 3), axis=0, return_inverse=True)
+    low, high = corners.min(axis=0), corners.max(axis=0)
+    x, y, z = ((high - low) / 2).tolist()
+    mesh = Mesh(corners - (low + high) / 2, places.reshape(-1, 3).astype(np.intp))
+    return ThingMesh(mesh, (x, y, z))

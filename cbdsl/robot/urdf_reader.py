@@ -1,0 +1,294 @@
+"""The one reader of URDF models."""
+
+import math
+from collections.abc import Iterable, Iterator, Mapping
+from pathlib import Path
+from xml.etree import ElementTree
+
+from cbdsl.documents.contents import contents
+from cbdsl.robot.urdf import (
+    Mimic,
+    Numbers,
+    UrdfError,
+    UrdfInertial,
+    UrdfJoint,
+    UrdfLink,
+    UrdfModel,
+    UrdfOrigin,
+    UrdfShape,
+    way_to_root,
+)
+
+# The largest public models, of humanoids, have a tenth of it; meshes have files of their own.
+_MOST_BYTES = 16_000_000
+
+
+def read_urdf(path: Path) -> UrdfModel:
+    """Read a model; its meshes are left to those who draw them.
+
+    Raises:
+        UrdfError: there is no such file, or it is no URDF.
+    """
+    try:
+        return parse_urdf(contents(path, _MOST_BYTES), path)
+    except OSError as error:
+        raise UrdfError(f"{path}: {error.strerror}") from None
+
+
+def parse_urdf(text: bytes | str, path: Path) -> UrdfModel:
+    """Parse the text of a model.
+
+    Args:
+        text: of the model.
+        path: names it in messages.
+
+    Raises:
+        UrdfError: it is no URDF.
+    """
+    try:
+        root = ElementTree.fromstring(text)
+    except (ElementTree.ParseError, ValueError, LookupError) as error:
+        raise UrdfError(f"{path}: it is no XML, of which URDF is made: {error}") from None
+    if any("xacro" in element.tag for element in root.iter()):
+        raise UrdfError(f"{path}: it is xacro; `xacro {path.name} > {path.stem}.urdf` expands it")
+    if root.tag != "robot":
+        raise UrdfError(f"{path}: its root is <{root.tag}>, not <robot>")
+    links = frozenset(link.get("name", "") for link in root.findall("link"))
+    try:
+        _require_distinct(root)
+        _require_masses(root)
+        joints = [_joint(element, links) for element in root.findall("joint")]
+        _require_tree(links, joints)
+    except ValueError as error:
+        raise UrdfError(f"{path}: {error}") from None
+    parents = {joint.child: joint for joint in joints}
+    ways = {link: way_to_root(link, parents) for link in links}
+    moving = {link: tuple(j.name for j in way if j.movable) for link, way in ways.items()}
+    return UrdfModel(
+        path, links, {joint.name: joint for joint in joints}, moving, _meshes(root),
+        lambda: _links(root, path),
+    )  # fmt: skip
+
+
+def _meshes(root: ElementTree.Element) -> Mapping[str, str]:
+    """Files of meshes, each with the name of a link that it is a part of."""
+    return {
+        mesh.get("filename", ""): link.get("name", "")
+        for link in root.findall("link")
+        for mesh in link.iter("mesh")
+    }
+
+
+def _links(root: ElementTree.Element, path: Path) -> list[UrdfLink]:
+    """All links with their shapes.
+
+    Raises:
+        UrdfError: a link has something else where numbers should be.
+    """
+    colors = {each.get("name", ""): _color(each) for each in root.findall("material")}
+    try:
+        return [_link(element, colors) for element in root.findall("link")]
+    except ValueError as error:
+        raise UrdfError(f"{path}: {error}") from None
+
+
+def _require_distinct(root: ElementTree.Element) -> None:
+    """Require names, and different ones, as whatever reads models does.
+
+    Raises:
+        ValueError: something has no name, or that of another.
+    """
+    if not root.get("name"):
+        raise ValueError('its <robot> has no name; write <robot name="...">')
+    for kind in ("link", "joint"):
+        names = [element.get("name", "") for element in root.findall(kind)]
+        if "" in names:
+            raise ValueError(f"one of its {kind}s has no name")
+        twice = next((name for name in names if names.count(name) > 1), None)
+        if twice is not None:
+            raise ValueError(f"it has two {kind}s of the name '{twice}'")
+
+
+def _require_tree(links: frozenset[str], joints: Iterable[UrdfJoint]) -> None:
+    """A model has one root.
+
+    Raises:
+        ValueError: it has none, or several.
+    """
+    roots = sorted(links - {joint.child for joint in joints})
+    if not links:
+        raise ValueError("it has no <link>")
+    if not roots:
+        raise ValueError("its joints go in a circle: every link is moved by another")
+    if len(roots) > 1:
+        names = " and ".join(f"'{name}'" for name in roots[:3])
+        raise ValueError(f"its links {names} are not joined; a model is one tree with one root")
+
+
+def _joint(element: ElementTree.Element, links: frozenset[str]) -> UrdfJoint:
+    name, kind = element.get("name", ""), element.get("type", "")
+    parent, child = element.find("parent"), element.find("child")
+    if parent is None or child is None:
+        raise ValueError(f"joint '{name}' has no parent or no child")
+    for end in (parent, child):
+        if end.get("link") not in links:
+            raise ValueError(f"joint '{name}' joins link '{end.get('link')}', which is not there")
+    limit = element.find("limit")
+    problem = _problem(kind, limit) or next(_not_numbers(element), None)
+    axis = element.find("axis")
+    if problem is not None:
+        raise ValueError(f"joint '{name}' {problem}")
+    bounded = limit is not None and kind != "continuous"
+    lower, upper = (_limit(limit, "lower"), _limit(limit, "upper")) if bounded else (None, None)
+    return UrdfJoint(
+        name=name,
+        parent=parent.get("link", ""),
+        child=child.get("link", ""),
+        kind=kind,
+        lower=-math.inf if lower is None else lower,
+        upper=math.inf if upper is None else upper,
+        limited=limit is not None and not {"lower", "upper"}.isdisjoint(limit.keys()),
+        mimic=_mimic(element.find("mimic")),
+        origin=_origin(element),
+        axis=(1.0, 0.0, 0.0) if axis is None else _numbers(axis.get("xyz", "1 0 0")),
+        velocity=_most(limit, "velocity"),
+        effort=_most(limit, "effort"),
+    )
+
+
+_KINDS = ("revolute", "continuous", "prismatic", "fixed", "floating", "planar")
+_EXAMPLE = '<limit lower="-1.57" upper="1.57" effort="10" velocity="2"/>'
+
+
+def _problem(kind: str, limit: ElementTree.Element | None) -> str | None:
+    """Why kinematics and simulators would refuse a joint, and with it the model."""
+    if kind not in _KINDS:
+        return f"has the type '{kind}', which is none of {', '.join(_KINDS)}"
+    if limit is None:
+        needs_one = kind in ("revolute", "prismatic")
+        return f"is {kind} and has no <limit>, such as {_EXAMPLE}" if needs_one else None
+    for key in ("effort", "velocity"):
+        if limit.get(key) is None:
+            return f"has a <limit> without {key}; write it as in {_EXAMPLE}"
+        if limit.get(key, "").lstrip().startswith("-"):
+            return f"has the {key} limit {limit.get(key)}; limits are 0, for none, or more"
+    return None
+
+
+def _require_masses(root: ElementTree.Element) -> None:
+    """No link weighs less than nothing.
+
+    Raises:
+        ValueError: one does.
+    """
+    for link in root.findall("link"):
+        mass = link.find("inertial/mass")
+        text = "0" if mass is None else mass.get("value", "0")
+        if text.lstrip().startswith("-"):
+            raise ValueError(f"link '{link.get('name')}' has the mass {text}, which is below 0")
+
+
+_COUNTS = {"xyz": 3, "rpy": 3, "lower": 1, "upper": 1, "effort": 1, "velocity": 1}
+_COUNTS |= {"multiplier": 1, "offset": 1, "damping": 1, "friction": 1}
+_COUNTS |= {"size": 3, "radius": 1, "length": 1, "scale": 3, "value": 1}
+_COUNTS |= {"ixx": 1, "iyy": 1, "izz": 1, "ixy": 1, "ixz": 1, "iyz": 1}
+
+
+def _not_numbers(element: ElementTree.Element) -> Iterator[str]:
+    """Complaints about attributes of a joint or link that should be one or three numbers."""
+    for inner in element.iter():
+        for key, text in inner.items():
+            count = _COUNTS.get(key)
+            if key == "value" and inner.tag != "mass":
+                continue  # of an extension, which may be any word
+            if count is not None and not _are_numbers(text, count):
+                wanted = "a number" if count == 1 else "three numbers with spaces between them"
+                yield f'has {key}="{text}", which should be {wanted}'
+
+
+def _are_numbers(text: str, count: int) -> bool:
+    try:
+        return len([x for x in map(float, text.split()) if math.isfinite(x)]) == count
+    except ValueError:
+        return False
+
+
+def _numbers(text: str) -> Numbers:
+    return tuple(map(float, text.split()))
+
+
+def _origin(element: ElementTree.Element) -> UrdfOrigin:
+    """The ``<origin>`` of an element; without one, no displacement."""
+    origin = element.find("origin")
+    if origin is None:
+        return UrdfOrigin()
+    return UrdfOrigin(_numbers(origin.get("xyz", "0 0 0")), _numbers(origin.get("rpy", "0 0 0")))
+
+
+def _color(material: ElementTree.Element) -> Numbers | None:
+    color = material.find("color")
+    return None if color is None else _numbers(color.get("rgba", "0.7 0.7 0.7 1"))[:3]
+
+
+def _link(element: ElementTree.Element, colors: Mapping[str, Numbers | None]) -> UrdfLink:
+    name = element.get("name", "")
+    problem = next(_not_numbers(element), None)
+    if problem is not None:
+        raise ValueError(f"link '{name}' {problem}")
+    visuals, collisions = (
+        tuple(_shapes(element.findall(use), colors)) for use in ("visual", "collision")
+    )
+    return UrdfLink(name, visuals, collisions, _inertial(element.find("inertial")))
+
+
+def _shapes(
+    elements: Iterable[ElementTree.Element], colors: Mapping[str, Numbers | None]
+) -> Iterator[UrdfShape]:
+    for element in elements:
+        material, color = element.find("material"), None
+        if material is not None:
+            color = _color(material) or colors.get(material.get("name", ""))
+        for geometry in element.findall("geometry/*"):
+            file = geometry.get("filename", "")
+            if geometry.tag in _SIZES:
+                kind, keys = _SIZES[geometry.tag]
+                size = " ".join(geometry.get(key, unsaid) for key, unsaid in keys.items())
+                yield UrdfShape(kind, _numbers(size), _origin(element), color, file)
+
+
+_SIZES = {
+    "sphere": ("ball", {"radius": "0"}),
+    "box": ("box", {"size": "0 0 0"}),
+    "cylinder": ("cylinder", {"radius": "0", "length": "0"}),
+    "capsule": ("capsule", {"radius": "0", "length": "0"}),
+    "mesh": ("mesh", {"scale": "1 1 1"}),
+}
+
+
+def _inertial(element: ElementTree.Element | None) -> UrdfInertial | None:
+    if element is None:
+        return None
+    mass, inertia = element.find("mass"), element.find("inertia")
+    moments = {} if inertia is None else inertia.attrib
+    keys = ("ixx", "iyy", "izz", "ixy", "ixz", "iyz")
+    return UrdfInertial(
+        0.0 if mass is None else float(mass.get("value", "0")),
+        tuple(float(moments.get(key, "0")) for key in keys),
+        _origin(element),
+    )
+
+
+def _mimic(element: ElementTree.Element | None) -> Mimic | None:
+    if element is None:
+        return None
+    ratio, offset = element.get("multiplier", "1"), element.get("offset", "0")
+    return Mimic(element.get("joint", ""), float(ratio), float(offset))
+
+
+def _limit(limit: ElementTree.Element | None, key: str) -> float | None:
+    return None if limit is None else float(limit.get(key, "0"))
+
+
+def _most(limit: ElementTree.Element | None, key: str) -> float:
+    """A limit of velocity or effort; none, or one of 0, is no limit."""
+    return (_limit(limit, key) or math.inf) if limit is not None else math.inf

@@ -1,0 +1,71 @@
+"""Feature reader: what an action's signals are when it begins to act on them (Section 6.2.2)."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+
+from cbdsl.runtime.episode import Tick
+from cbdsl.runtime.program_run import ProgramRun
+from cbdsl.types.resource import Resource, SurfacePoint
+
+# Images come at a quarter of the ticks at most, and nothing that is seen changes in between.
+_EVERY = 4
+
+
+class FeatureReader:
+    """Reads features once, at the first moment of an episode at which all of them are defined.
+
+    Where that never comes, it is the first moment at which most of them are. A feature that is
+    drawn, such as a point of a surface, is the draw of the controller that goes there.
+
+    Args:
+        features: the resources by name.
+        watched: resources of which only is noted for how long they were defined.
+
+    Attributes:
+        values: components of the features that were defined, in SI, by name.
+        seconds: for how long each of ``watched`` was defined, s, by name.
+    """
+
+    def __init__(
+        self, features: Mapping[str, Resource], watched: Mapping[str, Resource] | None = None
+    ) -> None:
+        self._features, self._watched = features, watched or {}
+        self.values: dict[str, tuple[float, ...]] = {}
+        self.seconds = dict.fromkeys(self._watched, 0.0)
+        self._ticks, self._time = 0, 0.0
+
+    def note_tick(self, tick: Tick) -> None:
+        """Read what is still to be read; a listener of ``Runner.run``."""
+        self._ticks += 1
+        if self._ticks % _EVERY:
+            return
+        passed, self._time = tick.observation.time - self._time, tick.observation.time
+        for name, resource in self._watched.items():
+            if tick.signals.read(resource) is not None:
+                self.seconds[name] += passed
+        if len(self.values) < len(self._features):
+            now = dict(self._defined(tick))
+            if len(now) > len(self.values):
+                self.values = now
+
+    def _defined(self, tick: Tick) -> Iterator[tuple[str, tuple[float, ...]]]:
+        for name, resource in self._features.items():
+            if isinstance(resource.source, SurfacePoint):
+                value = next(_draws(tick, tick.run, resource), None)
+            else:
+                reading = tick.signals.read(resource)
+                value = None if reading is None else tuple(reading.value.ravel().tolist())
+            if value is not None:
+                yield name, value
+
+
+def _draws(tick: Tick, run: ProgramRun, resource: Resource) -> Iterator[tuple[float, ...]]:
+    """Points that controllers of a program have drawn and go to."""
+    table = tick.signals.table
+    for controller in run.runs:
+        own = controller.rows.declared
+        if controller.controller.reference == resource and table.is_defined(own):
+            yield tuple(table.values(own).tolist())
+    for child in run.children.values():
+        yield from _draws(tick, child, resource)

@@ -1,0 +1,118 @@
+"""Catalogs as they are written: what an exploration knows, with where it comes from."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+from cbdsl.documents.catalog import (
+    AffordanceSection,
+    CatalogDocument,
+    CatalogProvenance,
+    FeatureSection,
+    Habituation,
+    SampleModel,
+    StepColumns,
+)
+from cbdsl.learning.exploration import ActionOutcome, Affordance, Exploration
+from cbdsl.learning.proportion import wilson_interval
+from cbdsl.numeric.sample_statistics import SampleStatistics
+from cbdsl.training.explorable import Explorable
+
+
+def catalog_document(
+    name: str,
+    feature: str,
+    exploration: Exploration,
+    outcomes: Sequence[ActionOutcome],
+    actions: Mapping[str, Explorable],
+    provenance: CatalogProvenance,
+) -> CatalogDocument:
+    """Catalog of an exploration.
+
+    Args:
+        name: of the catalog.
+        feature: channel by which the object is known.
+        exploration: at its end.
+        outcomes: of its actions.
+        actions: what its actions run, by name.
+        provenance: where the catalog comes from.
+    """
+    robot = next(iter(actions.values())).program.robot
+    failures = {each.action: each.ending for each in outcomes if each.failed}
+    steps = exploration.steps
+    return CatalogDocument(
+        cbdsl=1,
+        kind="catalog",
+        name=name,
+        robot=robot,
+        feature=feature,
+        affordances={
+            key: _section(key, exploration, actions[key], failures.get(key, ""))
+            for key in exploration.affordances
+        },
+        steps=StepColumns(
+            action=tuple(step.action for step in steps),
+            rewarded=tuple(step.rewarded for step in steps),
+            change=tuple(_rounded(step.change) for step in steps),
+            reward=tuple(_rounded(step.reward) for step in steps),
+        )
+        if steps
+        else None,
+        provenance=provenance,
+    )
+
+
+def _section(
+    name: str, exploration: Exploration, action: Explorable, failure: str
+) -> AffordanceSection:
+    affordance = exploration.affordances[name]
+    program, model = action.program, affordance.model
+    tried, rewarded = affordance.tried, affordance.successes
+    values: Mapping[str, float] = getattr(exploration, "values", {})
+    return AffordanceSection(
+        program=program.name,
+        **{"with": dict(program.parameters)},
+        tried=tried,
+        rewarded=rewarded,
+        interval=wilson_interval(rewarded, tried) if tried else None,
+        features={
+            key: FeatureSection(
+                signal=action.features[key].name,
+                unit=action.features[key].type.unit,
+                components=action.features[key].type.size,
+            )
+            for key in affordance.features
+        },
+        with_reward=None if model is None else _samples(model.rewarded),
+        without_reward=None if model is None else _samples(model.unrewarded),
+        habituation=_habituation(name, exploration, affordance),
+        value=_rounded(values.get(name, 0.0)),
+        failed=failure if affordance.failed else "",
+    )
+
+
+def _habituation(name: str, exploration: Exploration, affordance: Affordance) -> Habituation | None:
+    if affordance.model is None:
+        return None
+    return Habituation(
+        variance=_rounded(affordance.model.variance(exploration.constants.measure)),
+        change=_rounded(exploration.change_of(name) or 0.0),
+        habituated=exploration.is_habituated(name),
+    )
+
+
+def _samples(samples: SampleStatistics) -> SampleModel | None:
+    """Mean and covariance of samples, where there are some."""
+    if not samples.weight:
+        return None
+    covariance = samples.covariance.tolist()
+    return SampleModel(
+        count=round(samples.weight),
+        mean=tuple(map(_rounded, samples.mean.tolist())),
+        covariance=tuple(tuple(map(_rounded, row)) for row in covariance),
+    )
+
+
+def _rounded(value: float) -> float:
+    """A number with as many digits as mean something, the same on every machine."""
+    return float(f"{value:.9g}")

@@ -1,0 +1,151 @@
+"""Explorable actions: programs bound to a feature, and the signals that their models are over."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterator, Mapping
+from dataclasses import dataclass, field
+
+from cbdsl.documents.digest import ProgramDigest
+from cbdsl.documents.robot import RobotDocument
+from cbdsl.learning.exploration import FeatureForm
+from cbdsl.program.checked import CheckedProgram
+from cbdsl.program.controller import Controller
+from cbdsl.types.resource import Heading, Resource, StereoPosition, SurfacePoint
+
+
+@dataclass(frozen=True)
+class Explorable:
+    """An action that can be explored.
+
+    Attributes:
+        name: in the catalog.
+        program: what runs.
+        digest: of its text.
+        features: signals that its model is over, by name.
+        presence: heading that is defined while what it acts on is seen.
+        marks: actions that it can turn out to be, by the channel that is found while it runs.
+    """
+
+    name: str
+    program: CheckedProgram
+    digest: ProgramDigest
+    features: Mapping[str, Resource]
+    presence: Resource
+    marks: Mapping[str, Explorable] = field(default_factory=dict)
+
+    @property
+    def forms(self) -> tuple[FeatureForm, ...]:
+        """The features as a model sees them."""
+        return tuple(
+            FeatureForm(name, resource.type.unit, resource.type.size)
+            for name, resource in self.features.items()
+        )
+
+    @property
+    def observed(self) -> tuple[Resource, ...]:
+        """All signals that are read beside those of its program."""
+        own = [each for each in self.features.values() if not isinstance(each.source, SurfacePoint)]
+        marked = [each for mark in self.marks.values() for each in mark.observed]
+        return (*own, self.presence, *marked)
+
+
+def features_of(
+    program: CheckedProgram, resources: Mapping[str, Resource]
+) -> tuple[dict[str, Resource], Resource] | None:
+    """Features of a program, after what it is rewarded for, and the heading to what it acts on.
+
+    Of what is tracked they are heading, its velocity and the region's extent in the first camera;
+    of what is touched position, velocity and volume, and of a surface the point that is drawn
+    (Section 6.2.2).
+
+    Args:
+        program: the program.
+        resources: of its robot, by name.
+
+    Returns:
+        ``None`` where the program is rewarded for neither.
+    """
+    rewarded = [each.lead for each in program.primitives.values() if each.rewarded]
+    first = next((each.feedback for each in rewarded if _is(each.feedback, Heading)), None)
+    if first is not None:
+        channel = first.name.partition(".")[2]
+        head = _heading(channel, resources)
+        names = {"heading": "", "velocity": ".velocity", "extent": ".extent"}
+        return _known(head.name, names, resources), head
+    place = next(_places(program), None)
+    if place is None or not rewarded:
+        return None
+    head = _heading(place.name.partition(".")[2], resources)
+    if _is(place, SurfacePoint):
+        return {"place": place}, head
+    names = {"place": "", "velocity": ".velocity", "volume": ".volume"}
+    return _known(place.name, names, resources), head
+
+
+def explorable(
+    name: str, program: CheckedProgram, digest: ProgramDigest, resources: Mapping[str, Resource]
+) -> Explorable | None:
+    """An action, or ``None`` where its program is rewarded for nothing that it tracks or touches.
+
+    Args:
+        name: in the catalog.
+        program: what runs.
+        digest: of its text.
+        resources: of its robot, by name.
+    """
+    read = features_of(program, resources)
+    return None if read is None else Explorable(name, program, digest, *read)
+
+
+def other_hues(robot: RobotDocument, own: Collection[str]) -> list[str]:
+    """Channels of hue besides some, by their aliases where they have some."""
+    channels = robot.vision.channels
+    aliases = {channel: alias for alias, channel in channels.aliases.items()}
+    taken = {channels.aliases.get(name, name) for name in own}
+    hues = [f"hue_{number}" for number in range(1, channels.hue + 1)]
+    return [aliases.get(hue, hue) for hue in hues if hue not in taken]
+
+
+def _known(
+    base: str, endings: Mapping[str, str], resources: Mapping[str, Resource]
+) -> dict[str, Resource]:
+    return {
+        name: resources[base + ending]
+        for name, ending in endings.items()
+        if base + ending in resources
+    }
+
+
+def _heading(channel: str, resources: Mapping[str, Resource]) -> Resource:
+    """Heading of a channel in the first camera."""
+    return next(
+        each
+        for name, each in resources.items()
+        if name.partition(".")[2] == channel
+        and isinstance(each.source, Heading)
+        and each.source.camera != "cyclopean"
+    )
+
+
+def _is(resource: Resource, kind: type) -> bool:
+    return isinstance(resource.source, kind)
+
+
+def _places(program: CheckedProgram) -> Iterator[Resource]:
+    """Places that controllers of a program go to, its own first."""
+    for controller in _controllers(program):
+        reference = controller.reference
+        if isinstance(reference, Resource) and isinstance(
+            reference.source, StereoPosition | SurfacePoint
+        ):
+            yield reference
+    for action in program.actions:
+        if action.program is not None:
+            yield from _places(action.program)
+
+
+def _controllers(program: CheckedProgram) -> Iterator[Controller]:
+    for action in program.actions:
+        if action.composition is not None:
+            for primitive in action.composition.primitives:
+                yield from primitive.controllers

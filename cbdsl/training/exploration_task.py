@@ -1,0 +1,229 @@
+"""Exploration task: actions in one world, from the journal to the catalog (Algorithm 3)."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from cbdsl.backends.backend import Backend
+from cbdsl.documents.catalog import CatalogDocument, CatalogProvenance
+from cbdsl.documents.digest import digest
+from cbdsl.documents.document import Document
+from cbdsl.documents.policy import Identity
+from cbdsl.documents.robot import RobotDocument
+from cbdsl.documents.stage import StageDocument
+from cbdsl.learning.exploration import (
+    EXPLORATIONS,
+    ActionOutcome,
+    Exploration,
+    ExplorationConstants,
+    ExplorationStep,
+    FeatureForm,
+)
+from cbdsl.program.checked import CheckedProgram
+from cbdsl.runtime.line_journal import JournalError, LineJournal
+from cbdsl.sensing.kinematics import Kinematics
+from cbdsl.training.action_runner import ActionRunner
+from cbdsl.training.catalog_writing import catalog_document
+from cbdsl.training.explorable import Explorable
+from cbdsl.training.provenance import versions
+from cbdsl.yaml_text.writer import remove_leftovers, write
+
+# What an action's seed is used for besides the world (0) and the program's draws (1).
+_CHOICE = 2
+
+#: Is told the number of actions that are over, the newest with its outcome, and its wall time, s.
+ExplorationObserver = Callable[[int, ExplorationStep, ActionOutcome, float], None]
+
+
+@dataclass(frozen=True)
+class ExplorationTask:
+    """One exploration with everything it needs; it can be sent to another process.
+
+    Attributes:
+        actions: what can be done.
+        between: the program that brings the robot back after each of them.
+        feature: channel by which the object is known.
+        robot: what acts.
+        urdf: the robot's model.
+        stage: the world.
+        backend: name of what embodies the robot.
+        algorithm: one of ``EXPLORATIONS``.
+        constants: of the algorithm.
+        seed: of all chance.
+        number: which of several explorations with this seed.
+        count: how many actions at most.
+        until_habituated: whether it ends before, when all models have habituated.
+        command: what explores it again.
+        path: the catalog's file.
+        cameras: kind of the backend's cameras, its own choice when ``None``.
+    """
+
+    actions: tuple[Explorable, ...]
+    between: CheckedProgram
+    feature: str
+    robot: RobotDocument
+    urdf: Path
+    stage: StageDocument
+    backend: str
+    algorithm: str
+    constants: ExplorationConstants
+    seed: int
+    number: int
+    count: int
+    until_habituated: bool
+    command: str
+    path: Path
+    cameras: str | None = None
+
+    @property
+    def journal(self) -> Path:
+        """File of its actions, each as soon as it is over."""
+        return self.path.with_suffix(".actions.jsonl")
+
+    def require_ready(self, *, resume: bool) -> None:
+        """Check, before anything moves, that the outcome can be written.
+
+        Raises:
+            JournalError: something is in the way.
+            OSError: nothing can be written there.
+        """
+        self.path.parent.mkdir(parents=True, exist_ok=True)
+        if self.journal.exists() and not resume:
+            raise JournalError(
+                f"{self.journal} is there already: go on with --resume, or choose another --out"
+            )
+        if self.path.is_dir() or (self.path.exists() and not self.journal.exists()):
+            raise JournalError(
+                f"{self.path} is there already, and was not explored here: choose another"
+            )
+
+    def run(
+        self,
+        body: Backend,
+        kinematics: Kinematics,
+        observer: ExplorationObserver = lambda number, step, outcome, seconds: None,
+    ) -> CatalogDocument:
+        """Carry out the remaining actions on a body, and write the catalog.
+
+        Raises:
+            JournalError: the journal is of something else.
+            OSError: journal or catalog cannot be written.
+        """
+        runner = ActionRunner(
+            self.robot,
+            kinematics,
+            body,
+            self.stage,
+            self.actions,
+            self.between,
+            self.constants.longest,
+        )
+        exploration = self.exploration()
+        outcomes: list[ActionOutcome] = []
+        identity = self._identity(body.renderer)
+        with LineJournal(self.journal, identity, "exploration") as journal:
+            for row in journal.rows[: self.count]:
+                outcomes.append(_outcome(row, journal.path))
+                self._note(exploration, outcomes[-1], runner)
+            while len(outcomes) < self.count:
+                if self.until_habituated and exploration.is_over:
+                    break
+                began, seed = time.perf_counter(), self._seed(len(outcomes))
+                name = exploration.choose(np.random.default_rng([seed, _CHOICE]))
+                outcome = runner.run(name, list(exploration.affordances), seed)
+                seconds = time.perf_counter() - began
+                journal.append_row({**outcome._asdict(), "wall_seconds": round(seconds, 3)})
+                outcomes.append(outcome)
+                step = self._note(exploration, outcome, runner)
+                observer(len(outcomes), step, outcome, seconds)
+            provenance = self._provenance(body.renderer, runner, exploration)
+            known = runner.known(list(exploration.affordances))
+            document = catalog_document(
+                self.path.stem, self.feature, exploration, outcomes, known, provenance
+            )
+            remove_leftovers(self.path)
+            write(document, self.path)
+        return document
+
+    def exploration(self) -> Exploration:
+        """The exploration before its first action."""
+        forms: Mapping[str, Sequence[FeatureForm]] = {e.name: e.forms for e in self.actions}
+        made: Exploration = EXPLORATIONS[self.algorithm](forms, self.constants)
+        return made
+
+    def _note(
+        self, exploration: Exploration, outcome: ActionOutcome, runner: ActionRunner
+    ) -> ExplorationStep:
+        new = runner.known([outcome.action, *outcome.opened])
+        exploration.add({name: each.forms for name, each in new.items()})
+        return exploration.note(outcome)
+
+    def _seed(self, number: int) -> int:
+        entropy = np.random.SeedSequence([self.seed, self.number, number])
+        return int(entropy.generate_state(1)[0])
+
+    def _identity(self, renderer: str) -> dict[str, Any]:
+        """All that the actions depend on, as JSON; how many are asked for matters to none."""
+        leave_out = {"command", "actions"}
+        provenance = self._provenance(renderer, None, None)
+        return provenance.model_dump(mode="json", exclude=leave_out)
+
+    def _provenance(
+        self, renderer: str, runner: ActionRunner | None, exploration: Exploration | None
+    ) -> CatalogProvenance:
+        constants = self.constants.model_dump()
+        policies = {k: v for each in self.actions for k, v in each.digest.policies.items()}
+        return CatalogProvenance(
+            command=self.command,
+            programs={
+                each.name: Identity(name=each.program.name, sha256=each.digest.sha256)
+                for each in self.actions
+            },
+            policies=policies,
+            robot=_identity(self.robot),
+            stage=_identity(self.stage),
+            algorithm=self.algorithm,
+            constants={name: value for name, value in constants.items() if value is not None},
+            seed=self.seed,
+            trial=self.number,
+            actions=0 if exploration is None else len(exploration.steps),
+            backend=self.backend,
+            renderer=renderer,
+            versions=versions(),
+        )
+
+
+def _identity(document: Document) -> Identity:
+    return Identity(name=document.name, sha256=digest(document))
+
+
+def _outcome(row: Mapping[str, Any], path: Path) -> ActionOutcome:
+    """Outcome in a row of a journal.
+
+    Raises:
+        JournalError: there is none.
+    """
+    try:
+        ahead = {name: _tuples(own) for name, own in row["ahead"].items()}
+        return ActionOutcome(
+            action=row["action"],
+            rewarded=bool(row["rewarded"]),
+            features=_tuples(row["features"]),
+            opened=tuple(row["opened"]),
+            ahead=ahead,
+            ending=row["ending"],
+            failed=bool(row["failed"]),
+            sim_seconds=float(row["sim_seconds"]),
+        )
+    except (KeyError, TypeError, ValueError, AttributeError) as error:
+        raise JournalError(f"{path} is damaged: a row is no action ({error})") from error
+
+
+def _tuples(values: Mapping[str, Sequence[float]]) -> dict[str, tuple[float, ...]]:
+    return {name: tuple(value) for name, value in values.items()}

@@ -1,0 +1,110 @@
+"""Affordance models: statistics as numpy has them, positive definite, and Bayes' rule."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from hypothesis.extra.numpy import arrays
+
+from cbdsl.numeric.affordance import MEASURES, AffordanceModel
+from cbdsl.numeric.sample_statistics import SampleStatistics
+
+SAMPLES = st.integers(1, 5).flatmap(
+    lambda size: st.integers(1, 30).flatmap(
+        lambda count: arrays(float, (count, size), elements=st.floats(-100, 100))
+    )
+)
+
+
+def gaussian(samples: np.ndarray) -> SampleStatistics:
+    own = SampleStatistics.empty(samples.shape[1])
+    for sample in samples:
+        own = own.updated(sample)
+    return own
+
+
+@settings(max_examples=60, deadline=None)
+@given(SAMPLES)
+def test_online_updates_agree_with_those_of_all_samples_at_once(samples: np.ndarray) -> None:
+    own = gaussian(samples)
+    expected = np.atleast_2d(np.cov(samples.T, bias=True))
+    assert own.weight == len(samples)
+    np.testing.assert_allclose(own.mean, samples.mean(axis=0), atol=1e-9)
+    np.testing.assert_allclose(own.covariance, expected, atol=1e-8)
+
+
+def test_large_means_cancel_nothing() -> None:
+    samples = np.random.default_rng(7).normal(1e8, 1e-2, (500, 2))
+    np.testing.assert_allclose(
+        gaussian(samples).covariance, np.cov((samples - 1e8).T, bias=True), atol=1e-7
+    )
+
+
+@settings(max_examples=60, deadline=None)
+@given(SAMPLES, st.integers(0, 30))
+def test_two_halves_merge_to_the_whole(samples: np.ndarray, cut: int) -> None:
+    whole = gaussian(samples)
+    first, second = gaussian(samples[:cut]), gaussian(samples[cut:])
+    merged = first.merged(second)
+    np.testing.assert_allclose(merged.mean, whole.mean, atol=1e-9)
+    np.testing.assert_allclose(merged.covariance, whole.covariance, atol=1e-8)
+
+
+@settings(max_examples=60, deadline=None)
+@given(SAMPLES)
+def test_with_its_prior_every_model_varies_by_a_positive_amount(samples: np.ndarray) -> None:
+    model = AffordanceModel.fresh(np.ones(samples.shape[1]))
+    for sample in samples:
+        model = model.updated(sample, rewarded=True)
+        assert all(model.variance(measure) > 0 for measure in MEASURES)
+        assert np.linalg.eigvalsh(model._predictive(model.rewarded).covariance).min() > 0
+
+
+def test_the_prior_is_a_gaussian_of_zero_mean_and_unit_variance() -> None:
+    model = AffordanceModel.fresh(np.array([0.1, 2.0, 1.0]))
+    assert model.variance("sum") == model.variance("trace") == pytest.approx(3.0)
+    assert model.variance("determinant") == pytest.approx(1.0)
+
+
+def test_variance_habituates_to_what_stays_alike_and_is_surprised_by_what_does_not() -> None:
+    rng, model = np.random.default_rng(3), AffordanceModel.fresh(np.full(3, 0.1))
+    variances = [model.variance()]
+
+    def see(place: float) -> float:
+        nonlocal model
+        model = model.updated(rng.normal(place, 0.01, 3), rewarded=True)
+        variances.append(model.variance())
+        return abs(variances[-1] - variances[-2])
+
+    changes = [see(0.5) for _ in range(25)]
+    assert changes[-1] < 0.05 * max(changes)
+    assert see(0.75) > 5 * changes[-1]
+
+
+def test_failures_change_counts_and_not_the_model_of_reward() -> None:
+    model = AffordanceModel.fresh(np.ones(2)).updated(np.array([1.0, 2.0]), rewarded=True)
+    after = model.updated(np.array([5.0, 5.0]), rewarded=False).updated(None, rewarded=True)
+    assert after.variance() == model.variance()
+    assert (after.tried, after.successes, after.reward_probability) == (3, 2, 3 / 5)
+
+
+def test_reward_given_features_follows_bayes_and_pr_of_features_sums_to_one() -> None:
+    rng, model = np.random.default_rng(11), AffordanceModel.fresh(np.array([0.1]))
+    for _ in range(200):
+        model = model.updated(rng.normal(0.5, 0.05, 1), rewarded=True)
+        model = model.updated(rng.normal(0.9, 0.05, 1), rewarded=False)
+    near, between, far = (model.reward_given(np.array([x])) for x in (0.5, 0.7, 0.9))
+    assert near > 0.99 and far < 0.01 and 0.3 < between < 0.7
+    grid = np.linspace(-1, 2.5, 7001)
+    total = sum(model.density(np.array([x])) for x in grid) * (grid[1] - grid[0])
+    assert total == pytest.approx(1.0, abs=1e-3)
+
+
+def test_an_action_that_never_failed_is_predicted_by_its_rate() -> None:
+    model = AffordanceModel.fresh(np.ones(1))
+    assert model.reward_given(np.zeros(1)) == 0.5
+    for _ in range(8):
+        model = model.updated(np.zeros(1), rewarded=True)
+    assert model.reward_given(np.full(1, 50.0)) == 0.9
