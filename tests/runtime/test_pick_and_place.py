@@ -1,4 +1,3 @@
-
 """``pick_and_place`` and ``deliver`` with physics: on the pad, never placed in the air."""
 
 from __future__ import annotations
