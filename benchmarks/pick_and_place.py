@@ -136,7 +136,7 @@ class _Judge:
 
 def run_episodes(setting: Setting, seeds: Iterable[int]) -> list[Episode]:
     """Place some things, in this process."""
-    from cbdsl.cli.run_request import read_request
+    from cbdsl.api.run_request import read_request
 
     from cbdsl.cli.simulation import simulation
     from cbdsl.runtime.episode import Runner
