@@ -137,7 +137,6 @@ class _Judge:
 def run_episodes(setting: Setting, seeds: Iterable[int]) -> list[Episode]:
     """Place some things, in this process."""
     from cbdsl.api.run_request import read_request
-
     from cbdsl.cli.simulation import simulation
     from cbdsl.runtime.episode import Runner
 
