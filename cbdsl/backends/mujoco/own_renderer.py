@@ -157,18 +157,9 @@ def _part(shape: UrdfShape, model: UrdfModel) -> Part:
 def _set_shape(geom: Any, part: Part, place: Pose) -> None:
     """Make a shape of the scene a part."""
     a, b, c = (*part.size, 0.0, 0.0)[:3]
-    size = {"ball": [a, a, a], "box": [a / 2, b / 2, c / 2], "cylinder": [a, b / 2, 0.0]}[
-        part.shape
-    ]
-    color = np.array([*part.color, 1.0], dtype=np.float32)
-    mj.mjv_initGeom(
-        geom,
-        _KINDS[part.shape],
-        np.array(sizes[part.shape]),
-        place.position,
-        place.rotation.ravel(),
-        color,
-    )
+    sizes = {"ball": [a, a, a], "box": [a / 2, b / 2, c / 2], "cylinder": [a, b / 2, 0.0]}
+    size, color = np.array(sizes[part.shape]), np.array([*part.color, 1.0], dtype=np.float32)
+    mj.mjv_initGeom(geom, _KINDS[part.shape], size, place.position, place.rotation.ravel(), color)
     geom.specular = geom.shininess = geom.reflectance = geom.emission = 0.0
 
 
