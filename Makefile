@@ -29,6 +29,7 @@ spelling:
 
 documents:
 	$(BIN)cb validate robots programs knowledge
+	$(BIN)cb fmt --check robots programs knowledge
 
 # The slow ones run episodes on the simulator.
 tests:

@@ -50,9 +50,8 @@ def judge_body(body: int, seeds: Sequence[int], backend_name: str) -> dict[str, 
     shown = read_request("show_ball", None, None, {}, body=body, uncalibrated=True)
     robot, urdf = shown.robot, shown.urdf
     backend = embody(backend_name, robot, urdf)
-    views = watch(
-        robot, Kinematics(robot, urdf), shown.program, backend, shown.stage, seed=body
-    ).views
+    kinematics = Kinematics(robot, urdf)
+    views = watch(robot, kinematics, shown.program, backend, shown.stage, seed=body)
     true = camera_errors(robot.cameras, shown.stage.disturbance, np.random.default_rng())
     row: dict[str, Any] = {"body": body, "views": len(views)}
     try:

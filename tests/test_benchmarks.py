@@ -1,10 +1,14 @@
-"""Peers of the benchmarks: one that is missing is reported with the reason."""
+"""Benchmarks: a missing peer is reported with the reason, and a missed target fails."""
 
 from __future__ import annotations
 
+import importlib
 import json
 import subprocess
 import sys
+from collections.abc import Callable
+from types import SimpleNamespace
+from typing import Any
 
 import pytest
 
@@ -48,3 +52,88 @@ def test_a_missing_peer_has_a_reason(python: str, reason: str) -> None:
         [sys.executable, "-c", ASK, python], cwd=FOLDER, capture_output=True, text=True
     )
     assert run.stdout.strip() == reason
+
+
+JUDGES = (
+    "scenes", "find_the_other", "touch_table", "hover_follow", "calibration", "success_rates",
+    "episode_speed",
+)  # fmt: skip
+
+
+def _benchmark(name: str, monkeypatch: pytest.MonkeyPatch) -> Any:
+    monkeypatch.syspath_prepend(str(FOLDER))
+    return importlib.import_module(name)
+
+
+def _status(main: Callable[[], Any]) -> int:
+    try:
+        return int(main() or 0)
+    except SystemExit as ended:
+        return int(ended.code or 0)
+
+
+@pytest.mark.parametrize("name", JUDGES)
+def test_a_benchmark_takes_a_seed_and_a_number_of_episodes(
+    name: str, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr(sys, "argv", [name, "--help"])
+    assert _status(_benchmark(name, monkeypatch).main) == 0
+    told = capsys.readouterr().out
+    assert all(option in told for option in ("--seed ", "--episodes ", "--json"))
+
+
+_FOUND = {"seed": 1, "rewarded": True, "in_turn": True, "seconds": 1.0, "ending": ""}
+_TOUCHED = {"seed": 1, "rewarded": True, "seconds": 1.0, "in_contact": 3}
+_FOLLOWED = {"seed": 1, "share": 1.0, "errors": [0.001]}
+
+
+@pytest.mark.parametrize(
+    ("name", "good", "bad"),
+    [
+        ("find_the_other", _FOUND, {"rewarded": False}),
+        ("find_the_other", _FOUND, {"in_turn": False}),
+        ("touch_table", _TOUCHED, {"rewarded": False}),
+        ("touch_table", _TOUCHED, {"in_contact": 0}),
+        ("hover_follow", _FOLLOWED, {"share": 0.94}),
+    ],
+)
+def test_a_benchmark_fails_where_its_target_is_missed(
+    name: str, good: dict[str, Any], bad: dict[str, Any], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    module = _benchmark(name, monkeypatch)
+    monkeypatch.setattr(sys, "argv", [name, "--json"])
+    for row, status in ((good, 0), (good | bad, 1)):
+        monkeypatch.setattr(module, "run_episodes", lambda *_, row=row: [row])
+        assert _status(module.main) == status
+
+
+@pytest.mark.parametrize(("right", "ghosts", "status"), [(98, 0, 0), (97, 0, 1), (100, 1, 1)])
+def test_scenes_fail_by_positions_and_by_ghosts(
+    right: int, ghosts: int, status: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    scenes = _benchmark("scenes", monkeypatch)
+    outcomes = [scenes.Outcome(right, 100, ghosts > 0)]
+    rig = SimpleNamespace(renderer="none", close=lambda: None)
+    monkeypatch.setattr(scenes, "Rig", lambda *_: rig)
+    monkeypatch.setattr(scenes, "_outcomes", lambda *_: outcomes)
+    monkeypatch.setattr(sys, "argv", ["scenes", "--only", "in view", "--json"])
+    assert _status(scenes.main) == status
+
+
+def test_other_targets_are_judged(monkeypatch: pytest.MonkeyPatch) -> None:
+    rates = _benchmark("success_rates", monkeypatch)
+    row = {"rewarded": True, "touching": 3, "fallen": False, "sim_seconds": 1.0, "seed": 1}
+    row |= {"predicates": ["XXX"]}
+    right, absent = (next(c for c in rates.CONDITIONS if c.name == n) for n in ("right", "absent"))
+    assert rates.summarise(right, [row])["met"] and not rates.summarise(absent, [row])["met"]
+    assert not rates.summarise(right, [row, row | {"rewarded": False}])["met"]
+    speed = _benchmark("episode_speed", monkeypatch)
+    summary = {"simulated_per_wall": 4.1, "percent": {"perception": 11.9}}
+    assert not speed.misses(speed.BODIES[0], summary)
+    assert speed.misses(speed.BODIES[0], summary | {"simulated_per_wall": 3.9})
+    assert speed.misses(speed.BODIES[0], summary | {"percent": {"perception": 12.1}})
+    calibration = _benchmark("calibration", monkeypatch)
+    episode = {"seed": 1, "rewarded": True, "touching": 3, "last": "X11"}
+    for changes, reached in (({}, True), ({"rewarded": False}, False), ({"touching": 2}, False)):
+        rows = [{"body": 1, "before": [episode], "after": [episode | changes]}]
+        assert calibration.summarise(rows)["reached"] == reached

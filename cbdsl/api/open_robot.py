@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Generator, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -11,7 +11,7 @@ if TYPE_CHECKING:
     from cbdsl.api.run_request import RunRequest
     from cbdsl.backends.backend import Backend
     from cbdsl.program.transition import Transition
-    from cbdsl.runtime.episode import EpisodeResult, Runner, TickListener
+    from cbdsl.runtime.episode import EpisodeResult, Runner, Tick, TickListener
     from cbdsl.sensing.kinematics import Kinematics
     from cbdsl.types.policy import Policy
 
@@ -30,17 +30,45 @@ class OpenRobot:
 
     def __init__(self, request: RunRequest, backend: Backend, kinematics: Kinematics) -> None:
         self.request, self.backend, self.kinematics = request, backend, kinematics
-        self._written: Runner | None = None
+        # Runners of this program, each with the policy that chooses its actions.
+        self._runners: list[tuple[Policy | None, Runner]] = []
+        # The runner of the last episode, of whichever program of the same body.
+        self._last: list[Runner] = []
+
+    def with_program(self, program: str | Path | RunRequest) -> OpenRobot:
+        """The same body with another program, on the same stage.
+
+        On a stage whose world is persistent it goes on where the other program left it.
+
+        Raises:
+            DiagnosticsError: a document has errors.
+            UsageError: the program is another robot's, or cannot be loaded.
+        """
+        from dataclasses import replace
+
+        from cbdsl.api.load import load
+        from cbdsl.api.run_request import RunRequest
+        from cbdsl.errors.errors import UsageError
+
+        other = program if isinstance(program, RunRequest) else load(program)
+        own = self.request
+        if other.robot != own.robot:
+            names = f"{other.program.name} is for '{other.robot.name}'"
+            raise UsageError(f"{names}, and this robot is '{own.robot.name}'")
+        shared = OpenRobot(replace(other, stage=own.stage), self.backend, self.kinematics)
+        shared._last = self._last
+        return shared
 
     def runner(self, policy: Policy | None = None) -> Runner:
-        """A runner of the program's episodes; without a policy the program's own, kept."""
+        """The runner of the program's episodes under a policy; without one, its own."""
         from cbdsl.runtime.episode import Runner
 
+        for chooser, runner in self._runners:
+            if chooser is policy:
+                return runner
         request = self.request
-        if policy is None and self._written is not None:
-            return self._written
         made = Runner(request.robot, self.kinematics, request.program, self.backend, policy)
-        self._written = made if policy is None else self._written
+        self._runners.append((policy, made))
         return made
 
     def run(
@@ -68,7 +96,37 @@ class OpenRobot:
         if context is not None and context not in stage.contexts:
             what = f"context of stage '{stage.name}'"
             raise UsageError.unknown(what, context, stage.contexts)
-        return self.runner().run(stage, seed, context, on_transition or _ignore, on_tick)
+        goes_on = self._is_taken_over()
+        return self._next().run(
+            stage, seed, context, on_transition or _ignore, on_tick, undisturbed=goes_on
+        )
+
+    def ticks(
+        self,
+        seed: int = 0,
+        *,
+        policy: Policy | None = None,
+        context: str | None = None,
+        on_transition: Callable[[Transition], None] | None = None,
+    ) -> Generator[Tick, None, EpisodeResult]:
+        """Run one episode control tick by control tick; see ``Runner.ticks``."""
+        stage, goes_on = self.request.stage, self._is_taken_over()
+        return self._next(policy).ticks(
+            stage, seed, context, on_transition or _ignore, undisturbed=goes_on
+        )
+
+    def _is_taken_over(self) -> bool:
+        """Whether another program's episode goes on, which the experimenter leaves as it is."""
+        own = [runner for _, runner in self._runners]
+        return bool(self._last) and self._last[-1] not in own
+
+    def _next(self, policy: Policy | None = None) -> Runner:
+        """The runner of the next episode, which goes on where the last one ended."""
+        runner = self.runner(policy)
+        if self._last and self._last[-1] is not runner:
+            runner.take_over(self._last[-1])
+        self._last[:] = [runner]
+        return runner
 
 
 @contextmanager
@@ -78,6 +136,7 @@ def open_robot(
     backend: str = "bullet",
     cameras: str | None = None,
     gui: bool = False,
+    persistent: bool = False,
 ) -> Iterator[OpenRobot]:
     """Open the robot of a program on a backend, and close it in the end.
 
@@ -86,6 +145,7 @@ def open_robot(
         backend: ``bullet`` or ``mujoco`` (physics), ``kinematic``, or one of another package.
         cameras: ``rendered`` or ``ideal``; the backend's own choice when ``None``.
         gui: whether to open the simulator's window.
+        persistent: whether the world goes on from one episode to the next, whatever the stage says.
 
     Raises:
         DiagnosticsError: a document has errors.
@@ -97,11 +157,21 @@ def open_robot(
     from cbdsl.sensing.kinematics import Kinematics
 
     request = program if isinstance(program, RunRequest) else load(program)
+    if persistent:
+        request = _persistent(request)
     simulated = embody(backend, request.robot, request.urdf, gui=gui, cameras=cameras)
     try:
         yield OpenRobot(request, simulated, Kinematics(request.robot, request.urdf))
     finally:
         simulated.close()
+
+
+def _persistent(request: RunRequest) -> RunRequest:
+    """The same on a stage whose world goes on."""
+    from dataclasses import replace
+
+    world = request.stage.world.model_copy(update={"persistent": True})
+    return replace(request, stage=request.stage.model_copy(update={"world": world}))
 
 
 def _ignore(transition: Transition) -> None:

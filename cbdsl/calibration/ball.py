@@ -35,17 +35,17 @@ def centre(tips: Floats, distances: Floats, side: float) -> Floats:
 
     Args:
         tips: centres of the fingertips, m, shape (n, 3, 3).
-        distances: from them, m, shape (3,).
+        distances: from them, m, shape (3,) or, for each ball, (n, 3).
         side: 1 or -1: on which side of the plane of the fingertips, by its normal, the centre is.
     """
     first, second, normal = plane_of(tips)
     width = np.sum((tips[:, 1] - tips[:, 0]) * first, axis=1)
     along = np.sum((tips[:, 2] - tips[:, 0]) * first, axis=1)
     across = np.sum((tips[:, 2] - tips[:, 0]) * second, axis=1)
-    squares = distances**2
-    x = (squares[0] - squares[1] + width**2) / (2 * width)
-    y = (squares[0] - squares[2] + along**2 + across**2 - 2 * along * x) / (2 * across)
-    height = np.sqrt(np.maximum(squares[0] - x**2 - y**2, 0.0))
+    a, b, c = np.moveaxis(distances**2, -1, 0)
+    x = (a - b + width**2) / (2 * width)
+    y = (a - c + along**2 + across**2 - 2 * along * x) / (2 * across)
+    height = np.sqrt(np.maximum(a - x**2 - y**2, 0.0))
     inner: Floats = x[:, None] * first + y[:, None] * second + side * height[:, None] * normal
     return tips[:, 0] + inner
 

@@ -79,6 +79,7 @@ class _Sightings(NamedTuple):
     points: Floats
     areas: Floats
     tips: Floats
+    holds: NDArray[np.intp]
 
     @classmethod
     def of(cls, camera: Camera, views: Sequence[HandView]) -> _Sightings:
@@ -89,11 +90,19 @@ class _Sightings(NamedTuple):
             np.array([view.point for view in views]),
             np.array([view.area for view in views]),
             np.array([view.tips for view in views]),
+            np.array([view.hold for view in views], dtype=np.intp),
         )
 
     def among(self, chosen: NDArray[np.bool_] | slice) -> _Sightings:
         """Some of the views."""
-        return _Sightings(self.camera, *(values[chosen] for values in self[1:]))
+        return self._replace(
+            positions=self.positions[chosen],
+            rotations=self.rotations[chosen],
+            points=self.points[chosen],
+            areas=self.areas[chosen],
+            tips=self.tips[chosen],
+            holds=self.holds[chosen],
+        )
 
     def within(self, own: Floats, points: Floats) -> Floats:
         """World points, shape (n, 3), in the frame of a camera with the parameters ``own`` (6,)."""
@@ -114,7 +123,7 @@ class _Problem:
     """Expected image points by parameters, and their errors.
 
     The parameters are each camera's position and rotation vector, in the order of ``sightings``,
-    and the ball's distances from the fingertips.
+    and the ball's distances from the fingertips in each hold.
 
     Attributes:
         sightings: by camera.
@@ -128,12 +137,18 @@ class _Problem:
     radius: float
     is_whole: bool = False
 
+    @property
+    def seen(self) -> int:
+        """How many of the parameters are the cameras'."""
+        return _EACH * len(self.sightings)
+
     def expected(self, parameters: Floats) -> dict[str, tuple[Floats, Floats]]:
         """Expected centroids of what is seen of the ball, and the shares of it, by camera."""
         expected = {}
+        in_hand = parameters[self.seen :].reshape(-1, FINGERS)
         for place, (name, own) in enumerate(self.sightings.items()):
             camera = parameters[_EACH * place : _EACH * (place + 1)]
-            centres = centre(own.tips, parameters[-FINGERS:], self.side)
+            centres = centre(own.tips, in_hand[own.holds], self.side)
             points = own.within(camera, centres)
             centroids, areas = image(own.camera, points, self.radius)
             shares, rim = own.areas / areas, np.sqrt(areas / np.pi)
@@ -150,8 +165,9 @@ class _Problem:
             (expected[name][0] - own.points).ravel() / _OUTLIER
             for name, own in self.sightings.items()
         ]
-        distances = parameters[-FINGERS:]
-        return np.concatenate([*errors, (distances - distances.mean()) / _UNEVENNESS])
+        distances = parameters[self.seen :].reshape(-1, FINGERS)
+        uneven = distances - distances.mean(axis=1, keepdims=True)
+        return np.concatenate([*errors, uneven.ravel() / _UNEVENNESS])
 
     def solve(self, start: Floats) -> tuple[Floats, Floats]:
         """The parameters of least robust error, and the Jacobian of the residuals there."""
@@ -178,6 +194,8 @@ def estimate(cameras: Mapping[str, Camera], views: Sequence[HandView]) -> dict[s
     Raises:
         CalibrationError: there are too few views, or they do not determine the displacements.
     """
+    numbers = {hold: number for number, hold in enumerate(sorted({v.hold for v in views}))}
+    views = [view._replace(hold=numbers[view.hold]) for view in views]
     by_camera = {name: [view for view in views if view.camera == name] for name in cameras}
     _require_views({name: len(own) for name, own in by_camera.items()})
     if hopeless := lacking(by_camera, _HOPELESS):
@@ -216,7 +234,8 @@ def _prepare(
     radius = _apparent_radius(cameras, views)
     sightings = {name: _Sightings.of(cameras[name], own) for name, own in views.items()}
     problem = _Problem(sightings, side, radius)
-    start = np.concatenate([np.zeros(_EACH * len(views)), np.full(FINGERS, 1.15 * radius)])
+    holds = 1 + max(view.hold for view in everything)
+    start = np.concatenate([np.zeros(_EACH * len(views)), np.full(FINGERS * holds, 1.15 * radius)])
     for is_whole in _REFINEMENTS:
         # What is hidden shows by the radius, which hardly matters to where a whole ball is.
         problem = replace(problem, is_whole=is_whole)
@@ -250,7 +269,8 @@ def _deviations(problem: _Problem, parameters: Floats, jacobian: Floats) -> Floa
     stretches of views, whose errors have much in common: as long as the hand moves little, the ball
     sits in it, and its fingers hide parts of it, in much the same way.
     """
-    errors = problem.residuals(parameters)[:-FINGERS] * _OUTLIER
+    unknown = len(parameters) - problem.seen
+    errors = problem.residuals(parameters)[:-unknown] * _OUTLIER
     # Half of the errors are less than 0.67 standard deviations, outliers or not.
     error = max(float(np.median(np.abs(errors))) / 0.6745, _LEAST_ERROR)
     values, vectors = np.linalg.eigh(jacobian.T @ jacobian)
@@ -259,7 +279,8 @@ def _deviations(problem: _Problem, parameters: Floats, jacobian: Floats) -> Floa
     without = np.array([each.solve(parameters)[0] for each in _without_stretches(problem)])
     shifts = without - without.mean(axis=0)
     alike = shifts.T @ shifts * (_STRETCHES - 1) / _STRETCHES
-    return np.maximum(_largest(independent), _largest(alike))
+    seen = problem.seen
+    return np.maximum(_largest(independent[:seen, :seen]), _largest(alike[:seen, :seen]))
 
 
 def _without_stretches(problem: _Problem) -> Iterator[_Problem]:
@@ -274,14 +295,14 @@ def _without_stretches(problem: _Problem) -> Iterator[_Problem]:
 
 def _largest(covariance: Floats) -> Floats:
     """Largest standard deviations of positions and rotations, shape (cameras, 2)."""
-    starts = range(0, len(covariance) - FINGERS, 3)
+    starts = range(0, len(covariance), 3)
     blocks = [covariance[start : start + 3, start : start + 3] for start in starts]
     return np.sqrt([np.linalg.eigvalsh(block)[-1] for block in blocks]).reshape(-1, 2)
 
 
 def _estimates(problem: _Problem, parameters: Floats, deviations: Floats) -> dict[str, Estimate]:
     """Estimates with the errors of image points, which are those of the other half of the views."""
-    uncalibrated = np.concatenate([np.zeros(len(parameters) - FINGERS), parameters[-FINGERS:]])
+    uncalibrated = np.concatenate([np.zeros(problem.seen), parameters[problem.seen :]])
     before = problem.expected(uncalibrated)
     after = {name: np.empty_like(own.points) for name, own in problem.sightings.items()}
     for half in range(2):

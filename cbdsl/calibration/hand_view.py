@@ -32,6 +32,7 @@ class HandView(NamedTuple):
         area: of the region, px.
         tips: centres of the fingertips that touch the ball, world frame, m, shape (3, 3).
         forces: by these fingertips on the ball, world frame, N, shape (3, 3).
+        hold: number of the hold in which it was seen: a ball that is taken anew lies otherwise.
     """
 
     camera: str
@@ -41,6 +42,7 @@ class HandView(NamedTuple):
     area: float
     tips: Floats
     forces: Floats
+    hold: int = 0
 
 
 class ViewRecorder:
@@ -53,6 +55,7 @@ class ViewRecorder:
         kinematics: of the same robot, without corrections.
         hand: which holds the ball with at least three fingers.
         channel: in which the ball is seen.
+        hold: number of the hold.
 
     Attributes:
         views: all that were recorded.
@@ -61,10 +64,10 @@ class ViewRecorder:
     """
 
     def __init__(
-        self, robot: RobotDocument, kinematics: Kinematics, hand: str, channel: str
+        self, robot: RobotDocument, kinematics: Kinematics, hand: str, channel: str, hold: int = 0
     ) -> None:
         self._robot, self._kinematics = robot, kinematics
-        self._channel = channel
+        self._channel, self._hold = channel, hold
         cells = robot.load_cells[hand]
         self._hand, self._links = hand, [cell.link for cell in cells.values()][:FINGERS]
         self.views: list[HandView] = []
@@ -100,4 +103,4 @@ class ViewRecorder:
     def _record(self, camera: str, point: Floats, area: float, forces: Floats) -> None:
         frame = self._kinematics.frame(self._robot.cameras[camera].link)
         tips = np.array([self._kinematics.frame(link).position for link in self._links])
-        self.views.append(HandView(camera, *frame, point, area, tips, forces))
+        self.views.append(HandView(camera, *frame, point, area, tips, forces, self._hold))

@@ -4,13 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
+import numpy as np
+
 from cbdsl.backends.backend import Backend
 from cbdsl.calibration.estimate import CalibrationError
-from cbdsl.calibration.hand_view import FINGERS, ViewRecorder
+from cbdsl.calibration.hand_view import FINGERS, HandView, ViewRecorder
+from cbdsl.calibration.watch_journal import WatchJournal
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.documents.stage import StageDocument
 from cbdsl.program.checked import CheckedProgram
-from cbdsl.runtime.episode import Runner, Tick
+from cbdsl.runtime.episode import Runner
 from cbdsl.sensing.kinematics import Kinematics
 
 
@@ -37,8 +40,12 @@ def watch(
     stage: StageDocument,
     seed: int,
     progress: Callable[[int, int], None] = lambda done, total: None,
-) -> ViewRecorder:
+    journal: WatchJournal | None = None,
+) -> list[HandView]:
     """Run the program once, and record what the cameras see of the ball.
+
+    What a journal holds counts: the ball is handed over again, and shown as often as is left of the
+    program's transitions.
 
     Args:
         robot: without corrections of its cameras.
@@ -49,6 +56,10 @@ def watch(
         stage: hands the ball over.
         seed: of all chance.
         progress: is told after each transition how many of how many are over.
+        journal: takes the views of each transition as soon as it is over.
+
+    Returns:
+        All views, those of the journal first.
 
     Raises:
         CalibrationError: the program does not say which hand and channel, or the hand has fewer
@@ -59,28 +70,43 @@ def watch(
     if len(robot.load_cells.get(hand, {})) < FINGERS:
         hands = [name for name, cells in robot.load_cells.items() if len(cells) >= FINGERS]
         raise CalibrationError.unknown(f"hand with load cells on {FINGERS} fingers", hand, hands)
-    runner = Runner(robot, kinematics, program, backend)
+    left = program.transitions - (0 if journal is None else journal.transitions)
+    runner = Runner(robot, kinematics, program._replace(transitions=max(left, 1)), backend)
     if channel not in runner.signals.vision.channels:
         raise CalibrationError(
             f"program '{program.name}' does not look for '{channel}', its parameter 'feature'"
         )
-    recorder, passed = ViewRecorder(robot, kinematics, hand, channel), 0
-
-    def note(tick: Tick) -> None:
-        recorder.note(tick)
+    before = [] if journal is None else list(journal.views)
+    passed = 0 if journal is None else journal.transitions
+    hold = 0 if journal is None else journal.hold
+    if passed >= program.transitions:
+        return before
+    recorder, kept = ViewRecorder(robot, kinematics, hand, channel, hold), 0
 
     def count(_: object) -> None:
         nonlocal passed
         passed += 1
+        keep()
         progress(passed, program.transitions)
 
-    runner.run(stage, seed, on_transition=count, on_tick=note)
-    if not recorder.touched:
+    def keep() -> None:
+        nonlocal kept
+        if journal is not None:
+            journal.append(recorder.views[kept:])
+        kept = len(recorder.views)
+
+    runner.run(stage, _seed(seed, hold), on_transition=count, on_tick=recorder.note)
+    if not recorder.touched and not before:
         raise CalibrationError(
             f"in program '{program.name}' on stage '{stage.name}' the fingers of {hand} never all "
             "felt a ball; hand one over, and let the program close the fingers on it"
         )
-    return recorder
+    return before + recorder.views
+
+
+def _seed(seed: int, hold: int) -> int:
+    """Seed of a hold: in another one, the robot shows the ball in other postures."""
+    return seed if hold == 0 else int(np.random.SeedSequence((seed, hold)).generate_state(1)[0])
 
 
 def _parameter(program: CheckedProgram, name: str) -> str:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 
 from cbdsl.checking.actions import Actions
@@ -155,7 +155,8 @@ class _ProgramCheck:
         self._compositions.check_all()
         self._compositions.check_rewards()
         check_allotments(context)
-        self._conditions(_primitives(checked), are_complete and are_shown and None not in checked)
+        running = _running(checked, background)
+        self._conditions(running, are_complete and are_shown and None not in checked)
         self._used.report_values(context.wrong_parameters)
         if context.findings.failed:
             return None
@@ -205,15 +206,13 @@ class _ProgramCheck:
         expression = self._context.parse(text, steps)
         return None if expression is None else self._compositions.composition(expression, steps)
 
-    def _conditions(self, primitives: Mapping[str, Primitive], complete: bool) -> None:
+    def _conditions(self, names: Sequence[str], complete: bool) -> None:
         """Controllers that others wait for or are conditioned on have to run.
 
         Args:
-            primitives: what runs, by name.
+            names: of the controllers that run.
             complete: whether that is all, because no action is faulty.
         """
-        running = [c for primitive in primitives.values() for c in primitive.controllers]
-        names = [controller.name for controller in running]
         for steps, text in _named(self._document):
             condition = self._context.parse(text, steps)
             if condition is None or str(condition) in names:
@@ -233,6 +232,13 @@ def _named(document: ProgramDocument) -> Iterator[tuple[Steps, str]]:
             yield ("controllers", key, "seek", "once"), controller.seek.once
         if controller.requires is not None:
             yield ("controllers", key, "requires"), controller.requires
+
+
+def _running(actions: list[Action | None], background: Composition | None) -> list[str]:
+    """The names of the controllers that some action or the background runs."""
+    own = _primitives(actions).values()
+    below = background.primitives if background is not None else ()
+    return [each.name for primitive in (*own, *below) for each in primitive.controllers]
 
 
 def _primitives(actions: list[Action | None]) -> dict[str, Primitive]:

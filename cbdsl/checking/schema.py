@@ -13,11 +13,13 @@ from cbdsl.checking.knowledge.learned import check_policy, with_policy
 from cbdsl.checking.lookup.documents import find_document
 from cbdsl.checking.session import Session
 from cbdsl.checking.substitution import Examine, stand_in
+from cbdsl.documents.catalog import CatalogDocument
 from cbdsl.documents.policy import PolicyDocument
 from cbdsl.documents.program import ProgramDocument
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.documents.schema import ChoiceQuestion, RewardQuestion, SchemaDocument
 from cbdsl.program.allocation import allocate
+from cbdsl.program.catalog_models import AFFORDS, affordance_resource
 from cbdsl.program.checked import CheckedProgram
 from cbdsl.program.controller import Controller
 from cbdsl.program.schema import Ranking, Schema, components
@@ -174,6 +176,11 @@ class _SchemaCheck:
             wanted = text
             for key, value in program.parameters.items():
                 wanted = wanted.replace(f"${key}", value)
+            if wanted.startswith(AFFORDS) and self._document.catalog is not None:
+                self._dimensions[name] = ""
+                if (made := self._affordance(name, wanted, resources)) is not None:
+                    features[name] = made
+                continue
             if wanted not in resources:
                 place = self._source.place("features", name)
                 self._findings.add("CB636", place, names=list(resources), name=wanted)
@@ -184,6 +191,29 @@ class _SchemaCheck:
             for component in components(name, resources[wanted]):
                 self._dimensions[component] = resources[wanted].type.unit
         return features
+
+    def _affordance(
+        self, name: str, wanted: str, resources: Mapping[str, Resource]
+    ) -> Resource | None:
+        """Probability of reward of a catalog's action, ``affords.<action>``."""
+        assert self._document.catalog is not None
+        place, library = self._source.place("catalog"), self._session.library
+        path = find_document(
+            CatalogDocument, self._document.catalog, place, library, self._findings
+        )
+        loaded = self._session.read(path, CatalogDocument, self._findings)
+        if loaded is None:
+            return None
+        action, catalog = wanted.removeprefix(AFFORDS), loaded.document
+        if action not in catalog.affordances:
+            at, names = self._source.place("features", name), list(catalog.affordances)
+            self._findings.add("CB655", at, names=names, name=action, catalog=catalog.name)
+            return None
+        made = affordance_resource(catalog, action, resources)
+        if made is None:
+            at = self._source.place("features", name)
+            self._findings.add("CB656", at, name=action, catalog=catalog.name)
+        return made
 
     def _tree(
         self, tree: object, steps: Steps, leaf: Callable[[Any, Steps], Answer], spans: _Spans

@@ -68,7 +68,7 @@ def calibrate(
 
     Where the ball is follows from the fingertips that touch it; where the cameras see it instead
     tells how they are displaced. cb run --calibration takes the file, and so does the robot's key
-    calibration.
+    calibration. Where it was interrupted, the same command goes on with what NAME.jsonl holds.
 
     Exit 0 when the calibration was written, 1 when a document has errors, 2 when it could not be
     made.
@@ -84,11 +84,13 @@ def calibrate(
         make_room(target)
     except OSError as error:
         raise UsageError(f"--out {target}: {error.strerror}") from error
-    with shown_on_failure():
-        estimates = _estimates(request, seed, backend, cameras)
     origin = _origin(context, request, target)
+    journal = target.with_suffix(".jsonl")
+    with shown_on_failure():
+        estimates = _estimates(request, seed, backend, cameras, journal, origin)
     document = _document(request, estimates, target.stem, origin)
     _write(document, request, estimates, target)
+    journal.unlink()
     print(json.dumps(_as_json(document, target)) if as_json else _summary(document, target))
 
 
@@ -132,22 +134,57 @@ def _require_name(out: Path) -> None:
 
 
 def _estimates(
-    request: RunRequest, seed: int, backend: str, cameras: str | None
+    request: RunRequest,
+    seed: int,
+    backend: str,
+    cameras: str | None,
+    journal: Path,
+    origin: CalibrationOrigin,
 ) -> Mapping[str, Estimate]:
     from cbdsl.cli.progress import Progress
     from cbdsl.cli.simulation import needing_simulation, simulation
+    from cbdsl.errors.errors import UsageError
 
     with needing_simulation():
         from cbdsl.calibration.estimate import estimate
+        from cbdsl.calibration.watch_journal import WatchJournal
         from cbdsl.calibration.watching import watch
     with (
         simulation(request, backend, cameras=cameras) as (embodied, kinematics),
+        WatchJournal(journal, _identity(request, origin)) as watched,
         Progress("postures shown") as progress,
     ):
-        recorder = watch(
-            request.robot, kinematics, request.program, embodied, request.stage, seed, progress.note
+        if watched.transitions:
+            print(f"goes on after {watched.transitions} postures that {journal} holds")
+        views = watch(
+            request.robot,
+            kinematics,
+            request.program,
+            embodied,
+            request.stage,
+            seed,
+            progress.note,
+            watched,
         )
-    return estimate(request.robot.cameras, recorder.views)
+    try:
+        return estimate(request.robot.cameras, views)
+    except UsageError:
+        journal.unlink()  # more of the same would not help
+        raise
+
+
+def _identity(request: RunRequest, origin: CalibrationOrigin) -> dict[str, Any]:
+    """All that the views depend on."""
+    from cbdsl.checking.knowledge.digest import program_digest
+    from cbdsl.documents.digest import digest
+
+    program = program_digest(request.program_file, request.library).sha256
+    return {
+        "command": origin.command,
+        "robot": {"name": request.robot.name, "sha256": digest(request.robot)},
+        "program": {"name": request.program.name, "sha256": program},
+        "stage": {"name": request.stage.name, "sha256": digest(request.stage)},
+    }
 
 
 def _origin(context: typer.Context, request: RunRequest, target: Path) -> CalibrationOrigin:

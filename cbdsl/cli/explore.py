@@ -12,12 +12,13 @@ from cbdsl.cli.simulation import BackendName
 
 if TYPE_CHECKING:
     from cbdsl.api.run_request import RunRequest
+    from cbdsl.documents.stage import StageDocument
     from cbdsl.training.exploration_task import ExplorationTask
 
 Programs = Annotated[
     list[str],
     typer.Argument(
-        metavar="PROGRAM...",
+        metavar="PROGRAM",
         help="What can be done: programs, as NAME, NAME:key=value, or LABEL=NAME:key=value; the "
         "value ? stands for whichever channel is found while it runs.",
     ),
@@ -89,6 +90,7 @@ def explore(
             raise UsageError.unknown("exploration", algorithm, EXPLORATIONS)
         requests, explorable = read_actions(programs, feature, stage)
         request = requests[0]
+        require_persistent(request.stage)
         between_request = read_request(between, stage, None, {})
         task = ExplorationTask(
             actions=explorable,
@@ -113,6 +115,21 @@ def explore(
         task.require_ready(resume=resume)
     with shown_on_failure(), termination_interrupts():
         _run(task, request, as_json=as_json)
+
+
+def require_persistent(stage: StageDocument) -> None:
+    """Check that actions can follow each other in one world.
+
+    Raises:
+        UsageError: each of them would begin in another one.
+    """
+    from cbdsl.errors.errors import UsageError
+
+    if not stage.world.persistent:
+        raise UsageError(
+            f"stage '{stage.name}' has no persistent world, in which one action follows another: "
+            "give it world: {persistent: true}"
+        )
 
 
 def _run(task: ExplorationTask, request: RunRequest, *, as_json: bool) -> None:

@@ -154,7 +154,7 @@ def _explained(*tasks: LearningTask) -> Iterator[None]:
     """Turn what stops trials into one message, with what is kept."""
     from cbdsl.cli.terminal import print_problem
     from cbdsl.errors.errors import UsageError
-    from cbdsl.training.journal import JournalError
+    from cbdsl.runtime.line_journal import JournalError
 
     try:
         yield

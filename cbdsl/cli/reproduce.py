@@ -148,7 +148,7 @@ def _kept(folder: Path | None) -> Iterator[Path]:
     from cbdsl.cli.terminal import print_problem
     from cbdsl.errors.errors import UsageError
     from cbdsl.errors.reason import reason
-    from cbdsl.training.journal import JournalError
+    from cbdsl.runtime.line_journal import JournalError
 
     if folder is None:
         with TemporaryDirectory() as passing:

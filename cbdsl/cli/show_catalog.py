@@ -100,9 +100,9 @@ def _predict(
     as_json: bool,
 ) -> None:
     from cbdsl.api.run_request import read_request
+    from cbdsl.cli.explore import require_persistent
     from cbdsl.cli.explored_actions import ActionText, bound_action
     from cbdsl.cli.simulation import needing_simulation, simulation
-    from cbdsl.errors.errors import UsageError
 
     with needing_simulation():
         from cbdsl.training.action_runner import ActionRunner
@@ -111,8 +111,7 @@ def _predict(
     texts = [ActionText(k, e.program, e.with_) for k, e in catalog.affordances.items()]
     bound = [bound_action(text, catalog.feature, stage) for text in texts]
     request = bound[0][0]
-    if not request.stage.world.persistent:
-        raise UsageError(f"stage '{request.stage.name}' has no persistent world to act in")
+    require_persistent(request.stage)
     between = read_request("let_go", stage, None, {})
     with simulation(request, backend, cameras=cameras) as (body, kinematics):
         runner = ActionRunner(

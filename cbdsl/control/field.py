@@ -33,11 +33,14 @@ class Slope(NamedTuple):
         potential: phi_h, from 0 at the goal to 1 at obstacles.
         closeness: 1 - phi_h, exact where phi_h cannot be told from 1.
         direction: of steepest descent, a unit vector (n,); 0 at the goal.
+        depth: inside of an obstacle or the border, how far it is to where a path leads to the goal,
+            in cells; 0 elsewhere.
     """
 
     potential: float
     closeness: float
     direction: Floats
+    depth: float = 0.0
 
 
 class HarmonicField:
@@ -115,7 +118,9 @@ class HarmonicField:
             raise NoPathError(self._enclosure(vertex))
         value, gradient = self._spline(point)
         if value == 0.0:
-            return Slope(1.0, 0.0, self._way_out(point))
+            way = self._way_out(point)
+            depth = float(np.linalg.norm(way)) / self.grid.spacing
+            return Slope(1.0, 0.0, _unit(way), depth)
         closeness = min(value / self._top, 1.0)
         return Slope(1.0 - closeness, closeness, _unit(gradient))
 
@@ -169,10 +174,11 @@ class HarmonicField:
         return self.grid.holds(self._reached, point + shares * (goal - point))
 
     def _way_out(self, point: Floats) -> Floats:
-        """Towards the nearest vertex from which a path leads to the goal."""
+        """To the nearest vertex from which a path leads to the goal."""
         free = np.argwhere(self.u > 0.0)
         ways = self.grid.lower + self.grid.spacing * free - point
-        return _unit(ways[np.argmin((ways * ways).sum(axis=1))])
+        way: Floats = ways[np.argmin((ways * ways).sum(axis=1))]
+        return way
 
     def _goal_vertex(self, goal: Floats) -> Vertex:
         for obstacle in self._obstacles:

@@ -56,8 +56,8 @@ class Harmonic:
     quarter of a cell, phi_h is solved for again, beginning from what it was.
 
     The evaluation's ``phi`` is -ln(1 - phi_h): it has the same level sets and is as good as equal
-    near the goal, and falls noticeably where phi_h differs from 1 by less than its rounding. The
-    residual is the displacement, the step half of it (Eq 7.5).
+    near the goal, and falls noticeably where phi_h differs from 1 by less than its rounding, and on
+    the way out of an obstacle. The residual is the displacement, the step half of it (Eq 7.5).
 
     Args:
         lower: lower corner of the workspace, in the unit of the feedback, shape (n,), n <= 3.
@@ -105,7 +105,7 @@ class Harmonic:
         """
         slope = self._solved(goal, obstacles).slope(value, goal)
         left = float(np.linalg.norm(goal - value))
-        parameters[0] = -math.log(max(slope.closeness, _LEAST))
+        parameters[0] = -math.log(max(slope.closeness, _LEAST)) + slope.depth
         parameters[1:] = min(self._scale * slope.potential, left) * slope.direction
 
     def _solved(self, goal: Floats, obstacles: Sequence[Obstacle]) -> HarmonicField:

@@ -34,6 +34,32 @@ class Obstacle(NamedTuple):
         """The obstacle with all that is nearer to it than ``clearance``."""
         return self._replace(radius=self.radius + clearance)
 
+    def around(self, goal: Floats, shaft: float) -> list[Obstacle]:
+        """What is left of the obstacle beside a shaft through it.
+
+        Args:
+            goal: the middle of the shaft, shape (n,), n >= 2.
+            shaft: half of its width along the first two axes.
+
+        Returns:
+            Boxes of the same name, up to four.
+        """
+        low, high = goal - shaft, goal + shaft
+        sides = (  # corners along the first two axes
+            (self.lower[:2], (low[0], self.upper[1])),
+            ((high[0], self.lower[1]), self.upper[:2]),
+            ((low[0], self.lower[1]), (high[0], low[1])),
+            ((low[0], high[1]), (high[0], self.upper[1])),
+        )
+        boxes = []
+        for lower, upper in sides:
+            first, last = self.lower.copy(), self.upper.copy()
+            first[:2] = np.maximum(first[:2], lower)
+            last[:2] = np.minimum(last[:2], upper)
+            if (first <= last).all():
+                boxes.append(self._replace(lower=first, upper=last))
+        return boxes
+
     def gaps(self, coordinates: Floats, axis: int) -> Floats:
         """How far coordinates along one axis lie beside the box, 0 where they lie within."""
         below, above = self.lower[axis] - coordinates, coordinates - self.upper[axis]

@@ -95,6 +95,9 @@ class ObstacleSection(Section):
     """Lower corner of a box."""
     upper: tuple[Coordinate, ...] | None = None
     """Upper corner of a box."""
+    shaft: Extent | None = None
+    """Half of the width, along the first two axes, that stays free around the goal, beside what is
+    kept clear: so that what stands on a table is gone to from above."""
 
     @model_validator(mode="after")
     def _is_a_ball_or_a_box(self) -> Self:
@@ -103,6 +106,8 @@ class ObstacleSection(Section):
         has_radius_alone = self.radius is not None and self.center is None
         if is_half_a_box or has_radius_alone or is_box == (self.center is not None):
             raise ValueError("an obstacle needs either a center, or lower and upper corners")
+        if self.shaft is not None and not is_box:
+            raise ValueError("only a box has a shaft")
         return self
 
 

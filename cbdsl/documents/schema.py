@@ -64,6 +64,8 @@ class SchemaDocument(Document):
     """Learned policy that chooses the abstract actions, pi."""
     actions: dict[Name, AbstractAction] = {}
     """The declarative part of the program's controllers, by name (Eq 5.1)."""
+    catalog: Name | None = None
+    """Catalog whose probabilities of reward features can be, such as ``affords.reachtouch``."""
     features: Annotated[dict[Name, str], Field(min_length=1)]
     """Signals by which it allocates, with ``$name`` for parameters of the program."""
     allocations: Annotated[dict[Name, dict[Name, str]], Field(min_length=1)]

@@ -42,6 +42,10 @@ Side = Literal["-x", "+x", "-y", "+y"]
 """Where a side looks while the thing's yaw is 0."""
 
 
+#: Most solids that something composed, or a mesh, is made of.
+MOST_PIECES = 16
+
+
 class Spot(Section):
     """A round spot of another colour on the middle of a side.
 
@@ -243,7 +247,7 @@ class ComposedForm(Section):
 
     shape: Literal["composed"]
     """Which shape it is."""
-    pieces: Annotated[tuple[Piece, ...], Field(min_length=1, max_length=16)]
+    pieces: Annotated[tuple[Piece, ...], Field(min_length=1, max_length=MOST_PIECES)]
     """What it is made of. `cb show mesh FILE` writes those that fill a mesh."""
 
     @property

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from pathlib import Path
 
 from cbdsl.checking.document import check_document
@@ -20,10 +21,13 @@ class Buffers:
 
     Args:
         here: the folder in which documents are found by name.
+
+    Attributes:
+        here: the same.
     """
 
     def __init__(self, here: Path) -> None:
-        self._here = here
+        self.here = here
         self._texts: dict[Path, str] = {}
         self._session = self._new_session()
 
@@ -51,6 +55,15 @@ class Buffers:
         except DiagnosticsError:
             return ""
 
+    def documents(self) -> list[Path]:
+        """The documents in the folder of the editor, and those that are open."""
+        files = set(self._texts)
+        for folder, folders, names in os.walk(self.here):
+            folders[:] = [name for name in folders if not name.startswith(".")]
+            paths = (Path(folder, name) for name in names if name.endswith((".yaml", ".yml")))
+            files.update(path for path in paths if path.is_file())
+        return sorted(files)
+
     @property
     def library(self) -> Library:
         """Documents by name, as the editor has them."""
@@ -74,4 +87,4 @@ class Buffers:
 
     def _new_session(self) -> Session:
         given = {path: text.encode("utf-8", "surrogatepass") for path, text in self._texts.items()}
-        return Session(Library(self._here, given))
+        return Session(Library(self.here, given))

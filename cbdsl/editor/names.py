@@ -55,7 +55,7 @@ def choices(buffers: Buffers, path: Path, steps: Sequence[str]) -> list[Choice]:
     if key in _RESOURCES:
         parameters = [Choice(f"${name}", "parameter") for name in section(lines, "parameters")]
         return parameters + [_resource(each) for each in robot_resources(buffers, path).values()]
-    if _is_composed(steps):
+    if is_composed(steps):
         used = [Choice(name, "program") for name in section(lines, "use")]
         return [Choice(name, "controller") for name in section(lines, "controllers")] + used
     return []
@@ -110,7 +110,7 @@ def _resource(resource: Resource) -> Choice:
     return Choice(resource.name, f"{resource.type}, {resource.type.unit}")
 
 
-def _is_composed(steps: Sequence[str]) -> bool:
+def is_composed(steps: Sequence[str]) -> bool:
     """Whether compositions are written there: an action, a policy's value, a composite."""
     if not steps:
         return False

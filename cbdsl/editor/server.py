@@ -10,14 +10,18 @@ from pygls.lsp.server import LanguageServer
 from pygls.uris import from_fs_path, to_fs_path
 
 from cbdsl.editor.buffers import Buffers
+from cbdsl.editor.coloring import KINDS_OF_WORDS, colored_words
 from cbdsl.editor.cursor import Cursor, cursor
 from cbdsl.editor.definition import definition
 from cbdsl.editor.fixes import fix
 from cbdsl.editor.hover import hover
 from cbdsl.editor.keys import keys
 from cbdsl.editor.names import choices
+from cbdsl.editor.rename import Occurrence, Renaming, is_name, renaming
 from cbdsl.errors.diagnostic import Diagnostic, Place, Severity
+from cbdsl.errors.errors import DiagnosticsError
 from cbdsl.types.registry import PluginError
+from cbdsl.yaml_text.reader import formatted_text
 
 NAME = "cbdsl"
 _SEVERITIES = {
@@ -115,12 +119,63 @@ class Server(LanguageServer):
         ]
         return [action for each in touched if (action := _action(path, each, lines)) is not None]
 
+    def rename(self, path: Path, position: lsp.Position, new: str) -> lsp.WorkspaceEdit | None:
+        """The changes that give the name at a position another one."""
+        named = renaming(self.buffers, path, self.cursor(path, position))
+        new = new.removeprefix("$")
+        return None if named is None or not is_name(new) else self._edit(named, new)
+
+    def _edit(self, named: Renaming, new: str) -> lsp.WorkspaceEdit:
+        changes: list[lsp.TextDocumentEdit | lsp.CreateFile | lsp.RenameFile | lsp.DeleteFile] = []
+        for file, spots in named.spots.items():
+            lines = self.buffers.text(file).splitlines()
+            edits = [lsp.TextEdit(_occurrence(each, lines), new) for each in spots]
+            document = lsp.OptionalVersionedTextDocumentIdentifier(_uri(file))
+            changes.append(lsp.TextDocumentEdit(document, list(edits)))
+        if named.moved is not None:
+            target = named.moved.with_stem(new)
+            changes.append(lsp.RenameFile(_uri(named.moved), _uri(target), kind="rename"))
+        return lsp.WorkspaceEdit(document_changes=changes)
+
+    def renamed_range(self, path: Path, position: lsp.Position) -> lsp.Range | None:
+        """The name at a position that can be renamed."""
+        at = self.cursor(path, position)
+        if renaming(self.buffers, path, at) is None:
+            return None
+        start = at.start + at.word.startswith("$")
+        lines = self.buffers.text(path).splitlines()
+        return _occurrence(Occurrence(position.line, start, at.end), lines)
+
+    def colored(self, path: Path) -> lsp.SemanticTokens:
+        """The words that have a kind, each relative to the one before, as the protocol wants."""
+        lines, data, last = self.buffers.text(path).splitlines(), list[int](), (0, 0)
+        for word in colored_words(self.buffers, path):
+            where = _occurrence(Occurrence(word.line, word.start, word.end), lines)
+            start = where.start.character
+            step = word.line - last[0]
+            column = start - last[1] if step == 0 else start
+            kind = KINDS_OF_WORDS.index(word.kind)
+            data += [step, column, where.end.character - start, kind, 0]
+            last = word.line, start
+        return lsp.SemanticTokens(data)
+
+    def formatting(self, path: Path) -> list[lsp.TextEdit]:
+        """The changes that lay a document out; none where it is no YAML."""
+        text = self.buffers.text(path)
+        try:
+            result = formatted_text(text, str(path))
+        except DiagnosticsError:
+            return []
+        whole = lsp.Range(lsp.Position(0, 0), lsp.Position(len(text.splitlines()) + 1, 0))
+        return [] if result == text else [lsp.TextEdit(whole, result)]
+
 
 def build(version: str, here: Path) -> Server:
     """A server with all that it answers."""
     server = Server(version, here)
     _follow(server)
     _answer(server)
+    _change(server)
     return server
 
 
@@ -185,6 +240,30 @@ def _answer(server: Server) -> None:
         return server.fixes(_path(params.text_document.uri), params.range)
 
 
+def _change(server: Server) -> None:
+    """Have it rename, colour and format."""
+
+    @server.feature(lsp.TEXT_DOCUMENT_RENAME, lsp.RenameOptions(prepare_provider=True))
+    def _(params: lsp.RenameParams) -> lsp.WorkspaceEdit | None:
+        path = _path(params.text_document.uri)
+        return server.rename(path, params.position, params.new_name)
+
+    @server.feature(lsp.TEXT_DOCUMENT_PREPARE_RENAME)
+    def _(params: lsp.PrepareRenameParams) -> lsp.Range | None:
+        return server.renamed_range(_path(params.text_document.uri), params.position)
+
+    @server.feature(
+        lsp.TEXT_DOCUMENT_SEMANTIC_TOKENS_FULL,
+        lsp.SemanticTokensLegend(token_types=list(KINDS_OF_WORDS), token_modifiers=[]),
+    )
+    def _(params: lsp.SemanticTokensParams) -> lsp.SemanticTokens:
+        return server.colored(_path(params.text_document.uri))
+
+    @server.feature(lsp.TEXT_DOCUMENT_FORMATTING)
+    def _(params: lsp.DocumentFormattingParams) -> list[lsp.TextEdit]:
+        return server.formatting(_path(params.text_document.uri))
+
+
 def _diagnostic(finding: Diagnostic, lines: Sequence[str]) -> lsp.Diagnostic:
     nearest = finding.nearest
     hint = "" if nearest is None or nearest in finding.message else f"; did you mean '{nearest}'?"
@@ -226,6 +305,12 @@ def _within(place: Place, text: str) -> lsp.Range:
     """A place on a line with some text, in code units of UTF-16."""
     ends = (_units(text, column - 1) for column in (place.column, place.end_column))
     return _at(place.line - 1, *ends)
+
+
+def _occurrence(spot: Occurrence, lines: Sequence[str]) -> lsp.Range:
+    """A stretch of a line in code units of UTF-16."""
+    text = lines[spot.line] if spot.line < len(lines) else ""
+    return _at(spot.line, _units(text, spot.start), _units(text, spot.end))
 
 
 def _at(line: int, start: int, end: int) -> lsp.Range:

@@ -31,6 +31,8 @@ _FRAMES = {
     "model": f"{_HEAD.format('model')}$body\n",
     "schema": f"{_SCHEMA}$body\n",
     "catalog": f"{_CATALOG}$body\n",
+    "afforded": _SCHEMA.replace("features: {", "catalog: ball\nfeatures: {sure: $body, ")
+    + "choose: {if: sure > 0.5, then: left, else: right}\notherwise: [right]\n",
     "tracking": f"{_DEXTER}{_TRACK}\n$body\n",
     "controller": f"{_DEXTER}{{$body}}\nactions: [track]\n",
     "effectors": f"{_ROBOT}$body\n{_CONTROL}",

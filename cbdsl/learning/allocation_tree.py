@@ -2,22 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
-from functools import partial
+from collections.abc import Mapping, Sequence
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
-from cbdsl.learning.tree_growth import grow
+from cbdsl.learning.tree_growth import Outcomes, grow
 from cbdsl.program.schema import Ranking
-from cbdsl.types.decision_tree import Leaf, Split, Tree, decide
-
-Floats = NDArray[np.float64]
-
-# What an allocation that was not tried counts for at first, of what one that was rewarded does.
-_UNTRIED = 0.3
-_ROUNDS = 3
+from cbdsl.types.decision_tree import Leaf, Split, Tree
 
 
 class TriedContext(NamedTuple):
@@ -37,14 +29,44 @@ class TriedContext(NamedTuple):
         return any(self.outcomes.values())
 
 
-def grow_choice(
-    contexts: Sequence[TriedContext], names: Sequence[str], least: int
-) -> Tree[Ranking]:
-    """The tree of allocations that were rewarded, or would have been.
+class Tally(NamedTuple):
+    """How often each allocation was rewarded in similar contexts, and how often not.
 
-    Where the first one that was tried is rewarded, nobody knows of the others: taken for failures,
-    they would let a tree tell apart what any of them can do, by chance. They count for as much as
-    in similar contexts, which the tree itself has together; it is grown a few times over.
+    Attributes:
+        successes, failures: in the order of their names.
+    """
+
+    successes: tuple[float, ...]
+    failures: tuple[float, ...]
+
+    def and_(self, other: Tally) -> Tally:
+        """Both together."""
+        sums = (map(sum, zip(*each, strict=True)) for each in zip(self, other, strict=True))
+        return Tally(*(tuple(each) for each in sums))
+
+    def ranking(self, names: Sequence[str]) -> Ranking:
+        """Those that were rewarded, the most promising one first (Laplace's rule)."""
+        some = [i for i, number in enumerate(self.successes) if number]
+        return tuple(names[i] for i in sorted(some, key=lambda i: -self._chance(i)))
+
+    def drawn(self, names: Sequence[str], rng: np.random.Generator) -> Ranking:
+        """All of them, by chances that are drawn from what is known of each.
+
+        Each comes first as often as it is likely to be the best (Thompson, On the likelihood that
+        one unknown probability exceeds another, 1933).
+        """
+        chances = rng.beta(np.add(self.successes, 1.0), np.add(self.failures, 1.0))
+        return tuple(names[i] for i in np.argsort(-chances, kind="stable"))
+
+    def _chance(self, i: int) -> float:
+        return (self.successes[i] + 1.0) / (self.successes[i] + self.failures[i] + 2.0)
+
+
+def grow_tallies(contexts: Sequence[TriedContext], names: Sequence[str], least: int) -> Tree[Tally]:
+    """The tree that has similar contexts together, with what was tried in them.
+
+    Where the first allocation that was tried is rewarded, nobody knows of the others: they count
+    neither as rewarded nor as failed. Where none was, none can be preferred.
 
     Args:
         contexts: in which something was tried.
@@ -53,53 +75,36 @@ def grow_choice(
     """
     kept = [each for each in contexts if each.rewarded]
     if not kept:
-        return Leaf(())
-    samples = [each.features for each in kept]
-    outcomes = np.array([[_share(each.outcomes.get(name)) for name in names] for each in kept])
-    untried = np.array([[name not in each.outcomes for name in names] for each in kept])
-    shares = _normalised(outcomes)
-    for _ in range(_ROUNDS):
-        tree = grow(samples, shares, partial(_mean, shares), least)
-        similar = np.array([decide(tree, sample) for sample in samples])
-        shares = _normalised(np.where(untried, similar, outcomes))
-
-    # Questions that only tell which one to try second are left out.
-    first = grow(samples, shares, lambda rows: int(shares[rows].sum(axis=0).argmax()), least)
-
-    def ranking(rows: list[int]) -> Ranking:
-        worth, rewarded = shares[rows].sum(axis=0), (outcomes[rows] == 1.0).any(axis=0)
-        return tuple(names[i] for i in np.argsort(-worth, kind="stable") if rewarded[i])
-
-    return _answered(first, samples, list(range(len(samples))), ranking)
-
-
-def _answered(
-    tree: Tree[int],
-    samples: Sequence[Mapping[str, float]],
-    rows: list[int],
-    answer: Callable[[list[int]], Ranking],
-) -> Tree[Ranking]:
-    """The same questions, with answers by the samples in each leaf."""
-    if isinstance(tree, Leaf):
-        return Leaf(answer(rows))
-    above = [row for row in rows if samples[row][tree.feature] > tree.threshold]
-    below = [row for row in rows if samples[row][tree.feature] <= tree.threshold]
-    parts = (
-        _answered(part, samples, some, answer)
-        for part, some in ((tree.above, above), (tree.below, below))
+        return Leaf(Tally((0.0,) * len(names), (0.0,) * len(names)))
+    counts = (
+        np.array([[float(each.outcomes.get(name) is came) for name in names] for each in kept])
+        for came in (True, False)
     )
-    return Split(tree.feature, tree.threshold, *parts)
+    outcomes = Outcomes(*counts)
+
+    def tally(rows: list[int]) -> Tally:
+        sums = outcomes.of(np.array(rows)).sums
+        return Tally(*(tuple(each.tolist()) for each in sums))
+
+    return grow([each.features for each in kept], outcomes, tally, least)
 
 
-def _share(rewarded: bool | None) -> float:
-    return _UNTRIED if rewarded is None else float(rewarded)
+def rankings(tree: Tree[Tally], names: Sequence[str]) -> Tree[Ranking]:
+    """The same tree with the allocations to try, without what only tells which to try second."""
+    together = _joined(tree, names)
+    if isinstance(together, Leaf):
+        return Leaf(together.answer.ranking(names))
+    parts = (rankings(part, names) for part in (together.above, together.below))
+    return Split(together.feature, together.threshold, *parts)
 
 
-def _normalised(shares: Floats) -> Floats:
-    normalised: Floats = shares / shares.sum(axis=1, keepdims=True)
-    return normalised
-
-
-def _mean(shares: Floats, rows: list[int]) -> tuple[float, ...]:
-    """Mean shares of the labels in some samples."""
-    return tuple(shares[rows].mean(axis=0).tolist())
+def _joined(tree: Tree[Tally], names: Sequence[str]) -> Tree[Tally]:
+    """Leaves of one question with the same first allocation as one."""
+    if isinstance(tree, Leaf):
+        return tree
+    above, below = _joined(tree.above, names), _joined(tree.below, names)
+    if isinstance(above, Leaf) and isinstance(below, Leaf):
+        first, other = (leaf.answer.ranking(names)[:1] for leaf in (above, below))
+        if first == other:
+            return Leaf(above.answer.and_(below.answer))
+    return Split(tree.feature, tree.threshold, above, below)

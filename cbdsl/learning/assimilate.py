@@ -17,15 +17,15 @@ from cbdsl.documents.schema import (
     RewardQuestion,
     SchemaDocument,
 )
-from cbdsl.learning.allocation_tree import TriedContext, grow_choice
+from cbdsl.learning.allocation_tree import Tally, TriedContext, grow_tallies, rankings
 from cbdsl.learning.experience import Experience
 from cbdsl.learning.knowledge import curve_of
 from cbdsl.learning.learner import TrialSummary
-from cbdsl.learning.tree_growth import grow
+from cbdsl.learning.tree_growth import Outcomes, grow
 from cbdsl.program.attempts import attempts
 from cbdsl.program.checked import CheckedProgram
 from cbdsl.program.schema import Ranking, Schema
-from cbdsl.program.schema_policy import Features, Rank, SchemaPolicy, are_defined
+from cbdsl.program.schema_policy import Features, Rank, SchemaPolicy
 from cbdsl.program.transition import Transition
 from cbdsl.types.decision_tree import Leaf, Tree, decide
 from cbdsl.types.policy import Policy
@@ -38,9 +38,11 @@ _RESOLUTION = {"m": 0.01, "m/s": 0.02, "m^3": 0.001}
 class AssimilateConstants(Section):
     """Constants of Algorithm 2, line 3, and of the trees that it grows."""
 
+    draws: bool = True
+    """Whether allocations are chosen as often as each is likely to be the best."""
     epsilon: Annotated[float, quantity(ge=0, le=1)] = 0.2
-    """Share of allocations chosen at random."""
-    least_samples: PositiveCount = 5
+    """Share of allocations chosen at random where they are not drawn."""
+    least_samples: PositiveCount = 2
     """Fewest contexts in a leaf of a tree."""
     least_reward: Probability = 0.5
     """Probability of reward below which the schema is undefined."""
@@ -96,34 +98,44 @@ class Assimilate:
         return SchemaPolicy(self._program, self.ranking(rng), gives_up=False)
 
     def ranking(self, rng: np.random.Generator) -> Rank:
-        """Epsilon-greedy choice of allocations, by what is known now (Eq 5.4)."""
-        assert self._program is not None and self._program.schema is not None
-        names, tree = list(self._program.schema.allocations), self.choice()
+        """Choice of allocations that explores, by what is known now (Eq 5.4)."""
+        tallies, names, constants = self._tallies(), self._names, self._constants
 
         def rank(features: Features) -> Ranking:
-            if rng.random() < self._constants.epsilon or not self._contexts:
+            tally = decide(tallies, features)
+            if tally is None or not self._contexts:
                 return tuple(names[i] for i in rng.permutation(len(names)))
-            known = decide(tree, features) if are_defined(features) else None
-            return tuple(dict.fromkeys((*(known or ()), *names)))
+            if constants.draws:
+                return tally.drawn(names, rng)
+            if rng.random() < constants.epsilon:
+                return tuple(names[i] for i in rng.permutation(len(names)))
+            return tuple(dict.fromkeys((*tally.ranking(names), *names)))
 
         return rank
 
+    @property
+    def _names(self) -> tuple[str, ...]:
+        schema = self._program.schema if self._program is not None else None
+        return tuple(schema.allocations) if schema is not None else ()
+
+    def _tallies(self) -> Tree[Tally]:
+        return grow_tallies(self._contexts, self._names, self._constants.least_samples)
+
     def choice(self) -> Tree[Ranking]:
         """The tree of allocations that were rewarded (Eq 5.4)."""
-        schema = self._program.schema if self._program is not None else None
-        names = tuple(schema.allocations) if schema is not None else ()
-        return grow_choice(self._contexts, names, self._constants.least_samples)
+        return rankings(self._tallies(), self._names)
 
     def reward(self) -> Tree[float]:
         """The tree of Pr(reward | pi, f), by Laplace's rule of succession."""
-        rewarded = np.array([each.rewarded for each in self._contexts], dtype=float)
+        rewarded = np.array([[each.rewarded] for each in self._contexts], dtype=float)
+        rewarded = rewarded.reshape(len(self._contexts), 1)
 
         def likely(rows: list[int]) -> float:
             return round((float(rewarded[rows].sum()) + 1) / (len(rows) + 2), 3)
 
         samples = [each.features for each in self._contexts]
-        shares = np.column_stack((rewarded, 1.0 - rewarded))
-        return grow(samples, shares, likely, self._constants.least_samples, frugal=True)
+        outcomes = Outcomes(rewarded, 1.0 - rewarded)
+        return grow(samples, outcomes, likely, self._constants.least_samples)
 
     def greedy(self) -> dict[str, str]:
         """The declarative policy, which stays as it is."""

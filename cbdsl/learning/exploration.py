@@ -12,22 +12,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cbdsl.documents.document import Count, Section, quantity
-from cbdsl.learning.affordance import AffordanceModel, Measure
+from cbdsl.numeric.affordance import AffordanceModel, Measure, deviation_of
 
 Floats = NDArray[np.float64]
 
 #: The action that costs nothing and tells nothing.
 NOOP = "noop"
-
-# Deviations of a prior that counts for something in a robot's workspace, by unit.
-_WORKSPACE: Mapping[str, float] = {
-    "m": 0.1, "rad": 0.1, "m/s": 0.1, "rad/s": 0.1, "m^3": 1e-3,
-}  # fmt: skip
-
-
-def deviation_of(unit: str) -> float:
-    """Deviation of a component of this unit that counts for something in a workspace."""
-    return _WORKSPACE.get(unit, 1.0)
 
 
 class ExplorationConstants(Section):

@@ -66,12 +66,14 @@ class Convex:
         return point
 
     def shrunk(self, margin: float) -> Convex:
-        """The body with its surface ``margin`` further inside, m, or half way to its centre."""
+        """The body with its surface ``margin`` further inside, m, or half way to its middle."""
         a, b, c = (max(half - margin, half / 2) for half in self.halves)
         if self.corners is None:
             return replace(self, halves=(a, b, c))
         shares = np.array((a, b, c)) / np.array(self.halves)
-        return replace(self, halves=(a, b, c), corners=self.corners * shares)
+        # The middle of the box around a hull may be on its surface.
+        middle = self.corners.mean(axis=0)
+        return replace(self, halves=(a, b, c), corners=middle + shares * (self.corners - middle))
 
 
 def gap(one: Convex, other: Convex) -> float:

@@ -46,17 +46,23 @@ class AttemptProgress:
 
         It fails where an action changes nothing, where it would be better to begin anew, and where
         it loses ground for the second time. The first transition tells what the attempt before has
-        left, and is no loss.
+        left, and is no loss. Out of sight is ground lost, and found again by whoever looks for it.
 
         Args:
             before, after: the states, equal where an action changed nothing.
         """
         is_first, self._is_first = self._is_first, False
         now, earlier = self._worth.get(after, 0.0), self._worth.get(before, 0.0)
-        if before == after or now < self._worth.get("X" * len(after), 0.0):
+        is_worse = now < self._worth.get("X" * len(after), 0.0)
+        if before == after or (is_worse and not _is_undefined(after)):
             return True
         self._setbacks += now < earlier and not is_first
         return self._setbacks > _SETBACKS
+
+
+def _is_undefined(state: str) -> bool:
+    """Whether nothing that was tried is defined."""
+    return "-" in state and not set(state) & {"0", "1"}
 
 
 def attempts(transitions: Iterable[Transition], worth: Mapping[str, float]) -> Iterator[Attempt]:

@@ -107,11 +107,19 @@ class Onset(NamedTuple):
 
 
 class Box(NamedTuple):
-    """A box that a motion keeps away from; corners in SI, one number per component."""
+    """A box that a motion keeps away from.
+
+    Attributes:
+        name: what messages call it.
+        lower, upper: corners in SI, one number per component.
+        shaft: half of the width, along the first two axes, that stays free around the goal, in SI;
+            ``None`` for none.
+    """
 
     name: str
     lower: tuple[float, ...]
     upper: tuple[float, ...]
+    shaft: float | None = None
 
 
 class Ball(NamedTuple):

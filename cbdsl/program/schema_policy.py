@@ -21,9 +21,15 @@ Rank = Callable[[Features], Ranking]
 
 @runtime_checkable
 class ContextPolicy(Protocol):
-    """A policy that goes by more than the state."""
+    """A policy that goes by more than the state.
+
+    Attributes:
+        reason: why the last choice was none, as a clause; empty where the policy has no action.
+        withdraws: whether the last choice was none only until what acted has gone back.
+    """
 
     reason: str
+    withdraws: bool
 
     def begin(self, read: Callable[[], Features]) -> None:
         """Begin an episode, in which ``read`` gives the features of the moment."""
@@ -38,7 +44,8 @@ class SchemaPolicy:
     """Chooses abstract actions by the declarative policy, and allocates them.
 
     An allocation is kept as long as it makes progress; after a failure the next one is tried, none
-    of them twice in an episode (Figure 5.9).
+    of them twice in an episode (Figure 5.9). Before that, what failed goes back to where it hides
+    nothing and is in nobody's way, so that each has the same chance.
 
     Args:
         program: the schema with all allocated actions.
@@ -49,7 +56,7 @@ class SchemaPolicy:
         persists: whether all are tried again when each has failed.
 
     Attributes:
-        reason: why the last choice was none, as a clause; empty where the policy has no action.
+        reason, withdraws: see ``ContextPolicy``.
     """
 
     def __init__(
@@ -78,16 +85,19 @@ class SchemaPolicy:
         self._read = read
         self._failed: set[str] = set()
         self._allocation = self._before = self.reason = ""
-        self._is_informed = False
+        self._is_informed = self.withdraws = False
 
     def choose(self, state: str, *, changed: bool) -> str | None:
         """The next action under its allocation, or ``None``; see ``reason``."""
-        self.reason = ""
+        self.reason, self.withdraws = "", False
         before, self._before = self._before, state
         if self._allocation and self._progress.fails(before, state):
             if self._is_informed:
                 self._failed.add(self._allocation)
+                self.withdraws = self._is_left()
             self._allocation, changed = "", True
+        if self.withdraws:
+            return None
         abstract = self._declarative.choose(state, changed=changed)
         if abstract is None:
             return None
@@ -99,6 +109,10 @@ class SchemaPolicy:
             self._allocation = self._allocate()
             self._progress.begin()
         return actions[self._allocation] if self._allocation else None
+
+    def _is_left(self) -> bool:
+        """Whether another attempt may be made."""
+        return self._persists or len(self._failed) < len(self._schema.allocations)
 
     def _allocate(self) -> str:
         """The best allocation that has not failed; empty where there is none, with the reason."""

@@ -23,6 +23,13 @@ _ALL: tuple[Experiment, ...] = (
     Experiment("fig-4.10", "Transitions of REACHTOUCH's policy", "Section 4.3.1, Figure 4.10", "transition_diagrams", learns=True),  # noqa: E501
     Experiment("fig-4.11", "Transitions of VISUALINSPECT's policy", "Section 4.3.2, Figure 4.11", "transition_diagrams", learns=True),  # noqa: E501
     Experiment("fig-4.13", "Transitions of BIMANUALTOUCH's policy", "Section 4.3.3, Figure 4.13", "transition_diagrams", learns=True),  # noqa: E501
+    Experiment("fig-6.2", "What a green table affords", "Section 6.2.2, Figure 6.2", "catalogs", learns=True),  # noqa: E501
+    Experiment("fig-6.3", "What a small basketball affords", "Section 6.2.2, Figure 6.3", "catalogs", learns=True),  # noqa: E501
+    Experiment("fig-6.4", "What a red ball with two patches affords", "Section 6.2.2, Figure 6.4", "catalogs", learns=True),  # noqa: E501
+    Experiment("fig-6.5", "Three catalogs as icons", "Section 6.2.2, Figure 6.5", "catalogs", learns=True),  # noqa: E501
+    Experiment("fig-6.6", "A model-exploration program with a table", "Section 6.3.1, Figure 6.6", "model_programs", learns=True),  # noqa: E501
+    Experiment("fig-6.7", "A model-exploration program with three balls that are moved", "Section 6.3.1, Figure 6.7", "model_programs", learns=True),  # noqa: E501
+    Experiment("fig-6.8", "Novelty and surprise", "Section 6.3.1, Figure 6.8", "model_programs", learns=True),  # noqa: E501
     Experiment("engines", "Shipped programs and policies on every engine", "Chapters 3 and 4, Sections 4.2 and 4.3", "engines", keeps=True),  # noqa: E501
 )
 # fmt: on

@@ -8,8 +8,12 @@ from typing import NamedTuple
 
 import numpy as np
 
+from cbdsl.errors.errors import UsageError
 from cbdsl.robot.mesh_reader import Mesh
 from cbdsl.robot.triangles import read_triangles
+
+# Volume over the cube of the longest extent, below which nothing is inside.
+_LEAST = 1e-6
 
 
 class ThingMesh(NamedTuple):
@@ -42,7 +46,10 @@ def changed(file: Path) -> int:
 def _read(file: Path, scale: float, _changed: int) -> ThingMesh:
     triangles = read_triangles(file, scale)
     a, b, c = np.moveaxis(triangles, 1, 0)
-    if np.sum(a * np.cross(b, c)) < 0:  # its triangles are seen from the inside
+    volume = float(np.sum(a * np.cross(b, c))) / 6
+    if abs(volume) < _LEAST * float(np.ptp(triangles.reshape(-1, 3), axis=0).max()) ** 3:
+        raise UsageError(f"{file}: it has no inside")
+    if volume < 0:  # its triangles are seen from the inside
         triangles = triangles[:, ::-1]
     corners, places = np.unique(triangles.reshape(-1, 3), axis=0, return_inverse=True)
     low, high = corners.min(axis=0), corners.max(axis=0)

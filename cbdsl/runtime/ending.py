@@ -83,7 +83,7 @@ def describe_stop(run: ProgramRun, seconds: float, cause: BaseException) -> str:
         cause: what stopped it.
     """
     where = f"after {seconds:.1f} s in state {run.state}"
-    if isinstance(cause, KeyboardInterrupt):
+    if isinstance(cause, (KeyboardInterrupt, GeneratorExit)):
         return f"Interrupted {where}."
     return f"Failed {where}: {cause.__cause__ or cause}."
 

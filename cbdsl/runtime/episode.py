@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Generator, Sequence
+from contextlib import closing
 from dataclasses import dataclass
 from itertools import count
 from typing import NamedTuple
@@ -173,6 +174,38 @@ class Runner:
 
         Whatever is raised, Ctrl-C too, the backend is halted before.
         """
+        ticks = self.ticks(
+            stage, seed, context, on_transition, on_tick, on_end, undisturbed=undisturbed
+        )
+        with closing(ticks):
+            while True:
+                try:
+                    next(ticks)
+                except StopIteration as ended:
+                    result: EpisodeResult = ended.value
+                    return result
+
+    def ticks(
+        self,
+        stage: StageDocument,
+        seed: int,
+        context: str | None = None,
+        on_transition: TransitionListener = lambda transition: None,
+        on_tick: TickListener | None = None,
+        on_end: EndListener = lambda result: None,
+        *,
+        undisturbed: bool = False,
+    ) -> Generator[Tick, None, EpisodeResult]:
+        """Run one episode tick by tick, which halts between them; see ``run``.
+
+        Whoever closes the generator interrupts the episode.
+
+        Yields:
+            The state after each tick but the last, before the world goes on.
+
+        Returns:
+            The outcome.
+        """
         began = time.perf_counter()
         world_rng, own_rng = (np.random.default_rng([seed, stream]) for stream in (0, 1))
         drawn = self._resume(stage, context, undisturbed=undisturbed)
@@ -188,7 +221,7 @@ class Runner:
         self._ticks = 0
         begun = _Begun(stage.name, drawn, seed, began, passed)
         try:
-            late = self._control(seed, on_tick)
+            late = yield from self._control(seed, on_tick)
         except BaseException as error:
             self._backend.halt()
             on_end(self._result(begun, describe_stop(self._run, self._seconds, error)))
@@ -198,6 +231,11 @@ class Runner:
         if late:
             raise DeadlineError(result)
         return result
+
+    @property
+    def predicate(self) -> str:
+        """The program's, as an action: 0 running, 1 achieved, - ended without, X idle."""
+        return self._run.predicate
 
     def take_over(self, before: Runner) -> None:
         """Go on where another program left the same robot, on a stage whose world is persistent."""
@@ -268,7 +306,7 @@ class Runner:
         """Simulated time of the episode so far, s."""
         return self._ticks * self._backend.control_period
 
-    def _control(self, seed: int, on_tick: TickListener | None) -> str:
+    def _control(self, seed: int, on_tick: TickListener | None) -> Generator[Tick, None, str]:
         """Run the control ticks of an episode, and count them.
 
         Returns:
@@ -281,13 +319,17 @@ class Runner:
             observation = backend.observe()
             self._advance(observation, seed, first=ticks == 0)
             taken = self._clock() - began
+            tick = Tick(observation, self.signals, run, self._actuation)
             if on_tick is not None:
-                on_tick(Tick(observation, self.signals, run, self._actuation))
+                on_tick(tick)
             if run.predicate != "0":
                 break
             if backend.deadline is not None and taken > backend.deadline:
                 backend.halt()
                 return describe_lateness(run, observation.time, taken, backend.deadline)
+            yield tick
+            if run.predicate != "0":
+                break  # whoever runs it has ended it
             backend.apply(self._actuation.reference)
             backend.step()
         return ""

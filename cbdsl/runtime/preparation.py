@@ -84,7 +84,8 @@ class Preparation:
         if self._solve is None or not all(map(table.is_defined, (rows.feedback, rows.reference))):
             return True
         try:
-            self._solve(*self._ends(), tuple(self._obstacles()), parameters)
+            value, goal = self._ends()
+            self._solve(value, goal, tuple(self._obstacles(goal)), parameters)
         except NoPathError as failure:
             self.no_path = str(failure)
             return False
@@ -123,13 +124,19 @@ class Preparation:
         require_finite(value, f"the value of {name}")
         return value, goal
 
-    def _obstacles(self) -> Iterator[Obstacle]:
+    def _obstacles(self, goal: Floats) -> Iterator[Obstacle]:
         """Where obstacles are now; what is not seen or felt is not there."""
         field = self._controller.field
-        for obstacle in field.obstacles if field is not None else ():
+        if field is None:
+            return
+        for obstacle in field.obstacles:
             if not isinstance(obstacle, Ball):
                 lower, upper = np.array(obstacle.lower), np.array(obstacle.upper)
-                yield Obstacle(obstacle.name, lower, upper)
+                box = Obstacle(obstacle.name, lower, upper)
+                if obstacle.shaft is None:
+                    yield box
+                else:
+                    yield from box.around(goal, obstacle.shaft + field.clearance)
                 continue
             reading = self._signals.read(obstacle.resource)
             if reading is not None:

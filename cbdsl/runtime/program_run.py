@@ -17,7 +17,7 @@ from cbdsl.program.transition import Transition
 from cbdsl.runtime.context import ContextReader
 from cbdsl.runtime.controller_run import ControllerRun
 from cbdsl.sensing.signals import Signals
-from cbdsl.types.policy import Policy, WrittenPolicy
+from cbdsl.types.policy import DeferredPolicy, Policy, WrittenPolicy
 from cbdsl.types.state import matches
 
 Listener = Callable[[Transition], None]
@@ -73,6 +73,7 @@ class ProgramRun:
         rewarded: whether a transition was rewarded: the last, if that ends it.
         outcome: ``success`` or ``failure`` where its state says so; empty otherwise.
         ending: why it ended, as a clause; empty while it runs.
+        is_open: whether a deferred choice is to be made by ``decide``.
     """
 
     def __init__(
@@ -106,8 +107,10 @@ class ProgramRun:
             if action.composition is not None
         }
         self._background = make.stack(program.background) if program.background else ()
+        self._withdrawal = self._above_background(())
         self._acting = {
-            name: self._above_background(_together(runs)) for name, runs in self._stacks.items()
+            name: self._above_background(self._together(runs))
+            for name, runs in self._stacks.items()
         }
         self._leads = {
             action.name: [
@@ -161,7 +164,9 @@ class ProgramRun:
         self.ending = self.outcome = ""
         self.rewarded = False
         self.transitions = 0
+        self.is_open = self._was_changed = False
         self._action: Action | None = None
+        self._withdraws = False
         self._features: Mapping[str, float] = {}
         self._ticks = self._idle_ticks = self._all_ticks = 0
 
@@ -187,6 +192,8 @@ class ProgramRun:
 
         The same object as before while the same acts.
         """
+        if self._withdraws:
+            return self._withdrawal
         if self._action is None:
             return ()
         name = self._action.name
@@ -196,6 +203,11 @@ class ProgramRun:
         if acting is not self._of_child:
             self._of_child, self._all_active = acting, self._above_background(acting)
         return self._all_active
+
+    def _together(self, runs: Sequence[ControllerRun]) -> list[Active]:
+        """The controllers of an action, which may require what is in the background, too."""
+        peers = {run.controller.name: run for run in (*self._background, *runs)}
+        return [Active(run, peers) for run in runs]
 
     def _above_background(self, acting: Sequence[Active]) -> Sequence[Active]:
         running = [item.run for item in acting]
@@ -208,24 +220,39 @@ class ProgramRun:
 
     def advance(self) -> None:
         """Take in the predicates of this tick; change the action where the state changed."""
-        if self.predicate != "0" or self._action is None:
+        if self.predicate != "0" or self.is_open:
             return
-        child = self.children.get(self._action.name)
-        if child is not None:
-            child.advance()
-        self._ticks += 1
-        self._all_ticks += 1
-        self._restart_quiescence(self._action)
-        state = self._read_state(self._action)
-        # A program has transitions of its own to run out of. It may also end the way it ended
-        # before, within one tick, and then it is over although the state has not changed.
-        overdue = child.predicate != "0" if child else self._is_overdue(self._action, state)
-        if state != self.state or overdue:
-            self._transit(state)
+        if self._withdraws:
+            self._withdraw()
+        elif self._action is not None:
+            self._act(self._action)
         limit = self.program.episode_time
         if limit is not None and self.predicate == "0" and self._all_ticks * self._period >= limit:
             name = self.program.name
             self._end("1" if self.rewarded else "-", f"the {limit:g} s of {name} were over")
+
+    def _withdraw(self) -> None:
+        """Wait until the background is at rest, then choose again."""
+        self._ticks += 1
+        self._all_ticks += 1
+        is_over = self._ticks * self._period > self.program.transition_time
+        if is_over or all(run.predicate != "0" for run in self._background):
+            self._withdraws = False
+            self._choose(changed=True)
+
+    def _act(self, action: Action) -> None:
+        child = self.children.get(action.name)
+        if child is not None:
+            child.advance()
+        self._ticks += 1
+        self._all_ticks += 1
+        self._restart_quiescence(action)
+        state = self._read_state(action)
+        # A program has transitions of its own to run out of. It may also end the way it ended
+        # before, within one tick, and then it is over although the state has not changed.
+        overdue = child.predicate != "0" if child else self._is_overdue(action, state)
+        if state != self.state or overdue:
+            self._transit(state)
 
     def _is_overdue(self, action: Action, state: str) -> bool:
         """Whether an action has lasted as long as it may, in all or with nothing on its way."""
@@ -311,7 +338,27 @@ class ProgramRun:
         )
 
     def _choose(self, *, changed: bool) -> None:
+        if isinstance(self._policy, DeferredPolicy):
+            self.is_open, self._was_changed = True, changed
+            return
         name = self._policy.choose(self.state, changed=changed)
+        if name is None and isinstance(self._policy, ContextPolicy) and self._policy.withdraws:
+            self._begin_withdrawal()
+        else:
+            self._begin_action(name, changed)
+
+    def decide(self, name: str | None) -> None:
+        """Make the choice that is open.
+
+        Args:
+            name: of an action; ``None`` ends the program.
+        """
+        if not self.is_open:
+            raise ValueError("no choice is open")
+        self.is_open = False
+        self._begin_action(name, self._was_changed)
+
+    def _begin_action(self, name: str | None, changed: bool) -> None:
         if name is None:
             self._end(self._outcome(changed), self._no_action(changed))
             return
@@ -328,6 +375,17 @@ class ProgramRun:
         else:
             for run in self._stacks[name]:
                 run.activate()
+
+    def _begin_withdrawal(self) -> None:
+        """Leave everything to the background until that is at rest."""
+        if self._action is not None and self._action.program is not None:
+            self.children[self._action.name].deactivate()
+        for run in self._stacks.get(self._action.name, ()) if self._action is not None else ():
+            run.deactivate()
+        for run in self._background:
+            run.deactivate()
+            run.activate()
+        self._action, self._withdraws, self._ticks = None, True, 0
 
     def _leave(self, before: Action, after: Action) -> None:
         if before.program is not None and before is not after:
@@ -361,11 +419,6 @@ class ProgramRun:
     def _end(self, predicate: str, ending: str) -> None:
         self.predicate = predicate
         self.ending = ending
-
-
-def _together(runs: Sequence[ControllerRun]) -> list[Active]:
-    peers = {run.controller.name: run for run in runs}
-    return [Active(run, peers) for run in runs]
 
 
 class _ControllerRuns:

@@ -212,7 +212,7 @@ class Recording:
                 for each in self._resources
             },
             "scene": {
-                name: [_drawn(part) for part in parts] for name, parts in self._bodies.items()
+                name: [drawn(part) for part in parts] for name, parts in self._bodies.items()
             },
             "robot": {
                 "name": self._robot.name,
@@ -276,7 +276,7 @@ def _value(resource: Resource, signals: Signals) -> NDArray[np.float64]:
     return np.full(_SHAPES.get(resource.type.name, (resource.type.size,)), np.nan)
 
 
-def _drawn(part: Part) -> dict[str, object]:
+def drawn(part: Part) -> dict[str, object]:
     """A part as JSON has it, a mesh with as few triangles as a page needs."""
     row = part._asdict()
     mesh = row.pop("mesh")

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from functools import partial
 from importlib import import_module
 from typing import Any, NamedTuple
@@ -43,6 +43,7 @@ from cbdsl.sensing.visual_signals import VisualSignals
 from cbdsl.types.casts import Chain, chains_of
 from cbdsl.types.resource import (
     VISUAL,
+    AffordanceProbability,
     BlobSignal,
     Centroid,
     EffectorConfiguration,
@@ -117,7 +118,7 @@ class Signals:
         self._rows: dict[tuple[object, ...], int] = {}
         self._readers: dict[int, Reader] = {}
         self._made_of: dict[int, tuple[int, ...]] = {}
-        resources = tuple(resources)
+        resources = tuple(_with_features(resources))
         channels = [
             resource.source.channel for resource in resources if isinstance(resource.source, VISUAL)
         ]
@@ -144,6 +145,7 @@ class Signals:
             BlobSignal: self.blobs.blob,
             StereoSignal: self.blobs.feature,
             InstanceCount: self.blobs.count,
+            AffordanceProbability: self._affordance,
         }
         self._seen_by: dict[type, Callable[[Any, tuple[Chain, ...]], Reading | None]] = {
             Heading: self.sight.heading,
@@ -364,6 +366,17 @@ class Signals:
         read = self._read_by[type(source)]
         return self._bind_read(resource.type.size, lambda: read(source))
 
+    def _affordance(self, source: AffordanceProbability) -> Reading | None:
+        """Pr(reward | f, a) by the features now; undefined while one of them is."""
+        values = []
+        for feature in source.features:
+            reading = self.read(feature)
+            if reading is None:
+                return None
+            values.append(reading.value.ravel())
+        probability = source.model.reward_given(np.concatenate([*values, np.zeros(0)]))
+        return Reading(np.array([probability]), None, int(self.clock[0]))
+
     def _bind_read(self, size: int, reader: Reader) -> int:
         number = self.bind_written(size)
         self._readers[number] = reader
@@ -519,3 +532,11 @@ def _square(numbers: Floats) -> float:
     for number in numbers:
         total += number * number
     return total
+
+
+def _with_features(resources: Iterable[Resource]) -> Iterator[Resource]:
+    """Resources, and those that probabilities among them are made of."""
+    for resource in resources:
+        yield resource
+        if isinstance(resource.source, AffordanceProbability):
+            yield from resource.source.features

@@ -14,8 +14,8 @@ from cbdsl.documents.catalog import (
     StepColumns,
 )
 from cbdsl.learning.exploration import ActionOutcome, Affordance, Exploration
-from cbdsl.learning.gaussian import Gaussian
 from cbdsl.learning.proportion import wilson_interval
+from cbdsl.numeric.gaussian import Gaussian
 from cbdsl.training.explorable import Explorable
 
 

@@ -26,11 +26,11 @@ from cbdsl.learning.exploration import (
     Step,
 )
 from cbdsl.program.checked import CheckedProgram
+from cbdsl.runtime.line_journal import JournalError, LineJournal
 from cbdsl.sensing.kinematics import Kinematics
 from cbdsl.training.action_runner import ActionRunner
 from cbdsl.training.catalog_writing import catalog_document
 from cbdsl.training.explorable import Explorable
-from cbdsl.training.journal import JournalError, RowJournal
 from cbdsl.training.provenance import versions
 from cbdsl.yaml_text.writer import remove_leftovers, write
 
@@ -126,7 +126,8 @@ class ExplorationTask:
         )
         exploration = self.exploration()
         outcomes: list[ActionOutcome] = []
-        with RowJournal(self.journal, self._identity(body.renderer)) as journal:
+        identity = self._identity(body.renderer)
+        with LineJournal(self.journal, identity, "exploration") as journal:
             for row in journal.rows[: self.count]:
                 outcomes.append(_outcome(row, journal.path))
                 self._note(exploration, outcomes[-1], runner)

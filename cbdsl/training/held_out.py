@@ -8,8 +8,8 @@ from typing import NamedTuple
 import numpy as np
 
 from cbdsl.documents.catalog import CatalogDocument
+from cbdsl.program.catalog_models import models_of, predict
 from cbdsl.training.action_runner import ActionRunner
-from cbdsl.training.catalog_reading import models_of, predict
 
 # Probabilities that are told apart in a reliability diagram.
 _BINS = 5

@@ -5,7 +5,8 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any
 
-from cbdsl.training.journal import JournalEntry, entry_of, rows_of
+from cbdsl.runtime.line_journal import rows_of
+from cbdsl.training.journal import JournalEntry, entry_of
 
 
 class JournalFollower:

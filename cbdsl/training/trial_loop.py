@@ -10,8 +10,9 @@ from typing import Any, Protocol
 
 from cbdsl.documents.policy import Provenance
 from cbdsl.learning.experience import Experience
+from cbdsl.runtime.line_journal import JournalError
 from cbdsl.training.episode_runner import EpisodeRunner
-from cbdsl.training.journal import Journal, JournalError
+from cbdsl.training.journal import Journal
 from cbdsl.training.knowledge import model_file, write_knowledge
 from cbdsl.training.trial import Trial
 

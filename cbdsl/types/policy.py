@@ -21,6 +21,21 @@ class Policy(Protocol):
         ...
 
 
+class DeferredPolicy:
+    """Choice from outside, between ticks: whoever runs the program decides there.
+
+    While a choice is open nothing acts but what acted before; see ``ProgramRun.decide``.
+    """
+
+    def choose(self, state: str, *, changed: bool) -> str | None:
+        """See ``Policy.choose``.
+
+        Raises:
+            TypeError: always; the choice is not made here.
+        """
+        raise TypeError("a deferred choice is made by ProgramRun.decide")
+
+
 class WrittenPolicy:
     """A table of state patterns, of which the one with the fewest wildcards applies.
 

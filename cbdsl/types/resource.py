@@ -3,6 +3,7 @@
 from enum import Enum
 from typing import NamedTuple
 
+from cbdsl.numeric.affordance import AffordanceModel
 from cbdsl.types.resource_type import ResourceType
 
 
@@ -200,6 +201,22 @@ class KernelSample(NamedTuple):
     uniform: float = 0.0
 
 
+class AffordanceProbability(NamedTuple):
+    """The probability that an action is rewarded, Pr(reward | f, a), as a catalog has it (6.1).
+
+    Attributes:
+        catalog: its name.
+        action: one of its actions.
+        model: of the action.
+        features: resources of its features f, in the order of the model's components.
+    """
+
+    catalog: str
+    action: str
+    model: AffordanceModel
+    features: "tuple[Resource, ...]"
+
+
 Source = (
     EffectorConfiguration
     | Tip
@@ -215,6 +232,7 @@ Source = (
     | BlobSignal
     | StereoSignal
     | InstanceCount
+    | AffordanceProbability
     | SurfacePoint
     | SensorSignal
     | Posture

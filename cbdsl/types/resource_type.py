@@ -52,6 +52,7 @@ ORIENTATION = ResourceType("orientation", "SO(3)", 3, "rad")
 VELOCITY = ResourceType("velocity", "R^3", 3, "m/s")
 VOLUME = ResourceType("volume", "R+", 1, "m^3")
 COUNT = ResourceType("count", "N", 1, "")
+PROBABILITY = ResourceType("probability", "[0, 1]", 1, "")
 HEADING_RATE = ResourceType("heading_rate", "R^2", 2, "rad/s")
 # Axes du and dv of a blob (Fig 7.15), along and across its orientation.
 EXTENT = ResourceType("extent", "R+^2", 2, "rad")
@@ -74,6 +75,7 @@ TYPES: dict[str, ResourceType] = {
         VELOCITY,
         VOLUME,
         COUNT,
+        PROBABILITY,
         HEADING_RATE,
         EXTENT,
         AXIS,

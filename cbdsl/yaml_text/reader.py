@@ -17,7 +17,13 @@ from cbdsl.errors.lines import lines_of
 from cbdsl.errors.nearest import nearest_name
 from cbdsl.errors.wording import diagnostic
 from cbdsl.yaml_text.characters import is_suspect
-from cbdsl.yaml_text.composer import MOST_BYTES, SyntaxFaultError, compose, too_large
+from cbdsl.yaml_text.composer import (
+    MOST_BYTES,
+    SyntaxFaultError,
+    compose,
+    require_readable,
+    too_large,
+)
 from cbdsl.yaml_text.loaded import Loaded
 from cbdsl.yaml_text.source_map import SourceMap
 
@@ -71,6 +77,27 @@ def read_sound_parts(path: Path, kind: type[D], text: str | None = None) -> Load
 
         loaded = repair(path, kind, text)
     return loaded
+
+
+def formatted_text(text: str, file: str) -> str:
+    """A document's text in the layout of all documents; see ``formatted``.
+
+    Args:
+        text: as it is.
+        file: names it in findings.
+
+    Raises:
+        DiagnosticsError: it is too large, or no YAML.
+    """
+    from cbdsl.yaml_text.formatter import formatted  # most reading needs none
+
+    require_readable(text, file)
+    try:
+        return formatted(text)
+    except SyntaxFaultError:
+        from cbdsl.yaml_text.repair.repair import repair
+
+        raise DiagnosticsError(repair(Path(file), Document, text).faults) from None
 
 
 def _read_clean(path: Path, kind: type[D], text: str) -> Loaded[D] | None:

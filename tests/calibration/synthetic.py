@@ -51,6 +51,7 @@ class ShownBall:
         model: draws the arm's postures.
         rng: source of all chance.
         spread: share of the differences between the postures.
+        in_hand: where the ball's centre is in the frame of the palm, m, shape (3,).
     """
 
     def __init__(
@@ -60,12 +61,13 @@ class ShownBall:
         model: ModelDocument,
         rng: np.random.Generator,
         spread: float = 1.0,
+        in_hand: Floats = IN_HAND,
     ) -> None:
         assert isinstance(model.density, Kernel)
         self._robot, self._kinematics = robot, kinematics
         self._samples = np.array(model.density.samples)
         self._bandwidth = np.array(model.density.bandwidth)
-        self._rng, self._spread = rng, spread
+        self._rng, self._spread, self._in_hand = rng, spread, in_hand
 
     def views(
         self, true: Mapping[str, Correction], count: int, noise: float, lasting: float = 0.0
@@ -100,7 +102,7 @@ class ShownBall:
         posture[kinematics.joints.of("right_hand")] = 0.3, 0.75, 0.75, 0.75
         kinematics.update(posture)
         palm = kinematics.frame("right_palm")
-        ball = palm.position + palm.rotation @ IN_HAND
+        ball = palm.position + palm.rotation @ self._in_hand
         cells = self._robot.load_cells["right_hand"].values()
         tips = np.array([kinematics.frame(cell.link).position for cell in cells])
         views = []

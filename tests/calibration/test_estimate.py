@@ -14,7 +14,7 @@ from cbdsl.sensing.forward import rotation_of
 from cbdsl.sensing.kinematics import Kinematics
 from cbdsl.sensing.stereo import Ray, triangulate
 from cbdsl.yaml_text.library import Library
-from tests.calibration.synthetic import ShownBall, draw_corrections, frame_of
+from tests.calibration.synthetic import IN_HAND, Floats, ShownBall, draw_corrections, frame_of
 
 CAMERAS = ("left", "right")
 
@@ -26,9 +26,9 @@ def showing(dexter: RobotDocument, kinematics: Kinematics, library: Library) -> 
     file = library.locate(ModelDocument, "showing_right_arm")
     model = library.read(file, ModelDocument).document
 
-    def show(seed: int, spread: float = 1.0) -> ShownBall:
+    def show(seed: int, spread: float = 1.0, in_hand: Floats = IN_HAND) -> ShownBall:
         rng = np.random.default_rng(seed)
-        return ShownBall(dexter, kinematics, model, rng, spread)
+        return ShownBall(dexter, kinematics, model, rng, spread, in_hand)
 
     return show
 
@@ -57,6 +57,26 @@ def test_known_errors_are_recovered(
     crossing = triangulate(*rays)
     assert crossing is not None
     assert np.linalg.norm(crossing.position - place) < 0.004, "a metre away, on the table"
+
+
+def test_a_ball_that_is_taken_anew_may_lie_otherwise(
+    dexter: RobotDocument, showing: Showing
+) -> None:
+    true = draw_corrections(np.random.default_rng(8), 0.003, 0.01, CAMERAS)
+    views = showing(8).views(true, 30, noise=0.1)
+    elsewhere = IN_HAND + np.array((0.004, -0.004, 0.006))
+    anew = showing(9, in_hand=elsewhere).views(true, 30, noise=0.1)
+
+    def error(hold: int) -> float:
+        """Largest error where the second half is taken to be of a hold, m."""
+        found = estimate(dexter.cameras, views + [view._replace(hold=hold) for view in anew])
+        return max(
+            float(np.linalg.norm(np.subtract(found[name].correction.position, true[name].position)))
+            for name in CAMERAS
+        )
+
+    assert error(3) < 0.0015
+    assert error(0) > 2 * error(3), "as if it had lain still"
 
 
 @pytest.mark.parametrize(("noise", "lasting"), [(0.2, 0.0), (0.1, 0.3)])

@@ -17,7 +17,7 @@ from cbdsl.reproduction.chart import Chart, Line
 from cbdsl.reproduction.claim import above
 from cbdsl.reproduction.experiment import Experiment, Result, RunSettings
 from cbdsl.reproduction.quantity import Quantity, computed
-from cbdsl.training.journal import JournalError
+from cbdsl.runtime.line_journal import JournalError
 from tests.cli import test_main
 
 TOY = Experiment("toy-1", "A toy", "Section 0", "toy")

@@ -3,17 +3,22 @@
 from __future__ import annotations
 
 import random
+from contextlib import suppress
 from pathlib import Path
 
 import pytest
 
 from cbdsl.editor.buffers import Buffers
+from cbdsl.editor.coloring import colored_words
 from cbdsl.editor.cursor import cursor
 from cbdsl.editor.definition import definition
 from cbdsl.editor.fixes import fixed
 from cbdsl.editor.hover import hover
 from cbdsl.editor.keys import keys
 from cbdsl.editor.names import choices
+from cbdsl.editor.rename import renaming
+from cbdsl.errors.errors import DiagnosticsError
+from cbdsl.yaml_text.reader import formatted_text
 from tests.conftest import ROOT
 
 PROGRAMS = sorted((ROOT / "programs").glob("*.yaml"))
@@ -48,6 +53,11 @@ def type_and_ask(edits: int, seed: int) -> None:
         keys(text, at.steps)
         hover(buffers, path, at)
         definition(buffers, path, at)
+        list(colored_words(buffers, path))
+        with suppress(DiagnosticsError):
+            formatted_text(text, "a.yaml")
+        if number % 20 == 10:
+            renaming(buffers, path, at)
 
 
 def test_a_few_hundred_edits() -> None:

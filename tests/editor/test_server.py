@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -137,3 +138,44 @@ def test_columns_count_what_editors_count(client: Client, path: Path) -> None:
     start, end = finding["range"]["start"], finding["range"]["end"]
     assert (start["line"], start["character"]) == (line, column - 1)
     assert end["character"] - start["character"] == len('"xxhead"')
+
+
+def test_a_name_is_renamed_with_the_files_that_have_it(client: Client, path: Path) -> None:
+    line, column = place(TEXT, "\n  search:")
+    spot = {"textDocument": {"uri": path.as_uri()}, "position": {"line": line, "character": 3}}
+    whole = client.ask("textDocument/prepareRename", spot)
+    assert (whole["start"]["character"], whole["end"]["character"]) == (2, column - 1)
+    edit = client.ask("textDocument/rename", {**spot, "newName": "look_for"})
+    (change,) = edit["documentChanges"]
+    assert change["textDocument"]["uri"] == path.as_uri()
+    assert len(change["edits"]) == sum(
+        len(re.findall(r"\bsearch\b", text.partition("#")[0]))
+        for text in TEXT.splitlines()
+        if not text.startswith("description")
+    )
+    assert {each["newText"] for each in change["edits"]} == {"look_for"}
+    assert client.ask("textDocument/rename", {**spot, "newName": "look for"}) is None
+
+
+def test_compositions_are_coloured(client: Client, path: Path) -> None:
+    legend = client.capabilities["semanticTokensProvider"]["legend"]["tokenTypes"]
+    params = {"textDocument": {"uri": path.as_uri()}}
+    data = client.ask("textDocument/semanticTokens/full", params)["data"]
+    lines, words, line, column = TEXT.splitlines(), [], 0, 0
+    for step, start, length, kind, _ in zip(*[iter(data)] * 5, strict=True):
+        line, column = line + step, start if step else column + start
+        words.append((lines[line][column : column + length], legend[kind]))
+    assert {("search", "function"), ("◁", "operator"), ("spring", "type")} <= {*words}
+
+
+def test_a_document_is_formatted(client: Client, path: Path) -> None:
+    params = {
+        "textDocument": {"uri": path.as_uri()},
+        "options": {"tabSize": 2, "insertSpaces": True},
+    }
+    assert client.ask("textDocument/formatting", params) == []
+    client.change(path, TEXT.replace("kind: program", "kind:   program\n\n"))
+    (edit,) = client.ask("textDocument/formatting", params)
+    assert edit["newText"] == TEXT.replace("kind: program", "kind: program\n")
+    client.change(path, "a: [")
+    assert client.ask("textDocument/formatting", params) == []

@@ -53,8 +53,14 @@ def test_an_episode_that_ends_amid_an_attempt_was_not_rewarded() -> None:
 
 
 def test_what_changes_nothing_fails_and_unknown_states_are_worth_nothing() -> None:
-    for before, after, fails in (("00", "00", True), ("00", "--", True), ("--", "00", False)):
+    for before, after, fails in (("00", "00", True), ("00", "1-", True), ("--", "00", False)):
         assert AttemptProgress(WORTH).fails(before, after) == fails
+
+
+def test_what_is_lost_from_sight_may_be_found_again() -> None:
+    progress = AttemptProgress(WORTH)
+    steps = [("XX", "00"), ("00", "--"), ("--", "00"), ("00", "--")]
+    assert [progress.fails(*each) for each in steps] == [False, False, False, True]
 
 
 def test_ground_may_be_lost_once() -> None:

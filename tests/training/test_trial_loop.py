@@ -13,7 +13,8 @@ import pytest
 
 from cbdsl.checking.document import check_document
 from cbdsl.checking.session import Session
-from cbdsl.training.journal import Journal, JournalError
+from cbdsl.runtime.line_journal import JournalError
+from cbdsl.training.journal import Journal
 from cbdsl.training.journal_follower import JournalFollower
 from cbdsl.training.trial_loop import journal_file
 from cbdsl.yaml_text.library import Library

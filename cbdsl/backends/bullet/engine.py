@@ -230,6 +230,12 @@ class BulletEngine(Engine):
     def touching(self, name: str) -> frozenset[Cell]:
         return frozenset(touch.cell for touch in self.touches(name))
 
+    def neighbours(self, name: str) -> frozenset[str]:
+        """Names of the other objects that one presses on, as of the last step."""
+        contacts = p.getContactPoints(bodyA=self.bodies[name], physicsClientId=self.client)
+        pressing = {contact[2] for contact in contacts if contact[9]}
+        return frozenset(other for other, body in self.bodies.items() if body in pressing)
+
     def touches(self, name: str | None = None) -> list[ContactPoint]:
         """Contact points of the fingertips, with everything or with one object."""
         touches = list(self._touches())

@@ -219,6 +219,13 @@ class MujocoEngine(Engine):
         cells = zip(self.cells, self._fingertips.tolist(), strict=True)
         return frozenset(cell for cell, tip in cells if tip in pressing)
 
+    def neighbours(self, name: str) -> frozenset[str]:
+        """Names of the other objects that one presses on, as of the last step."""
+        pressing, number = set(self._pressing(name).tolist()), self._world.body
+        return frozenset(
+            other for other in self.objects if other != name and number(other).number in pressing
+        )
+
     def _pressing(self, name: str) -> NDArray[np.int32]:
         """Bodies in contact with an object, and the object's own, as of the last step."""
         model, data, body = self._world.model, self._world.data, self._world.body(name).number

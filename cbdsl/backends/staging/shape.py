@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from cbdsl.backends.staging.pose import Pose
 from cbdsl.backends.staging.span import draw
 from cbdsl.documents.stage import (
+    MOST_PIECES,
     BallForm,
     BoxForm,
     ComposedForm,
@@ -39,8 +40,6 @@ Floats = NDArray[np.float64]
 
 # Boxes that the wall of a tube is made of.
 _SIDES = 12
-# Boxes that fill a mesh.
-_BOXES = 16
 
 
 class Wall(NamedTuple):
@@ -234,7 +233,7 @@ def _meshed(file: Path, scale: float, solid: str, _changed: int) -> SolidShape:
 
 def _filling(triangles: Floats) -> tuple[Wall, ...]:
     """Boxes that fill a closed surface."""
-    boxes = cover(triangles, _BOXES).boxes
+    boxes = cover(triangles, MOST_PIECES).boxes
     return tuple(
         Wall(SolidShape("box", (a / 2, b / 2, c / 2)), UrdfOrigin((x, y, z)))
         for (x, y, z), (a, b, c) in boxes.tolist()

@@ -133,6 +133,7 @@ class _Field:
                 corners.append((("obstacles", i, "lower"), obstacle.lower))
                 corners.append((("obstacles", i, "upper"), obstacle.upper))
                 single.append(("obstacles", i, "radius"))
+                single.append(("obstacles", i, "shaft"))
         yield from (path for path in single if holds(*self._steps, *path))
         for path, corner in corners:
             yield from ((*path, i) for i in range(len(corner or ())))
@@ -219,7 +220,10 @@ class _Field:
                 problem = f"the box ends before it begins along axis {axis}"
                 self._add("CB525", "obstacles", i, problem=problem)
                 return
-        yield Box(f"box {i + 1} of the field", lower, upper)
+        if obstacle.shaft is not None and self._size < 2:
+            self._add("CB525", "obstacles", i, problem="a shaft needs two axes")
+            return
+        yield Box(f"box {i + 1} of the field", lower, upper, obstacle.shaft)
 
     def _goal(
         self,
@@ -235,7 +239,9 @@ class _Field:
             if not all(inside):
                 self._context.add("CB527", place, axis=inside.index(False))
         for obstacle in obstacles:
-            if isinstance(obstacle, Box) and _distance(goal, obstacle) <= self._field.clearance:
+            if not isinstance(obstacle, Box) or obstacle.shaft is not None:
+                continue
+            if _distance(goal, obstacle) <= self._field.clearance:
                 self._context.add("CB528", place, name=obstacle.name)
 
 

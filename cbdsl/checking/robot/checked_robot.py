@@ -12,6 +12,7 @@ from cbdsl.robot.urdf import UrdfModel
 from cbdsl.types.casts import RIGID_HOLD, Chain
 from cbdsl.types.resource import (
     VISUAL,
+    AffordanceProbability,
     BlobSignal,
     Centroid,
     EffectorConfiguration,
@@ -85,7 +86,13 @@ class CheckedRobot(NamedTuple):
                 return ("cameras", camera)
             case Heading() | Headings() | StereoPosition():
                 return ("cameras",)
-            case BlobSignal() | StereoSignal() | InstanceCount() | SurfacePoint():
+            case (
+                BlobSignal()
+                | StereoSignal()
+                | InstanceCount()
+                | SurfacePoint()
+                | AffordanceProbability()
+            ):
                 return ("cameras",)
             case (
                 EffectorConfiguration(effector=name)

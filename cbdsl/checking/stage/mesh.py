@@ -3,12 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from typing import TYPE_CHECKING
 
 from cbdsl.checking.findings import Findings
-from cbdsl.documents.stage import MeshForm, StageDocument
+from cbdsl.documents.stage import MOST_PIECES, MeshForm, StageDocument
 from cbdsl.errors.errors import UsageError
 from cbdsl.yaml_text.loaded import Loaded
 from cbdsl.yaml_text.source_map import Step
+
+if TYPE_CHECKING:
+    from cbdsl.robot.mesh_reader import Mesh
 
 _ENDINGS = (".stl", ".obj")
 
@@ -20,18 +24,18 @@ def check_meshes(loaded: Loaded[StageDocument], findings: Findings) -> None:
             _readable(loaded, findings, steps, form)
         else:
             place = loaded.source.place(*steps, "form", "file")
-            beside = [each for each in form.path.parent.glob("*") if _is_mesh(each.suffix)]
-            names = [str(form.path.with_name(each.name).name) for each in beside]
+            folder = form.path.parent
+            names = [each.name for each in folder.glob("*") if each.suffix.lower() in _ENDINGS]
             findings.add("CB364", place, names=names, name=form.file, folder=_folder(form))
 
 
 def extents_of(form: MeshForm) -> tuple[float, float, float] | None:
     """The edges of the box around a mesh, m, or ``None`` where it cannot be read."""
-    from cbdsl.robot.thing_mesh import read_thing_mesh  # few stages have any
-
     try:
+        from cbdsl.robot.thing_mesh import read_thing_mesh  # few stages have any
+
         x, y, z = read_thing_mesh(form.path, form.scale).halves
-    except UsageError:
+    except (UsageError, ImportError):  # whoever only checks may have no arrays
         return None
     return 2 * x, 2 * y, 2 * z
 
@@ -48,20 +52,28 @@ def _readable(
 ) -> None:
     try:
         from cbdsl.robot.thing_mesh import read_thing_mesh
-    except ImportError:  # whoever checks without a simulator has no arrays
+    except ImportError:
         return
     try:
-        read_thing_mesh(form.path, form.scale)
+        mesh = read_thing_mesh(form.path, form.scale).mesh
+        problem = _unfilled(mesh) if form.solid == "boxes" else ""
     except UsageError as error:
-        place = loaded.source.place(*steps, "form", "file")
         problem = str(error).removeprefix(f"{form.path}: ")
+    if problem:
+        place = loaded.source.place(*steps, "form", "file")
         findings.add("CB365", place, name=form.file, problem=problem)
+
+
+def _unfilled(mesh: Mesh) -> str:
+    from cbdsl.numeric.box_cover import cover
+
+    if len(cover(mesh.corners[mesh.triangles], MOST_PIECES).boxes):
+        return ""
+    return (
+        "thinner than a 32nd of its length, which no box fills; its hull, or what is around it, can"
+    )
 
 
 def _folder(form: MeshForm) -> str:
     folder = form.path.parent
     return str(folder) if folder.is_dir() else f"{folder}, which is not there either"
-
-
-def _is_mesh(ending: str) -> bool:
-    return ending.lower() in _ENDINGS

@@ -8,8 +8,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
-from cbdsl.learning.affordance import MEASURES, AffordanceModel
-from cbdsl.learning.gaussian import Gaussian
+from cbdsl.numeric.affordance import MEASURES, AffordanceModel
+from cbdsl.numeric.gaussian import Gaussian
 
 SAMPLES = st.integers(1, 5).flatmap(
     lambda size: st.integers(1, 30).flatmap(

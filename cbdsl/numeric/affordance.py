@@ -10,10 +10,15 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from cbdsl.learning.gaussian import Gaussian
+from cbdsl.numeric.gaussian import Gaussian
 
 Floats = NDArray[np.float64]
 Measure = Literal["sum", "trace", "determinant"]
+
+# Deviations of a prior that counts for something in a robot's workspace, by unit.
+_WORKSPACE: Mapping[str, float] = {
+    "m": 0.1, "rad": 0.1, "m/s": 0.1, "rad/s": 0.1, "m^3": 1e-3,
+}  # fmt: skip
 
 # Of the variance of the prior, in which densities that predict are spread at least.
 _LEAST_SPREAD = 0.01
@@ -40,7 +45,12 @@ MEASURES: Mapping[str, Callable[[Floats], float]] = {
 }
 
 
-@dataclass(frozen=True)
+def deviation_of(unit: str) -> float:
+    """Deviation of a component of this unit that counts for something in a workspace."""
+    return _WORKSPACE.get(unit, 1.0)
+
+
+@dataclass(frozen=True, eq=False)
 class AffordanceModel:
     """What is known of one action: Pr(f | reward, a), and with it all that follows from counts.
 

@@ -7,17 +7,44 @@ from collections.abc import Mapping
 import numpy as np
 
 from cbdsl.documents.catalog import AffordanceSection, CatalogDocument, SampleModel
-from cbdsl.learning.affordance import AffordanceModel
-from cbdsl.learning.exploration import deviation_of
-from cbdsl.learning.gaussian import Gaussian
+from cbdsl.numeric.affordance import AffordanceModel, deviation_of
+from cbdsl.numeric.gaussian import Gaussian
+from cbdsl.types.resource import DRAWN, AffordanceProbability, Origin, Resource
+from cbdsl.types.resource_type import PROBABILITY
+
+#: Beginning of the names of such resources.
+AFFORDS = "affords."
+
+
+def affordance_resource(
+    catalog: CatalogDocument, action: str, resources: Mapping[str, Resource]
+) -> Resource | None:
+    """Resource ``affords.<action>``: Pr(reward | f, a) by what is seen now.
+
+    Args:
+        catalog: has the action.
+        action: its name.
+        resources: of the robot, by name.
+
+    Returns:
+        ``None`` where a feature of its model cannot be read beforehand, as what is drawn.
+    """
+    own = catalog.affordances[action]
+    signals = [resources.get(each.signal) for each in own.features.values()]
+    features = tuple(each for each in signals if each is not None)
+    if len(features) < len(signals) or any(each.origin in DRAWN for each in features):
+        return None
+    source = AffordanceProbability(catalog.name, action, model_of(own), features)
+    return Resource(f"{AFFORDS}{action}", PROBABILITY, Origin.ENVIRONMENT, source)
 
 
 def models_of(catalog: CatalogDocument) -> dict[str, AffordanceModel]:
     """Models of a catalog's actions by name; one without features knows its counts alone."""
-    return {name: _model(each) for name, each in catalog.affordances.items()}
+    return {name: model_of(each) for name, each in catalog.affordances.items()}
 
 
-def _model(affordance: AffordanceSection) -> AffordanceModel:
+def model_of(affordance: AffordanceSection) -> AffordanceModel:
+    """Model of one action of a catalog."""
     scale = np.array(
         [
             deviation_of(feature.unit)

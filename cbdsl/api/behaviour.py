@@ -1,0 +1,66 @@
+"""Behaviour of py_trees: a program as a leaf of a behaviour tree.
+
+Needs the extra ``trees``.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Generator
+
+from py_trees.behaviour import Behaviour
+from py_trees.common import Status
+
+from cbdsl.api.open_robot import OpenRobot
+from cbdsl.runtime.episode import EpisodeResult, Tick
+
+#: Status of a behaviour by the predicate of its program.
+STATUS = {"X": Status.INVALID, "-": Status.FAILURE, "0": Status.RUNNING, "1": Status.SUCCESS}
+
+
+class ProgramBehaviour(Behaviour):
+    """Program as a behaviour: each tick of the tree is one control tick of the robot.
+
+    Several programs share one body by ``OpenRobot.with_program``, opened with ``persistent=True``:
+    each begins where the one before left the robot and the world.
+
+    Args:
+        robot: with the program that runs.
+        name: of the behaviour; the program's without one.
+        seed: of all chance.
+
+    Attributes:
+        result: outcome of the last time that it ran to its end; ``None`` before.
+    """
+
+    def __init__(self, robot: OpenRobot, name: str = "", *, seed: int = 0) -> None:
+        super().__init__(name or robot.request.program.name)
+        self._robot, self._seed = robot, seed
+        self._ticks: Generator[Tick, None, EpisodeResult] | None = None
+        self.result: EpisodeResult | None = None
+
+    def initialise(self) -> None:
+        """Begin the program anew."""
+        self._leave()
+        self._ticks = self._robot.ticks(self._seed)
+
+    def update(self) -> Status:
+        """Run one control tick."""
+        assert self._ticks is not None, "the tree begins a behaviour before it updates it"
+        try:
+            predicate = next(self._ticks).run.predicate
+        except StopIteration as ended:
+            self._ticks = None
+            self.result = ended.value
+            predicate = self._robot.runner().predicate
+        self.feedback_message = self.result.ending if self.result and not self._ticks else ""
+        return STATUS[predicate]
+
+    def terminate(self, new_status: Status) -> None:
+        """Interrupt the program, where something of a higher priority takes over."""
+        if new_status is Status.INVALID:
+            self._leave()
+
+    def _leave(self) -> None:
+        if self._ticks is not None:
+            self._ticks.close()
+            self._ticks = None

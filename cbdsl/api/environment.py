@@ -1,0 +1,143 @@
+"""Environment of Gymnasium: the actions are a program's compositions, states their predicates.
+
+Needs the extra ``gym``.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Generator
+from contextlib import ExitStack
+from pathlib import Path
+from typing import Any
+
+import gymnasium
+import numpy as np
+from gymnasium.spaces import Discrete, MultiDiscrete
+from numpy.typing import NDArray
+
+from cbdsl.api.open_robot import open_robot
+from cbdsl.api.run_request import RunRequest
+from cbdsl.program.transition import Transition
+from cbdsl.runtime.episode import EpisodeResult, Tick
+from cbdsl.types.policy import DeferredPolicy
+
+#: Predicates by the number that an observation has for them.
+LETTERS = "X-01"
+_SEEDS = 2**31
+
+States = NDArray[np.int64]
+
+
+class ProgramEnvironment(gymnasium.Env[States, np.int64]):
+    """Program as an environment: whoever acts chooses its next action at each change of state.
+
+    A step runs an action until the state changes, or until it ran out of time. Its reward is that
+    of the program (Eq 4.4). An episode terminates with the reward, or with a state of success or
+    failure, and is truncated when the program's limits end it.
+
+    Args:
+        program: what ``load`` gave, or a file or name for it.
+        backend, cameras: as of ``open_robot``.
+        context: one of the stage's contexts; drawn by their shares when ``None``.
+
+    Attributes:
+        actions: names of the program's actions, by their numbers.
+        members: names of the controllers, and programs, by their places in an observation.
+        observation_space: predicates by their numbers in ``LETTERS``, shape (members,).
+        action_space: numbers of the actions.
+
+    Raises:
+        DiagnosticsError, UsageError: as ``open_robot``.
+    """
+
+    metadata: dict[str, Any] = {"render_modes": []}  # noqa: RUF012 (as the base class has it)
+
+    def __init__(
+        self,
+        program: str | Path | RunRequest,
+        *,
+        backend: str = "kinematic",
+        cameras: str | None = None,
+        context: str | None = None,
+    ) -> None:
+        self._open = ExitStack()
+        self._robot = self._open.enter_context(
+            open_robot(program, backend=backend, cameras=cameras)
+        )
+        checked = self._robot.request.program
+        self._context = context
+        self.actions = tuple(action.name for action in checked.actions)
+        self.members = tuple(checked.members)
+        self.observation_space = MultiDiscrete([len(LETTERS)] * len(self.members))
+        self.action_space = Discrete(len(self.actions))
+        self._policy = DeferredPolicy()
+        self._ticks: Generator[Tick, None, EpisodeResult] | None = None
+        self._tick: Tick | None = None
+        self._passed: list[Transition] = []
+
+    def reset(
+        self, *, seed: int | None = None, options: dict[str, Any] | None = None
+    ) -> tuple[States, dict[str, Any]]:
+        """Begin an episode; equal seeds give equal ones.
+
+        Args:
+            seed: of this episode and those after it.
+            options: none is known.
+        """
+        super().reset(seed=seed)
+        self._leave()
+        drawn = int(self.np_random.integers(_SEEDS))
+        self._passed = []
+        self._ticks = self._robot.ticks(
+            drawn, policy=self._policy, context=self._context, on_transition=self._note
+        )
+        self._advance()
+        return self._observed(), self._info()
+
+    def step(self, action: np.int64) -> tuple[States, float, bool, bool, dict[str, Any]]:
+        """Run an action until the state changes, or its time is over.
+
+        Raises:
+            gymnasium.error.ResetNeeded: no episode runs.
+        """
+        if self._ticks is None or self._tick is None:
+            raise gymnasium.error.ResetNeeded("reset begins an episode")
+        before, run = len(self._passed), self._tick.run
+        run.decide(self.actions[int(action)])
+        self._advance()
+        reward = sum(transition.reward for transition in self._passed[before:])
+        ended = run.predicate != "0"
+        terminated = ended and (run.rewarded or bool(run.outcome))
+        return self._observed(), float(reward), terminated, ended and not terminated, self._info()
+
+    def close(self) -> None:
+        """End the episode and close the robot."""
+        self._leave()
+        self._open.close()
+
+    def _advance(self) -> None:
+        """Run until a choice is to be made, or the episode is over."""
+        assert self._ticks is not None, "an episode runs"
+        for tick in self._ticks:
+            self._tick = tick
+            if tick.run.is_open:
+                return
+        self._ticks = None
+
+    def _note(self, transition: Transition) -> None:
+        if transition.depth == 0:
+            self._passed.append(transition)
+
+    def _observed(self) -> States:
+        assert self._tick is not None, "an episode was begun"
+        return np.array([LETTERS.index(letter) for letter in self._tick.run.state], dtype=np.int64)
+
+    def _info(self) -> dict[str, Any]:
+        assert self._tick is not None, "an episode was begun"
+        run = self._tick.run
+        return {"state": run.state, "time": self._tick.observation.time, "ending": run.ending}
+
+    def _leave(self) -> None:
+        if self._ticks is not None:
+            self._ticks.close()
+            self._ticks = None

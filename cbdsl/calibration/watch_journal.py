@@ -1,0 +1,76 @@
+"""Journal of a calibration: what was watched so far, from which an interrupted one goes on."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from cbdsl.calibration.hand_view import HandView
+from cbdsl.runtime.line_journal import LineJournal, damaged
+
+_WHAT = "calibration"
+
+
+class WatchJournal(LineJournal):
+    """File of JSON lines: the identity of a calibration, then the views of each transition.
+
+    Args:
+        path: the file; where it is there, the calibration goes on, with another hold of the ball.
+        identity: all that the views depend on, as JSON has it.
+
+    Attributes:
+        views: those that the file holds.
+        transitions: how many were watched.
+        hold: number of the hold that begins now.
+
+    Raises:
+        JournalError: the file belongs to another calibration, or is none, or is being written.
+        OSError: it cannot be read or written.
+    """
+
+    def __init__(self, path: Path, identity: Mapping[str, Any]) -> None:
+        super().__init__(path, identity, _WHAT)
+        self.views: list[HandView] = []
+        try:
+            for number, row in enumerate(self.rows, 2):
+                self.views += _views(row, path, number)
+        except BaseException:
+            self._file.close()
+            raise
+        self.transitions = len(self.rows)
+        self.hold = 1 + self.rows[-1]["hold"] if self.rows else 0
+
+    def append(self, views: Sequence[HandView]) -> None:
+        """Append the views of a transition and flush them to disk.
+
+        Raises:
+            OSError: they cannot be written.
+        """
+        rows = [
+            {key: np.asarray(value).tolist() for key, value in view._asdict().items()}
+            for view in views
+        ]
+        self.append_row({"hold": self.hold, "views": rows})
+        self.views += views
+        self.transitions += 1
+
+
+def _views(row: Mapping[str, Any], path: Path, number: int) -> list[HandView]:
+    try:
+        int(row["hold"])
+        return [_view(each) for each in row["views"]]
+    except (KeyError, TypeError, ValueError) as error:
+        problem = f"it holds no views ({type(error).__name__}: {error})"
+        raise damaged(path, number, problem, _WHAT) from error
+
+
+def _view(row: Mapping[str, Any]) -> HandView:
+    """The view in a row of JSON."""
+    shapes = {"position": (3,), "rotation": (3, 3), "point": (2,), "tips": (3, 3), "forces": (3, 3)}
+    arrays = {
+        key: np.array(row[key], dtype=np.float64).reshape(shape) for key, shape in shapes.items()
+    }
+    return HandView(row["camera"], area=float(row["area"]), hold=int(row["hold"]), **arrays)

@@ -1,0 +1,83 @@
+"""``cb fmt``: documents in one layout, with the same values and comments."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+Paths = Annotated[
+    list[str],
+    typer.Argument(help="Documents, names of them, folders of them, or - for the standard input."),
+]
+Check = Annotated[
+    bool, typer.Option("--check", help="Write nothing; exit with 1 if a document would change.")
+]
+Diff = Annotated[bool, typer.Option("--diff", help="Write nothing; print what would change.")]
+
+
+def fmt(paths: Paths, *, check: Check = False, diff: Diff = False) -> None:
+    """Lay documents out in one way: even indentation and spacing, no superfluous empty lines.
+
+    Values, their order, quotes and comments stay as they are. Files are replaced as a whole; those
+    that change are named. The standard input is printed.
+
+    Exit 0 when all is well, 1 when --check found something to change or a document is no YAML, 2
+    for a wrong call.
+    """
+    from cbdsl.cli.findings import STANDARD_INPUT, documents
+    from cbdsl.cli.terminal import print_diagnostics
+    from cbdsl.errors.errors import DiagnosticsError, UsageError
+    from cbdsl.yaml_text.library import Library
+
+    if paths == [STANDARD_INPUT] and not (check or diff):
+        raise typer.Exit(_print_formatted())
+    if STANDARD_INPUT in paths:
+        raise UsageError("the standard input stands alone, without --check and --diff")
+    library, stdin = Library(), Path(STANDARD_INPUT)
+    changed, failed = 0, False
+    for file in dict.fromkeys(f for word in paths for f in documents(word, stdin, library)):
+        try:
+            changed += _format(file, check=check, diff=diff)
+        except DiagnosticsError as error:
+            print_diagnostics(error.diagnostics)
+            failed = True
+    raise typer.Exit(1 if failed or (check and changed) else 0)
+
+
+def _print_formatted() -> int:
+    """Format the standard input onto the standard output; the exit code."""
+    import sys
+
+    from cbdsl.yaml_text.composer import MOST_BYTES
+    from cbdsl.yaml_text.reader import decode, formatted_text
+
+    file = "stdin.yaml"
+    text = decode(sys.stdin.buffer.read(MOST_BYTES + 1), file)
+    print(formatted_text(text, file), end="")
+    return 0
+
+
+def _format(file: Path, *, check: bool, diff: bool) -> bool:
+    """Format a file; whether it was, or would be, changed."""
+    from cbdsl.yaml_text.reader import formatted_text, read_text
+    from cbdsl.yaml_text.writer import write_text
+
+    before = read_text(file)
+    after = formatted_text(before, str(file))
+    if after == before:
+        return False
+    if diff:
+        _print_difference(file, before, after)
+    elif not check:
+        write_text(after, file)
+    print(f"{'would format' if check or diff else 'formatted'} {file}")
+    return True
+
+
+def _print_difference(file: Path, before: str, after: str) -> None:
+    from difflib import unified_diff
+
+    old, new = (text.splitlines(keepends=True) for text in (before, after))
+    print("".join(unified_diff(old, new, str(file), str(file))), end="")

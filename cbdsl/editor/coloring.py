@@ -1,0 +1,75 @@
+"""Semantic tokens: what the words of compositions and references are, for an editor's colours."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Collection, Iterator, Sequence
+from pathlib import Path
+from typing import NamedTuple
+
+from cbdsl.editor.buffers import Buffers
+from cbdsl.editor.cursor import cursor
+from cbdsl.editor.names import is_composed, robot_resources, section
+from cbdsl.types.potential import POTENTIALS
+
+#: Kinds of words, in the protocol's terms: operators are "subject to", functions controllers,
+#: namespaces used programs, types potentials, variables resources of the robot.
+KINDS_OF_WORDS = ("operator", "function", "namespace", "type", "variable", "parameter")
+
+_WORD = re.compile(r"◁|<\||\$\w+|[A-Za-z][\w.]*")
+_RESOURCES = ("feedback", "effector", "reference")
+
+
+class ColoredWord(NamedTuple):
+    """A word and its kind.
+
+    Attributes:
+        line: from 0.
+        start, end: columns, from 0, ``end`` exclusive.
+        kind: one of ``KINDS_OF_WORDS``.
+    """
+
+    line: int
+    start: int
+    end: int
+    kind: str
+
+
+def colored_words(buffers: Buffers, path: Path) -> Iterator[ColoredWord]:
+    """The words of a document that have a kind, from top to bottom."""
+    lines = buffers.text(path).splitlines()
+    members = dict.fromkeys(section(lines, "controllers"), "function")
+    members |= dict.fromkeys(section(lines, "use"), "namespace")
+    resources = robot_resources(buffers, path)
+    for number, line in enumerate(lines):
+        code = re.split(r"(?:^|\s)#", line, maxsplit=1)[0]
+        for match in _WORD.finditer(code):
+            kind = _kind(match[0], lines, (number, match.start()), members, resources)
+            if kind:
+                yield ColoredWord(number, match.start(), match.end(), kind)
+
+
+def _kind(
+    word: str,
+    lines: Sequence[str],
+    place: tuple[int, int],
+    members: dict[str, str],
+    resources: Collection[str],
+) -> str:
+    """The kind of a word at a line and column; empty where it has none."""
+    if word in ("◁", "<|"):
+        return "operator"
+    if word.startswith("$"):
+        return "parameter"
+    known = word in members or word in POTENTIALS
+    if not known and word not in resources:
+        return ""
+    at = cursor(lines, *place)
+    if at.on_key:
+        is_member = at.steps[:1] in (("controllers",), ("use",)) and len(at.steps) == 1
+        return members.get(word, "") if is_member else ""
+    if at.key == "potential":
+        return "type" if word in POTENTIALS else ""
+    if at.key in _RESOURCES:
+        return "variable" if word in resources else ""
+    return members.get(word, "") if is_composed(at.steps) else ""

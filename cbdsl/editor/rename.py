@@ -1,0 +1,140 @@
+"""Renaming: the places of a name in all documents that have it."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+from typing import NamedTuple
+
+from cbdsl.documents.document import NAME_PATTERN
+from cbdsl.documents.kinds import KINDS
+from cbdsl.editor.buffers import Buffers
+from cbdsl.editor.cursor import Cursor, cursor
+from cbdsl.editor.names import document_named, is_composed, section
+
+# Sections of policies that name their program's controllers.
+_LEARNED = ("predicates", "policy", "values", "transitions")
+_MEMBERS = ("controllers", "use")
+
+
+class Occurrence(NamedTuple):
+    """A stretch of a line.
+
+    Attributes:
+        line: from 0.
+        start, end: columns, from 0, ``end`` exclusive.
+    """
+
+    line: int
+    start: int
+    end: int
+
+
+class Renaming(NamedTuple):
+    """Everything that a new name changes.
+
+    Attributes:
+        old: the name that is replaced, without its dollar sign.
+        spots: its places, by file.
+        moved: the file that has the name of its document, if that is renamed.
+    """
+
+    old: str
+    spots: dict[Path, list[Occurrence]]
+    moved: Path | None = None
+
+
+def is_name(text: str) -> bool:
+    """Whether something can be the name of a controller, a parameter or a document."""
+    return re.match(NAME_PATTERN, text) is not None
+
+
+def renaming(buffers: Buffers, path: Path, at: Cursor) -> Renaming | None:
+    """The places of the name under the cursor; ``None`` where none can be renamed.
+
+    Names of parameters are those of one program. Controllers and used programs are named in its
+    policies, too. Documents are named in all documents in the folder of the editor.
+    """
+    lines = buffers.text(path).splitlines()
+    if at.word.startswith("$") or (at.on_key and at.steps == ("parameters",)):
+        return _of_parameter(path, lines, at.word.removeprefix("$"))
+    is_own_name = at.steps == ("name",) and not at.on_key
+    file = path if is_own_name else None if at.on_key else document_named(
+        buffers, path, at.key, at.word
+    )  # fmt: skip
+    if file is not None:
+        kind = _top(lines, "kind") if is_own_name else at.key
+        return _of_document(buffers, file.absolute(), kind, at.word)
+    if any(at.word in section(lines, name) for name in _MEMBERS) and _names_member(lines, at):
+        return _of_member(buffers, path, lines, at.word)
+    return None
+
+
+def _of_parameter(path: Path, lines: Sequence[str], name: str) -> Renaming | None:
+    declared = section(lines, "parameters")
+    if name not in declared:
+        return None
+    spots = [
+        Occurrence(number, match.start() + 1, match.end())
+        for number, line in enumerate(lines)
+        for match in re.finditer(rf"\$\b{re.escape(name)}\b", _code(line))
+    ]
+    key = re.search(rf"\b{re.escape(name)}(?=[\"']?\s*:)", lines[declared[name]])
+    assert key is not None, "its section has it as a key"
+    spots.append(Occurrence(declared[name], key.start(), key.end()))
+    return Renaming(name, {path: sorted(spots)})
+
+
+def _of_member(buffers: Buffers, path: Path, lines: Sequence[str], name: str) -> Renaming:
+    spots = {path: list(_member_spots(lines, name))}
+    program = _top(lines, "name")
+    for file in buffers.documents():
+        others = buffers.text(file).splitlines()
+        if _top(others, "kind") == "policy" and _top(others, "program") == program:
+            spots[file] = list(_member_spots(others, name))
+    return Renaming(name, {file: places for file, places in spots.items() if places})
+
+
+def _member_spots(lines: Sequence[str], name: str) -> Iterator[Occurrence]:
+    pattern = re.compile(rf"(?<![\w.$]){re.escape(name)}(?![\w.])")
+    for number, line in enumerate(lines):
+        for match in pattern.finditer(_code(line)):
+            if _names_member(lines, cursor(lines, number, match.start())):
+                yield Occurrence(number, match.start(), match.end())
+
+
+def _names_member(lines: Sequence[str], at: Cursor) -> bool:
+    """Whether a word at a place is a controller's name, or a used program's."""
+    if not at.steps:
+        return False
+    if _top(lines, "kind") == "policy":
+        return at.steps[0] in _LEARNED or at.steps == ("provenance", "actions")
+    if at.on_key and at.steps[0] in _MEMBERS:
+        return len(at.steps) == 1
+    return at.steps[0] not in _MEMBERS[1:] and is_composed(at.steps)
+
+
+def _of_document(buffers: Buffers, file: Path, kind: str, name: str) -> Renaming | None:
+    if kind not in KINDS.builtins or not file.is_relative_to(buffers.here):
+        return None
+    own = re.compile(rf"^name:\s*[\"']?(?P<name>{re.escape(name)})[\"']?\s*$")
+    named = re.compile(rf"(?<![\w.]){kind}:\s*[\"']?(?P<name>{re.escape(name)})(?![\w.])")
+    spots: dict[Path, list[Occurrence]] = {}
+    for each in {file, *buffers.documents()}:
+        for number, line in enumerate(buffers.text(each).splitlines()):
+            patterns = (own, named) if each == file else (named,)
+            for match in (m for pattern in patterns for m in pattern.finditer(_code(line))):
+                spots.setdefault(each, []).append(Occurrence(number, *match.span("name")))
+    return Renaming(name, spots, file if file.stem == name else None)
+
+
+def _top(lines: Sequence[str], key: str) -> str:
+    """The value of a key at the top level, as far as it is a name."""
+    pattern = re.compile(rf"{key}:\s*[\"']?([\w-]+)")
+    return next((match[1] for line in lines if (match := pattern.match(line))), "")
+
+
+def _code(line: str) -> str:
+    """A line without its comment."""
+    return re.split(r"(?:^|\s)#", line, maxsplit=1)[0]

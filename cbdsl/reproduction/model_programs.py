@@ -1,0 +1,128 @@
+"""Model-exploration programs: what a robot attends to that it does not know (6.6 to 6.8)."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from itertools import pairwise
+
+import numpy as np
+
+from cbdsl.documents.catalog import CatalogDocument
+from cbdsl.reproduction.claim import above, at_least, between
+from cbdsl.reproduction.estimate import chance_of_samples, mean, median
+from cbdsl.reproduction.experiment import Picture, Result, RunSettings
+from cbdsl.reproduction.exploration_series import (
+    NOVEL,
+    TABLE_MODELS,
+    THREE_BALLS,
+    ExplorationSeries,
+)
+from cbdsl.reproduction.habituation import (
+    actions_of,
+    change_chart,
+    negligible_after,
+    reward_chart,
+    rewards,
+    tries_until_habituated,
+)
+from cbdsl.reproduction.interval import bootstrap_interval, median_interval
+from cbdsl.reproduction.percentage import percentage
+from cbdsl.reproduction.quantity import Quantity
+from cbdsl.reproduction.trial_runner import TrialRunner, trial_runner
+
+_SERIES = {"fig-6.6": TABLE_MODELS, "fig-6.7": THREE_BALLS, "fig-6.8": NOVEL}
+# The blue ball comes before the first of these actions, the red one moves before the second.
+_COMES, _MOVES, _SOON = 25, 50, 5
+_COLORS = ("red", "yellow", "blue")
+_AS_PRINTED = {"red": "about 7", "yellow": "about 18", "blue": "about 27"}
+
+
+def run(settings: RunSettings, name: str) -> Result:
+    """Explore, and find out what was attended to, when."""
+    with trial_runner(settings) as dexter:
+        catalogs = gather(dexter, settings, name)
+    measure = {"fig-6.6": _table, "fig-6.7": _balls, "fig-6.8": _attention}[name]
+    series, quantities = _SERIES[name], [*_rewarded(catalogs), *measure(catalogs, settings.seed)]
+    pictures: list[Picture] = [reward_chart(name, series.label, catalogs)]
+    change = change_chart(name, series.label, catalogs)
+    return Result(tuple(quantities), (*pictures, *([change] if change else [])), _NOTES)
+
+
+_NOTES = (
+    "A model whose features are seen far from where it has them (4 Mahalanobis distances) counts "
+    "as changing, and an action whose model is unknown or changing is worth 0.2 in a state in "
+    "which it was not tried: without either, a program that does nothing in the states that it "
+    "has learned would attend to what is new or was moved by chance alone.",
+)
+
+
+def series_of(name: str) -> tuple[ExplorationSeries, ...]:
+    """The series of explorations."""
+    return (_SERIES[name],)
+
+
+def gather(dexter: TrialRunner, settings: RunSettings, name: str) -> list[CatalogDocument]:
+    """Run all actions; the catalog of each trial."""
+    series = _SERIES[name]
+    dexter.expect(len(dexter.numbers(series)) * dexter.actions(series))
+    return dexter.explore(series)
+
+
+def _rewarded(catalogs: Sequence[CatalogDocument]) -> Iterator[Quantity]:
+    for name in dict.fromkeys(key for each in catalogs for key in each.affordances):
+        own = [each.affordances[name] for each in catalogs if name in each.affordances]
+        hits, tried = sum(each.rewarded for each in own), sum(each.tried for each in own)
+        yield percentage(f"{name} rewarded", "no number", hits, tried, None, of="actions")
+
+
+def _table(catalogs: Sequence[CatalogDocument], seed: int) -> Iterator[Quantity]:
+    after = np.array([negligible_after(row) for row in rewards(catalogs)])
+    claim, middle = between(20, 30), float(np.median(after))
+    yield Quantity(
+        "reward negligible after, median",
+        "actions",
+        "20 to 30",
+        middle,
+        claim,
+        interval=median_interval(after, seed) if len(after) > 1 and np.isfinite(middle) else None,
+        chance=chance_of_samples(claim, after[np.isfinite(after)], median, seed),
+    )
+
+
+def _balls(catalogs: Sequence[CatalogDocument], seed: int) -> Iterator[Quantity]:
+    """The more a ball's place varies, the longer it is explored."""
+    tries = {
+        color: np.array([tries_until_habituated(each, f"reachtouch_{color}") for each in catalogs])
+        for color in _COLORS
+    }
+    for color, own in tries.items():
+        name, source = f"{color}: taken until habituated", _AS_PRINTED[color]
+        interval = bootstrap_interval(own.tolist()) if len(own) > 1 else None
+        yield Quantity(name, "actions", source, float(own.mean()), None, interval=interval)
+    for less, more in pairwise(_COLORS):
+        apart, claim = tries[more] - tries[less], above(0.0)
+        yield Quantity(
+            f"{more} minus {less}",
+            "actions",
+            f"{more} more than {less}",
+            float(apart.mean()),
+            claim,
+            interval=bootstrap_interval(apart.tolist()) if len(apart) > 1 else None,
+            chance=chance_of_samples(claim, apart, mean, seed),
+        )
+
+
+def _attention(catalogs: Sequence[CatalogDocument], seed: int) -> Iterator[Quantity]:
+    """The novel ball is attended to, and the moved one again."""
+    for text, name, first in (
+        ("the blue ball, once it is there", "reachtouch_blue", _COMES),
+        ("the red ball, once it was moved", "reachtouch_red", _MOVES),
+    ):
+        # The change is seen at the end of the action that it comes before.
+        soon = [name in actions_of(each)[first : first + 1 + _SOON] for each in catalogs]
+        label = f"touches {text}, within {_SOON} actions"
+        yield percentage(label, "yes", sum(soon), len(soon), at_least(90))
+    before = [actions_of(each)[_COMES - 10 : _COMES] for each in catalogs]
+    idle = sum(own.count("noop") for own in before)
+    name = "noop in the 10 actions before the blue ball comes"
+    yield percentage(name, "habituated", idle, sum(map(len, before)), above(50))

@@ -1,0 +1,188 @@
+"""Journals of lines: what was done so far, from which an interrupted command goes on."""
+
+from __future__ import annotations
+
+import fcntl
+import json
+import os
+import time
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+from types import TracebackType
+from typing import Any, BinaryIO, Self
+
+from cbdsl.errors.errors import UsageError
+
+# A process that lost its cluster may still be busy with its last line, s.
+_PATIENCE = 60.0
+
+
+class JournalError(UsageError):
+    """A journal cannot be used; the message says why and what to do."""
+
+
+class LineJournal:
+    """File of JSON lines: the identity of an undertaking, then each step as soon as it is done.
+
+    A line that a killed process left unfinished counts for nothing, and is overwritten.
+    No two processes write the same journal: the second waits a minute for the first to end.
+
+    Args:
+        path: the file; where it is there, the undertaking goes on.
+        identity: all that the steps depend on, as JSON has it.
+        what: the undertaking's name in messages.
+
+    Attributes:
+        path: the file.
+        rows: the steps that the file held.
+
+    Raises:
+        JournalError: the file belongs to another undertaking, or is none, or is being written.
+        OSError: it cannot be read or written.
+    """
+
+    def __init__(self, path: Path, identity: Mapping[str, Any], what: str = "trial") -> None:
+        self._file = os.fdopen(os.open(path, os.O_RDWR | os.O_CREAT, 0o644), "r+b", buffering=0)
+        try:
+            lock(self._file, path, _PATIENCE)
+            self.path, self.rows = path, self._take_up(path, identity, what)
+        except BaseException:
+            self._file.close()
+            raise
+
+    def _take_up(self, path: Path, identity: Mapping[str, Any], what: str) -> list[dict[str, Any]]:
+        rows, sound = rows_of(self._file.read(), path, what=what)
+        if rows:
+            require_same(path, rows[0], identity, what)
+        self._file.truncate(sound)
+        self._file.seek(sound)
+        if not rows:
+            self._begin(path, identity)
+        return rows[1:]
+
+    def _begin(self, path: Path, identity: Mapping[str, Any]) -> None:
+        try:
+            self.append_row(identity)
+        except OSError:
+            path.unlink()  # a journal that holds nothing would only be in the way
+            raise
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        traceback: TracebackType | None,
+    ) -> None:
+        self._file.close()
+
+    def append_row(self, row: Mapping[str, Any]) -> None:
+        """Append a line and flush it to disk.
+
+        Raises:
+            OSError: it cannot be written.
+        """
+        left = memoryview(json.dumps(row, ensure_ascii=False).encode() + b"\n")
+        while left:  # a disk that is nearly full takes a part, and says so only of the next
+            left = left[self._file.write(left) :]
+        os.fsync(self._file.fileno())
+
+
+def rows_of(
+    data: bytes, path: Path, first: int = 1, what: str = "trial"
+) -> tuple[list[dict[str, Any]], int]:
+    """Complete lines in a part of a journal, and where they end.
+
+    Args:
+        data: from the beginning of a line; what follows the last end of a line is left out.
+        path: of the journal, for messages.
+        first: the number of its first line.
+        what: it is a journal of, for messages.
+
+    Raises:
+        JournalError: it is no journal.
+    """
+    sound = data.rfind(b"\n") + 1
+    lines = data[:sound].split(b"\n")[:-1]
+    return [_row(line, path, number, what) for number, line in enumerate(lines, first)], sound
+
+
+def _row(line: bytes, path: Path, number: int, what: str) -> dict[str, Any]:
+    try:
+        row = json.loads(line)
+    except ValueError as error:
+        raise damaged(path, number, f"it is no JSON ({error})", what) from error
+    if not isinstance(row, dict):
+        raise damaged(path, number, "it is no JSON object", what)
+    return row
+
+
+def damaged(path: Path, number: int, problem: str, what: str = "trial") -> JournalError:
+    """The error of a line that cannot be used."""
+    if number == 1:
+        return JournalError(f"{path} is no journal of a {what}: of line 1, {problem}")
+    how = "the same command goes on there" if what == "calibration" else "--resume goes on there"
+    return JournalError(
+        f"{path}, line {number}: {problem}; the journal is damaged. What stands above is whole: "
+        f"delete this line and those below, and {how}"
+    )
+
+
+def require_same(
+    path: Path, known: Mapping[str, Any], wanted: Mapping[str, Any], what: str = "trial"
+) -> None:
+    """Check that two identities are the same.
+
+    Raises:
+        JournalError: they are not; it says what differs.
+    """
+    if differences := "; ".join(_differences(known, wanted)):
+        raise JournalError(
+            f"{path} belongs to another {what}: {differences}; "
+            "ask for the same, or choose another --out"
+        )
+
+
+def _differences(known: Mapping[str, Any], wanted: Mapping[str, Any]) -> Iterator[str]:
+    """Differences between two identities, in words."""
+    for key in {**known, **wanted}:
+        old, new = known.get(key), wanted.get(key)
+        if old == new:
+            continue
+        if isinstance(old, dict) and isinstance(new, dict):
+            if old.get("name") != new.get("name"):
+                yield f"{key} was {old.get('name')}, is {new.get('name')}"
+            elif "sha256" in old:
+                yield f"{key} '{old.get('name')}' has changed since"
+            else:
+                yield from _differences(old, new)
+        else:
+            yield f"{key} was {_shown(old)}, is {_shown(new)}"
+
+
+def _shown(value: object) -> str:
+    if value is None:
+        return "nothing"
+    return ", ".join(map(str, value)) if isinstance(value, (list, tuple)) else str(value)
+
+
+def lock(file: BinaryIO, path: Path, patience: float) -> None:
+    """Lock a file; the lock ends with the process, however that ends.
+
+    Raises:
+        JournalError: somebody else is, and does not end within ``patience``, s.
+        OSError: the file system knows no locks.
+    """
+    deadline = time.monotonic() + patience
+    while True:
+        try:
+            fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+            return
+        except BlockingIOError as error:
+            if time.monotonic() >= deadline:
+                raise JournalError(
+                    f"another process is at work on {path}: let it end first"
+                ) from error
+        time.sleep(0.1)

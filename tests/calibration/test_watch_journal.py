@@ -1,0 +1,98 @@
+"""Journals of calibrations: what was watched survives, and nothing else is taken for it."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from cbdsl.backends.backend import embody
+from cbdsl.calibration.hand_view import HandView
+from cbdsl.calibration.watch_journal import WatchJournal
+from cbdsl.calibration.watching import watch
+from cbdsl.documents.robot import RobotDocument
+from cbdsl.documents.stage import StageDocument
+from cbdsl.runtime.line_journal import JournalError
+from cbdsl.sensing.kinematics import Kinematics
+from cbdsl.yaml_text.library import Library
+from tests.conftest import Checked
+
+IDENTITY = {"command": "cb calibrate dexter", "robot": {"name": "dexter", "sha256": "1"}}
+
+
+def view(number: int) -> HandView:
+    rng = np.random.default_rng(number)
+    shapes = [(3,), (3, 3), (2,)]
+    position, rotation, point = (rng.standard_normal(shape) for shape in shapes)
+    tips, forces = rng.standard_normal((2, 3, 3))
+    return HandView("left", position, rotation, point, float(number), tips, forces, number % 2)
+
+
+def test_views_are_the_same_after_a_crash(tmp_path: Path) -> None:
+    file = tmp_path / "mine.jsonl"
+    with WatchJournal(file, IDENTITY) as journal:
+        journal.append([view(0), view(2)])
+        journal.append([])
+    file.write_bytes(file.read_bytes() + b'{"hold": 0, "vie')
+    with WatchJournal(file, IDENTITY) as journal:
+        assert (journal.transitions, journal.hold) == (2, 1)
+        for kept, was in zip(journal.views, (view(0), view(2)), strict=True):
+            assert all(map(np.array_equal, kept, was))
+        journal.append([view(1)])
+    with WatchJournal(file, IDENTITY) as journal:
+        assert (journal.transitions, journal.hold, len(journal.views)) == (3, 2, 3)
+
+
+def test_another_calibration_does_not_go_on(tmp_path: Path) -> None:
+    file = tmp_path / "mine.jsonl"
+    with WatchJournal(file, IDENTITY) as journal:
+        journal.append([view(0)])
+    changed = IDENTITY | {"robot": {"name": "dexter", "sha256": "2"}}
+    with pytest.raises(JournalError, match="another calibration: robot 'dexter' has changed since"):
+        WatchJournal(file, changed)
+
+
+@pytest.mark.parametrize(
+    "line", ['{"hold": 0}', '{"hold": 0, "views": [{"camera": "left"}]}', "[]", "nonsense"]
+)
+def test_a_damaged_journal_is_told_with_its_line(tmp_path: Path, line: str) -> None:
+    file = tmp_path / "mine.jsonl"
+    with WatchJournal(file, IDENTITY) as journal:
+        journal.append([view(0)])
+    file.write_text(file.read_text() + line + "\n")
+    with pytest.raises(JournalError, match=r"mine.jsonl, line 3: .*the same command goes on there"):
+        WatchJournal(file, IDENTITY)
+
+
+class _KilledError(Exception):
+    """The process ends here."""
+
+
+def test_an_interrupted_watch_goes_on_with_another_hold(
+    checked: Checked, dexter: RobotDocument, urdf: Path, library: Library, tmp_path: Path
+) -> None:
+    program = checked("show_ball")._replace(transitions=12)
+    file = library.locate(StageDocument, "ball_in_hand")
+    stage = library.read(file, StageDocument).document
+    backend, told = embody("kinematic", dexter, urdf), []
+
+    def interrupt(done: int, _: int) -> None:
+        told.append(done)
+        if done == 7:
+            raise _KilledError
+
+    def run() -> list[HandView]:
+        kinematics = Kinematics(dexter, urdf)
+        with WatchJournal(tmp_path / "mine.jsonl", IDENTITY) as journal:
+            return watch(dexter, kinematics, program, backend, stage, 3, interrupt, journal)
+
+    with pytest.raises(_KilledError):
+        run()
+    before = (tmp_path / "mine.jsonl").read_bytes()
+    views = run()
+    assert told == list(range(1, 13))
+    assert {each.hold for each in views} == {0, 1}
+    assert (tmp_path / "mine.jsonl").read_bytes().startswith(before)
+    assert len(run()) == len(views), "nothing is left to watch"
+    backend.close()

@@ -1,0 +1,125 @@
+"""Renaming: after it all documents are as sound as before, and the old name is gone."""
+
+from __future__ import annotations
+
+import re
+import shutil
+from pathlib import Path
+
+import pytest
+
+import cbdsl
+from cbdsl.editor.buffers import Buffers
+from cbdsl.editor.coloring import colored_words
+from cbdsl.editor.cursor import cursor
+from cbdsl.editor.rename import Renaming, renaming
+from tests.conftest import ROOT
+
+#: Learned policies and schemas say of which text they were learned, and that has changed.
+STALE = {"CB622", "CB634"}
+
+
+@pytest.fixture
+def here(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """A checkout with all documents."""
+    for name in ("robots", "programs", "knowledge"):
+        shutil.copytree(ROOT / name, tmp_path / name)
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
+def rename(here: Path, file: str, mark: str, new: str) -> Renaming | None:
+    """Rename the name that begins behind a mark, in the files."""
+    buffers, path = Buffers(here), here / file
+    text = path.read_text("utf-8")
+    place = text.index(mark) + len(mark)
+    line = text.count("\n", 0, place)
+    at = cursor(text.splitlines(), line, place - text.rfind("\n", 0, place) - 1)
+    named = renaming(buffers, path, at)
+    for each, spots in (named.spots if named else {}).items():
+        lines = each.read_text("utf-8").splitlines(keepends=True)
+        for number, start, end in sorted(spots, reverse=True):
+            assert lines[number][start:end] == named.old
+            lines[number] = lines[number][:start] + new + lines[number][end:]
+        each.write_text("".join(lines), encoding="utf-8")
+    if named and named.moved:
+        named.moved.rename(named.moved.with_stem(new))
+    return named
+
+
+def findings(folder: str) -> dict[str, int]:
+    """How often each code is found in a folder's documents."""
+    files = sorted(Path(folder).rglob("*.yaml"))
+    codes = [each.code for each in cbdsl.check(*files)]
+    return {code: codes.count(code) for code in codes}
+
+
+def test_a_controller_is_renamed_in_its_program_and_its_policies(here: Path) -> None:
+    named = rename(here, "programs/searchtrack.yaml", "search ◁ ", "follow")
+    assert named is not None and named.old == "track"
+    files = {path.relative_to(here).as_posix() for path in named.spots}
+    assert files == {
+        "programs/searchtrack.yaml",
+        "knowledge/policies/searchtrack.yaml",
+        "knowledge/policies/searchtrack_table.yaml",
+    }
+    for file in files:
+        code = re.sub(r"#.*", "", (here / file).read_text("utf-8"))
+        within = [line for line in code.splitlines() if "description" not in line]
+        assert not [line for line in within if re.search(r"\btrack\b", line)], file
+    assert {*findings(".")} <= STALE
+
+
+def test_a_parameter_is_renamed_in_its_program(here: Path) -> None:
+    named = rename(here, "programs/posture.yaml", "effector: $", "limb")
+    assert named is not None and named.old == "arm"
+    text = (here / "programs/posture.yaml").read_text("utf-8")
+    assert "$arm" not in text and "$limb" in text and re.search(r"\blimb:", text)
+    assert cbdsl.check(Path("programs/posture.yaml")) == []
+
+
+@pytest.mark.parametrize(
+    ("file", "mark", "new"),
+    [
+        ("programs/searchtrack.yaml", "stage: ", "my_table"),
+        ("programs/stages/table_right.yaml", "name: ", "my_table"),
+        ("programs/visualinspect.yaml", "policy: ", "my_policy"),
+        ("programs/visualinspect.yaml", "{program: ", "my_reach"),
+        ("programs/desk_reach.yaml", "robot: ", "my_desk"),
+    ],
+)
+def test_a_document_is_renamed_in_all_that_name_it(
+    here: Path, file: str, mark: str, new: str
+) -> None:
+    before = findings(".")
+    named = rename(here, file, mark, new)
+    assert named is not None and named.moved is not None and len(named.spots) > 1
+    assert not named.moved.exists() and named.moved.with_stem(new).exists()
+    after = findings(".")
+    assert {code: count for code, count in after.items() if code not in STALE} == before
+
+
+@pytest.mark.parametrize(
+    ("file", "mark"),
+    [
+        ("programs/searchtrack.yaml", "potential: "),
+        ("programs/searchtrack.yaml", "feedback: "),
+        ("programs/searchtrack.yaml", "descr"),
+        ("programs/searchtrack.yaml", "cbdsl: "),
+    ],
+)
+def test_what_is_no_name_of_ones_own_stays(here: Path, file: str, mark: str) -> None:
+    assert rename(here, file, mark, "other") is None
+
+
+def test_words_of_compositions_have_kinds(here: Path) -> None:
+    path = here / "programs" / "reachtouch.yaml"
+    lines = path.read_text("utf-8").splitlines()
+    words = list(colored_words(Buffers(here), path))
+    kinds = {(lines[w.line][w.start : w.end], w.kind) for w in words}
+    assert {
+        ("◁", "operator"), ("reach", "function"), ("touch", "function"), ("spring", "type"),
+        ("searchtrack", "namespace"), ("$arm", "parameter"),
+    } <= kinds  # fmt: skip
+    assert ("program", "function") not in kinds
+    assert words == sorted(words)

@@ -1,0 +1,56 @@
+"""The extension for VS Code: built, activated against ``cb lsp`` and packaged."""
+
+from __future__ import annotations
+
+import json
+import os
+import shutil
+import subprocess
+import sys
+import zipfile
+from pathlib import Path
+
+import pytest
+
+from tests.conftest import ROOT
+
+pytestmark = pytest.mark.slow
+EXTENSION = ROOT / "editors" / "vscode"
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A copy of the extension with the packages that it is built with."""
+    if shutil.which("npm") is None:
+        pytest.skip("npm is not installed")
+    folder = tmp_path_factory.mktemp("vscode") / "extension"
+    shutil.copytree(EXTENSION, folder, ignore=shutil.ignore_patterns("node_modules", "out"))
+    done = subprocess.run(["npm", "ci"], cwd=folder, capture_output=True, text=True)
+    if done.returncode:
+        pytest.skip("npm reaches no registry")
+    return folder
+
+
+def test_it_activates_and_tells_of_findings(folder: Path) -> None:
+    pytest.importorskip("pygls")
+    given = {"CB": str(Path(sys.executable).with_name("cb")), "CBDSL": str(ROOT)}
+    done = subprocess.run(
+        ["npm", "test"], cwd=folder, capture_output=True, text=True, env={**os.environ, **given}
+    )
+    assert done.returncode == 0, done.stdout + done.stderr
+    assert "# fail 0" in done.stdout and "# pass 3" in done.stdout
+
+
+def test_it_is_packaged_with_nothing_but_what_it_needs(folder: Path) -> None:
+    done = subprocess.run(["npm", "run", "package"], cwd=folder, capture_output=True, text=True)
+    if "E404" in done.stderr or "ENOTFOUND" in done.stderr:
+        pytest.skip("npm reaches no registry")
+    assert done.returncode == 0, done.stdout + done.stderr
+    with zipfile.ZipFile(folder / "cbdsl.vsix") as package:
+        names = {name for name in package.namelist() if name.startswith("extension/")}
+        manifest = json.loads(package.read("extension/package.json"))
+    assert {name.lower() for name in names} == {
+        "extension/package.json", "extension/readme.md", "extension/license.txt",
+        "extension/out/extension.js",
+    }  # fmt: skip
+    assert manifest["main"] == "./out/extension.js"

@@ -1,0 +1,114 @@
+"""Probabilities of reward as resources, and as conditions of schemas."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from cbdsl.backends.kinematic.backend import KinematicBackend
+from cbdsl.checking.findings import Findings
+from cbdsl.checking.program import examine_program
+from cbdsl.checking.schema import checked_schema
+from cbdsl.checking.session import Session
+from cbdsl.documents.robot import RobotDocument
+from cbdsl.documents.schema import SchemaDocument
+from cbdsl.program.checked import CheckedProgram
+from cbdsl.runtime.episode import Runner, Tick
+from cbdsl.sensing.kinematics import Kinematics
+from cbdsl.yaml_text.library import Library
+from tests.backends.conftest import stage_named
+
+# Rewarded within the table's length, and never beyond it.
+CATALOG = """\
+cbdsl: 1
+kind: catalog
+name: ball
+robot: dexter
+feature: sat_10
+affordances:
+  reachtouch:
+    program: reachtouch
+    tried: 80
+    rewarded: 60
+    features: {place: {signal: stereo.sat_10, unit: m, components: 3}}
+    with_reward:
+      count: 60
+      mean: [0.6, -0.2, -0.36]
+      covariance: &spread [[0.01, 0, 0], [0, 0.02, 0], [0, 0, 0.0001]]
+    without_reward: {count: 20, mean: [1.2, -0.2, -0.36], covariance: *spread}
+"""
+SCHEMA = """\
+cbdsl: 1
+kind: schema
+name: sure
+program: reachtouch
+policy: reachtouch
+catalog: ball
+features: {sure: affords.reachtouch}
+allocations:
+  right: {arm: right_arm, hand: right_hand}
+  left: {arm: left_arm, hand: left_hand}
+choose: {if: sure > 0.5, then: right, else: left}
+otherwise: [left]
+"""
+
+
+@pytest.fixture
+def folder(tmp_path: Path) -> Path:
+    for name, text in {"catalogs/ball": CATALOG, "schemas/sure": SCHEMA}.items():
+        path = tmp_path / "knowledge" / f"{name}.yaml"
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_text(text, encoding="utf-8")
+    return tmp_path
+
+
+def checked(folder: Path) -> CheckedProgram:
+    library, findings = Library(folder), Findings()
+    session = Session(library)
+    loaded = library.read(library.locate(SchemaDocument, "sure"), SchemaDocument)
+    program = checked_schema(
+        loaded,
+        session,
+        findings,
+        lambda path, values, own: examine_program(path, values, session, own),
+    )
+    assert program is not None, findings.sorted()
+    return program
+
+
+def test_an_affordance_is_a_feature_with_its_probability(folder: Path) -> None:
+    schema = checked(folder).schema
+    assert schema is not None
+    (resource,) = schema.features.values()
+    assert (resource.name, resource.type.name) == ("affords.reachtouch", "probability")
+    assert [each.name for each in resource.source.features] == ["stereo.sat_10"]  # type: ignore[union-attr]
+
+
+@pytest.mark.parametrize(("x", "arm"), [(0.55, "right"), (1.2, "left")])
+def test_a_schema_chooses_by_what_is_likely_to_be_rewarded(
+    folder: Path, dexter: RobotDocument, urdf: Path, kinematics: Kinematics, x: float, arm: str
+) -> None:
+    program = checked(folder)._replace(episode_time=4.0)
+    plain = stage_named("table_right")
+    data = plain.model_dump(mode="json", by_alias=True, exclude_defaults=True)
+    shown = data["contexts"]["in_view"]
+    shown["place"] |= {"x": [x, x], "y": [-0.2, -0.2]}
+    data["fixtures"]["table"]["form"]["size"][0] = [2.0, 2.0]
+    stage = type(plain).model_validate(data)
+    backend = KinematicBackend(dexter, urdf)
+    runner = Runner(dexter, kinematics, program, backend)
+    read: list[float] = []
+
+    def note(tick: Tick) -> None:
+        assert program.schema is not None
+        (resource,) = program.schema.features.values()
+        reading = tick.signals.read(resource)
+        if reading is not None:
+            read.append(float(reading.value[0]))
+
+    transitions: list[str] = []
+    runner.run(stage, 3, "in_view", lambda each: transitions.append(each.allocation), note)
+    assert read and (np.median(read) > 0.9 if arm == "right" else np.median(read) < 0.1)
+    assert arm in transitions
