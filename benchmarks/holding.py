@@ -1,6 +1,7 @@
 """How well a hand keeps what it carries: ``pick_and_lift`` on things of several forms.
 
-The simulator tells where the thing is in the hand when the grasp is made and at the end of the way.
+The simulator tells where the thing is in the hand when the grasp is made, before it is lifted, and
+at the end of the way.
 A thing is lost when it is not in the hand at the end. Shares come with exact (Clopper-Pearson) 95 %
 intervals. Exits with 1 where a target is missed.
 
@@ -55,7 +56,7 @@ class Episode(NamedTuple):
 
     Attributes:
         seed: of the episode.
-        taken: whether the grasp was rewarded.
+        taken: whether the grip was rewarded.
         kept: whether the program ended with the thing in the hand.
         lifted, carried: upwards and sideways, m.
         drift: of the thing in the hand's frame, mm.
@@ -105,7 +106,7 @@ class _Judge:
         force = 0.0
 
         def note(transition: Any) -> None:
-            if transition.program == "reachtouch" and transition.reward:
+            if transition.action == "grip" and transition.reward:
                 grasps.append((*self._in_hand(), self._truth.pose(self._thing).position))
 
         def feel(tick: Any) -> None:

@@ -5,7 +5,8 @@ but tried: in held-out episodes every allocation has its turn, and those rewarde
 tree's first choice is right where it is one of these, and a schema that expects no reward is
 right where none is. Exits with 1 where too few trials reach their aims.
 
-    python benchmarks/schemas.py --seed 1 [--episodes 50] [--trials 10] [--held-out 200] [--json]
+    python benchmarks/schemas.py --seed 1 [--episodes 50] [--trials 10] [--held-out 200]
+        [--held-out-seed 8400000] [--json]
         [--program reachtouch] [--policy reachtouch] [--stage near_and_far_training]
         [--backend mujoco] [--cameras ideal]
 """
@@ -38,8 +39,6 @@ from cbdsl.training.trial import Trial
 from cbdsl.types.decision_tree import decide
 from cbdsl.yaml_text.library import Library
 
-# Where held-out episodes begin; trials draw theirs from their own seeds.
-HELD_OUT = 8_400_000
 # Least share of right choices where several allocations work and where one does, and of what is out
 # of reach and said to be; largest share of what is in reach and said not to be.
 POSSIBLE, ALONE, OUT_OF_REACH, FALSE_ALARMS = 0.95, 0.9, 0.95, 0.02
@@ -149,6 +148,7 @@ def main() -> int:
     parser.add_argument("--episodes", type=int, default=50)
     parser.add_argument("--trials", type=int, default=10)
     parser.add_argument("--held-out", type=int, default=200)
+    parser.add_argument("--held-out-seed", type=int, default=8_400_000)
     parser.add_argument("--program", default="reachtouch")
     parser.add_argument("--policy", default="reachtouch")
     parser.add_argument("--stage", default="near_and_far_training")
@@ -158,7 +158,8 @@ def main() -> int:
     options = parser.parse_args()
     began = time.perf_counter()
     program, runner = prepared(options)
-    held_out = list(cases(program, runner, range(HELD_OUT, HELD_OUT + options.held_out)))
+    seeds = range(options.held_out_seed, options.held_out_seed + options.held_out)
+    held_out = list(cases(program, runner, seeds))
     _show({"held_out": len(held_out), "seconds": round(time.perf_counter() - began)}, options)
     met, total = 0, {aim: [0, 0] for aim in ("possible", "alone", "out_of_reach", "false_alarms")}
     for number in range(options.trials):

@@ -92,6 +92,7 @@ class _SchemaCheck:
         }
         if len(variants) < len(document.allocations):
             return None
+        self._unchanged()
         base = next(iter(variants.values()))
         self._actions(base)
         features = self._features(base)
@@ -115,6 +116,19 @@ class _SchemaCheck:
         place, library = self._source.place("policy"), self._session.library
         path = find_document(PolicyDocument, self._document.policy, place, library, self._findings)
         return self._session.read(path, PolicyDocument, self._findings)
+
+    def _unchanged(self) -> None:
+        """A schema that was learned of some policies says nothing about others."""
+        from cbdsl.checking.knowledge.digest import policy_digest  # only what was learned needs it
+
+        provenance, library = self._document.provenance, self._session.library
+        if provenance is None:
+            return
+        for name, sha256 in provenance.policies.items():
+            path = library.find(PolicyDocument, name, self._loaded.path)
+            if path is None or policy_digest(name, self._loaded.path, library) != sha256:
+                place = self._source.place("provenance", "policies", name)
+                self._findings.add("CB644", place, name=name, command=provenance.command)
 
     def _variant(
         self, name: str, values: Mapping[str, str], path: Path, policy: Loaded[PolicyDocument]

@@ -6,7 +6,7 @@ from collections import deque
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from cbdsl.learning.exploration import ActionOutcome, Step
+    from cbdsl.learning.exploration import ActionOutcome, ExplorationStep
 
 # Actions after which an object that was never seen is gone, and a last time counts for the rest.
 _GONE, _RECENT = 5, 20
@@ -25,7 +25,9 @@ class ExplorationProgress:
         self._unseen = 0
         self._seconds: deque[float] = deque(maxlen=_RECENT)
 
-    def note(self, number: int, step: Step, outcome: ActionOutcome, seconds: float) -> None:
+    def note(
+        self, number: int, step: ExplorationStep, outcome: ActionOutcome, seconds: float
+    ) -> None:
         """An action is over; see ``ExplorationObserver``."""
         self._seconds.append(seconds)
         if self._as_json:
@@ -38,7 +40,7 @@ class ExplorationProgress:
             f"{number} of {self._total}: {step.action:20s} {mark:9s} r {step.reward:+.3f}{time}",
             flush=True,
         )
-        for name in outcome.found:
+        for name in outcome.opened:
             print(f"  found: {name}", flush=True)
         if outcome.failed:
             print(f"  {step.action} is left out from now on: {outcome.ending}", flush=True)
@@ -49,7 +51,7 @@ class ExplorationProgress:
         if self._unseen == _GONE:
             print(f"  nothing that can be acted on was seen after the last {_GONE} actions")
 
-    def _print_json(self, number: int, step: Step, outcome: ActionOutcome) -> None:
+    def _print_json(self, number: int, step: ExplorationStep, outcome: ActionOutcome) -> None:
         import json
 
         row = {"number": number, **step._asdict(), **outcome._asdict()}

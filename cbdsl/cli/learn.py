@@ -111,6 +111,15 @@ IdleTime = Annotated[
         help="Its longest action while no predicate is 0, s [the program's].",
     ),
 ]
+EpisodeTime = Annotated[
+    float | None,
+    typer.Option(
+        "--episode-time",
+        min=0.1,
+        max=86400,
+        help="Longest episode, s, whatever the programs that it uses still try [the program's].",
+    ),
+]
 
 
 def with_constants(command: Callable[..., None]) -> Callable[..., None]:
@@ -163,6 +172,7 @@ def learn(
     transitions: Transitions = None,
     transition_time: TransitionTime = None,
     idle_time: IdleTime = None,
+    episode_time: EpisodeTime = None,
     **constants: str | None,
 ) -> None:
     """Learn what a program's actions are good for, from zero, by discovering affordances.
@@ -199,9 +209,10 @@ def learn(
         from cbdsl.learning.learner import LEARNERS
         from cbdsl.training.learning_task import LearningTask
 
+        times = transition_time, idle_time, episode_time
         chosen = read_constants(LEARNERS.get(learner).Constants, given, learner)
         first = LearningTask(
-            program=_limited(learned, sequential, transitions, transition_time, idle_time),
+            program=_limited(learned, sequential, transitions, times),
             digest=digest,
             robot=request.robot,
             urdf=request.urdf.absolute(),
@@ -285,15 +296,19 @@ def _limited(
     program: CheckedProgram,
     sequential: bool,
     transitions: int | None,
-    transition_time: float | None,
-    idle_time: float | None,
+    times: tuple[float | None, float | None, float | None],
 ) -> CheckedProgram:
-    """Program with the actions and limits of the trial."""
+    """Program with the actions and limits of the trial, where these are given.
+
+    Times are of an action, of one with nothing on its way, and of an episode, s.
+    """
+    transition_time, idle_time, episode_time = times
     return program._replace(
         actions=program.sequential_actions if sequential else program.actions,
         transitions=transitions or program.transitions,
         transition_time=transition_time or program.transition_time,
         idle_time=idle_time or program.idle_time,
+        episode_time=episode_time or program.episode_time,
     )
 
 

@@ -29,6 +29,7 @@ Icon = Annotated[bool, typer.Option("--svg", help="Print the icon as SVG.")]
 
 def show_catalog(
     name: Catalog,
+    *,
     against: Against = None,
     expect: Expect = None,
     scenes: Scenes = 20,

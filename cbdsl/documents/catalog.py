@@ -63,7 +63,7 @@ class Habituation(Section):
 
 
 class AffordanceSection(Section):
-    """What is known of one action."""
+    """Knowledge of one action."""
 
     program: Name
     """Program that runs."""
@@ -95,7 +95,7 @@ class AffordanceSection(Section):
 
 
 class StepColumns(Section):
-    """What was done, one entry per action."""
+    """The actions in turn, one entry each."""
 
     action: tuple[Name, ...]
     """Action that was taken; noop is none."""

@@ -90,6 +90,7 @@ AnyAcceleration = Annotated[float, quantity("acceleration", "angular acceleratio
 Coordinate = Annotated[float, quantity("length", "angle")]
 Extent = Annotated[float, quantity("length", "angle", gt=0)]
 Distance = Annotated[float, quantity("length", "angle", ge=0)]
+Lever = Annotated[float, quantity("length", ge=0)]
 NonNegative = Annotated[float, quantity(ge=0)]
 Pixels = Annotated[float, quantity("pixels", gt=0)]
 

@@ -16,6 +16,7 @@ from cbdsl.documents.document import (
     Force,
     JointName,
     Length,
+    Lever,
     LinkName,
     Name,
     NonNegative,
@@ -180,8 +181,9 @@ class VisionSection(Section):
 
     rate: Rate = 15.0
     """Images per second."""
-    renderer: Literal["auto", "opengl", "tiny"] = "auto"
-    """``opengl`` needs EGL; ``tiny`` runs everywhere; ``auto`` takes the first that works."""
+    renderer: Literal["auto", "opengl", "tiny", "mujoco"] = "auto"
+    """``opengl`` needs EGL; ``tiny``, of the backend bullet, runs everywhere; ``mujoco`` is that of
+    the backend mujoco, and needs EGL; ``auto`` takes the first that works of the former two."""
     channels: Channels = Channels.model_construct()
     regions: Regions = Regions.model_construct()
 
@@ -284,7 +286,7 @@ class MujocoSection(Section):
     """Inertia of the joints' drives, as a share of what each joint moves; 1 is matched gearing."""
     contact_time: Duration = 0.01
     """Time constant with which contacts push things apart."""
-    spinning_friction: Length = 0.005
+    spinning_friction: Lever = 0.005
     """Torque about the normal of a contact that friction bears, per force of the contact."""
     friction_stiffness: Positive = 1.0
     """How much stiffer contacts are along the surfaces than across them."""

@@ -24,13 +24,13 @@ class ExplorationConstants(Section):
     """Constants that all explorations have (Sections 6.1 and 6.2)."""
 
     alpha: Annotated[float, quantity(gt=0, le=1)] = 0.3
-    """Step size of the value's update."""
+    """ExplorationStep size of the value's update."""
     cost: Annotated[float, quantity(ge=0, lt=1)] = 0.05
     """Cost rho of every action but noop."""
     prior: Annotated[float, quantity(gt=0)] = 1.0
     """As how many samples the prior of a model counts."""
     units: Literal["workspace", "si"] = "workspace"
-    """Deviations of the prior: 10 cm, 0.1 rad, 1 l and so on, or 1 in SI."""
+    """Deviations of the prior: 3 cm, 0.1 rad, 1 l and so on, or 1 in SI."""
     measure: Measure = "sum"
     """Variance of a covariance: the sum of all its elements, its trace, or the d-th root of its
     determinant."""
@@ -57,13 +57,13 @@ class FeatureForm(NamedTuple):
 
 
 class ActionOutcome(NamedTuple):
-    """What became of one action.
+    """Outcome of one action.
 
     Attributes:
         action: its name.
         rewarded: whether it was rewarded by Eq 4.4.
         features: components of the features that were defined at its activation, in SI, by name.
-        found: actions that it made possible, such as the inspection of a mark that was seen.
+        opened: actions that it made possible, such as the inspection of a mark that was seen.
         ahead: features of each known action that were defined when it was over.
         ending: how it ended, as a sentence.
         failed: whether it could not be run.
@@ -73,15 +73,15 @@ class ActionOutcome(NamedTuple):
     action: str
     rewarded: bool = False
     features: Mapping[str, tuple[float, ...]] = {}
-    found: tuple[str, ...] = ()
+    opened: tuple[str, ...] = ()
     ahead: Mapping[str, Mapping[str, tuple[float, ...]]] = {}
     ending: str = ""
     failed: bool = False
     sim_seconds: float = 0.0
 
 
-class Step(NamedTuple):
-    """What an exploration made of an outcome.
+class ExplorationStep(NamedTuple):
+    """Evaluation of an outcome by an exploration.
 
     Attributes:
         action: that was taken.
@@ -189,7 +189,7 @@ class Exploration(ABC):
     ) -> None:
         self.constants = constants
         self.affordances: dict[str, Affordance] = {}
-        self.steps: list[Step] = []
+        self.steps: list[ExplorationStep] = []
         self._largest = 0.0
         for name, forms in actions.items():
             self.affordances[name] = Affordance(tuple(forms))
@@ -204,7 +204,7 @@ class Exploration(ABC):
         """The next action."""
 
     @abstractmethod
-    def learn(self, step: Step) -> None:
+    def learn(self, step: ExplorationStep) -> None:
         """Take in the reward of a step, whose models are up to date."""
 
     def add(self, actions: Mapping[str, Sequence[FeatureForm]]) -> None:
@@ -212,16 +212,18 @@ class Exploration(ABC):
         for name, forms in actions.items():
             self.affordances.setdefault(name, Affordance(tuple(forms)))
 
-    def note(self, outcome: ActionOutcome) -> Step:
+    def note(self, outcome: ActionOutcome) -> ExplorationStep:
         """Take in what became of an action (Algorithm 3, lines 10 to 21)."""
         if outcome.action == NOOP:
-            step = Step(NOOP, False, 0.0, 0.0)
+            step = ExplorationStep(NOOP, False, 0.0, 0.0)
         else:
             change = self.affordances[outcome.action].note(outcome, self.constants)
             change = change if outcome.rewarded else 0.0
             self._largest = max(self._largest, change)
             share = change / self._largest if self._largest else 0.0
-            step = Step(outcome.action, outcome.rewarded, change, share - self.constants.cost)
+            step = ExplorationStep(
+                outcome.action, outcome.rewarded, change, share - self.constants.cost
+            )
         for name, affordance in self.affordances.items():
             affordance.ahead = outcome.ahead.get(name, {})
         self.steps.append(step)
@@ -246,7 +248,7 @@ class Exploration(ABC):
         return all(map(self.is_habituated, self.affordances))
 
 
-def by_largest_of_all(steps: Iterable[Step], cost: float) -> list[float]:
+def by_largest_of_all(steps: Iterable[ExplorationStep], cost: float) -> list[float]:
     """Rewards as the source has them: changes relative to the largest of the whole trial.
 
     That is known only at its end; no learner can use it.
@@ -292,7 +294,7 @@ class CatalogExploration(Exploration):
         weights = np.exp((values - values.max()) / self.temperature)
         return names[int(rng.choice(len(names), p=weights / weights.sum()))]
 
-    def learn(self, step: Step) -> None:
+    def learn(self, step: ExplorationStep) -> None:
         """See ``Exploration.learn``."""
         value = self.values.get(step.action, 0.0)
         self.values[step.action] = value + self._settings.alpha * (step.reward - value)
@@ -364,12 +366,12 @@ class ModelExploration(Exploration):
         equal = [name for name in names if math.isclose(own[name], best, abs_tol=1e-12)]
         return equal[int(rng.integers(len(equal)))]
 
-    def note(self, outcome: ActionOutcome) -> Step:
+    def note(self, outcome: ActionOutcome) -> ExplorationStep:
         """See ``Exploration.note``."""
         self._last = self.state
         return super().note(outcome)
 
-    def learn(self, step: Step) -> None:
+    def learn(self, step: ExplorationStep) -> None:
         """See ``Exploration.learn``."""
         value = self._row(self._last)[step.action]
         ahead = self._row(self.state)

@@ -10,14 +10,14 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from cbdsl.numeric.gaussian import Gaussian
+from cbdsl.numeric.sample_statistics import SampleStatistics
 
 Floats = NDArray[np.float64]
 Measure = Literal["sum", "trace", "determinant"]
 
 # Deviations of a prior that counts for something in a robot's workspace, by unit.
 _WORKSPACE: Mapping[str, float] = {
-    "m": 0.1, "rad": 0.1, "m/s": 0.1, "rad/s": 0.1, "m^3": 1e-3,
+    "m": 0.03, "rad": 0.1, "m/s": 0.1, "rad/s": 0.1, "m^3": 1e-3,
 }  # fmt: skip
 
 # Of the variance of the prior, in which densities that predict are spread at least.
@@ -52,7 +52,7 @@ def deviation_of(unit: str) -> float:
 
 @dataclass(frozen=True, eq=False)
 class AffordanceModel:
-    """What is known of one action: Pr(f | reward, a), and with it all that follows from counts.
+    """Knowledge of one action: Pr(f | reward, a), and with it all that follows from counts.
 
     Samples are in SI; the prior is a Gaussian of zero mean whose deviation is the ``scale`` of
     each component, and counts as ``prior`` samples.
@@ -70,13 +70,13 @@ class AffordanceModel:
     prior: float
     tried: int
     successes: int
-    rewarded: Gaussian
-    unrewarded: Gaussian
+    rewarded: SampleStatistics
+    unrewarded: SampleStatistics
 
     @classmethod
     def fresh(cls, scale: Floats, prior: float = 1.0) -> AffordanceModel:
         """Model of an action that was never taken."""
-        nothing = Gaussian.empty(len(scale))
+        nothing = SampleStatistics.empty(len(scale))
         return cls(scale, prior, 0, 0, nothing, nothing)
 
     def updated(self, features: Floats | None, *, rewarded: bool) -> AffordanceModel:
@@ -137,7 +137,7 @@ class AffordanceModel:
             for share, each in known
         )
 
-    def _predictive(self, samples: Gaussian) -> Gaussian:
+    def _predictive(self, samples: SampleStatistics) -> SampleStatistics:
         """Gaussian of samples, with a spread of the prior's around their own mean.
 
         Few samples lie in a plane, which would make all others impossible. As many samples as
@@ -147,13 +147,15 @@ class AffordanceModel:
         weight, count = len(self.scale) / 2, samples.weight
         spread = np.diag(self.scale**2)
         mixed = (count * own + weight * spread) / (count + weight)
-        return Gaussian.of(count, samples.mean, mixed + _LEAST_SPREAD * spread)
+        return SampleStatistics.of(count, samples.mean, mixed + _LEAST_SPREAD * spread)
 
 
-def _prior(size: int, weight: float) -> Gaussian:
-    return Gaussian.of(weight, np.zeros(size), np.eye(size))
+def _prior(size: int, weight: float) -> SampleStatistics:
+    return SampleStatistics.of(weight, np.zeros(size), np.eye(size))
 
 
-def _scaled(samples: Gaussian, scale: Floats) -> Gaussian:
+def _scaled(samples: SampleStatistics, scale: Floats) -> SampleStatistics:
     """Gaussian of the same samples, each component in units of its scale."""
-    return Gaussian(samples.weight, samples.mean / scale, samples.scatter / np.outer(scale, scale))
+    return SampleStatistics(
+        samples.weight, samples.mean / scale, samples.scatter / np.outer(scale, scale)
+    )

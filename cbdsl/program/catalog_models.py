@@ -8,7 +8,7 @@ import numpy as np
 
 from cbdsl.documents.catalog import AffordanceSection, CatalogDocument, SampleModel
 from cbdsl.numeric.affordance import AffordanceModel, deviation_of
-from cbdsl.numeric.gaussian import Gaussian
+from cbdsl.numeric.sample_statistics import SampleStatistics
 from cbdsl.types.resource import DRAWN, AffordanceProbability, Origin, Resource
 from cbdsl.types.resource_type import PROBABILITY
 
@@ -62,10 +62,10 @@ def model_of(affordance: AffordanceSection) -> AffordanceModel:
     )
 
 
-def _samples(model: SampleModel | None, size: int) -> Gaussian:
+def _samples(model: SampleModel | None, size: int) -> SampleStatistics:
     if model is None:
-        return Gaussian.empty(size)
-    return Gaussian.of(float(model.count), np.array(model.mean), np.array(model.covariance))
+        return SampleStatistics.empty(size)
+    return SampleStatistics.of(float(model.count), np.array(model.mean), np.array(model.covariance))
 
 
 def predict(

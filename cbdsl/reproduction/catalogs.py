@@ -38,7 +38,7 @@ _FIRST, _LAST = 30, 30
 
 @dataclass(frozen=True)
 class Expected:
-    """What the source reports of one action on one object.
+    """Report of the source of one action on one object.
 
     Attributes:
         source: in a few words.
@@ -158,10 +158,10 @@ def _marks(catalogs: Sequence[CatalogDocument]) -> Iterator[Quantity]:
         if name != "visualinspect":
             label = f"{name} rewarded, of all inspections"
             yield percentage(label, "below one half", hits, inspected, below(50))
-    found = sum(
+    both = sum(
         {"visualinspect_blue", "visualinspect_yellow"} <= set(e.affordances) for e in catalogs
     )
-    yield percentage("both patches found", "always", found, len(catalogs), at_least(90))
+    yield percentage("both patches found", "always", both, len(catalogs), at_least(90))
 
 
 def _counts(catalogs: Sequence[CatalogDocument]) -> Iterator[Quantity]:

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from functools import partial
-from typing import NamedTuple
+from statistics import median
+from typing import Any, NamedTuple
 
-from cbdsl.backends.backend import embody
+from cbdsl.backends.backend import find_backend
+from cbdsl.backends.simulated_backend import SimulatedBackend, simulate
 from cbdsl.checking.knowledge.digest import program_digest
 from cbdsl.checking.knowledge.learned import with_policy
 from cbdsl.checking.program import check_program
@@ -19,15 +21,17 @@ from cbdsl.documents.stage import StageDocument
 from cbdsl.program.checked import CheckedProgram
 from cbdsl.reproduction.claim import above
 from cbdsl.reproduction.experiment import Result, RunSettings
-from cbdsl.reproduction.kept_episodes import KeptEpisodes
+from cbdsl.reproduction.kept_episodes import KeptEpisodes, PlayedEpisode
 from cbdsl.reproduction.percentage import percentage
 from cbdsl.reproduction.quantity import Quantity
 from cbdsl.reproduction.shipped import shipped_file, shipped_robot
-from cbdsl.runtime.episode import EpisodeResult, Runner
+from cbdsl.reproduction.slip import Slip, palms
+from cbdsl.robot.urdf_reader import read_urdf
+from cbdsl.runtime.episode import Runner
 from cbdsl.sensing.kinematics import Kinematics
 from cbdsl.yaml_text.library import Library, shipped
 
-Episodes = Sequence[EpisodeResult]
+Episodes = Sequence[PlayedEpisode]
 
 _EPISODES, _QUICK_EPISODES = 20, 1
 _WORSE = 20.0  # points of percentage below the reference, by which a share is worse
@@ -36,11 +40,14 @@ _ROBOT = "dexter"
 _NOTES = (
     "Every program that has a stage runs there under its own policy, and every policy on the stage "
     "that it was learned on. All bodies run the same seeds, which show the same things at the same "
-    "places.",
+    "places. A program succeeds where it is rewarded, comes to a state of success if it names any, "
+    "or comes to rest at its end where nothing rewards it.",
     "The first body is the reference. The others agree with it where all of their interval is "
-    f"above its share less {_WORSE:g} points. Notes give the number of episodes that pass the same "
-    "states in the same order, the simulated time of an episode, how many times faster than real "
-    "time it runs here, and the state in which most episodes end that are not rewarded.",
+    f"above its share less {_WORSE:g} points; programs that never succeed there, such as one that "
+    "follows a ball until its time is over, are not judged. Notes give the number of episodes that "
+    "pass the same states in the same order, the simulated and the wall time of an episode, how "
+    "far what a hand carries slips in it (median of the largest in an episode, and the largest of "
+    "all), and the state in which most episodes end that do not succeed.",
 )
 
 
@@ -89,20 +96,48 @@ def run(settings: RunSettings) -> Result:
     seeds = range(settings.seed, settings.seed + episodes)
     library = Library(shipped())
     parts = list(_parts(library))
+    for setup in _SETUPS:
+        find_backend(setup.backend)  # what is not installed is said before anything runs
     played: dict[EngineSetup, dict[str, Episodes]] = {setup: {} for setup in _SETUPS}
     for number, setup in enumerate(_SETUPS):
-        robot, urdf = shipped_robot(_ROBOT, library)
         kept = KeptEpisodes(settings.folder / f"{setup.backend}_{setup.cameras}.jsonl")
-        backend = embody(setup.backend, robot, urdf, cameras=setup.cameras)
+        body = Body(setup, library)
         for index, part in enumerate(parts):
-            runner = Runner(robot, Kinematics(robot, urdf), part.program, backend)
-            what = part.digest_with(robot, setup)
-            played[setup][part.name] = [
-                kept.run(what, seed, partial(runner.run, part.stage, seed)) for seed in seeds
-            ]
+            what = part.digest_with(body.robot, setup)
+            play = body.player(part)
+            played[setup][part.name] = [kept.run(what, seed, partial(play, seed)) for seed in seeds]
             settings.progress(number * len(parts) + index + 1, len(_SETUPS) * len(parts))
-        backend.close()
+        body.backend.close()
     return Result(tuple(_quantities(played)), notes=_NOTES)
+
+
+class Body:
+    """The robot on one engine.
+
+    Args:
+        setup: the engine and its cameras.
+        library: where the robot is found.
+    """
+
+    def __init__(self, setup: EngineSetup, library: Library) -> None:
+        self.robot, self._urdf = shipped_robot(_ROBOT, library)
+        self._hands = palms(self.robot, read_urdf(self._urdf))
+        self.backend: SimulatedBackend[Any] = simulate(
+            setup.backend, self.robot, self._urdf, cameras=setup.cameras
+        )
+
+    def player(self, part: PlayedPart) -> Callable[[int], PlayedEpisode]:
+        """What plays an episode of a part, by its seed."""
+        kinematics = Kinematics(self.robot, self._urdf)
+        runner = Runner(self.robot, kinematics, part.program, self.backend)
+        fixtures = frozenset(part.stage.fixtures)
+
+        def play(seed: int) -> PlayedEpisode:
+            slip = Slip(self.backend.truth, self._hands, fixtures)
+            result = runner.run(part.stage, seed, on_tick=slip.watch)
+            return PlayedEpisode(result, result.rewarded or runner.predicate == "1", slip.largest)
+
+        return play
 
 
 def _parts(library: Library) -> Iterator[PlayedPart]:
@@ -128,40 +163,50 @@ def _stage(library: Library, name: str) -> StageDocument:
 
 
 def _quantities(played: Mapping[EngineSetup, Mapping[str, Episodes]]) -> Iterator[Quantity]:
-    """The shares of rewarded episodes, part by part."""
+    """The shares of episodes that succeed, part by part."""
     first, *others = _SETUPS
     for name, reference in played[first].items():
-        share = 100 * sum(each.rewarded for each in reference) / len(reference)
-        yield _rewarded(name, first, reference, reference, "the reference")
+        share = 100 * sum(each.done for each in reference) / len(reference)
+        yield _success(name, first, reference, reference, "the reference")
         for setup in others:
             source = f"{first.backend}: {share:.0f} %"
-            yield _rewarded(name, setup, played[setup][name], reference, source)
+            yield _success(name, setup, played[setup][name], reference, source)
 
 
-def _rewarded(
+def _success(
     name: str, setup: EngineSetup, episodes: Episodes, reference: Episodes, source: str
 ) -> Quantity:
-    hits, share = (sum(each.rewarded for each in group) for group in (episodes, reference))
-    same = sum(
-        one.predicates == other.predicates for one, other in zip(episodes, reference, strict=True)
-    )
-    simulated = sum(each.sim_seconds for each in episodes)
-    wall = sum(each.wall_seconds for each in episodes)
-    note = (
-        f"same states in {same}; {simulated / len(episodes):.1f} s simulated, "
-        f"{simulated / wall:.1f} times real time{_ending(episodes)}"
-    )
-    is_reference = episodes is reference
-    floor = 100 * share / len(reference) - _WORSE
-    expected = None if is_reference else above(floor)
-    title = f"{name} on {setup}: rewarded"
+    hits, share = (sum(each.done for each in group) for group in (episodes, reference))
+    judged = share and episodes is not reference
+    expected = above(100 * share / len(reference) - _WORSE) if judged else None
+    note = "; ".join((*_times(episodes, reference), *_slips(episodes), *_ending(episodes)))
+    title = f"{name} on {setup}: succeeds"
     return percentage(title, source, hits, len(episodes), expected, note=note)
 
 
-def _ending(episodes: Episodes) -> str:
-    """The state in which most episodes end that are not rewarded, if there are any."""
-    last = Counter(each.predicates[-1] for each in episodes if not each.rewarded)
-    if not last:
-        return ""
-    (state, count), *_ = last.most_common(1)
-    return f"; {count} of {last.total()} others end in {state}"
+def _times(episodes: Episodes, reference: Episodes) -> Iterator[str]:
+    """In how many the states are those of the reference, and how long an episode takes."""
+    results = [each.result for each in episodes]
+    same = sum(
+        one.predicates == other.result.predicates
+        for one, other in zip(results, reference, strict=True)
+    )
+    simulated = sum(each.sim_seconds for each in results) / len(results)
+    wall = sum(each.wall_seconds for each in results) / len(results)
+    if episodes is not reference:
+        yield f"same states in {same}"
+    yield f"{simulated:.1f} s simulated in {wall:.2f} s"
+
+
+def _slips(episodes: Episodes) -> Iterator[str]:
+    """How far what is carried slips, if anything is."""
+    slips = [1e3 * each.slip for each in episodes if each.slip is not None]
+    if slips:
+        yield f"slips {median(slips):.1f} mm, at most {max(slips):.1f} mm"
+
+
+def _ending(episodes: Episodes) -> Iterator[str]:
+    """The state in which most episodes end that do not succeed, if there are any."""
+    last = Counter(each.result.predicates[-1] for each in episodes if not each.done)
+    for state, count in last.most_common(1):
+        yield f"{count} of {last.total()} others end in {state}"

@@ -6,9 +6,24 @@ import json
 from collections.abc import Callable
 from dataclasses import asdict
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 from cbdsl.runtime.episode import EpisodeResult
+
+
+class PlayedEpisode(NamedTuple):
+    """An episode, and what the simulator's truth says of it.
+
+    Attributes:
+        result: its outcome.
+        done: whether its program came to its end: rewarded, succeeded or at rest.
+        slip: how far what a hand carried moved in that hand at most, m; ``None`` where nothing
+            was carried.
+    """
+
+    result: EpisodeResult
+    done: bool
+    slip: float | None = None
 
 
 class KeptEpisodes:
@@ -20,7 +35,7 @@ class KeptEpisodes:
 
     def __init__(self, path: Path) -> None:
         self._path = path
-        self._known: dict[tuple[str, int], EpisodeResult] = {}
+        self._known: dict[tuple[str, int], PlayedEpisode] = {}
         text = path.read_text(encoding="utf-8") if path.exists() else ""
         if text and not text.endswith("\n"):
             with path.open("a", encoding="utf-8") as file:
@@ -31,9 +46,9 @@ class KeptEpisodes:
             except ValueError:
                 continue  # cut off when the process was ended
             result = _result(row["result"])
-            self._known[row["what"], result.seed] = result
+            self._known[row["what"], result.seed] = PlayedEpisode(result, row["done"], row["slip"])
 
-    def run(self, what: str, seed: int, run: Callable[[], EpisodeResult]) -> EpisodeResult:
+    def run(self, what: str, seed: int, run: Callable[[], PlayedEpisode]) -> PlayedEpisode:
         """The outcome of an episode, from the file or by running it.
 
         Args:
@@ -44,11 +59,12 @@ class KeptEpisodes:
         known = self._known.get((what, seed))
         if known is not None:
             return known
-        result = run()
+        played = run()
+        row = {"what": what, **played._asdict(), "result": asdict(played.result)}
         with self._path.open("a", encoding="utf-8") as file:
-            file.write(json.dumps({"what": what, "result": asdict(result)}) + "\n")
-        self._known[what, seed] = result
-        return result
+            file.write(json.dumps(row) + "\n")
+        self._known[what, seed] = played
+        return played
 
 
 def _result(row: dict[str, Any]) -> EpisodeResult:

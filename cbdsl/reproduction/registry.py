@@ -23,6 +23,7 @@ _ALL: tuple[Experiment, ...] = (
     Experiment("fig-4.10", "Transitions of REACHTOUCH's policy", "Section 4.3.1, Figure 4.10", "transition_diagrams", learns=True),  # noqa: E501
     Experiment("fig-4.11", "Transitions of VISUALINSPECT's policy", "Section 4.3.2, Figure 4.11", "transition_diagrams", learns=True),  # noqa: E501
     Experiment("fig-4.13", "Transitions of BIMANUALTOUCH's policy", "Section 4.3.3, Figure 4.13", "transition_diagrams", learns=True),  # noqa: E501
+    Experiment("fig-5.3-5.5", "Where the channels of saturation, hue and intensity can be tracked in a room", "Section 5.2.1, Figures 5.3 to 5.5", "background_model", keeps=True),  # noqa: E501
     Experiment("fig-6.2", "What a green table affords", "Section 6.2.2, Figure 6.2", "catalogs", learns=True),  # noqa: E501
     Experiment("fig-6.3", "What a small basketball affords", "Section 6.2.2, Figure 6.3", "catalogs", learns=True),  # noqa: E501
     Experiment("fig-6.4", "What a red ball with two patches affords", "Section 6.2.2, Figure 6.4", "catalogs", learns=True),  # noqa: E501

@@ -20,7 +20,7 @@ from cbdsl.documents.robot import RobotDocument
 from cbdsl.documents.stage import StageDocument
 from cbdsl.learning.constants import AccommodateConstants
 from cbdsl.learning.experience import Experience
-from cbdsl.learning.exploration import ActionOutcome, Step
+from cbdsl.learning.exploration import ActionOutcome, ExplorationStep
 from cbdsl.program.checked import CheckedProgram
 from cbdsl.program.transition import Transition
 from cbdsl.reproduction.experiment import RunSettings
@@ -161,7 +161,7 @@ class TrialRunner:
             command=series.command(settings.seed, count, *where),
         )
 
-        def note(over: int, step: Step, outcome: ActionOutcome, seconds: float) -> None:
+        def note(over: int, step: ExplorationStep, outcome: ActionOutcome, seconds: float) -> None:
             nonlocal done
             done += 1
             seen = Experience(series.stage, number, (), {}, 0, outcome.sim_seconds)

@@ -108,9 +108,9 @@ class ActionRunner:
         reader = FeatureReader(own.features, {m: e.presence for m, e in action.marks.items()})
         result = self._episode(own, reader, seed, [*own.observed, *action.observed])
         seen = {m for m, seconds in reader.seconds.items() if seconds >= _BELIEVED}
-        found = tuple(each.name for m, each in action.marks.items() if m in seen)
+        new = tuple(each.name for m, each in action.marks.items() if m in seen)
         outcome = _outcome(own.name if mark in seen else action.name, result, reader)
-        return outcome._replace(found=found, rewarded=outcome.rewarded and mark in seen)
+        return outcome._replace(opened=new, rewarded=outcome.rewarded and mark in seen)
 
     def _episode(
         self,

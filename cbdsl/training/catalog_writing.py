@@ -15,7 +15,7 @@ from cbdsl.documents.catalog import (
 )
 from cbdsl.learning.exploration import ActionOutcome, Affordance, Exploration
 from cbdsl.learning.proportion import wilson_interval
-from cbdsl.numeric.gaussian import Gaussian
+from cbdsl.numeric.sample_statistics import SampleStatistics
 from cbdsl.training.explorable import Explorable
 
 
@@ -101,7 +101,7 @@ def _habituation(name: str, exploration: Exploration, affordance: Affordance) ->
     )
 
 
-def _samples(samples: Gaussian) -> SampleModel | None:
+def _samples(samples: SampleStatistics) -> SampleModel | None:
     """Mean and covariance of samples, where there are some."""
     if not samples.weight:
         return None

@@ -22,8 +22,8 @@ from cbdsl.learning.exploration import (
     ActionOutcome,
     Exploration,
     ExplorationConstants,
+    ExplorationStep,
     FeatureForm,
-    Step,
 )
 from cbdsl.program.checked import CheckedProgram
 from cbdsl.runtime.line_journal import JournalError, LineJournal
@@ -38,7 +38,7 @@ from cbdsl.yaml_text.writer import remove_leftovers, write
 _CHOICE = 2
 
 #: Is told the number of actions that are over, the newest with its outcome, and its wall time, s.
-ExplorationObserver = Callable[[int, Step, ActionOutcome, float], None]
+ExplorationObserver = Callable[[int, ExplorationStep, ActionOutcome, float], None]
 
 
 @dataclass(frozen=True)
@@ -157,8 +157,10 @@ class ExplorationTask:
         made: Exploration = EXPLORATIONS[self.algorithm](forms, self.constants)
         return made
 
-    def _note(self, exploration: Exploration, outcome: ActionOutcome, runner: ActionRunner) -> Step:
-        new = runner.known([outcome.action, *outcome.found])
+    def _note(
+        self, exploration: Exploration, outcome: ActionOutcome, runner: ActionRunner
+    ) -> ExplorationStep:
+        new = runner.known([outcome.action, *outcome.opened])
         exploration.add({name: each.forms for name, each in new.items()})
         return exploration.note(outcome)
 
@@ -213,7 +215,7 @@ def _outcome(row: Mapping[str, Any], path: Path) -> ActionOutcome:
             action=row["action"],
             rewarded=bool(row["rewarded"]),
             features=_tuples(row["features"]),
-            found=tuple(row["found"]),
+            opened=tuple(row["opened"]),
             ahead=ahead,
             ending=row["ending"],
             failed=bool(row["failed"]),

@@ -16,7 +16,7 @@ _BINS = 5
 
 
 class Prediction(NamedTuple):
-    """What was predicted of an action in a scene, and what became of it.
+    """Prediction of an action in a scene, and its outcome.
 
     Attributes:
         scene: its number.

@@ -19,6 +19,8 @@ from cbdsl.types.registry import Registry
 
 # What episodes and documents are computed with; those that are not installed had no part in it.
 _PACKAGES = ("cbdsl", "moderngl", "numba", "numpy", "opencv-python-headless", "pin", "pybullet")
+# What a backend of ours needs beside these.
+_ENGINES = {"mujoco": "mujoco-core"}
 
 
 @dataclass(frozen=True)
@@ -54,6 +56,7 @@ def provenance_of(trial: Trial, setting: TrialSetting, episodes: int, command: s
         "transitions": program.transitions,
         "transition_time": program.transition_time,
         "idle_time": program.idle_time,
+        "episode_time": program.episode_time,
     }
     constants = trial.constants.model_dump() | limits
     return Provenance(
@@ -71,7 +74,7 @@ def provenance_of(trial: Trial, setting: TrialSetting, episodes: int, command: s
         episodes=episodes,
         backend=setting.backend,
         renderer=setting.renderer,
-        versions=versions() | plugin_versions(trial.algorithm, setting.backend),
+        versions=versions(setting.backend) | plugin_versions(trial.algorithm, setting.backend),
     )
 
 
@@ -89,10 +92,10 @@ def plugin_versions(learner: str, backend: str) -> dict[str, str]:
     )
 
 
-def versions() -> dict[str, str]:
-    """Versions of the installed packages that an outcome depends on."""
+def versions(backend: str = "") -> dict[str, str]:
+    """Versions of the installed packages that an outcome on a backend, or any, depends on."""
     installed = {"python": platform.python_version()}
-    for package in _PACKAGES:
+    for package in (*_PACKAGES, *([_ENGINES[backend]] if backend in _ENGINES else ())):
         try:
             installed[package] = version(package)
         except PackageNotFoundError:

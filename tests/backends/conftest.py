@@ -9,7 +9,6 @@ import pytest
 
 from cbdsl.backends import backend as backends
 from cbdsl.backends.backend import BackendError
-from cbdsl.backends.bullet.backend import BulletBackend
 from cbdsl.backends.simulated_backend import SimulatedBackend
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.documents.stage import StageDocument
@@ -80,11 +79,12 @@ def unseeing(make: type[Simulated], dexter: RobotDocument) -> Iterator[Simulated
     backend.close()
 
 
-@pytest.fixture(scope="module", params=["opengl", "tiny"])
-def rendered(dexter: RobotDocument, request: pytest.FixtureRequest) -> Iterator[BulletBackend]:
+@pytest.fixture(scope="module", params=["opengl", "tiny", "mujoco"])
+def rendered(dexter: RobotDocument, request: pytest.FixtureRequest) -> Iterator[Simulated]:
     """A backend with each renderer that works here."""
+    engine = BACKENDS["mujoco" if request.param == "mujoco" else "bullet"]
     try:
-        backend = BulletBackend(with_vision(dexter, renderer=request.param), URDF)
+        backend = engine(with_vision(dexter, renderer=request.param), URDF)
     except BackendError as error:
         pytest.skip(str(error))
     yield backend

@@ -16,6 +16,7 @@ from cbdsl.documents.schema import SchemaDocument
 from cbdsl.program.checked import CheckedProgram
 from cbdsl.types.decision_tree import decide
 from cbdsl.yaml_text.library import Library
+from tests.conftest import ROOT
 
 SCHEMA = """\
 cbdsl: 1
@@ -137,3 +138,21 @@ def test_a_policy_beside_a_schema_is_a_finding(folder: Path) -> None:
     (found,) = check_document(path, Session(Library(folder)))
     assert found.code == "CB649" and "leave out 'reachtouch'" in found.message
     assert found.place.line == 5
+
+
+def test_a_schema_of_a_policy_that_has_changed_is_found(tmp_path: Path) -> None:
+    """Its file is changed in one action, as if it had been learned again."""
+    for kind in ("schemas", "policies"):
+        (tmp_path / "knowledge" / kind).mkdir(parents=True)
+        own = (ROOT / "knowledge" / kind / "reachtouch.yaml").read_text(encoding="utf-8")
+        (tmp_path / "knowledge" / kind / "reachtouch.yaml").write_text(own, encoding="utf-8")
+    schema, policy = (
+        tmp_path / "knowledge" / kind / "reachtouch.yaml" for kind in ("schemas", "policies")
+    )
+    assert check_document(schema, Session(Library(tmp_path))) == []
+    text = policy.read_text(encoding="utf-8")
+    policy.write_text(text.replace("X1-: searchtrack", "X1-: reach", 1), encoding="utf-8")
+    (found,) = check_document(schema, Session(Library(tmp_path)))
+    assert found.code == "CB644" and "cb learn reachtouch" in found.message
+    lines = schema.read_text(encoding="utf-8").splitlines()
+    assert lines[found.place.line - 1].strip().startswith("reachtouch: c46ac23")

@@ -44,7 +44,7 @@ def cb(monkeypatch: pytest.MonkeyPatch, *words: str) -> int:
 # Options with numbers that are not whole.
 MEASURED = (
     *("gamma", "alpha", "epsilon", "bandwidth", "prior"),
-    *("transition-time", "idle-time"),
+    *("transition-time", "idle-time", "episode-time"),
 )
 
 # What is asked for, the exit code, and what the message has to name.
@@ -101,6 +101,19 @@ def test_a_mistake_is_one_clear_message(
     assert "Traceback" not in said and "internal error" not in said
     assert all(part in said for part in named)
     assert {path: path.is_file() and path.read_bytes() for path in here.iterdir()} == before
+
+
+def test_an_episode_lasts_no_longer_than_asked_for(
+    here: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The search that a reach uses goes on for many transitions of its own."""
+    words = ["learn", "reachtouch", "--stage", "absent", "--backend", "kinematic", "--seed", "3"]
+    words += ["--episodes", "2", "--episode-time", "6", "--out", "short.yaml"]
+    assert cb(monkeypatch, *words) == 0
+    first, *rows = map(json.loads, Path("short.episodes.jsonl").read_text().splitlines())
+    assert first["constants"]["episode_time"] == 6.0
+    assert len(rows) == 2
+    assert all(5.9 < row["sim_seconds"] < 6.1 for row in rows)
 
 
 BEGUN = [

@@ -1,13 +1,17 @@
-"""What a stage document may say of what is on a side of a thing."""
+"""What a stage document may say of what is on a side of a thing, and of meshes."""
 
 from __future__ import annotations
 
+import pickle
+from pathlib import Path
 from typing import Any
 
 import pytest
 from pydantic import ValidationError
 
-from cbdsl.documents.stage import BallForm, BoxForm
+from cbdsl.documents.digest import digest
+from cbdsl.documents.stage import BallForm, BoxForm, MeshForm, StageDocument
+from cbdsl.yaml_text.library import Library
 
 
 def _box(**pattern: Any) -> BoxForm:
@@ -53,3 +57,28 @@ def test_a_spot_has_room_on_the_smallest_thing_that_can_be_drawn(
         else:
             with pytest.raises(ValidationError, match="the spot is larger than the side"):
                 made.model_validate(form)
+
+
+def test_a_stage_with_a_mesh_is_known_by_what_the_mesh_is(tmp_path: Path) -> None:
+    text = (
+        "cbdsl: 1\nkind: stage\nname: made\nrobot: dexter\nthings:\n"
+        "  wedge: {form: {shape: mesh, file: wedge.obj}, mass: 100 g}\n"
+        "contexts:\n  all: {things: [wedge], place: {z: 0}}\n"
+    )
+
+    def identity(folder: str, mesh: str) -> tuple[StageDocument, str]:
+        place = tmp_path / folder
+        place.mkdir(exist_ok=True)
+        (place / "made.yaml").write_text(text)
+        (place / "wedge.obj").write_text(mesh)
+        document = Library(place).read(place / "made.yaml", StageDocument).document
+        return document, digest(document)
+
+    (here, before), (there, same), (_, other) = (
+        identity("here", "v 0 0 0"), identity("there", "v 0 0 0"), identity("new", "v 0 0 1")
+    )  # fmt: skip
+    assert here == there and before == same
+    assert before != other
+    form = here.things["wedge"].form
+    assert isinstance(form, MeshForm) and form.path == tmp_path / "here" / "wedge.obj"
+    assert pickle.loads(pickle.dumps(form)).path == form.path

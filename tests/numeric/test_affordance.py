@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
 from cbdsl.numeric.affordance import MEASURES, AffordanceModel
-from cbdsl.numeric.gaussian import Gaussian
+from cbdsl.numeric.sample_statistics import SampleStatistics
 
 SAMPLES = st.integers(1, 5).flatmap(
     lambda size: st.integers(1, 30).flatmap(
@@ -18,8 +18,8 @@ SAMPLES = st.integers(1, 5).flatmap(
 )
 
 
-def gaussian(samples: np.ndarray) -> Gaussian:
-    own = Gaussian.empty(samples.shape[1])
+def gaussian(samples: np.ndarray) -> SampleStatistics:
+    own = SampleStatistics.empty(samples.shape[1])
     for sample in samples:
         own = own.updated(sample)
     return own

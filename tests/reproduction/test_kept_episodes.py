@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from cbdsl.reproduction.kept_episodes import KeptEpisodes
+from cbdsl.reproduction.kept_episodes import KeptEpisodes, PlayedEpisode
 from cbdsl.runtime.episode import EpisodeResult
 
 
@@ -14,10 +14,11 @@ class Counted:
     def __init__(self) -> None:
         self.count = 0
 
-    def run(self) -> EpisodeResult:
+    def run(self) -> PlayedEpisode:
         self.count += 1
         head = ("reach", "table", "only", 7, True, ("X", "1"), ("move",))
-        return EpisodeResult(*head, 60, 1.0, 0.25, "nothing", "Done.", guards=("none",))
+        result = EpisodeResult(*head, 60, 1.0, 0.25, "nothing", "Done.", guards=("none",))
+        return PlayedEpisode(result, done=True, slip=0.002)
 
 
 def test_an_episode_is_run_once(tmp_path: Path) -> None:

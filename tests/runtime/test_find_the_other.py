@@ -7,6 +7,7 @@ from pathlib import Path
 
 import pytest
 
+from cbdsl.backends.bullet.backend import BulletBackend
 from cbdsl.backends.kinematic.backend import KinematicBackend
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.documents.stage import StageDocument
@@ -36,3 +37,21 @@ def test_both_are_touched_one_after_the_other(
     assert result.rewarded, result.ending
     assert set(touched) == {"one", "other"}
     assert touched[0] != touched[-1]
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", [5300003, 5300016])
+def test_the_hand_that_withdraws_spoils_nothing(
+    dexter: RobotDocument,
+    urdf: Path,
+    kinematics: Kinematics,
+    checked: Checked,
+    stage: Callable[[str], StageDocument],
+    seed: int,
+) -> None:
+    """The second ball is first seen behind the hand, or stands in its way home."""
+    backend = BulletBackend(dexter, urdf, cameras="rendered")
+    runner = Runner(dexter, kinematics, checked("find_the_other"), backend)
+    result = runner.run(stage("two_red_balls"), seed)
+    backend.close()
+    assert result.rewarded, result.ending

@@ -23,15 +23,15 @@ def test_a_hand_that_closed_on_nothing_opens_before_it_tries_again(
 
     def direct(world: World, time: float) -> None:
         """There is something to be felt once the hand has closed in vain."""
-        if flexions and flexions[-1][0] == "-XXXX":
+        if flexions and flexions[-1][0] == "-XXXXX":
             world.contact_angle = GRIP
 
     program = checked("pick_and_lift", feature="sat_10")
     played = play(program, lambda rng: World(Ball(TABLE_BALL)), direct, watch=note)
     states = [each.next_state for each in played.at(0)]
-    first = states.index("-XXXX")
-    assert states[first : first + 4] == ["-XXXX", "XXXX0", "XXXX1", "0XXXX"]
-    assert max(angle for state, angle in flexions if state == "0XXXX") > 1.5
-    opened = next(angle for state, angle in flexions if state == "XXXX1")
+    first = states.index("-XXXXX")
+    assert states[first : first + 4] == ["-XXXXX", "XXXX0X", "XXXX1X", "0XXXXX"]
+    assert max(angle for state, angle in flexions if state == "0XXXXX") > 1.5
+    opened = next(angle for state, angle in flexions if state == "XXXX1X")
     assert opened == pytest.approx(0.2, abs=0.05)
     assert played.result.outcome == "success"

@@ -20,6 +20,7 @@ from cbdsl.documents.robot import RobotDocument
 from cbdsl.documents.stage import StageDocument
 from cbdsl.robot.instance_names import instance_names, parse_instance
 from cbdsl.robot.resources import resources
+from cbdsl.sensing.field_of_view import FieldOfView
 from cbdsl.sensing.instances import Instances
 from cbdsl.sensing.kinematics import Kinematics
 from cbdsl.sensing.signals import Signals
@@ -255,6 +256,21 @@ def test_what_a_hand_leaves_of_a_thing_is_no_other_thing(
         red.look(1.0 + tick / 15, parts)
     assert len(scene.places()) == (1 if hidden else 2)
     assert scene.places()[0] == near(RIGHT)
+
+
+def test_a_thing_is_discovered_once_no_hand_is_before_it(
+    scene: Scene, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Of what a hand hides in part the images show a middle that wanders as the hand goes."""
+    scene.show((LEFT, 0.04), (RIGHT, 0.06))
+    with monkeypatch.context() as patched:
+        patched.setattr(
+            FieldOfView, "is_hidden_by_hand", lambda _, place: math.dist(place, RIGHT) < 0.1
+        )
+        scene.look()
+        assert scene.places() == {0: near(LEFT)}
+    scene.look()
+    assert scene.places() == {0: near(LEFT), 1: near(RIGHT)}
 
 
 def test_a_thing_that_is_moved_keeps_its_number(scene: Scene) -> None:

@@ -38,9 +38,8 @@ class BulletBackend(SimulatedBackend[BulletEngine]):
         model, substeps = read_fitting(robot, urdf), physics_steps(robot)
         engine = BulletEngine(robot, model, 1 / robot.control.rate / substeps, gui=gui)
         try:
-            eyes = make_cameras(
-                cameras or "rendered", robot, model, lambda: TinyRenderer(engine.client)
-            )
+            own = {"tiny": lambda: TinyRenderer(engine.client)}
+            eyes = make_cameras(cameras or "rendered", robot, model, own)
         except BackendError:
             engine.close()
             raise

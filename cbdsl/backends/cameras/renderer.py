@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import Literal, Protocol
 
 from cbdsl.backends.backend import BackendError
@@ -46,28 +46,33 @@ class NoRenderer:
         """Nothing is held."""
 
 
+# The backend that has a renderer of its own, by the renderer's name.
+_OWNERS = {"tiny": "bullet", "mujoco": "mujoco"}
+
+
 def make_renderer(
-    kind: Literal["auto", "opengl", "tiny"],
+    kind: Literal["auto", "opengl", "tiny", "mujoco"],
     model: UrdfModel,
-    tiny: Callable[[], Renderer] | None,
+    own: Mapping[str, Callable[[], Renderer]],
 ) -> Renderer:
-    """The renderer of this kind; ``auto`` takes OpenGL where it works, else the engine's own.
+    """The renderer of this kind; ``auto`` takes OpenGL where it works, else what needs none.
 
     Args:
         kind: what the robot file asks for.
         model: of the robot; OpenGL shows no meshes.
-        tiny: makes the engine's own renderer, if it has one.
+        own: make the engine's own renderers, if it has any.
 
     Raises:
         BackendError: the one that was asked for cannot be had.
     """
-    if kind == "tiny":
-        if tiny is None:
-            raise BackendError(
-                "only the bullet backend has the renderer 'tiny' that the robot file asks for; "
-                "allowed are the renderers 'auto' and 'opengl', or ideal cameras"
-            )
-        return tiny()
+    if kind in own:
+        return own[kind]()
+    if kind in _OWNERS:
+        allowed = ", ".join(f"'{name}'" for name in ("auto", *own))
+        raise BackendError(
+            f"only the {_OWNERS[kind]} backend has the renderer '{kind}' that the robot file asks "
+            f"for; allowed are the renderers {allowed} and 'opengl', or ideal cameras"
+        )
     try:
         # Ideal cameras need no graphics, and take no time to load them.
         from cbdsl.backends.cameras.opengl import OpenGLRenderer
@@ -75,9 +80,10 @@ def make_renderer(
         return OpenGLRenderer(model)
     # moderngl raises bare exceptions, and whatever the reason, there are images without it.
     except Exception as error:
-        if kind == "auto" and tiny is not None:
-            return tiny()
-        without = "ideal cameras do" if tiny is None else "the renderers 'auto' and 'tiny' do"
+        software = own.get("tiny")
+        if kind == "auto" and software is not None:
+            return software()
+        without = "the renderers 'auto' and 'tiny' do" if software else "ideal cameras do"
         raise BackendError(
             f"OpenGL cannot make the images ({error}); on Debian and Ubuntu it needs the "
             f"packages libegl1, libgl1 and libgl1-mesa-dri; {without} without"

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 
 from cbdsl.backends.cameras.camera_system import CameraSystem
 from cbdsl.backends.cameras.ideal import IdealCameras
@@ -16,7 +16,7 @@ def make_cameras(
     kind: str,
     robot: RobotDocument,
     model: UrdfModel,
-    tiny: Callable[[], Renderer] | None = None,
+    own: Mapping[str, Callable[[], Renderer]] | None = None,
 ) -> CameraSystem:
     """The camera system of a robot.
 
@@ -24,12 +24,14 @@ def make_cameras(
         kind: ``rendered`` or ``ideal``.
         robot: names the cameras.
         model: of the robot.
-        tiny: makes the engine's own renderer, if it has one.
+        own: make the engine's own renderers, by name, if it has any.
 
     Raises:
         BackendError: nothing can render here.
     """
     if kind == "ideal":
         return IdealCameras(robot, model)
-    renderer = make_renderer(robot.vision.renderer, model, tiny) if robot.cameras else NoRenderer()
+    if not robot.cameras:
+        return RenderedCameras(robot, NoRenderer())
+    renderer = make_renderer(robot.vision.renderer, model, own or {})
     return RenderedCameras(robot, renderer)

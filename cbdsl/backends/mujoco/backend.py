@@ -6,6 +6,7 @@ from pathlib import Path
 
 from cbdsl.backends.cameras.selection import make_cameras
 from cbdsl.backends.mujoco.engine import MujocoEngine
+from cbdsl.backends.mujoco.own_renderer import MujocoRenderer
 from cbdsl.backends.mujoco.window import Window
 from cbdsl.backends.simulated_backend import SimulatedBackend
 from cbdsl.backends.staging.fit import physics_steps, read_fitting
@@ -31,6 +32,7 @@ class MujocoBackend(SimulatedBackend[MujocoEngine]):
     ) -> None:
         window = Window() if gui else None
         model, substeps = read_fitting(robot, urdf), physics_steps(robot)
-        eyes = make_cameras(cameras or "rendered", robot, model)
+        own = {"mujoco": lambda: MujocoRenderer(robot, model)}
+        eyes = make_cameras(cameras or "rendered", robot, model, own)
         engine = MujocoEngine(robot, model, 1 / robot.control.rate / substeps, window)
         super().__init__(robot, model, engine, eyes, robot.control.rate, substeps)

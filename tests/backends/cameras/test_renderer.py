@@ -2,22 +2,23 @@
 
 from __future__ import annotations
 
+from typing import Literal
+
 import numpy as np
 import pytest
 
 from cbdsl.backends.backend import BackendError
-from cbdsl.backends.bullet.backend import BulletBackend
 from cbdsl.backends.bullet.tiny import TinyRenderer
 from cbdsl.backends.cameras import opengl
 from cbdsl.backends.cameras.opengl import OpenGLRenderer
 from cbdsl.backends.cameras.renderer import make_renderer
 from cbdsl.backends.cameras.view import View
 from cbdsl.backends.staging.pose import Pose
-from cbdsl.documents.robot import Camera
+from cbdsl.documents.robot import Camera, RobotDocument
 from cbdsl.documents.stage import StageDocument
 from cbdsl.robot.urdf import UrdfModel
 from cbdsl.robot.urdf_reader import read_urdf
-from tests.backends.conftest import URDF, made_stage
+from tests.backends.conftest import BACKENDS, URDF, Simulated, made_stage, stage_named, with_vision
 
 RADIUS = 0.07
 GREENISH = (0.1, 0.8, 0.3)
@@ -57,7 +58,7 @@ def _centroid(mask: np.ndarray) -> np.ndarray:
 
 @pytest.mark.parametrize("place", [(0.7, 0.0, -0.1), (0.8, -0.15, -0.2), (0.75, 0.12, 0.0)])
 def test_a_ball_is_where_a_pinhole_camera_sees_it(
-    rendered: BulletBackend, place: tuple[float, float, float]
+    rendered: Simulated, place: tuple[float, float, float]
 ) -> None:
     rendered.reset(_stage(*place), None, np.random.default_rng(0))
     images = rendered.observe().images
@@ -69,7 +70,7 @@ def test_a_ball_is_where_a_pinhole_camera_sees_it(
         assert seen.sum() == pytest.approx(ideal.sum() / 64, rel=0.1)
 
 
-def test_shading_keeps_hue_and_saturation(rendered: BulletBackend) -> None:
+def test_shading_keeps_hue_and_saturation(rendered: Simulated) -> None:
     rendered.reset(_stage(0.7, 0.0, -0.1), None, np.random.default_rng(0))
     image = rendered.observe().images["left"]
     ball = image[_saturation(image) > 0.5].astype(float)
@@ -79,7 +80,7 @@ def test_shading_keeps_hue_and_saturation(rendered: BulletBackend) -> None:
     )
 
 
-def test_nothing_but_things_is_saturated(rendered: BulletBackend) -> None:
+def test_nothing_but_things_is_saturated(rendered: Simulated) -> None:
     posture = {
         "pan": -0.25,
         "tilt": 1.15,
@@ -95,7 +96,7 @@ def test_nothing_but_things_is_saturated(rendered: BulletBackend) -> None:
         assert np.ptp(image) > 100, "the robot's own arm is in view"
 
 
-def test_the_first_row_is_the_top_and_the_first_column_is_left(rendered: BulletBackend) -> None:
+def test_the_first_row_is_the_top_and_the_first_column_is_left(rendered: Simulated) -> None:
     camera = Camera(link="left_camera", width=64, height=48, focal_length=50)
     view = View(camera, Pose(np.array([5.0, 0, 0]), np.eye(3)))
     for y, z, rows, columns in [(0.5, 0, slice(None), slice(32)), (0, 0.4, slice(24), slice(None))]:
@@ -106,7 +107,7 @@ def test_the_first_row_is_the_top_and_the_first_column_is_left(rendered: BulletB
         assert seen[rows, columns].sum() == seen.sum()
 
 
-def test_a_removed_thing_is_gone_from_the_images(rendered: BulletBackend) -> None:
+def test_a_removed_thing_is_gone_from_the_images(rendered: Simulated) -> None:
     stage = _stage(0.7, 0.0, -0.1)
     context = stage.contexts["only"].model_copy(update={"removed_after": 0.02})
     rendered.reset(
@@ -127,13 +128,29 @@ def test_without_opengl_auto_takes_the_simulators_own(
 ) -> None:
     monkeypatch.setattr(opengl, "OpenGLRenderer", _fail)
     model, tiny = read_urdf(URDF), TinyRenderer(0)
-    assert make_renderer("auto", model, lambda: tiny) is tiny
+    assert make_renderer("auto", model, {"tiny": lambda: tiny}) is tiny
     with pytest.raises(BackendError, match=r"libEGL\.so\.1.*libegl1.*'auto' and 'tiny' do"):
-        make_renderer("opengl", model, lambda: tiny)
+        make_renderer("opengl", model, {"tiny": lambda: tiny})
     with pytest.raises(BackendError, match=r"libEGL\.so\.1.*ideal cameras do without"):
-        make_renderer("auto", model, None)
+        make_renderer("auto", model, {})
 
 
-def test_an_engine_without_a_renderer_of_its_own_refuses_tiny() -> None:
-    with pytest.raises(BackendError, match=r"only the bullet backend.*'auto' and 'opengl'"):
-        make_renderer("tiny", read_urdf(URDF), None)
+@pytest.mark.parametrize(("kind", "owner"), [("tiny", "bullet"), ("mujoco", "mujoco")])
+def test_another_engines_renderer_is_refused(kind: Literal["tiny", "mujoco"], owner: str) -> None:
+    with pytest.raises(BackendError, match=rf"only the {owner} backend.*'auto' and 'opengl'"):
+        make_renderer(kind, read_urdf(URDF), {})
+
+
+def test_mujocos_own_renderer_draws_what_the_shared_one_draws(dexter: RobotDocument) -> None:
+    """The same shapes in the same light, but for the corners of what is round."""
+    stage, images = stage_named("things_on_table"), []
+    for kind in ("opengl", "mujoco"):
+        try:
+            backend = BACKENDS["mujoco"](with_vision(dexter, renderer=kind), URDF)
+        except BackendError as error:
+            pytest.skip(str(error))
+        backend.reset(stage, "light_box", np.random.default_rng(3))
+        images.append(backend.observe().images["left"].astype(int))
+        backend.close()
+    assert (_saturation(images[0]) > 0.9).sum() > 1000
+    assert (np.abs(images[0] - images[1]).max(axis=2) > 2).mean() < 0.001

@@ -12,7 +12,7 @@ Floats = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
-class Gaussian:
+class SampleStatistics:
     """Multivariate Gaussian as its sufficient statistics; a sample more makes another one.
 
     Attributes:
@@ -26,24 +26,24 @@ class Gaussian:
     scatter: Floats
 
     @classmethod
-    def empty(cls, size: int) -> Gaussian:
+    def empty(cls, size: int) -> SampleStatistics:
         """Gaussian of no samples of this many components."""
         return cls(0.0, np.zeros(size), np.zeros((size, size)))
 
     @classmethod
-    def of(cls, weight: float, mean: Floats, covariance: Floats) -> Gaussian:
+    def of(cls, weight: float, mean: Floats, covariance: Floats) -> SampleStatistics:
         """Gaussian of so many samples with this mean and this covariance."""
         return cls(weight, mean, weight * covariance)
 
-    def updated(self, sample: Floats) -> Gaussian:
+    def updated(self, sample: Floats) -> SampleStatistics:
         """Gaussian with one sample more, by Welford's update, which cancels no large numbers."""
         weight = self.weight + 1.0
         before = sample - self.mean
         mean = self.mean + before / weight
         scatter = self.scatter + np.outer(before, before) * (self.weight / weight)
-        return Gaussian(weight, mean, scatter)
+        return SampleStatistics(weight, mean, scatter)
 
-    def merged(self, other: Gaussian) -> Gaussian:
+    def merged(self, other: SampleStatistics) -> SampleStatistics:
         """Gaussian of the samples of both."""
         weight = self.weight + other.weight
         if not weight:
@@ -51,7 +51,7 @@ class Gaussian:
         apart = other.mean - self.mean
         mean = self.mean + apart * (other.weight / weight)
         between = np.outer(apart, apart) * (self.weight * other.weight / weight)
-        return Gaussian(weight, mean, self.scatter + other.scatter + between)
+        return SampleStatistics(weight, mean, self.scatter + other.scatter + between)
 
     @property
     def covariance(self) -> Floats:

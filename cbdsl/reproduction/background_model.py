@@ -1,0 +1,186 @@
+"""Background model: where each channel can be tracked in a room (Figures 5.3 to 5.5).
+
+SEARCHTRACK is run with one channel after another in the place of its own. Where it was tracked, the
+posture of the head is a sample of what is expected there; after ten looks without anything to track
+the channel is given up (Section 5.2.1).
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+
+from cbdsl.reproduction.claim import at_least
+from cbdsl.reproduction.experiment import Result, RunSettings
+from cbdsl.reproduction.posture_panels import PosturePanels
+from cbdsl.reproduction.quantity import Quantity
+from cbdsl.reproduction.simulation_fixture import SimulationFixture, simulation_fixture
+from cbdsl.robot.channel_names import channel_names
+from cbdsl.runtime.episode import Tick
+
+_PROGRAM, _STAGE, _EFFECTOR = "searchtrack", "furnished", "head"
+#: The figures of the source by the beginning of their channels' names.
+FIGURES = {"sat": ("5.3", "saturation"), "hue": ("5.4", "hue"), "int": ("5.5", "intensity")}
+_POSITIVES, _QUICK_POSITIVES = 50, 1
+# Ten looks have two transitions each: on the way, and there. Tracking takes three more.
+_TRANSITIONS = 23
+
+Posture = tuple[float, ...]
+
+
+class Search(NamedTuple):
+    """Up to ten looks for a channel.
+
+    Attributes:
+        channel: what was looked for.
+        seed: of the search.
+        posture: of the head where the channel was tracked, rad; empty where it was not.
+    """
+
+    channel: str
+    seed: int
+    posture: Posture
+
+
+class KeptSearches:
+    """Searches that are kept in a file as soon as they are over.
+
+    Args:
+        path: the file, a line of JSON for each search; it need not be there.
+    """
+
+    def __init__(self, path: Path) -> None:
+        self._path = path
+        self._known: dict[tuple[str, int], Search] = {}
+        for line in path.read_text(encoding="utf-8").splitlines() if path.exists() else ():
+            try:
+                channel, seed, posture = json.loads(line)
+            except ValueError:
+                continue  # cut off when the process was ended
+            self._known[channel, seed] = Search(channel, seed, tuple(posture))
+        if path.exists() and not path.read_bytes().endswith(b"\n"):
+            with path.open("a", encoding="utf-8") as file:
+                file.write("\n")
+
+    def get(self, channel: str, seed: int, look: Callable[[int], Posture]) -> Search:
+        """A search, from the file or by looking."""
+        known = self._known.get((channel, seed))
+        if known is None:
+            known = self._known[channel, seed] = Search(channel, seed, look(seed))
+            with self._path.open("a", encoding="utf-8") as file:
+                file.write(json.dumps(known) + "\n")
+        return known
+
+
+@dataclass(frozen=True)
+class Expected:
+    """What was found of a channel.
+
+    Attributes:
+        channel: its name.
+        postures: of the head where it was tracked, rad.
+        given_up: whether it ended with a search in vain.
+    """
+
+    channel: str
+    postures: tuple[Posture, ...]
+    given_up: bool
+
+
+def run(settings: RunSettings) -> Result:
+    """Look for every channel, and picture where each was tracked."""
+    wanted = _QUICK_POSITIVES if settings.quick else settings.trials or _POSITIVES
+    kept = KeptSearches(settings.folder / "background_searches.jsonl")
+    found: list[Expected] = []
+    with simulation_fixture(_PROGRAM, stage=_STAGE) as lab:
+        names = [name for name in channel_names(lab.robot.vision.channels) if name != "motion"]
+        limits = _limits(lab)
+    for number, channel in enumerate(names):
+        settings.progress(number, len(names))
+        with simulation_fixture(_PROGRAM, {"feature": channel}, _STAGE) as lab:
+            look, first = looker(lab), settings.seed
+            searches = (kept.get(channel, seed, look) for seed in range(first, first + wanted))
+            found.append(expected(channel, searches))
+    settings.progress(len(names), len(names))
+    return Result(tuple(quantities(found)), tuple(_pictures(found, limits)), _notes(found))
+
+
+def expected(channel: str, searches: Iterable[Search]) -> Expected:
+    """Search as often as asked for, or until a search was in vain."""
+    postures: list[Posture] = []
+    for search in searches:
+        if not search.posture:
+            return Expected(channel, tuple(postures), True)
+        postures.append(search.posture)
+    return Expected(channel, tuple(postures), False)
+
+
+def looker(lab: SimulationFixture) -> Callable[[int], Posture]:
+    """What looks for the channel of a program, and tells the head's posture in the end."""
+    program = lab.program._replace(transitions=_TRANSITIONS)
+    runner = replace(lab, program=program).runner()
+
+    def look(seed: int) -> Posture:
+        last: list[Posture] = [()]
+
+        def note(tick: Tick) -> None:
+            columns = tick.signals.joints.of(_EFFECTOR)
+            last[0] = tuple(round(float(a), 4) for a in tick.observation.positions[columns])
+
+        result = runner.run(lab.stage, seed, on_tick=note)
+        return last[0] if result.rewarded else ()
+
+    return look
+
+
+def quantities(found: Sequence[Expected]) -> Iterator[Quantity]:
+    """How many channels respond, and which do not."""
+    for prefix, (figure, word) in FIGURES.items():
+        own = [each for each in found if each.channel.startswith(prefix)]
+        empty = [each.channel for each in own if not each.postures]
+        responding = float(len(own) - len(empty))
+        yield Quantity(
+            f"{word}: channels that can be tracked",
+            "",
+            "most, and a few not at all",
+            responding,
+            at_least(len(own) / 2 + 1),
+            interval=(responding, responding),
+            note=f"Figure {figure}; empty: {', '.join(empty) or 'none'}",
+        )
+
+
+def _limits(lab: SimulationFixture) -> Mapping[str, tuple[float, float]]:
+    kinematics = lab.kinematics
+    columns = kinematics.joints.of(_EFFECTOR)
+    return {
+        joint: (float(kinematics.lower[column]), float(kinematics.upper[column]))
+        for joint, column in zip(lab.robot.joints(_EFFECTOR), columns, strict=True)
+    }
+
+
+def _pictures(
+    found: Sequence[Expected], limits: Mapping[str, tuple[float, float]]
+) -> Iterator[PosturePanels]:
+    for prefix, (figure, word) in FIGURES.items():
+        panels = {
+            each.channel: np.array(each.postures).reshape(-1, 2)
+            for each in found
+            if each.channel.startswith(prefix)
+        }
+        title = f"Where channels of {word} are trackable (Figure {figure})"
+        yield PosturePanels(f"background_{word}", title, panels, limits)
+
+
+def _notes(found: Sequence[Expected]) -> tuple[str, ...]:
+    samples = sum(len(each.postures) for each in found)
+    given_up = [each.channel for each in found if each.given_up and each.postures]
+    return (
+        f"{samples} samples on stage {_STAGE}, rendered, from postures of the head drawn anew. "
+        f"Given up after some samples: {', '.join(given_up) or 'none'}.",
+    )

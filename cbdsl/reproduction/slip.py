@@ -1,0 +1,77 @@
+"""Slip: how far things that hands carry move in these hands, by the simulator's truth."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cbdsl.backends.staging.engine import Engine
+from cbdsl.documents.robot import RobotDocument
+from cbdsl.robot.urdf import UrdfModel
+
+Floats = NDArray[np.float64]
+
+# So far above where it was first a thing is carried, m.
+_LIFTED = 0.01
+# A hand that touches a thing with fewer fingertips does not hold it.
+_FINGERS = 2
+
+
+def palms(robot: RobotDocument, model: UrdfModel) -> Mapping[str, str]:
+    """The link on which each hand with load cells sits, by hand: the tip of an arm."""
+    tips = {each.tip.link for each in robot.effectors.values() if each.tip is not None}
+    found = {}
+    for hand, fingers in robot.load_cells.items():
+        for cell in fingers.values():
+            carriers = [joint.parent for joint in model.way(cell.link) if joint.parent in tips]
+            if carriers:
+                found[hand] = carriers[0]
+    return found
+
+
+class Slip:
+    """How far things slip in hands during an episode.
+
+    A thing is carried from when it is 1 cm above where it was first, while a hand touches it with
+    two fingertips. From there on it is to stay where it is in the hand's frame.
+
+    Args:
+        truth: the engine.
+        hands: the link whose frame is the hand's, by hand.
+        fixtures: what nobody carries.
+    """
+
+    def __init__(self, truth: Engine, hands: Mapping[str, str], fixtures: frozenset[str]) -> None:
+        self._truth, self._hands, self._fixtures = truth, hands, fixtures
+        self._heights: dict[str, float] = {}
+        self._held: dict[tuple[str, str], Floats] = {}
+        #: The largest so far, m; ``None`` while nothing was carried.
+        self.largest: float | None = None
+
+    def watch(self, _: Any) -> None:
+        """Look at the world after a tick."""
+        for name in self._truth.names():
+            if name in self._fixtures:
+                continue
+            place = self._truth.pose(name).position
+            height = self._heights.setdefault(name, float(place[2]))
+            carrying = self._carrying(name) if place[2] - height > _LIFTED else frozenset()
+            for hand in self._hands:
+                if hand in carrying:
+                    self._measure(name, hand, place)
+                else:
+                    self._held.pop((name, hand), None)
+
+    def _carrying(self, name: str) -> frozenset[str]:
+        """The hands that touch a thing with enough fingertips."""
+        touching = [hand for hand, _ in self._truth.touching(name)]
+        return frozenset(hand for hand in touching if touching.count(hand) >= _FINGERS)
+
+    def _measure(self, name: str, hand: str, place: Floats) -> None:
+        palm = self._truth.link_pose(self._hands[hand])
+        inside: Floats = palm.rotation.T @ (place - palm.position)
+        first = self._held.setdefault((name, hand), inside)
+        self.largest = max(self.largest or 0.0, float(np.linalg.norm(inside - first)))

@@ -1,0 +1,45 @@
+"""Experiments of Chapter 6: what they run is kept, and what they report is of it."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+
+from cbdsl.reproduction.experiment import RunSettings
+from cbdsl.reproduction.registry import EXPERIMENTS
+from cbdsl.reproduction.report import data
+from cbdsl.training.action_runner import ActionRunner
+
+CHAPTER = [name for name in EXPERIMENTS if name.startswith("fig-6")]
+
+
+def test_all_figures_are_there() -> None:
+    assert [f"fig-6.{number}" for number in range(2, 9)] == CHAPTER
+
+
+@pytest.mark.parametrize("name", CHAPTER)
+def test_each_has_series_of_as_many_trials_as_the_source(name: str) -> None:
+    series = EXPERIMENTS[name].imported().series_of(name)
+    assert series and all(each.trials == 25 and each.actions == 100 for each in series)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", CHAPTER)
+def test_what_was_run_is_kept_and_not_run_again(
+    name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    done: list[tuple[int, int]] = []
+    settings = RunSettings(seed=3, quick=True, trials=2, folder=tmp_path)
+    watched = replace(settings, progress=lambda over, total: done.append((over, total)))
+    first = EXPERIMENTS[name].load()(watched)
+    assert done[-1][0] == done[-1][1] > 0
+
+    def none(*_: object) -> None:
+        raise AssertionError("all actions are kept")
+
+    monkeypatch.setattr(ActionRunner, "run", none)
+    again = EXPERIMENTS[name].load()(settings)
+    assert data(EXPERIMENTS[name], settings, again) == data(EXPERIMENTS[name], settings, first)
+    assert all(picture.svg().startswith("<svg") for picture in first.charts)
