@@ -31,6 +31,8 @@ _ALL: tuple[Experiment, ...] = (
     Experiment("fig-6.6", "A model-exploration program with a table", "Section 6.3.1, Figure 6.6", "model_programs", learns=True),  # noqa: E501
     Experiment("fig-6.7", "A model-exploration program with three balls that are moved", "Section 6.3.1, Figure 6.7", "model_programs", learns=True),  # noqa: E501
     Experiment("fig-6.8", "Novelty and surprise", "Section 6.3.1, Figure 6.8", "model_programs", learns=True),  # noqa: E501
+    Experiment("fig-7.2", "Transitions of PICKANDPLACE's policy; on mujoco or bullet", "Section 7.1.1, Figure 7.2", "transition_diagrams", learns=True),  # noqa: E501
+    Experiment("fig-7.3", "What PICKANDPLACE earns while it is learned; on mujoco or bullet", "Section 7.1.1, Figure 7.3", "reward_curve", learns=True),  # noqa: E501
     Experiment("engines", "Shipped programs and policies on every engine", "Chapters 3 and 4, Sections 4.2 and 4.3", "engines", keeps=True),  # noqa: E501
 )
 # fmt: on

@@ -1,4 +1,4 @@
-"""The series of trials of the source's Chapter 4, as data."""
+"""The series of trials of the source's Chapters 4 and 7, as data."""
 
 from __future__ import annotations
 
@@ -109,4 +109,13 @@ BIMANUALTOUCH = Series(
     stage="bimanualtouch_training",
     episodes=25,
     trials=1,
+)
+#: Section 7.1.1. On an engine that has what is held bear on what it stands on.
+PICKANDPLACE = Series(
+    name="pick_and_place",
+    label="PICKANDPLACE",
+    program="pick_and_place",
+    stage="things_and_a_pad",
+    episodes=30,
+    trials=10,
 )

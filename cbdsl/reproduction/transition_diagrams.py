@@ -1,4 +1,4 @@
-"""Transition diagrams of learned policies (Figures 4.5, 4.7, 4.10, 4.11 and 4.13)."""
+"""Transition diagrams of learned policies (Figures 4.5, 4.7, 4.10, 4.11, 4.13 and 7.2)."""
 
 from __future__ import annotations
 
@@ -19,6 +19,7 @@ from cbdsl.reproduction.quantity import Quantity
 from cbdsl.reproduction.series import (
     BIMANUALTOUCH,
     COARTICULATED,
+    PICKANDPLACE,
     REACHTOUCH,
     SEQUENTIAL,
     TACTILEPROBE,
@@ -30,10 +31,11 @@ from cbdsl.reproduction.worth import worth_quantities
 from cbdsl.training.trial import Trial
 from cbdsl.types.state import ANY
 
-_REACH, _INSPECT, _BRING = (
+_REACH, _INSPECT, _BRING, _PUT = (
     "reach ◁ touch",
     "localizability ◁ track",
     "conditionedhold ◁ touch",
+    "transport ◁ place",
 )
 
 
@@ -134,6 +136,18 @@ DRAWN: Mapping[str, tuple[DrawnPolicy, ...]] = {
                 DrawnArc("X10", _BRING, ("X11",)),
             ),
             learned_in=25,
+        ),
+    ),
+    "fig-7.2": (
+        DrawnPolicy(
+            PICKANDPLACE,
+            (
+                DrawnArc("XXX", "reachtouch", ("0XX", "1XX")),
+                DrawnArc("1XX", _PUT, ("X0-",)),
+                DrawnArc("X0-", _PUT, ("X00", "X01")),
+                DrawnArc("X00", _PUT, ("X01",)),
+            ),
+            learned_in=30,
         ),
     ),
 }

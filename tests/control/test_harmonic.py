@@ -192,3 +192,17 @@ def test_clearance_widens_obstacles() -> None:
 def test_before_it_is_solved_for_it_has_no_potential() -> None:
     law = potential(SCENES["empty square"])
     assert np.isnan(evaluate(law, Signal(np.zeros(2), np.eye(2)), np.ones(2)).phi)
+
+
+def test_the_way_out_of_an_obstacle_lowers_phi() -> None:
+    """Else a motion that begins inside of one would read as being at rest."""
+    goal, box = np.array([0.8, 0.8]), Obstacle("box", np.array([0.1, 0.1]), np.array([0.5, 0.5]))
+    field = Harmonic(np.zeros(2), np.ones(2), 0.02, SCALE)
+    parameters = np.full(3, np.nan)
+    phis = []
+    for x in (0.40, 0.43, 0.46, 0.49, 0.55, 0.6):
+        field.prepare(np.array([x, 0.3]), goal, (box,), parameters)
+        phis.append(float(parameters[0]))
+        assert parameters[1] > 0.0  # outwards, and then on
+    assert phis == sorted(phis, reverse=True)
+    assert phis[0] - phis[2] == pytest.approx(0.06 / 0.02)

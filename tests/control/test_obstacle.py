@@ -41,3 +41,17 @@ def test_differs_by_more_than_the_tolerance_in_any_part() -> None:
     assert ball.differs(ball._replace(radius=0.6), 0.02)
     assert ball.differs(ball._replace(upper=np.array([0.0, 0.0, 0.1])), 0.02)
     assert ball.differs(ball._replace(name="another"), 0.02)
+
+
+def test_a_shaft_is_all_that_is_missing_of_a_box(rng: np.random.Generator) -> None:
+    """Wherever the goal is, and also where the shaft is partly or wholly beside the box."""
+    box = Obstacle("table", np.array([-1.0, -2.0, -0.5]), np.array([1.0, 2.0, 0.0]))
+    for _ in range(30):
+        goal = rng.uniform([-2, -3, -0.5], [2, 3, 0.5])
+        half = float(rng.uniform(0.05, 0.5))
+        parts = box.around(goal, half)
+        assert len(parts) <= 4 and {part.name for part in parts} == {"table"}
+        for point in rng.uniform([-1.2, -2.2, -0.7], [1.2, 2.2, 0.2], (200, 3)):
+            beside = np.abs(point[:2] - goal[:2]).max() >= half
+            within = any(part.distance(point) <= 0.0 for part in parts)
+            assert within == (beside and box.distance(point) <= 0.0)

@@ -491,6 +491,28 @@ def test_what_requires_a_posture_acts_where_that_does(
     assert ("0" in predicates) == acts
 
 
+def test_what_the_background_runs_can_be_required(written: Written, play: Play) -> None:
+    """A hand that holds whatever the arm does holds for all that needs it."""
+    turn = TURN.replace("{", "{requires: hold, ", 1)
+    program = written(
+        f"controllers:\n  hold: {CLOSE}\n  turn: {turn}\n"
+        "background: hold\nactions: [turn]\npolicy: {'*': turn}\n"
+    )
+
+    def direct(world: World, time: float) -> None:
+        world.contact_angle = 0.5 if time > 1.0 else math.inf
+
+    predicates: list[tuple[float, str]] = []
+
+    def watch(tick: Tick) -> None:
+        (turning,) = (run for run in tick.run.runs if run.controller.name == "turn")
+        predicates.append((tick.observation.time, turning.predicate))
+
+    play(program, lambda rng: World(contact_angle=0.5), direct, watch=watch)
+    assert {letter for time, letter in predicates if 0.1 < time < 1.0} == {"-"}
+    assert "0" in {letter for time, letter in predicates if time > 1.0}
+
+
 def test_what_is_lost_reads_undefined_and_what_comes_back_on_its_way(
     checked: Checked, play: Play
 ) -> None:

@@ -1,0 +1,74 @@
+"""``pick_and_place`` and ``deliver`` with physics: on the pad by themselves, never in the air."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from cbdsl.backends.backend import embody
+from cbdsl.documents.robot import RobotDocument
+from cbdsl.program.transition import Transition
+from cbdsl.runtime.episode import Runner, Tick
+from cbdsl.sensing.kinematics import Kinematics
+from tests.backends.conftest import stage_named
+from tests.conftest import Checked
+
+pytestmark = pytest.mark.slow
+pytest.importorskip("mujoco")
+
+
+@pytest.fixture(scope="module")
+def backend(dexter: RobotDocument, urdf: Path) -> Iterator[object]:
+    backend = embody("mujoco", dexter, urdf, cameras="ideal")
+    yield backend
+    backend.close()
+
+
+@pytest.mark.parametrize("thing", ["ball", "cube", "cylinder", "box"])
+def test_a_thing_is_lifted_carried_and_placed(
+    thing: str, backend: object, dexter: RobotDocument, kinematics: Kinematics, checked: Checked
+) -> None:
+    truth = backend.truth  # type: ignore[attr-defined]
+    heights: list[float] = []
+    borne: list[frozenset[str]] = []
+
+    def note(tick: Tick) -> None:
+        heights.append(float(truth.pose(thing).position[2]))
+
+    def hear(transition: Transition) -> None:
+        if transition.reward and transition.program == "pick_and_place":
+            borne.append(truth.neighbours(thing))
+
+    runner = Runner(dexter, kinematics, checked("deliver"), backend)  # type: ignore[arg-type]
+    result = runner.run(stage_named("things_and_a_pad"), 7_100_003, thing, hear, note)
+    assert result.outcome == "success"
+    assert len(borne) == 1 and "pad" in borne[0]
+    assert max(heights) > heights[0] + 0.05
+    place, pad = truth.pose(thing).position, truth.pose("pad").position
+    assert math.dist(place[:2], pad[:2]) < 0.02
+    assert truth.neighbours(thing) and not truth.touched(thing)
+    assert np.linalg.norm(truth.velocity(thing)) < 0.01
+
+
+def test_nothing_is_transported_or_placed_by_an_empty_hand(
+    backend: object, dexter: RobotDocument, kinematics: Kinematics, checked: Checked
+) -> None:
+    """Both are undefined unless something is held, whatever is seen."""
+    program = checked("pick_and_place")
+    runner = Runner(dexter, kinematics, program, backend)  # type: ignore[arg-type]
+    states: set[str] = set()
+
+    class Both:
+        """A policy that never grasps."""
+
+        def choose(self, state: str, *, changed: bool) -> str | None:
+            states.add(state)
+            return "transport ◁ place" if changed else None
+
+    runner._policy = Both()  # type: ignore[assignment]
+    result = runner.run(stage_named("things_and_a_pad"), 7_100_004, "ball")
+    assert states == {"XXX", "X--"} and not result.rewarded
