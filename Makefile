@@ -4,11 +4,14 @@ BIN = $(dir $(PYTHON))
 # The tests to run, by pytest's marks: all. CI has already run the fast ones and asks for `slow`.
 MARK ?= slow or not slow
 
+# What a bill of materials is made for.
+USERS = sim,editor,learn,mujoco,gym,trees,mcap
+
 # How many mutants, and with which tests: `all` fast ones take minutes for each that is hard to kill.
 SAMPLE ?= 100
 REACH ?= all
 
-.PHONY: check format lint types layers spelling documents tests mutants fix
+.PHONY: check format lint types layers spelling documents tests mutants dist sbom fix
 
 check: format lint types layers spelling documents tests
 
@@ -38,6 +41,21 @@ tests:
 # Small faults in control, sensing, runtime and learning that the fast tests have to notice.
 mutants:
 	$(BIN)python -m tests.mutants --sample $(SAMPLE) --reach $(REACH)
+
+# A wheel and an sdist in dist/, checked where nothing else is installed.
+dist:
+	rm -rf dist
+	$(BIN)pip install --quiet --disable-pip-version-check -e ".[release]"
+	$(BIN)python -m build --outdir dist .
+	$(BIN)twine check --strict dist/*
+	$(BIN)pytest -n 0 -m slow tests/test_distribution.py
+
+# Everything that comes with cbdsl[sim] and the other extras of users, as CycloneDX in dist/sbom.json.
+sbom: dist
+	$(PYTHON) -m venv dist/bare
+	dist/bare/bin/pip install --quiet --disable-pip-version-check "$$(echo dist/*.whl)[$(USERS)]"
+	$(BIN)cyclonedx-py environment --pyproject pyproject.toml --output-reproducible --of JSON -o dist/sbom.json dist/bare/bin/python
+	rm -rf dist/bare
 
 fix:
 	$(BIN)ruff check --fix .

@@ -6,7 +6,7 @@ before. A thing is placed when it stands at the end within 2 cm of the pad's cen
 rest, and tilted by less than 10 degrees. Shares come with exact (Clopper-Pearson) 95 % intervals.
 Exits with 1 where a target is missed.
 
-    python benchmarks/pick_and_place.py --episodes 100 --seed 7000000 [--only ball,cube]
+    python benchmarks/pick_and_place.py --episodes 100 --seed 8000000 [--only ball,cube]
         [--backend mujoco] [--cameras ideal] [--each] [--json]
 """
 
@@ -136,8 +136,7 @@ class _Judge:
 
 def run_episodes(setting: Setting, seeds: Iterable[int]) -> list[Episode]:
     """Place some things, in this process."""
-    from cbdsl.cli.run_request import read_request
-
+    from cbdsl.api.run_request import read_request
     from cbdsl.cli.simulation import simulation
     from cbdsl.runtime.episode import Runner
 

@@ -111,7 +111,7 @@ class FlatPolicy:
 
     def __init__(self, learner: Accommodate, rng: np.random.Generator) -> None:
         self._learner, self._policy = learner, learner.policy(rng)
-        self.reason = ""
+        self.reason, self.withdraws = "", False
         self.begin(dict)
 
     def begin(self, read: Callable[[], Features]) -> None:

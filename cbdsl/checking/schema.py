@@ -19,14 +19,13 @@ from cbdsl.documents.program import ProgramDocument
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.documents.schema import ChoiceQuestion, RewardQuestion, SchemaDocument
 from cbdsl.program.allocation import allocate
-from cbdsl.program.catalog_models import AFFORDS, affordance_resource
 from cbdsl.program.checked import CheckedProgram
 from cbdsl.program.controller import Controller
 from cbdsl.program.schema import Ranking, Schema, components
 from cbdsl.program.state_values import state_values
 from cbdsl.types.allotment import WHOLE
 from cbdsl.types.decision_tree import Leaf, Split, Tree
-from cbdsl.types.resource import InstanceCount, Resource
+from cbdsl.types.resource import AFFORDS, InstanceCount, Resource
 from cbdsl.types.unit import QuantityError, parse_quantity
 from cbdsl.yaml_text.loaded import Loaded
 from cbdsl.yaml_text.source_map import Step
@@ -223,6 +222,8 @@ class _SchemaCheck:
             at, names = self._source.place("features", name), list(catalog.affordances)
             self._findings.add("CB655", at, names=names, name=action, catalog=catalog.name)
             return None
+        from cbdsl.program.catalog_models import affordance_resource  # brings numpy
+
         made = affordance_resource(catalog, action, resources)
         if made is None:
             at = self._source.place("features", name)

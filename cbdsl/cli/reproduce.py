@@ -42,7 +42,8 @@ Trials = Annotated[
         "--trials",
         min=1,
         help="How many times it learns from zero [30 on kinematic, else as often as the source]; "
-        "with engines, how many episodes of each program run [20].",
+        "with engines, how many episodes of each program run [20]; with fig-5.3-5.5, how many "
+        "samples of each channel are wanted [50].",
     ),
 ]
 Workers = Annotated[
@@ -83,7 +84,8 @@ def reproduce(
     """Measure what the dissertation reports.
 
     Experiments in which the robot learns run trials, and share those of the same programs. With
-    --keep each of their episodes is kept as soon as it is over, and so is each of engines.
+    --keep each of their episodes is kept as soon as it is over, and so is each of engines and
+    fig-5.3-5.5, and each trial of fig-5.10-5.11.
 
     Exit 0 when it ran, whatever the verdicts, and 2 when it could not run.
     """

@@ -35,7 +35,7 @@ class Obstacle(NamedTuple):
         return self._replace(radius=self.radius + clearance)
 
     def around(self, goal: Floats, shaft: float) -> list[Obstacle]:
-        """What is left of the obstacle beside a shaft through it.
+        """Parts of the obstacle that a shaft through it leaves.
 
         Args:
             goal: the middle of the shaft, shape (n,), n >= 2.

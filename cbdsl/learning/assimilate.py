@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from types import MappingProxyType
 from typing import Annotated, Any
 
@@ -65,7 +65,7 @@ class Assimilate:
         constants: AssimilateConstants,
         programs: Mapping[int, str] = MappingProxyType({}),
     ) -> None:
-        self._first, self._constants = actions[0], constants
+        self._first, self._constants = actions[0] if actions else "", constants
         self._program: CheckedProgram | None = None
         self._contexts: list[TriedContext] = []
 
@@ -90,6 +90,15 @@ class Assimilate:
         if made:
             outcomes = {each.allocation: each.rewarded for each in made}
             self._contexts.append(TriedContext(_distinct(made[0].features, schema), outcomes))
+
+    @property
+    def contexts(self) -> tuple[TriedContext, ...]:
+        """Contexts in which something was tried, by episode."""
+        return tuple(self._contexts)
+
+    def recall(self, contexts: Iterable[TriedContext]) -> None:
+        """Take in what was tried before, instead of running it again."""
+        self._contexts.extend(contexts)
 
     def policy(self, rng: np.random.Generator) -> Policy:
         """Declarative policy with epsilon-greedy allocations, by what is known then."""
@@ -147,29 +156,30 @@ class Assimilate:
 
     def documents(self, summary: TrialSummary) -> list[Document]:
         """The schema."""
+        learned = {"curve": curve_of(summary.experiences), "provenance": summary.provenance}
+        description = "Learned by ASSIMILATE; provenance says from what, and how to learn it again."
+        schema = self.document(summary.name, summary.program)
+        return [schema.model_copy(update={"description": description, **learned})]
+
+    def document(self, name: str, program: CheckedProgram) -> SchemaDocument:
+        """A schema of all that is known by now, without a word of how it was learned."""
         assert self._program is not None and self._program.schema is not None
-        schema, parameters = self._program.schema, summary.program.parameters
+        schema, parameters = self._program.schema, program.parameters
         units = {name: _unit(name, schema) for name in schema.components}
-        return [
-            SchemaDocument(
-                cbdsl=1,
-                kind="schema",
-                name=summary.name,
-                description="Learned by ASSIMILATE; provenance says from what, and how to learn "
-                "it again.",
-                program=summary.program.name,
-                policy=schema.policy,
-                actions=_abstract_actions(self._program),
-                features={n: _text(r.name, parameters) for n, r in schema.features.items()},
-                allocations={name: dict(each) for name, each in schema.allocations.items()},
-                choose=_written(self.choice(), units, ChoiceQuestion, _answer),
-                otherwise=tuple(schema.allocations),
-                reward=_written(self.reward(), units, RewardQuestion, float),
-                least_reward=self._constants.least_reward,
-                curve=curve_of(summary.experiences),
-                provenance=summary.provenance,
-            )
-        ]
+        return SchemaDocument(
+            cbdsl=1,
+            kind="schema",
+            name=name,
+            program=program.name,
+            policy=schema.policy,
+            actions=_abstract_actions(self._program),
+            features={n: _text(r.name, parameters) for n, r in schema.features.items()},
+            allocations={name: dict(each) for name, each in schema.allocations.items()},
+            choose=_written(self.choice(), units, ChoiceQuestion, _answer),
+            otherwise=tuple(schema.allocations),
+            reward=_written(self.reward(), units, RewardQuestion, float),
+            least_reward=self._constants.least_reward,
+        )
 
 
 class _Always:

@@ -118,8 +118,8 @@ def _evidence(sums: Outcomes) -> Any:
 def _log_factorial(numbers: Floats) -> Floats:
     whole = numbers.astype(np.intp)
     table = np.array([math.lgamma(n + 1) for n in range(int(whole.max(initial=0)) + 1)])
-    found: Floats = table[whole]
-    return found
+    logarithms: Floats = table[whole]
+    return logarithms
 
 
 def _pruned(tree: Tree[Answer]) -> Tree[Answer]:

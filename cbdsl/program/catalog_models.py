@@ -9,11 +9,8 @@ import numpy as np
 from cbdsl.documents.catalog import AffordanceSection, CatalogDocument, SampleModel
 from cbdsl.numeric.affordance import AffordanceModel, deviation_of
 from cbdsl.numeric.sample_statistics import SampleStatistics
-from cbdsl.types.resource import DRAWN, AffordanceProbability, Origin, Resource
+from cbdsl.types.resource import AFFORDS, DRAWN, AffordanceProbability, Origin, Resource
 from cbdsl.types.resource_type import PROBABILITY
-
-#: Beginning of the names of such resources.
-AFFORDS = "affords."
 
 
 def affordance_resource(

@@ -33,7 +33,7 @@ _TRANSITIONS = 23
 Posture = tuple[float, ...]
 
 
-class Search(NamedTuple):
+class ChannelSearch(NamedTuple):
     """Up to ten looks for a channel.
 
     Attributes:
@@ -56,22 +56,22 @@ class KeptSearches:
 
     def __init__(self, path: Path) -> None:
         self._path = path
-        self._known: dict[tuple[str, int], Search] = {}
+        self._known: dict[tuple[str, int], ChannelSearch] = {}
         for line in path.read_text(encoding="utf-8").splitlines() if path.exists() else ():
             try:
                 channel, seed, posture = json.loads(line)
             except ValueError:
                 continue  # cut off when the process was ended
-            self._known[channel, seed] = Search(channel, seed, tuple(posture))
+            self._known[channel, seed] = ChannelSearch(channel, seed, tuple(posture))
         if path.exists() and not path.read_bytes().endswith(b"\n"):
             with path.open("a", encoding="utf-8") as file:
                 file.write("\n")
 
-    def get(self, channel: str, seed: int, look: Callable[[int], Posture]) -> Search:
+    def get(self, channel: str, seed: int, look: Callable[[int], Posture]) -> ChannelSearch:
         """A search, from the file or by looking."""
         known = self._known.get((channel, seed))
         if known is None:
-            known = self._known[channel, seed] = Search(channel, seed, look(seed))
+            known = self._known[channel, seed] = ChannelSearch(channel, seed, look(seed))
             with self._path.open("a", encoding="utf-8") as file:
                 file.write(json.dumps(known) + "\n")
         return known
@@ -79,7 +79,7 @@ class KeptSearches:
 
 @dataclass(frozen=True)
 class Expected:
-    """What was found of a channel.
+    """Postures in which a channel was tracked.
 
     Attributes:
         channel: its name.
@@ -96,7 +96,7 @@ def run(settings: RunSettings) -> Result:
     """Look for every channel, and picture where each was tracked."""
     wanted = _QUICK_POSITIVES if settings.quick else settings.trials or _POSITIVES
     kept = KeptSearches(settings.folder / "background_searches.jsonl")
-    found: list[Expected] = []
+    channels: list[Expected] = []
     with simulation_fixture(_PROGRAM, stage=_STAGE) as lab:
         names = [name for name in channel_names(lab.robot.vision.channels) if name != "motion"]
         limits = _limits(lab)
@@ -105,13 +105,13 @@ def run(settings: RunSettings) -> Result:
         with simulation_fixture(_PROGRAM, {"feature": channel}, _STAGE) as lab:
             look, first = looker(lab), settings.seed
             searches = (kept.get(channel, seed, look) for seed in range(first, first + wanted))
-            found.append(expected(channel, searches))
+            channels.append(expected(channel, searches))
     settings.progress(len(names), len(names))
-    return Result(tuple(quantities(found)), tuple(_pictures(found, limits)), _notes(found))
+    return Result(tuple(quantities(channels)), tuple(_pictures(channels, limits)), _notes(channels))
 
 
-def expected(channel: str, searches: Iterable[Search]) -> Expected:
-    """Search as often as asked for, or until a search was in vain."""
+def expected(channel: str, searches: Iterable[ChannelSearch]) -> Expected:
+    """ChannelSearch as often as asked for, or until a search was in vain."""
     postures: list[Posture] = []
     for search in searches:
         if not search.posture:
@@ -121,7 +121,7 @@ def expected(channel: str, searches: Iterable[Search]) -> Expected:
 
 
 def looker(lab: SimulationFixture) -> Callable[[int], Posture]:
-    """What looks for the channel of a program, and tells the head's posture in the end."""
+    """Looks for the channel of a program; the posture of the head in the end."""
     program = lab.program._replace(transitions=_TRANSITIONS)
     runner = replace(lab, program=program).runner()
 
@@ -138,10 +138,10 @@ def looker(lab: SimulationFixture) -> Callable[[int], Posture]:
     return look
 
 
-def quantities(found: Sequence[Expected]) -> Iterator[Quantity]:
+def quantities(channels: Sequence[Expected]) -> Iterator[Quantity]:
     """How many channels respond, and which do not."""
     for prefix, (figure, word) in FIGURES.items():
-        own = [each for each in found if each.channel.startswith(prefix)]
+        own = [each for each in channels if each.channel.startswith(prefix)]
         empty = [each.channel for each in own if not each.postures]
         responding = float(len(own) - len(empty))
         yield Quantity(
@@ -165,21 +165,21 @@ def _limits(lab: SimulationFixture) -> Mapping[str, tuple[float, float]]:
 
 
 def _pictures(
-    found: Sequence[Expected], limits: Mapping[str, tuple[float, float]]
+    channels: Sequence[Expected], limits: Mapping[str, tuple[float, float]]
 ) -> Iterator[PosturePanels]:
     for prefix, (figure, word) in FIGURES.items():
         panels = {
             each.channel: np.array(each.postures).reshape(-1, 2)
-            for each in found
+            for each in channels
             if each.channel.startswith(prefix)
         }
         title = f"Where channels of {word} are trackable (Figure {figure})"
         yield PosturePanels(f"background_{word}", title, panels, limits)
 
 
-def _notes(found: Sequence[Expected]) -> tuple[str, ...]:
-    samples = sum(len(each.postures) for each in found)
-    given_up = [each.channel for each in found if each.given_up and each.postures]
+def _notes(channels: Sequence[Expected]) -> tuple[str, ...]:
+    samples = sum(len(each.postures) for each in channels)
+    given_up = [each.channel for each in channels if each.given_up and each.postures]
     return (
         f"{samples} samples on stage {_STAGE}, rendered, from postures of the head drawn anew. "
         f"Given up after some samples: {', '.join(given_up) or 'none'}.",

@@ -24,6 +24,7 @@ _ALL: tuple[Experiment, ...] = (
     Experiment("fig-4.11", "Transitions of VISUALINSPECT's policy", "Section 4.3.2, Figure 4.11", "transition_diagrams", learns=True),  # noqa: E501
     Experiment("fig-4.13", "Transitions of BIMANUALTOUCH's policy", "Section 4.3.3, Figure 4.13", "transition_diagrams", learns=True),  # noqa: E501
     Experiment("fig-5.3-5.5", "Where the channels of saturation, hue and intensity can be tracked in a room", "Section 5.2.1, Figures 5.3 to 5.5", "background_model", keeps=True),  # noqa: E501
+    Experiment("fig-5.10-5.11", "Which arm to reach with, and when not at all", "Section 5.3.1, Figures 5.10 and 5.11", "schema_trees", keeps=True),  # noqa: E501
     Experiment("fig-6.2", "What a green table affords", "Section 6.2.2, Figure 6.2", "catalogs", learns=True),  # noqa: E501
     Experiment("fig-6.3", "What a small basketball affords", "Section 6.2.2, Figure 6.3", "catalogs", learns=True),  # noqa: E501
     Experiment("fig-6.4", "What a red ball with two patches affords", "Section 6.2.2, Figure 6.4", "catalogs", learns=True),  # noqa: E501
@@ -33,6 +34,8 @@ _ALL: tuple[Experiment, ...] = (
     Experiment("fig-6.8", "Novelty and surprise", "Section 6.3.1, Figure 6.8", "model_programs", learns=True),  # noqa: E501
     Experiment("fig-7.2", "Transitions of PICKANDPLACE's policy; on mujoco or bullet", "Section 7.1.1, Figure 7.2", "transition_diagrams", learns=True),  # noqa: E501
     Experiment("fig-7.3", "What PICKANDPLACE earns while it is learned; on mujoco or bullet", "Section 7.1.1, Figure 7.3", "reward_curve", learns=True),  # noqa: E501
+    Experiment("fig-7.2", "Transitions of PICKANDPLACE's policy", "Section 7.1.1, Figure 7.2", "transition_diagrams", learns=True),  # noqa: E501
+    Experiment("fig-7.3", "What PICKANDPLACE earns while it is learned", "Section 7.1.1, Figure 7.3", "reward_curve", learns=True),  # noqa: E501
     Experiment("engines", "Shipped programs and policies on every engine", "Chapters 3 and 4, Sections 4.2 and 4.3", "engines", keeps=True),  # noqa: E501
 )
 # fmt: on

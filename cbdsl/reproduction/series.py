@@ -110,7 +110,7 @@ BIMANUALTOUCH = Series(
     episodes=25,
     trials=1,
 )
-#: Section 7.1.1. On an engine that has what is held bear on what it stands on.
+#: Section 7.1.1.
 PICKANDPLACE = Series(
     name="pick_and_place",
     label="PICKANDPLACE",

@@ -53,7 +53,7 @@ def _require_reasonable(file: Path, triangles: Floats) -> None:
     if not SHORTEST <= extent <= LONGEST:
         raise UsageError(
             f"{file}: {extent:.3g} m long; things are {1000 * SHORTEST:g} mm to {LONGEST:g} m. "
-            "Where its unit is not the metre, its scale says how many metres it has: 0.001 for mm"
+            "Where its unit is not the metre, its scale (--scale) says how long it is: 0.001 for mm"
         )
     if gaps := _open_edges(triangles, extent):
         raise UsageError(f"{file}: not closed: {gaps} edges do not join two triangles")

@@ -69,6 +69,7 @@ FEATURES: Mapping[str, str] = {
     "velocity": "joints displace what they move, and a velocity is no displacement",
     "volume": "no joint changes how large a thing is",
     "count": "no joint changes how many things there are",
+    "probability": "no joint moves what is expected",
     "heading_rate": "joints displace what they move, and a rate is no displacement",
     "extent": "how a thing's outline changes as it turns depends on its shape, which is not known",
     "axis": "how a thing's outline changes as it turns depends on its shape, which is not known",

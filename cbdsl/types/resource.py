@@ -1,10 +1,17 @@
 """Resources: the named, typed signals of one robot, and where each comes from."""
 
-from enum import Enum
-from typing import NamedTuple
+from __future__ import annotations
 
-from cbdsl.numeric.affordance import AffordanceModel
+from enum import Enum
+from typing import TYPE_CHECKING, NamedTuple
+
 from cbdsl.types.resource_type import ResourceType
+
+if TYPE_CHECKING:
+    from cbdsl.numeric.affordance import AffordanceModel
+
+#: Beginning of the names of probabilities that a catalog predicts.
+AFFORDS = "affords."
 
 
 class Origin(Enum):
@@ -214,7 +221,7 @@ class AffordanceProbability(NamedTuple):
     catalog: str
     action: str
     model: AffordanceModel
-    features: "tuple[Resource, ...]"
+    features: tuple[Resource, ...]
 
 
 Source = (

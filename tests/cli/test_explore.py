@@ -33,7 +33,7 @@ MISTAKES = [
     (["explore", "visualinspect:mark", *ON, "--out", "a.yaml"], ["visualinspect:mark", "LABEL="]),
     (["explore", "searchtrack:color=red", *ON, "--out", "a.yaml"], ["color"]),
     ([*LOOK, "--algorithm", "explore", "--out", "a.yaml"], ["explore_catalog"]),
-    ([*LOOK, "--set", "temprature=1", "--out", "a.yaml"], ["did you mean 'temperature'"]),
+    ([*LOOK, "--set", "temperature_=1", "--out", "a.yaml"], ["did you mean 'temperature'"]),
     ([*LOOK, "--set", "alpha=0", "--out", "a.yaml"], ["alpha = 0"]),
     ([*LOOK, "--out", "taken.yaml"], ["taken.yaml", "not explored here"]),
     ([*LOOK, "--out", "begun.yaml"], ["--resume"]),

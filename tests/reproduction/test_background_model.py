@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 
 from cbdsl.reproduction.background_model import (
+    ChannelSearch,
     Expected,
     KeptSearches,
     Posture,
-    Search,
     expected,
     looker,
     quantities,
@@ -24,7 +24,7 @@ HERE: Posture = (0.1, 0.3)
 
 
 def test_a_channel_is_given_up_after_a_search_in_vain() -> None:
-    searches = [Search("hue_1", seed, HERE if seed < 3 else ()) for seed in range(9)]
+    searches = [ChannelSearch("hue_1", seed, HERE if seed < 3 else ()) for seed in range(9)]
     assert expected("hue_1", searches) == Expected("hue_1", (HERE,) * 3, True)
     assert expected("hue_1", searches[:3]) == Expected("hue_1", (HERE,) * 3, False)
 

@@ -50,7 +50,7 @@ def test_what_a_hand_carries_is_measured_in_it(setup: engines.EngineSetup) -> No
     from cbdsl.yaml_text.library import Library, shipped
 
     library = Library(shipped())
-    body = engines.Body(setup, library)
+    body = engines.EmbodiedRobot(setup, library)
     parts = {part.name: part for part in engines._parts(library)}
     lifted = body.player(parts["pick_and_lift"])(4_210_003)
     reached = body.player(parts["reach"])(4_210_003)

@@ -1,4 +1,4 @@
-"""``pick_and_place`` and ``deliver`` with physics: on the pad by themselves, never in the air."""
+"""``pick_and_place`` and ``deliver`` with physics: on the pad, never placed in the air."""
 
 from __future__ import annotations
 
@@ -44,7 +44,7 @@ def test_a_thing_is_lifted_carried_and_placed(
             borne.append(truth.neighbours(thing))
 
     runner = Runner(dexter, kinematics, checked("deliver"), backend)  # type: ignore[arg-type]
-    result = runner.run(stage_named("things_and_a_pad"), 7_100_003, thing, hear, note)
+    result = runner.run(stage_named("things_and_a_pad"), 83_003, thing, hear, note)
     assert result.outcome == "success"
     assert len(borne) == 1 and "pad" in borne[0]
     assert max(heights) > heights[0] + 0.05
@@ -69,6 +69,27 @@ def test_nothing_is_transported_or_placed_by_an_empty_hand(
             states.add(state)
             return "transport ◁ place" if changed else None
 
-    runner._policy = Both()  # type: ignore[assignment]
-    result = runner.run(stage_named("things_and_a_pad"), 7_100_004, "ball")
+    runner._policy = Both()
+    result = runner.run(stage_named("things_and_a_pad"), 83_004, "ball")
     assert states == {"XXX", "X--"} and not result.rewarded
+
+
+def test_what_is_seen_in_the_way_is_gone_around(
+    backend: object, dexter: RobotDocument, kinematics: Kinematics, checked: Checked
+) -> None:
+    """Higher above the column than where that is no obstacle, and on the pad either way."""
+    truth = backend.truth  # type: ignore[attr-defined]
+    highest = {}
+    for obstacle in ("blue", "yellow"):
+        heights: list[float] = []
+
+        def note(tick: Tick, heights: list[float] = heights) -> None:
+            heights.append(float(truth.pose("ball").position[2]))
+
+        program = checked("deliver", obstacle=obstacle)
+        runner = Runner(dexter, kinematics, program, backend)  # type: ignore[arg-type]
+        result = runner.run(stage_named("column_before_pad"), 1, on_tick=note)
+        assert result.outcome == "success", result.ending
+        assert "pad" in truth.neighbours("ball")
+        highest[obstacle] = max(heights)
+    assert highest["blue"] > highest["yellow"] + 0.05

@@ -137,3 +137,18 @@ def test_net_torque_grows_as_the_hand_turns_on(touch_of: Make) -> None:
             expected[:, joint] += control.contact_torsion * turn
             expected[:, joint] += np.cross(lever, control.contact_stiffness * way)
     np.testing.assert_allclose(torque.jacobian, expected, atol=1e-9)
+
+
+@pytest.mark.parametrize("held", [True, False])
+def test_load_cells_are_tared_anew_only_while_nothing_is_felt(touch_of: Make, held: bool) -> None:
+    before = touch_of("dexter")
+    feel(before, *([0] if held else []))
+    drifted = np.full_like(before.loads, 0.05)
+    touch = touch_of("dexter")
+    touch.reset()
+    touch.resume(before)
+    wrenches = drifted + (1.0 if held else 0.0)
+    touch.update(wrenches)
+    # What is held goes on to be felt; where nothing is, what the cells read now is nothing.
+    assert touch.loads == pytest.approx(wrenches if held else np.zeros_like(drifted))
+    assert touch.feeling.any() == held

@@ -23,17 +23,17 @@ _FINGERS = 2
 def palms(robot: RobotDocument, model: UrdfModel) -> Mapping[str, str]:
     """The link on which each hand with load cells sits, by hand: the tip of an arm."""
     tips = {each.tip.link for each in robot.effectors.values() if each.tip is not None}
-    found = {}
+    carriers = {}
     for hand, fingers in robot.load_cells.items():
         for cell in fingers.values():
-            carriers = [joint.parent for joint in model.way(cell.link) if joint.parent in tips]
-            if carriers:
-                found[hand] = carriers[0]
-    return found
+            below = [joint.parent for joint in model.way(cell.link) if joint.parent in tips]
+            if below:
+                carriers[hand] = below[0]
+    return carriers
 
 
-class Slip:
-    """How far things slip in hands during an episode.
+class SlipGauge:
+    """Gauge of how far things slip in hands during an episode.
 
     A thing is carried from when it is 1 cm above where it was first, while a hand touches it with
     two fingertips. From there on it is to stay where it is in the hand's frame.

@@ -1,0 +1,219 @@
+"""Schema trees: which arm, and whether any, by what is seen (Figures 5.10 and 5.11).
+
+Ten trials of ASSIMILATE from the shipped policy of REACHTOUCH, 50 episodes each. Their trees are
+asked about what is seen at the first choice of episodes that they did not learn from.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from typing import Any, NamedTuple
+
+from cbdsl.backends.backend import embody
+from cbdsl.checking.assimilation import program_to_assimilate
+from cbdsl.checking.session import Session
+from cbdsl.documents.policy import PolicyDocument
+from cbdsl.documents.program import ProgramDocument
+from cbdsl.documents.schema import SchemaDocument
+from cbdsl.documents.stage import StageDocument
+from cbdsl.learning.allocation_tree import TriedContext
+from cbdsl.learning.assimilate import Assimilate, AssimilateConstants
+from cbdsl.learning.learner import ASSIMILATE
+from cbdsl.program.checked import CheckedProgram
+from cbdsl.program.schema import Ranking
+from cbdsl.program.schema_policy import Features, SchemaPolicy
+from cbdsl.reporting.drawing.schema_graph import schema_graph
+from cbdsl.reporting.drawing.svg import svg
+from cbdsl.reproduction.claim import above, at_least
+from cbdsl.reproduction.estimate import mean_of
+from cbdsl.reproduction.experiment import Result, RunSettings
+from cbdsl.reproduction.percentage import percentage
+from cbdsl.reproduction.quantity import Quantity
+from cbdsl.reproduction.shipped import shipped_file, shipped_robot
+from cbdsl.sensing.kinematics import Kinematics
+from cbdsl.training.episode_runner import BackendEpisodeRunner
+from cbdsl.training.trial import Trial
+from cbdsl.types.decision_tree import Split, Tree, decide, splits
+from cbdsl.yaml_text.library import Library, shipped
+
+_PROGRAM, _STAGE, _BACKEND = "reachtouch", "near_and_far_training", "kinematic"
+_TRIALS, _EPISODES, _ASKED = 10, 50, 60
+_QUICK = (1, 10, 12)
+# Of what a trial is asked in one context, %: so much has to be right.
+_MOST = 90.0
+# By context of the stage: what the source's tree has there, and what it says of it.
+_FIRST = {
+    "large": ("reachtouch_bimanual", "large: both arms"),
+    "left": ("left_arm", "small and still: the arm on that side"),
+    "right": ("right_arm", "small and still: the arm on that side"),
+}
+_FAR = "far"
+
+
+class Question(NamedTuple):
+    """A question to the trees: the features of a context at its first choice."""
+
+    context: str
+    features: Features
+
+
+class Trees(NamedTuple):
+    """Trees of a trial: which allocation first, and how likely reward is."""
+
+    choice: Tree[Ranking]
+    reward: Tree[float]
+
+
+@dataclass(frozen=True)
+class SchemaPicture:
+    """The trees of a schema as a picture.
+
+    Attributes:
+        name: of its file, without suffix.
+        title: what it shows.
+        schema: whose trees.
+    """
+
+    name: str
+    title: str
+    schema: SchemaDocument
+
+    def svg(self) -> str:
+        """The picture, as the text of an SVG file."""
+        return svg(schema_graph(self.schema))
+
+    def data(self) -> dict[str, object]:
+        """The schema, for scripts."""
+        return self.schema.model_dump(mode="json", by_alias=True, exclude_none=True)
+
+
+def run(settings: RunSettings) -> Result:
+    """Learn several times, and ask the trees."""
+    trials, episodes, asked = _QUICK if settings.quick else (_TRIALS, _EPISODES, _ASKED)
+    trials = settings.trials or trials
+    program, runner = _prepared()
+    first = settings.seed  # trials draw seeds of their own
+    known = list(questions(program, runner, range(first, first + asked)))
+    trees: list[Trees] = []
+    pictures: list[SchemaPicture] = []
+    for number in range(trials):
+        settings.progress(number, trials)
+        file = settings.folder / f"assimilation_{settings.seed}_{number}_{episodes}.json"
+        if not file.exists():
+            file.write_text(json.dumps(_tried(program, runner, settings.seed, number, episodes)))
+        learner = Assimilate([], AssimilateConstants())
+        learner.adopt(program)
+        learner.recall(TriedContext(*each) for each in json.loads(file.read_text()))
+        trees.append(Trees(learner.choice(), learner.reward()))
+        if not pictures:
+            schema = learner.document(_PROGRAM, program)
+            pictures.append(SchemaPicture("schema_trees", "The trees of the first trial", schema))
+    settings.progress(trials, trials)
+    return Result(tuple(quantities(trees, known, settings.seed)), tuple(pictures), _NOTES)
+
+
+_NOTES = (
+    f"Ten trials of {_EPISODES} episodes on stage {_STAGE}, {_BACKEND} with ideal cameras, half of "
+    "the episodes out of reach. The source's first tree comes of 25 episodes within reach, its "
+    "second of 50 others. Nothing moves on this stage, so that the source's branch for moving "
+    "things, the arm that anticipates them, is not asked for.",
+)
+
+
+def _tried(
+    program: CheckedProgram, runner: BackendEpisodeRunner, seed: int, number: int, episodes: int
+) -> tuple[TriedContext, ...]:
+    """Contexts of a trial, with what was tried in them."""
+    trial = Trial(program, AssimilateConstants(), seed, number, ASSIMILATE)
+    for _ in range(episodes):
+        trial.run(runner)
+    assert isinstance(trial.learner, Assimilate)
+    return trial.learner.contexts
+
+
+def _prepared() -> tuple[CheckedProgram, BackendEpisodeRunner]:
+    """The shipped program with all its allocations under its policy, and what runs it."""
+    library = Library(shipped())
+    path = shipped_file(library, ProgramDocument, _PROGRAM)
+    policy = library.read(shipped_file(library, PolicyDocument, _PROGRAM), PolicyDocument)
+    program = program_to_assimilate(path, policy, Session(library), {})
+    robot, urdf = shipped_robot(program.robot, library)
+    stage = library.read(shipped_file(library, StageDocument, _STAGE), StageDocument).document
+    body = embody(_BACKEND, robot, urdf)
+    runner = BackendEpisodeRunner(robot, Kinematics(robot, urdf), body, stage)
+    return program._replace(transition_time=8.0, idle_time=1.0), runner
+
+
+def questions(
+    program: CheckedProgram, runner: BackendEpisodeRunner, seeds: Sequence[int]
+) -> Iterator[Question]:
+    """Features of the first informed choice of episodes."""
+    assert program.schema is not None
+    names, wanted = tuple(program.schema.allocations), set(program.schema.components)
+    policy = SchemaPolicy(program, lambda features: names, gives_up=False)
+    for seed in seeds:
+        episode = runner.run(program, policy, seed, lambda transition: None)
+        for transition in episode.transitions:
+            if transition.features.keys() >= wanted:
+                yield Question(episode.context, dict(transition.features))
+                break
+
+
+def quantities(trees: Sequence[Trees], known: Sequence[Question], seed: int) -> Iterator[Quantity]:
+    """Shares of trials whose trees have the source's branches, and where reach ends."""
+    for context, (allocation, source) in _FIRST.items():
+        rights = [
+            _share([(decide(each.choice, q.features) or ("",))[0] == allocation for q in asked])
+            for each in trees
+            if (asked := [q for q in known if q.context == context])
+        ]
+        name = f"Figure 5.10, {context}: trials that choose {allocation}"
+        yield _trials(name, source, rights)
+    for name, source, is_far in (
+        ("out of reach: trials that expect no reward", "reward is unlikely", True),
+        ("in reach: trials that expect reward", "reward is likely", False),
+    ):
+        rights = [
+            _share([((decide(each.reward, q.features) or 0.0) < 0.5) == is_far for q in asked])
+            for each in trees
+            if (asked := [q for q in known if (q.context == _FAR) == is_far])
+        ]
+        yield _trials(f"Figure 5.11, {name}", source, rights)
+    ends = [_forward(each.reward) for each in trees]
+    asking = [end for end in ends if end is not None]
+    yield percentage(
+        "Figure 5.11: trials that ask for the distance forward first",
+        "asked first",
+        len(asking),
+        len(trees),
+        above(50.0),
+    )
+    if len(asking) > 1:
+        yield mean_of(
+            "Figure 5.11: distance forward where reach ends",
+            "m",
+            "1.17 on the original robot",
+            asking,
+            at_least(0.8),
+            seed=seed,
+            note="nothing stands between 0.8 and 1.15 m",
+        )
+
+
+def _share(rights: Sequence[bool]) -> float:
+    return 100 * sum(rights) / len(rights)
+
+
+def _trials(name: str, source: str, rights: Sequence[float]) -> Quantity:
+    right = sum(each >= _MOST for each in rights)
+    note = f"in {_MOST:g} % of the contexts or more"
+    return percentage(name, source, right, len(rights), above(50.0), note=note)
+
+
+def _forward(tree: Tree[Any]) -> float | None:
+    """The threshold of the first question, where that is for the distance forward."""
+    first = next(splits(tree), None)
+    is_forward = isinstance(first, Split) and first.feature == "place.x"
+    return first.threshold if first is not None and is_forward else None
