@@ -138,6 +138,8 @@ class _ProgramCheck:
         )
         self._compositions = Compositions(context)
         self._actions = Actions(context, self._compositions, programs)
+        # Parts of the background, by what they are written as.
+        self._below: frozenset[str] = frozenset()
 
     def check(self) -> CheckedProgram | None:
         context, actions = self._context, self._actions
@@ -156,7 +158,9 @@ class _ProgramCheck:
         self._compositions.check_rewards()
         check_allotments(context)
         running = _running(checked, background)
-        self._conditions(running, are_complete and are_shown and None not in checked)
+        is_sound = background is not None or self._document.background is None
+        complete = are_complete and are_shown and is_sound and None not in checked
+        self._conditions(running, complete)
         self._used.report_values(context.wrong_parameters)
         if context.findings.failed:
             return None
@@ -204,7 +208,10 @@ class _ProgramCheck:
             return None
         steps: Steps = ("background",)
         expression = self._context.parse(text, steps)
-        return None if expression is None else self._compositions.composition(expression, steps)
+        if expression is None:
+            return None
+        self._below = frozenset(map(str, expression.terms))
+        return self._compositions.composition(expression, steps)
 
     def _conditions(self, names: Sequence[str], complete: bool) -> None:
         """Controllers that others wait for or are conditioned on have to run.
@@ -218,7 +225,8 @@ class _ProgramCheck:
             if condition is None or str(condition) in names:
                 continue
             missed = {term.name for term in condition.terms} <= self._compositions.missing
-            if complete or not (missed or self._actions.is_declared(condition)):
+            is_declared = self._actions.is_declared(condition) or str(condition) in self._below
+            if complete or not (missed or is_declared):
                 place = self._context.source.place(*steps)
                 self._context.add("CB514", place, names=names, name=str(condition))
 

@@ -78,7 +78,7 @@ class KeptSearches:
 
 
 @dataclass(frozen=True)
-class Expected:
+class TrackedPostures:
     """Postures in which a channel was tracked.
 
     Attributes:
@@ -96,7 +96,7 @@ def run(settings: RunSettings) -> Result:
     """Look for every channel, and picture where each was tracked."""
     wanted = _QUICK_POSITIVES if settings.quick else settings.trials or _POSITIVES
     kept = KeptSearches(settings.folder / "background_searches.jsonl")
-    channels: list[Expected] = []
+    channels: list[TrackedPostures] = []
     with simulation_fixture(_PROGRAM, stage=_STAGE) as lab:
         names = [name for name in channel_names(lab.robot.vision.channels) if name != "motion"]
         limits = _limits(lab)
@@ -105,19 +105,19 @@ def run(settings: RunSettings) -> Result:
         with simulation_fixture(_PROGRAM, {"feature": channel}, _STAGE) as lab:
             look, first = looker(lab), settings.seed
             searches = (kept.get(channel, seed, look) for seed in range(first, first + wanted))
-            channels.append(expected(channel, searches))
+            channels.append(tracked_postures(channel, searches))
     settings.progress(len(names), len(names))
     return Result(tuple(quantities(channels)), tuple(_pictures(channels, limits)), _notes(channels))
 
 
-def expected(channel: str, searches: Iterable[ChannelSearch]) -> Expected:
+def tracked_postures(channel: str, searches: Iterable[ChannelSearch]) -> TrackedPostures:
     """ChannelSearch as often as asked for, or until a search was in vain."""
     postures: list[Posture] = []
     for search in searches:
         if not search.posture:
-            return Expected(channel, tuple(postures), True)
+            return TrackedPostures(channel, tuple(postures), True)
         postures.append(search.posture)
-    return Expected(channel, tuple(postures), False)
+    return TrackedPostures(channel, tuple(postures), False)
 
 
 def looker(lab: SimulationFixture) -> Callable[[int], Posture]:
@@ -138,7 +138,7 @@ def looker(lab: SimulationFixture) -> Callable[[int], Posture]:
     return look
 
 
-def quantities(channels: Sequence[Expected]) -> Iterator[Quantity]:
+def quantities(channels: Sequence[TrackedPostures]) -> Iterator[Quantity]:
     """How many channels respond, and which do not."""
     for prefix, (figure, word) in FIGURES.items():
         own = [each for each in channels if each.channel.startswith(prefix)]
@@ -165,7 +165,7 @@ def _limits(lab: SimulationFixture) -> Mapping[str, tuple[float, float]]:
 
 
 def _pictures(
-    channels: Sequence[Expected], limits: Mapping[str, tuple[float, float]]
+    channels: Sequence[TrackedPostures], limits: Mapping[str, tuple[float, float]]
 ) -> Iterator[PosturePanels]:
     for prefix, (figure, word) in FIGURES.items():
         panels = {
@@ -177,7 +177,7 @@ def _pictures(
         yield PosturePanels(f"background_{word}", title, panels, limits)
 
 
-def _notes(channels: Sequence[Expected]) -> tuple[str, ...]:
+def _notes(channels: Sequence[TrackedPostures]) -> tuple[str, ...]:
     samples = sum(len(each.postures) for each in channels)
     given_up = [each.channel for each in channels if each.given_up and each.postures]
     return (

@@ -196,6 +196,8 @@ class _Layout:
         if isinstance(token, _OPENING):
             self._opened.append(_position(token.start_mark))
         elif isinstance(token, _CLOSING):
+            if not self._opened:
+                raise UnknownLayoutError
             self._opened.pop()
 
     def _begin_key(self, token: Any) -> None:

@@ -33,9 +33,14 @@ def test_validating_imports_nothing_heavy() -> None:
         "try:\n    main()\nexcept SystemExit as end:\n    code = end.code\n"
         f"sys.exit(code or ', '.join(m for m in {HEAVY} if m in sys.modules) or 0)"
     )
-    folders = [str(shipped() / folder) for folder in ("robots", "programs")]
+    files = [
+        str(path)
+        for folder in ("robots", "programs")
+        for path in sorted((shipped() / folder).rglob("*.yaml"))
+        if "shape: mesh" not in path.read_text("utf-8")  # whose triangles are checked as arrays
+    ]
     run = subprocess.run(
-        [sys.executable, "-c", script, "validate", *folders], capture_output=True, text=True
+        [sys.executable, "-c", script, "validate", *files], capture_output=True, text=True
     )
     assert (run.returncode, run.stderr) == (0, "")
     assert "no findings" in run.stdout

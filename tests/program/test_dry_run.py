@@ -59,7 +59,9 @@ def test_stacks_resources_and_rewards(name: str) -> None:
             assert first.controller == action.composition.primitives[-1].lead
             assert first.free == len(first.controller.joints)
             feedbacks = {c.name: c.feedback.origin for c in known}
-            assert all(feedbacks[name] is Origin.ENVIRONMENT for name in rewarding(action))
+            primitives = {p.name: p for p in action.composition.primitives}
+            earners = [each for name in rewarding(action) for each in primitives[name].earners]
+            assert all(feedbacks[each.name] is Origin.ENVIRONMENT for each in earners)
 
 
 def test_a_free_axis_frees_a_row() -> None:

@@ -9,12 +9,12 @@ import pytest
 
 from cbdsl.reproduction.background_model import (
     ChannelSearch,
-    Expected,
     KeptSearches,
     Posture,
-    expected,
+    TrackedPostures,
     looker,
     quantities,
+    tracked_postures,
 )
 from cbdsl.reproduction.posture_panels import PosturePanels
 from cbdsl.reproduction.quantity import Verdict
@@ -25,8 +25,8 @@ HERE: Posture = (0.1, 0.3)
 
 def test_a_channel_is_given_up_after_a_search_in_vain() -> None:
     searches = [ChannelSearch("hue_1", seed, HERE if seed < 3 else ()) for seed in range(9)]
-    assert expected("hue_1", searches) == Expected("hue_1", (HERE,) * 3, True)
-    assert expected("hue_1", searches[:3]) == Expected("hue_1", (HERE,) * 3, False)
+    assert tracked_postures("hue_1", searches) == TrackedPostures("hue_1", (HERE,) * 3, True)
+    assert tracked_postures("hue_1", searches[:3]) == TrackedPostures("hue_1", (HERE,) * 3, False)
 
 
 def test_what_is_kept_is_not_searched_again(tmp_path: Path) -> None:
@@ -46,8 +46,8 @@ def test_what_is_kept_is_not_searched_again(tmp_path: Path) -> None:
 
 
 def test_empty_channels_are_told() -> None:
-    found = [Expected(f"hue_{n}", (HERE,) if n < 9 else (), n > 8) for n in range(1, 11)]
-    found += [Expected(f"sat_{n}", (), True) for n in range(1, 11)]
+    found = [TrackedPostures(f"hue_{n}", (HERE,) if n < 9 else (), n > 8) for n in range(1, 11)]
+    found += [TrackedPostures(f"sat_{n}", (), True) for n in range(1, 11)]
     saturation, hue, intensity = quantities(found)
     assert hue.ours == 8 and hue.verdict is Verdict.REPRODUCED
     assert hue.note.endswith("empty: hue_9, hue_10")

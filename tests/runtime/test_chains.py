@@ -59,6 +59,7 @@ class Oracle:
             ("inverse manipulator Jacobian",): self._moved,
             ("compliance",): self._pressed,
             ("inverse camera Jacobian",): self._turned,
+            _HELD: self._borne,
             ("inverse sighting Jacobian", *_HELD): self._carried,
             ("stereo triangulation", *_HELD): self._carried,
         }
@@ -121,6 +122,10 @@ class Oracle:
             return heading(eye.rotation.T @ (between(self.robot, self.signals) - eye.position))
 
         return self._differences(lambda: self._over_cameras(controller, seen))
+
+    def _borne(self, controller: Controller) -> Floats:
+        """How what both hands carry moves, wherever it is seen."""
+        return self._differences(lambda: between(self.robot, self.signals))
 
     def _over_cameras(self, controller: Controller, seen: Callable[[str], Floats]) -> Floats:
         headings = [seen(camera) for camera in self.robot.cameras]

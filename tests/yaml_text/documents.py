@@ -7,6 +7,7 @@ from typing import Any
 from hypothesis import strategies as st
 
 from cbdsl.documents.calibration import CalibrationDocument
+from cbdsl.documents.catalog import CatalogDocument
 from cbdsl.documents.document import Document
 from cbdsl.documents.model import ModelDocument
 from cbdsl.documents.policy import PolicyDocument
@@ -215,6 +216,32 @@ CALIBRATION = data(
         ),
     }
 )
+SAMPLES = data(
+    {
+        "count": st.integers(1, 99),
+        "mean": st.tuples(NUMBER, NUMBER),
+        "covariance": st.tuples(st.tuples(NUMBER, NUMBER), st.tuples(NUMBER, NUMBER)),
+    }
+)
+AFFORDANCE = data(
+    {"program": NAME, "tried": st.just(9), "rewarded": st.integers(0, 9)},
+    {
+        "with": many(TEXT),
+        "interval": st.tuples(SHARE, SHARE),
+        "features": many(data({"signal": TEXT, "unit": TEXT, "components": st.integers(1, 9)})),
+        "with_reward": SAMPLES,
+        "without_reward": SAMPLES,
+        "habituation": data(
+            {"variance": POSITIVE, "change": POSITIVE, "habituated": st.booleans()}
+        ),
+        "value": NUMBER,
+        "failed": TEXT,
+    },
+)
+CATALOG = data(
+    {**head("catalog"), "robot": NAME, "feature": TEXT, "affordances": many(AFFORDANCE, least=1)},
+    {"over": st.lists(NAME, max_size=2)},
+)
 
 #: Documents of each kind.
 DOCUMENTS: dict[str, st.SearchStrategy[Document]] = {
@@ -225,4 +252,5 @@ DOCUMENTS: dict[str, st.SearchStrategy[Document]] = {
     "model": MODEL.map(ModelDocument.model_validate),
     "schema": SCHEMA.map(SchemaDocument.model_validate),
     "calibration": CALIBRATION.map(CalibrationDocument.model_validate),
+    "catalog": CATALOG.map(CatalogDocument.model_validate),
 }

@@ -70,7 +70,16 @@ class MujocoRenderer:
         """Robot and objects as they are now, from each view; see ``Renderer.render``."""
         self._show(engine)
         with self._context:
+            self._make_room(views)
             return [self._image(view) for view in views]
+
+    def _make_room(self, views: Sequence[View]) -> None:
+        """Enlarge the picture that is drawn to until each view fits."""
+        room = self._drawing.offWidth, self._drawing.offHeight
+        width = max(room[0], *(view.camera.width for view in views))
+        height = max(room[1], *(view.camera.height for view in views))
+        if (width, height) != room:
+            mj.mjr_resizeOffscreen(width, height, self._drawing)
 
     def _show(self, engine: Engine) -> None:
         """Put robot and objects into the scene."""
@@ -118,6 +127,8 @@ def _empty_model(robot: RobotDocument) -> Any:
     spec.visual.global_.offwidth = max(each.width for each in robot.cameras.values())
     spec.visual.global_.offheight = max(each.height for each in robot.cameras.values())
     spec.visual.quality.offsamples = 0
+    # Balls whose patches are as large as they should be.
+    spec.visual.quality.numslices, spec.visual.quality.numstacks = 96, 48
     return spec.compile()
 
 
@@ -146,10 +157,17 @@ def _part(shape: UrdfShape, model: UrdfModel) -> Part:
 def _set_shape(geom: Any, part: Part, place: Pose) -> None:
     """Make a shape of the scene a part."""
     a, b, c = (*part.size, 0.0, 0.0)[:3]
-    size = {"ball": [a, a, a], "box": [a / 2, b / 2, c / 2], "cylinder": [a, a, b / 2]}[part.shape]
+    size = {"ball": [a, a, a], "box": [a / 2, b / 2, c / 2], "cylinder": [a, b / 2, 0.0]}[
+        part.shape
+    ]
     color = np.array([*part.color, 1.0], dtype=np.float32)
     mj.mjv_initGeom(
-        geom, _KINDS[part.shape], np.array(size), place.position, place.rotation.ravel(), color
+        geom,
+        _KINDS[part.shape],
+        np.array(sizes[part.shape]),
+        place.position,
+        place.rotation.ravel(),
+        color,
     )
     geom.specular = geom.shininess = geom.reflectance = geom.emission = 0.0
 

@@ -78,17 +78,17 @@ def test_white_is_bright_where_the_robot_looks(rendered: BulletBackend) -> None:
     assert max(brightness.values()) < 0.9 * 256
 
 
-def test_a_printed_box_has_the_mass_and_inertia_of_a_plain_one(rendered: BulletBackend) -> None:
+def test_a_printed_box_has_the_mass_and_inertia_of_a_plain_one(blind: BulletBackend) -> None:
     dynamics = []
     for stage in (_stage(), _stage(height=0.1, stripes=[0.01] * 9)):
-        rendered.reset(stage, None, np.random.default_rng(0))
-        client, body = rendered.truth.client, rendered.truth.bodies["box"]
+        blind.reset(stage, None, np.random.default_rng(0))
+        client, body = blind.truth.client, blind.truth.bodies["box"]
         dynamics.append(p.getDynamicsInfo(body, -1, physicsClientId=client))
     assert dynamics[0] == dynamics[1]
 
 
 def test_a_ball_with_a_spot_has_the_mass_and_inertia_of_a_plain_one(
-    rendered: BulletBackend,
+    blind: BulletBackend,
 ) -> None:
     dynamics = []
     for spot in ({}, {"spot": {"radius": 0.03, "color": (0, 0, 1)}}):
@@ -96,8 +96,8 @@ def test_a_ball_with_a_spot_has_the_mass_and_inertia_of_a_plain_one(
         x, y, z = CENTRE
         context = {"things": ["ball"], "place": {"x": x, "y": y, "z": z, "held": True}}
         stage = made_stage(context, things={"ball": {"form": form, "mass": 0.3}})
-        rendered.reset(stage, None, np.random.default_rng(0))
-        client, body = rendered.truth.client, rendered.truth.bodies["ball"]
+        blind.reset(stage, None, np.random.default_rng(0))
+        client, body = blind.truth.client, blind.truth.bodies["ball"]
         dynamics.append(p.getDynamicsInfo(body, -1, physicsClientId=client))
     assert dynamics[0] == dynamics[1]
 
