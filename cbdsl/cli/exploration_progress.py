@@ -6,7 +6,8 @@ from collections import deque
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from cbdsl.learning.exploration import ActionOutcome, ExplorationStep
+    from cbdsl.learning.action_outcome import ActionOutcome
+    from cbdsl.learning.exploration import ExplorationStep
 
 # Actions after which an object that was never seen is gone, and a last time counts for the rest.
 _GONE, _RECENT = 5, 20

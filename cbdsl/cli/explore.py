@@ -83,7 +83,7 @@ def explore(
         raise UsageError(f"--out {out}: a catalog is <name>.yaml")
     with needing_simulation():
         from cbdsl.learning.constants import read_constants
-        from cbdsl.learning.exploration import EXPLORATIONS
+        from cbdsl.learning.explorations import EXPLORATIONS
         from cbdsl.training.exploration_task import ExplorationTask
 
         if algorithm not in EXPLORATIONS:

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from cbdsl.documents.catalog import CatalogDocument
-from cbdsl.learning.exploration import NOOP
+from cbdsl.learning.action_outcome import NOOP
 from cbdsl.reporting.drawing.catalog_icon import Layer, catalog_icon
 from cbdsl.reproduction.bar_chart import Bar, BarChart
 from cbdsl.reproduction.claim import Claim, above, at_least, at_most, below

@@ -14,7 +14,7 @@ from cbdsl.documents.program import ProgramDocument
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.documents.stage import StageDocument
 from cbdsl.learning.constants import read_constants
-from cbdsl.learning.exploration import EXPLORATIONS
+from cbdsl.learning.explorations import EXPLORATIONS
 from cbdsl.program.checked import CheckedProgram
 from cbdsl.reproduction.shipped import shipped_file
 from cbdsl.robot.resources import resources

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cbdsl.documents.catalog import CatalogDocument
-from cbdsl.learning.exploration import NOOP
+from cbdsl.learning.action_outcome import NOOP
 from cbdsl.reproduction.chart import Chart, Line
 from cbdsl.reproduction.interval import bootstrap_interval
 

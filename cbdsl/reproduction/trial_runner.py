@@ -18,9 +18,10 @@ from cbdsl.documents.policy import Provenance
 from cbdsl.documents.program import ProgramDocument
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.documents.stage import StageDocument
+from cbdsl.learning.action_outcome import ActionOutcome
 from cbdsl.learning.constants import AccommodateConstants
 from cbdsl.learning.experience import Experience
-from cbdsl.learning.exploration import ActionOutcome, ExplorationStep
+from cbdsl.learning.exploration import ExplorationStep
 from cbdsl.program.checked import CheckedProgram
 from cbdsl.program.transition import Transition
 from cbdsl.reproduction.experiment import RunSettings

@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 from cbdsl.backends.backend import Backend, BackendError
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.documents.stage import StageDocument
-from cbdsl.learning.exploration import NOOP, ActionOutcome
+from cbdsl.learning.action_outcome import NOOP, ActionOutcome
 from cbdsl.program.checked import CheckedProgram
 from cbdsl.runtime.episode import EpisodeError, EpisodeResult, Runner
 from cbdsl.runtime.feature_reader import FeatureReader

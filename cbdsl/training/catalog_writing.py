@@ -13,7 +13,9 @@ from cbdsl.documents.catalog import (
     SampleModel,
     StepColumns,
 )
-from cbdsl.learning.exploration import ActionOutcome, Affordance, Exploration
+from cbdsl.learning.action_outcome import ActionOutcome
+from cbdsl.learning.affordance import Affordance
+from cbdsl.learning.exploration import Exploration
 from cbdsl.learning.proportion import wilson_interval
 from cbdsl.numeric.sample_statistics import SampleStatistics
 from cbdsl.training.explorable import Explorable

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 
 from cbdsl.documents.digest import ProgramDigest
 from cbdsl.documents.robot import RobotDocument
-from cbdsl.learning.exploration import FeatureForm
+from cbdsl.learning.action_outcome import FeatureForm
 from cbdsl.program.checked import CheckedProgram
 from cbdsl.program.controller import Controller
 from cbdsl.types.resource import Heading, Resource, StereoPosition, SurfacePoint

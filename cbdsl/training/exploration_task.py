@@ -17,14 +17,10 @@ from cbdsl.documents.document import Document
 from cbdsl.documents.policy import Identity
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.documents.stage import StageDocument
-from cbdsl.learning.exploration import (
-    EXPLORATIONS,
-    ActionOutcome,
-    Exploration,
-    ExplorationConstants,
-    ExplorationStep,
-    FeatureForm,
-)
+from cbdsl.learning.action_outcome import ActionOutcome, FeatureForm
+from cbdsl.learning.exploration import Exploration, ExplorationStep
+from cbdsl.learning.exploration_constants import ExplorationConstants
+from cbdsl.learning.explorations import EXPLORATIONS
 from cbdsl.program.checked import CheckedProgram
 from cbdsl.runtime.line_journal import JournalError, LineJournal
 from cbdsl.sensing.kinematics import Kinematics

@@ -7,17 +7,10 @@ from collections.abc import Mapping
 import numpy as np
 import pytest
 
-from cbdsl.learning.exploration import (
-    NOOP,
-    ActionOutcome,
-    CatalogConstants,
-    CatalogExploration,
-    Exploration,
-    FeatureForm,
-    ModelConstants,
-    ModelExploration,
-    by_largest_of_all,
-)
+from cbdsl.learning.action_outcome import NOOP, ActionOutcome, FeatureForm
+from cbdsl.learning.catalog_exploration import CatalogConstants, CatalogExploration
+from cbdsl.learning.exploration import Exploration, by_largest_of_all
+from cbdsl.learning.model_exploration import ModelConstants, ModelExploration
 from cbdsl.learning.proportion import wilson_interval
 
 PLACE = (FeatureForm("place", "m", 3),)
