@@ -117,6 +117,11 @@ _NOTES = (
     "known only at the end, and drawn beside it.",
 )
 
+_ICON_NOTES = (
+    "An icon shows the actions that were rewarded, with how often they were. The source draws one "
+    "catalog of each object; here an icon counts over all trials.",
+)
+
 
 def series_of(name: str) -> tuple[ExplorationSeries, ...]:
     """The series of explorations."""
@@ -243,7 +248,7 @@ def _icons(explored: Sequence[tuple[ExplorationSeries, list[CatalogDocument]]]) 
             Layer(key, tally[1], tally[0]) for key in keys if (tally := _tally(catalogs, key))
         )
         pictures.append(IconPicture(f"fig-6.5-{series.name}", series.label, series.feature, layers))
-    return Result(tuple(quantities), tuple(pictures))
+    return Result(tuple(quantities), tuple(pictures), _ICON_NOTES)
 
 
 def _afforded(catalog: CatalogDocument) -> frozenset[str]:
