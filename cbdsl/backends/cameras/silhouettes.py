@@ -256,7 +256,8 @@ def _scanned(
     """Number of lines of sight in a window that meet a patch of the first solid, unhidden.
 
     Also the mean and the mean products of their slopes, and between which they lie. The loops hand
-    no arrays to other functions, which would cost more than all else in them.
+    no arrays to other functions, which would cost more than all else in them. Solids are convex:
+    lines that meet one are next to each other in a column, and only its ends have to be looked for.
     """
     left, right, bottom, top = window
     across, up = (right - left) / samples, (top - bottom) / samples
@@ -265,17 +266,36 @@ def _scanned(
     least_y, most_y, least_z, most_z = math.inf, -math.inf, math.inf, -math.inf
     first = views[0]
     kind, halves = first[0], (first[1], first[2], first[3])
-    x0, y0, z0 = first[4], first[5], first[6]
+    origin = (first[4], first[5], first[6])
+    whole = patch[3] == math.inf
     for column in range(samples):
         y = left + (column + 0.5) * across
         a, b, c = first[7] + first[10] * y, first[8] + first[11] * y, first[9] + first[12] * y
-        for row in range(samples):
+        start, end = 0, samples
+        while start < end:
+            z = bottom + (start + 0.5) * up
+            ray = (a + first[13] * z, b + first[14] * z, c + first[15] * z)
+            if _entered(kind, halves, origin, ray) < math.inf:
+                break
+            start += 1
+        while start < end - 1:
+            z = bottom + (end - 0.5) * up
+            ray = (a + first[13] * z, b + first[14] * z, c + first[15] * z)
+            if _entered(kind, halves, origin, ray) < math.inf:
+                break
+            end -= 1
+        for row in range(start, end):
             z = bottom + (row + 0.5) * up
-            u, v, w = a + first[13] * z, b + first[14] * z, c + first[15] * z
-            distance = _entered(kind, halves, (x0, y0, z0), (u, v, w))
-            if distance == math.inf:
-                continue
-            seen = _within(patch, x0 + distance * u, y0 + distance * v, z0 + distance * w)
+            seen, distance = True, math.nan
+            if not whole:
+                u, v, w = a + first[13] * z, b + first[14] * z, c + first[15] * z
+                distance = _entered(kind, halves, origin, (u, v, w))
+                seen = _within(
+                    patch,
+                    origin[0] + distance * u,
+                    origin[1] + distance * v,
+                    origin[2] + distance * w,
+                )
             for index in range(1, len(views)):
                 if not seen:
                     break
@@ -283,6 +303,9 @@ def _scanned(
                     views[index, 16] <= y <= views[index, 17]
                     and views[index, 18] <= z <= views[index, 19]
                 ):
+                    if math.isnan(distance):
+                        ray = (a + first[13] * z, b + first[14] * z, c + first[15] * z)
+                        distance = _entered(kind, halves, origin, ray)
                     met = _entered(
                         views[index, 0],
                         (views[index, 1], views[index, 2], views[index, 3]),
