@@ -62,6 +62,8 @@ def _entered(kind: float, halves: Triple, origin: Triple, direction: Triple) -> 
         near, far = _round(u * u + v * v + w * w, u * x + v * y + w * z, square)
     else:
         near, far = _slab(z, w, halves[2])
+        if near > far or far <= 0.0:
+            return math.inf
         if kind == CYLINDER:
             square = x * x + y * y - halves[0] * halves[0]
             enter, leave = _round(u * u + v * v, u * x + v * y, square)
@@ -69,6 +71,8 @@ def _entered(kind: float, halves: Triple, origin: Triple, direction: Triple) -> 
         else:
             enter, leave = _slab(x, u, halves[0])
             near, far = max(near, enter), min(far, leave)
+            if near > far or far <= 0.0:
+                return math.inf
             enter, leave = _slab(y, v, halves[1])
             near, far = max(near, enter), min(far, leave)
     return near if 0.0 < near <= far else math.inf
@@ -284,6 +288,11 @@ def _scanned(
             if _entered(kind, halves, origin, ray) < math.inf:
                 break
             end -= 1
+        # Slopes between which something may be before it.
+        low, high = math.inf, -math.inf
+        for index in range(1, len(views)):
+            if start < end and views[index, 16] <= y <= views[index, 17]:
+                low, high = min(low, views[index, 18]), max(high, views[index, 19])
         for row in range(start, end):
             z = bottom + (row + 0.5) * up
             seen, distance = True, math.nan
@@ -297,7 +306,7 @@ def _scanned(
                     origin[2] + distance * w,
                 )
             for index in range(1, len(views)):
-                if not seen:
+                if not seen or z < low or z > high:
                     break
                 if (
                     views[index, 16] <= y <= views[index, 17]

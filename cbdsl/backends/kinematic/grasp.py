@@ -61,19 +61,25 @@ class Grasp:
 
     def _holds(self, hands: tuple[str, ...], contacts: Sequence[FingertipContact]) -> bool:
         own = [contact for contact in contacts if contact.hand in hands]
-        friction = sum(self._friction(each) * STIFFNESS * each.depth for each in own)
-        return friction >= self.thing.mass * GRAVITY and any(
+        return self._resistance(own) >= self.thing.mass * GRAVITY and any(
             self._opposed(one, other) for one, other in combinations(own, 2)
         )
 
     def _opposed(self, one: FingertipContact, other: FingertipContact) -> bool:
-        way = other.point - one.point
-        distance = math.hypot(*way.tolist())
-        return distance > 0.0 and all(
-            sign * float(contact.normal.dot(way)) * math.hypot(1.0, self._friction(contact))
-            >= distance
-            for sign, contact in ((1, one), (-1, other))
-        )
+        x, y, z = (there - here for here, there in zip(one.point, other.point, strict=True))
+        distance = math.hypot(x, y, z)
+        if distance == 0.0:
+            return False
+        for sign, contact in ((1, one), (-1, other)):
+            u, v, w = contact.normal
+            along = sign * (u * x + v * y + w * z)
+            if not along * math.hypot(1.0, self._friction(contact)) >= distance:
+                return False
+        return True
+
+    def _resistance(self, contacts: Sequence[FingertipContact]) -> float:
+        """The largest force along the surface that the friction of some fingertips resists, N."""
+        return sum([self._friction(each) * STIFFNESS * each.depth for each in contacts])
 
     def _friction(self, contact: FingertipContact) -> float:
         return contact.fingertip.friction * self.thing.surface.friction
@@ -82,4 +88,4 @@ class Grasp:
         """The largest sidewise force that the fingertips' friction resists, N."""
         if not self.holders:
             return 0.0
-        return sum(self._friction(each) * STIFFNESS * each.depth for each in contacts)
+        return self._resistance(contacts)
