@@ -271,7 +271,7 @@ def _scanned(
     first = views[0]
     kind, halves = first[0], (first[1], first[2], first[3])
     origin = (first[4], first[5], first[6])
-    whole = patch[3] == math.inf
+    whole, before = patch[3] == math.inf, np.empty(len(views), np.intp)
     for column in range(samples):
         y = left + (column + 0.5) * across
         a, b, c = first[7] + first[10] * y, first[8] + first[11] * y, first[9] + first[12] * y
@@ -288,11 +288,12 @@ def _scanned(
             if _entered(kind, halves, origin, ray) < math.inf:
                 break
             end -= 1
-        # Slopes between which something may be before it.
-        low, high = math.inf, -math.inf
+        # Those of the others that may be before it here.
+        others = 0
         for index in range(1, len(views)):
-            if start < end and views[index, 16] <= y <= views[index, 17]:
-                low, high = min(low, views[index, 18]), max(high, views[index, 19])
+            if views[index, 16] <= y <= views[index, 17]:
+                before[others] = index
+                others += 1
         for row in range(start, end):
             z = bottom + (row + 0.5) * up
             seen, distance = True, math.nan
@@ -305,13 +306,11 @@ def _scanned(
                     origin[1] + distance * v,
                     origin[2] + distance * w,
                 )
-            for index in range(1, len(views)):
-                if not seen or z < low or z > high:
+            for other in range(others):
+                if not seen:
                     break
-                if (
-                    views[index, 16] <= y <= views[index, 17]
-                    and views[index, 18] <= z <= views[index, 19]
-                ):
+                index = before[other]
+                if views[index, 18] <= z <= views[index, 19]:
                     if math.isnan(distance):
                         ray = (a + first[13] * z, b + first[14] * z, c + first[15] * z)
                         distance = _entered(kind, halves, origin, ray)
