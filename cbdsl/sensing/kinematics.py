@@ -156,7 +156,8 @@ class Kinematics:
         if known is None:
             each = [self.link(name) for name in links]
             numbers = np.array([link.frame for link in each], dtype=np.int64)
-            known = numbers, np.array([e.position for e in each]), np.array([e.rotation for e in each])
+            origins, axes = [e.position for e in each], [e.rotation for e in each]
+            known = numbers, np.array(origins), np.array(axes)
             self._together[links] = known
         self.place()
         positions, rotations = np.empty((len(links), 3)), np.empty((len(links), 3, 3))

@@ -246,11 +246,59 @@ def _relevant(solids: Floats, camera: Floats, target: int, window: Window, views
 
 
 @compiled
-def _within(patch: Patch, x: float, y: float, z: float) -> bool:
-    """Whether a point of a surface, in the solid's frame, is part of a patch."""
+def _within(patch: Patch, origin: Triple, ray: Triple, distance: float) -> bool:
+    """Whether the point of a surface where a ray enters it, in the solid's frame, is in a patch."""
+    x, y, z = (
+        origin[0] + distance * ray[0],
+        origin[1] + distance * ray[1],
+        origin[2] + distance * ray[2],
+    )
     axis, side, height, radius = patch
     along, across = (x, y) if axis == 0.0 else (y, x)
     return side * along >= height and across * across + z * z <= radius * radius
+
+
+@compiled
+def _direction(level: Triple, slope: Triple, z: float) -> Triple:
+    """Direction of a line of sight of slope ``z``, see ``_interval``."""
+    return level[0] + slope[0] * z, level[1] + slope[1] * z, level[2] + slope[2] * z
+
+
+@compiled
+def _interval(
+    kind: float,
+    halves: Triple,
+    origin: Triple,
+    level: Triple,
+    slope: Triple,
+    bottom: float,
+    up: float,
+    samples: int,
+) -> tuple[int, int]:
+    """The first line of sight of a column that meets a solid, and the one after the last.
+
+    Solids are convex: lines that meet one are next to each other. Without any the two are the same.
+
+    Args:
+        kind, halves, origin: as of ``_entered``.
+        level: the direction of the line of slope 0, in the solid's frame.
+        slope: by how much directions change with the slope.
+        bottom: slope at which the column begins.
+        up: distance of the lines, in slopes.
+        samples: how many there are.
+    """
+    start, end = 0, samples
+    while start < end:
+        z = bottom + (start + 0.5) * up
+        if _entered(kind, halves, origin, _direction(level, slope, z)) < math.inf:
+            break
+        start += 1
+    while start < end - 1:
+        z = bottom + (end - 0.5) * up
+        if _entered(kind, halves, origin, _direction(level, slope, z)) < math.inf:
+            break
+        end -= 1
+    return start, end
 
 
 @compiled
@@ -260,8 +308,7 @@ def _scanned(
     """Number of lines of sight in a window that meet a patch of the first solid, unhidden.
 
     Also the mean and the mean products of their slopes, and between which they lie. The loops hand
-    no arrays to other functions, which would cost more than all else in them. Solids are convex:
-    lines that meet one are next to each other in a column, and only its ends have to be looked for.
+    no arrays to other functions, which would cost more than all else in them.
     """
     left, right, bottom, top = window
     across, up = (right - left) / samples, (top - bottom) / samples
@@ -270,24 +317,12 @@ def _scanned(
     least_y, most_y, least_z, most_z = math.inf, -math.inf, math.inf, -math.inf
     first = views[0]
     kind, halves = first[0], (first[1], first[2], first[3])
-    origin = (first[4], first[5], first[6])
+    origin, slope = (first[4], first[5], first[6]), (first[13], first[14], first[15])
     whole, before = patch[3] == math.inf, np.empty(len(views), np.intp)
     for column in range(samples):
         y = left + (column + 0.5) * across
-        a, b, c = first[7] + first[10] * y, first[8] + first[11] * y, first[9] + first[12] * y
-        start, end = 0, samples
-        while start < end:
-            z = bottom + (start + 0.5) * up
-            ray = (a + first[13] * z, b + first[14] * z, c + first[15] * z)
-            if _entered(kind, halves, origin, ray) < math.inf:
-                break
-            start += 1
-        while start < end - 1:
-            z = bottom + (end - 0.5) * up
-            ray = (a + first[13] * z, b + first[14] * z, c + first[15] * z)
-            if _entered(kind, halves, origin, ray) < math.inf:
-                break
-            end -= 1
+        level = first[7] + first[10] * y, first[8] + first[11] * y, first[9] + first[12] * y
+        start, end = _interval(kind, halves, origin, level, slope, bottom, up, samples)
         # Those of the others that may be before it here.
         others = 0
         for index in range(1, len(views)):
@@ -295,25 +330,16 @@ def _scanned(
                 before[others] = index
                 others += 1
         for row in range(start, end):
-            z = bottom + (row + 0.5) * up
-            seen, distance = True, math.nan
-            if not whole:
-                u, v, w = a + first[13] * z, b + first[14] * z, c + first[15] * z
-                distance = _entered(kind, halves, origin, (u, v, w))
-                seen = _within(
-                    patch,
-                    origin[0] + distance * u,
-                    origin[1] + distance * v,
-                    origin[2] + distance * w,
-                )
+            z, seen, distance = bottom + (row + 0.5) * up, True, math.inf
+            if others > 0 or not whole:
+                ray = _direction(level, slope, z)
+                distance = _entered(kind, halves, origin, ray)
+                seen = _within(patch, origin, ray, distance)
             for other in range(others):
                 if not seen:
                     break
                 index = before[other]
                 if views[index, 18] <= z <= views[index, 19]:
-                    if math.isnan(distance):
-                        ray = (a + first[13] * z, b + first[14] * z, c + first[15] * z)
-                        distance = _entered(kind, halves, origin, ray)
                     met = _entered(
                         views[index, 0],
                         (views[index, 1], views[index, 2], views[index, 3]),

@@ -39,6 +39,11 @@ class Grasp:
         self._relative = Pose(np.zeros(3), np.eye(3))
         self.holders: tuple[str, ...] = ()
 
+    @property
+    def is_at_rest(self) -> bool:
+        """Whether the thing stands still, and nobody has it."""
+        return self.thing.resting and not (self.holders or self.thing.gripped)
+
     def follow(self) -> None:
         """Move the thing with the hands that hold it."""
         if self.holders:
@@ -49,9 +54,10 @@ class Grasp:
         if not contacts:
             self.holders = ()
             return
-        hands = tuple(dict.fromkeys(contact.hand for contact in contacts))
-        wanted = (self.holders, *((hand,) for hand in hands), *combinations(hands, 2))
-        self.holders = next((each for each in wanted if each and self._holds(each, contacts)), ())
+        if not (self.holders and self._holds(self.holders, contacts)):
+            hands = tuple(dict.fromkeys([contact.hand for contact in contacts]))
+            wanted = (*((hand,) for hand in hands), *combinations(hands, 2))
+            self.holders = next((each for each in wanted if self._holds(each, contacts)), ())
         if self.holders:
             carrier, pose = self._hands.carrier_pose(self.holders), self.thing.pose
             turned = carrier.rotation.T

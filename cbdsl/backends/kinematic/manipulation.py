@@ -61,6 +61,8 @@ class Manipulation:
             self._match()
         self._contacts, self._before = self._before, self._contacts
         for grasp in self._grasps.values():
+            if grasp.is_at_rest:
+                continue
             with self._world.taking_along(grasp.thing):
                 self._move(grasp, period)
 
