@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cbdsl.control.plan import ControllerPlan, SlotForm
-from cbdsl.control.predicate import PREDICATE, PREDICATES, restart, settings_of
+from cbdsl.control.predicate import PREDICATES, restart, settings_of
 from cbdsl.control.rate import bounds_of
 from cbdsl.control.registry import build
 from cbdsl.control.setting import Setting
@@ -108,7 +108,7 @@ class ControllerRun:
 
     def restart_quiescence(self) -> None:
         """Judge rest by what the potential does from now on."""
-        restart(self._record["notes"])
+        restart(self._plan.notes[self.slot])
 
     def prepare(self) -> None:
         """Prepare what this controller needs before the tick.
@@ -116,17 +116,19 @@ class ControllerRun:
         Raises:
             SignalError: the reference is not finite; the message names it.
         """
-        self._record["blocked"] = not self.preparation.prepare(self._parameters)
+        self.preparation.draw()
+        if self.preparation.computes:
+            self._record["blocked"] = not self.preparation.prepare(self._parameters)
 
     @property
     def predicate(self) -> str:
         """X - 0 1 (Eq 4.1)."""
-        predicate: Predicate = PREDICATES[self._plan.slots["notes"].item(self.slot, PREDICATE)]
+        predicate: Predicate = PREDICATES[self._plan.predicates.item(self.slot)]
         return predicate
 
     @predicate.setter
     def predicate(self, predicate: str) -> None:
-        self._record["notes"][PREDICATE] = PREDICATES.index(Predicate(predicate))
+        self._plan.predicates[self.slot] = PREDICATES.index(Predicate(predicate))
 
     @property
     def phi(self) -> float:
@@ -143,7 +145,7 @@ class ControllerRun:
     @property
     def seeking(self) -> bool:
         """Whether it acts to make its feedback defined."""
-        seeking: bool = self._plan.slots["seeking"].item(self.slot)
+        seeking: bool = self._plan.seeking.item(self.slot)
         return seeking
 
     @property

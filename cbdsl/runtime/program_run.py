@@ -9,7 +9,6 @@ from typing import NamedTuple
 import numpy as np
 
 from cbdsl.control.plan import ControllerPlan
-from cbdsl.control.predicate import PREDICATE
 from cbdsl.program.checked import Action, CheckedProgram
 from cbdsl.program.controller import Composition, Controller, Primitive
 from cbdsl.program.own_policy import own_policy
@@ -144,6 +143,8 @@ class ProgramRun:
         """
         self._listener = listener
         self._policy = policy or self._written
+        # Asking a protocol takes much longer than choosing.
+        self._contextual = self._policy if isinstance(self._policy, ContextPolicy) else None
         # What is learned is how to be rewarded.
         self._reward_ends = self.program.reward_ends or policy is not None
         for run in self.runs:
@@ -175,8 +176,8 @@ class ProgramRun:
             return
         self.deactivate()
         self.predicate = "0"
-        if isinstance(self._policy, ContextPolicy) and self._context is not None:
-            self._policy.begin(self._context.read)
+        if self._contextual is not None and self._context is not None:
+            self._contextual.begin(self._context.read)
         for run in self._background:
             run.activate()
         self._choose(changed=True)
@@ -272,7 +273,7 @@ class ProgramRun:
 
     def _read_state(self, action: Action) -> str:
         """The members' predicates while ``action`` runs."""
-        noted = self._plan.slots["notes"][self._slots, PREDICATE].tobytes()
+        noted = self._plan.predicates[self._slots].tobytes()
         if noted != self._noted or action.program is not None:
             self._noted, self._reading = noted, self._read_members(action)
         return self._reading
@@ -341,7 +342,7 @@ class ProgramRun:
             self.is_open, self._was_changed = True, changed
             return
         name = self._policy.choose(self.state, changed=changed)
-        if name is None and isinstance(self._policy, ContextPolicy) and self._policy.withdraws:
+        if name is None and self._contextual is not None and self._contextual.withdraws:
             self._begin_withdrawal()
         else:
             self._begin_action(name, changed)
