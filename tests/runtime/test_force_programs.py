@@ -101,3 +101,17 @@ def test_a_thing_is_handed_over_in_either_direction(giver: str) -> None:
         assert place[2] > -0.3
         away = place - truth.link_pose(f"{giver}_palm").position
         assert np.linalg.norm(away) > 0.2
+
+
+@pytest.mark.parametrize("arm", ["right", "left"])
+def test_an_empty_hand_has_nothing_to_put_down(arm: str) -> None:
+    values = {"arm": f"{arm}_arm", "hand": f"{arm}_hand"}
+    request = read_request("put_down", "absent", None, values)
+    with simulation(request, "kinematic") as (backend, kinematics):
+        result = Runner(request.robot, kinematics, request.program, backend).run(request.stage, 0)
+    assert result.outcome == "failure"
+    assert result.sim_seconds < 0.2
+    assert result.ending == (
+        f"Failed after {result.sim_seconds:.1f} s in state --XX: "
+        "hold felt nothing, and place and orient require it."
+    )
