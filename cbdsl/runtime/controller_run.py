@@ -149,6 +149,11 @@ class ControllerRun:
         return seeking
 
     @property
+    def engaged(self) -> bool:
+        """Whether it is defined, or was and seeks to be again; what requires it acts as long."""
+        return bool(self._record["engaged"])
+
+    @property
     def exhausted(self) -> bool:
         """Whether it has sought in vain."""
         return bool(self._record["exhausted"])

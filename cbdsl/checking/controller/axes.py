@@ -11,12 +11,14 @@ from cbdsl.program.checked import CheckedProgram
 from cbdsl.program.controller import Controller
 from cbdsl.program.dry_run import levels
 from cbdsl.types.potential import POTENTIALS
-from cbdsl.types.resource import Resource
+from cbdsl.types.resource import Centroid, Resource, Separation
 
 AXES = "xyz"
 
 #: Types whose components are those of a vector in the world frame.
 SPATIAL = ("position", "force", "torque")
+# Types of which a controller that states no axes takes all three from those below it.
+_WHOLE = ("position", "force")
 
 
 def read_axes(document: written.ControllerSection) -> tuple[int, ...] | None:
@@ -89,13 +91,20 @@ def check_contradictions(
 
 def _shared(above: Controller, below: Controller) -> set[int]:
     """Axes that both of two controllers state of what the same joints do, and only one can have."""
-    if above.axes is None or below.axes is None:
+    if below.axes is None or (above.axes is None and above.feedback.type.name not in _WHOLE):
+        return set()
+    if _are_apart(above.feedback, below.feedback):
         return set()
     if "torque" in (above.feedback.type.name, below.feedback.type.name):
         return set()
     if set(above.joints).isdisjoint(below.joints) or _takes_over(above, below):
         return set()
-    return set(above.axes) & set(below.axes)
+    return set(range(len(AXES)) if above.axes is None else above.axes) & set(below.axes)
+
+
+def _are_apart(one: Resource, other: Resource) -> bool:
+    """Whether two tips can have both at will: where their middle is, and how far apart they are."""
+    return {type(one.source), type(other.source)} == {Centroid, Separation}
 
 
 def _takes_over(above: Controller, below: Controller) -> bool:
