@@ -31,6 +31,7 @@ def page(recorded: Recorded) -> str:
 
 def _data(recorded: Recorded) -> str:
     summary, bundle = recorded.summary, Bundle()
+    links = read_links(summary["robot"], summary["joints"])
     header = {
         "result": {key: summary["result"][key] for key in _RESULT},
         "reasons": reasons(recorded),
@@ -42,7 +43,7 @@ def _data(recorded: Recorded) -> str:
         "predicates": summary["predicates"],
         "cells": summary["load_cells"],
         "guards": summary.get("guards", []),
-        "links": [drawn_link(link, bundle) for link in read_links(summary["robot"], summary["joints"])],
+        "links": [drawn_link(link, bundle) for link in links],
         "bodies": {
             name: [_part(part, bundle) for part in parts]
             for name, parts in summary["scene"].items()

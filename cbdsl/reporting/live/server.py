@@ -241,7 +241,9 @@ def _listen(port: int) -> _Http:
         if error.errno == errno.EADDRINUSE:
             free = _free_near(port)
             remedy = f"; {free} is free" if free else "; without --live-port a free one is taken"
-            raise UsageError(f"--live-port {port}: another program listens there{remedy}") from error
+            raise UsageError(
+                f"--live-port {port}: another program listens there{remedy}"
+            ) from error
         raise UsageError(f"--live-port {port}: {reason(error)}") from error
 
 

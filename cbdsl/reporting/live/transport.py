@@ -27,9 +27,7 @@ class Transport:
         clock: wall time, s.
     """
 
-    def __init__(
-        self, speed: float = 1.0, clock: Callable[[], float] = time.perf_counter
-    ) -> None:
+    def __init__(self, speed: float = 1.0, clock: Callable[[], float] = time.perf_counter) -> None:
         self._changed = Condition()
         self._clock = clock
         self._speed = speed
