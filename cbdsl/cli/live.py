@@ -79,7 +79,12 @@ def live_options(
 
 @contextmanager
 def live_page(
-    options: LiveOptions | None, request: RunRequest, backend: Backend, *, tells: bool = True
+    options: LiveOptions | None,
+    request: RunRequest,
+    backend: Backend,
+    *,
+    composes: bool = False,
+    tells: bool = True,
 ) -> Iterator[LiveView | None]:
     """The page of the episodes that run within; afterwards it stays until Ctrl-C.
 
@@ -87,6 +92,7 @@ def live_page(
         options: of the page; ``None`` for no page.
         request: what runs.
         backend: where it runs.
+        composes: whether the program may be changed on it.
         tells: whether the standard output is for people.
 
     Raises:
@@ -96,23 +102,33 @@ def live_page(
         yield None
         return
     from cbdsl.backends.staging.world_state import GroundTruthProvider
+    from cbdsl.reporting.live.composed_program import (
+        Changes,
+        ComposedProgram,
+        composed_program,
+    )
     from cbdsl.reporting.live.feed import Feed
     from cbdsl.reporting.live.live_page import live_page as page
     from cbdsl.reporting.live.live_view import LiveView
     from cbdsl.reporting.live.requests import Requests
     from cbdsl.reporting.live.server import LiveServer
     from cbdsl.reporting.live.transport import Transport
+    from cbdsl.runtime.composer import Composer
 
     # What a backend knows of its world is on the page only: people look at that.
     scenery = (lambda: backend.truth) if isinstance(backend, GroundTruthProvider) else None
     feed, transport = Feed(), Transport(math.inf if options.fast else 1.0)
-    view = LiveView(feed, transport, scenery)
-    server = LiveServer(
-        feed,
-        lambda token: page(request.program.name, request.robot, request.urdf, token),
-        Requests(transport),
-        options.port,
-    )
+    composer = Composer() if composes else None
+    view = LiveView(feed, transport, scenery, composer)
+
+    def save(name: str, changes: Changes) -> ComposedProgram:
+        values = {key: str(value) for key, value in request.program.parameters.items()}
+        return composed_program(request.program_file, request.stage.name, values, changes, name)
+
+    def make(token: str) -> str:
+        return page(request.program.name, request.robot, request.urdf, token, composes=composes)
+
+    server = LiveServer(feed, make, Requests(transport, composer, save), options.port)
     try:
         _tell(f"live at {server.url}", tells)
         _open(server.url)

@@ -176,8 +176,8 @@ def run(
         if record is not None:
             tells = not as_json
             recorder = Recorder(record, request, embodied, seeds, overwrite=overwrite, tells=tells)
-        page = within.enter_context(live_page(shown, request, embodied, tells=not as_json))
-        telling = Telling(recorder, explain, as_json, page)
+        page = live_page(shown, request, embodied, composes=schema is None, tells=not as_json)
+        telling = Telling(recorder, explain, as_json, within.enter_context(page))
         if not as_json:
             print(_introduction(request, embodied))
         results = _run_all(runner, request, seeds, context, telling)

@@ -86,24 +86,29 @@ function makeTransport(askFor) {
 }
 
 async function main() {
-  const { token, links } = await readData();
-  const askFor = makeAsking(token), transport = makeTransport(askFor), stack = makeLiveStack(askFor);
-  let world = null;
+  const { token, links, composes } = await readData();
+  const askFor = makeAsking(token), transport = makeTransport(askFor), stack = makeLiveStack(askFor, composes);
+  const composer = composes ? makeComposer(askFor) : null;
+  let world = null, targets = null;
   try {
     world = makeLiveWorld(links, byId("view"));
     makeViews(world);
+    if (composes) targets = makeTargets(world, byId("view"), askFor);
+    window.targets = targets; // the same for references
     window.linkAt = world.linkAt; // for whoever asks on the console where a link is
   } catch (error) {
     tellProblem(new Error(`no 3-D view, since this browser offers no WebGL (${error.message})`));
   }
   const chart = makeLiveChart(byId("charts"), "Potentials φ, logarithmic", 210, (v) => power(10 ** v));
-  let members = [], newest = null, isOver = false;
+  let members = [], names = [], newest = null, isOver = false;
 
   function show() {
     const frame = newest;
     newest = null;
+    targets?.show(frame.targets);
     world?.show(frame);
     stack.show(frame);
+    composer?.show(frame, names);
     showState(members, frame);
     transport.show(frame);
     document.body.dataset.time = frame.time;
@@ -117,10 +122,13 @@ async function main() {
       tellEnding(null);
       byId("transitions").replaceChildren();
       byId("episodes").replaceChildren(...told.past.map(episodeLine).reverse());
+      byId("before").hidden = !told.past.length;
       world?.begin(told.points);
     },
     controllers(told) {
+      names = told.names;
       stack.begin(told);
+      composer?.begin(told, byId("program").textContent);
       chart.begin(told.names);
     },
     body: (told) => world?.add(told.name, told.parts),

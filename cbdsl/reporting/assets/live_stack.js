@@ -1,6 +1,6 @@
 // The stack as it is now: who acts, how far each has come, and who takes whose freedom.
 
-function makeLiveStack(askFor) {
+function makeLiveStack(askFor, composes) {
   let about = null;
 
   function begin(controllers) {
@@ -15,6 +15,7 @@ function makeLiveStack(askFor) {
   function gainInput(name) {
     const input = Object.assign(document.createElement("input"), { type: "number", min: 0, step: "any", value: about.gains[name] });
     input.setAttribute("aria-label", `gain of ${name}, per second`);
+    input.disabled = !composes;
     input.addEventListener("change", () => askFor({ do: "gain", controller: name, value: Number(input.value) })
       .then((answer) => { if (answer) about.gains[name] = answer.gain; input.value = about.gains[name]; }));
     return input;
@@ -44,7 +45,7 @@ function makeLiveStack(askFor) {
       made.cells[1].replaceChildren(letter(frame.predicates[level.controller]));
       made.cells[2].textContent = numberText(frame.potentials[level.controller] ?? NaN);
       made.cells[3].querySelector("i").style.width = `${100 * Math.max(0, Math.min(1, share ?? 0))}%`;
-      made.cells[3].lastChild.textContent = share === null ? "–" : share.toFixed(2);
+      made.cells[3].lastChild.textContent = share === null ? "–" : share.toFixed(2).replace("-0.00", "0.00");
       made.cells[3].className = share !== null && share < 0.5 ? "little" : "";
       made.cells[4].textContent = `${level.rank}, ${numberText(level.singular_value ?? NaN)}`;
       made.cells[6].textContent = level.held_by;

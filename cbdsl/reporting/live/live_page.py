@@ -14,11 +14,13 @@ from cbdsl.robot.joints import Joints
 
 _SCRIPTS = ("vendor/three.min.js", "vendor/uPlot.iife.min.js", "page.js", "data.js", "chart.js",
             "scene.js", "viewpoints.js", "live_world.js", "live_chart.js", "live_stack.js",
-            "live.js")  # fmt: skip
+            "live_target.js", "live_composer.js", "live.js")  # fmt: skip
 _STYLES = ("vendor/uPlot.min.css", "page.css", "replay.css", "live.css")
 
 
-def live_page(title: str, robot: RobotDocument, urdf: Path, token: str) -> str:
+def live_page(
+    title: str, robot: RobotDocument, urdf: Path, token: str, *, composes: bool = False
+) -> str:
     """The page of a robot's episodes; what happens in them comes from its server.
 
     Args:
@@ -26,10 +28,12 @@ def live_page(title: str, robot: RobotDocument, urdf: Path, token: str) -> str:
         robot: whose links are drawn.
         urdf: its model.
         token: that requests show.
+        composes: whether the program may be changed on it.
     """
     bundle, joints = Bundle(), Joints(robot).names
     header: Mapping[str, object] = {
         "token": token,
+        "composes": composes,
         "links": [drawn_link(link, bundle) for link in read_links(_model(robot, urdf), joints)],
     }
     text = bundle.text(header)

@@ -12,6 +12,7 @@ from cbdsl.reporting.live.feed import Feed
 from cbdsl.reporting.live.frame import frame, images
 from cbdsl.reporting.live.message import Message, message
 from cbdsl.reporting.live.transport import Transport
+from cbdsl.runtime.composer import Composer
 from cbdsl.runtime.episode import EpisodeResult, Tick, resources_of
 from cbdsl.runtime.explanation import named_runs
 from cbdsl.runtime.recording import drawn, is_place, members, triple
@@ -32,6 +33,7 @@ class LiveView:
         feed: where pages learn of it.
         transport: paces the ticks.
         scenery: the world, for people who look; nothing else asks for it.
+        composer: changes the program while it runs, if it may be changed.
         clock: wall time, s.
     """
 
@@ -40,10 +42,12 @@ class LiveView:
         feed: Feed,
         transport: Transport,
         scenery: Callable[[], WorldState] | None = None,
+        composer: Composer | None = None,
+        *,
         clock: Callable[[], float] = time.perf_counter,
     ) -> None:
         self._feed, self._transport = feed, transport
-        self._scenery, self._clock = scenery, clock
+        self._scenery, self._composer, self._clock = scenery, composer, clock
         self._past: list[dict[str, object]] = []
         self._number = 0
         self._places: list[Resource] = []
@@ -86,6 +90,8 @@ class LiveView:
 
     def note_tick(self, tick: Tick) -> None:
         """See ``EpisodeWatcher.note_tick``."""
+        if self._last is None and self._composer is not None:
+            self._composer.begin(tick.run)
         self._last = tick
         if self._feed.watched:
             now = self._clock()
@@ -122,6 +128,10 @@ class LiveView:
             self._tell_bodies(world)
         told = frame(tick, self._places, world, self._names)
         told["paused"], told["speed"] = self._transport.paused, self._transport.shown_speed
+        if self._composer is not None:
+            told["targets"] = self._composer.positions()
+            told["held"] = list(self._composer.targets)
+            told["stack"] = self._composer.stack
         self._feed.renew(message("frame", told))
 
     def _tell_controllers(self, tick: Tick) -> None:
@@ -130,7 +140,8 @@ class LiveView:
         told = {
             "names": self._names,
             "triples": {name: triple(run.controller) for name, run in runs.items()},
-            "gains": {name: run.controller.gain for name, run in runs.items()},
+            "gains": {name: run.gain for name, run in runs.items()},
+            "own": [] if self._composer is None else self._composer.own,
             "cells": [".".join(key) for key in tick.observation.loads],
         }
         self._feed.append(message("controllers", told))

@@ -100,7 +100,7 @@ def test_watching_changes_nothing(feed: Feed, view: LiveView, watched: Watched) 
 
 def test_frames_are_no_denser_than_eyes_need(feed: Feed, watched: Watched) -> None:
     now = [0.0]
-    view = LiveView(feed, Transport(math.inf), None, lambda: now[0])
+    view = LiveView(feed, Transport(math.inf), clock=lambda: now[0])
     numbers: list[int] = []
 
     def pass_time(_: Tick) -> None:
