@@ -53,6 +53,16 @@ class Composer:
         """Controllers that can be composed: those that the program's actions and background use."""
         return tuple(run.controller.name for run in self._running.runs)
 
+    @property
+    def acting(self) -> tuple[str, ...]:
+        """Those of them that act now above the background, highest priority first."""
+        run = self._running
+        return tuple(
+            each.run.controller.name
+            for each in run.active()
+            if each.run in run.runs and each.run not in run.background
+        )
+
     def set_gain(self, name: str, gain: float) -> float:
         """Change a controller's gain.
 

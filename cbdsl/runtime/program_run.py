@@ -184,6 +184,11 @@ class ProgramRun:
         self._choose(changed=True)
 
     @property
+    def background(self) -> Sequence[ControllerRun]:
+        """Controllers that act below every action, highest priority first."""
+        return self._background
+
+    @property
     def action(self) -> Action | None:
         """The action that runs now."""
         return self._action

@@ -14,6 +14,10 @@ function makeAsking(token) {
 
 // The program's members, each with its letter, and the action.
 function showState(members, frame) {
+  if (frame.stack) {
+    byId("state").replaceChildren(Object.assign(document.createElement("span"), { className: "hand", textContent: "composed by hand" }));
+    return;
+  }
   const acting = new Set(frame.action.split(/\s*[◁]\s*/));
   byId("state").replaceChildren(...members.map((name, index) => {
     const letter = frame.state[index] ?? "X";
@@ -100,7 +104,7 @@ async function main() {
     tellProblem(new Error(`no 3-D view, since this browser offers no WebGL (${error.message})`));
   }
   const chart = makeLiveChart(byId("charts"), "Potentials φ, logarithmic", 210, (v) => power(10 ** v));
-  let members = [], names = [], newest = null, isOver = false;
+  let members = [], newest = null, isOver = false;
 
   function show() {
     const frame = newest;
@@ -108,7 +112,7 @@ async function main() {
     targets?.show(frame.targets);
     world?.show(frame);
     stack.show(frame);
-    composer?.show(frame, names);
+    composer?.show(frame);
     showState(members, frame);
     transport.show(frame);
     document.body.dataset.time = frame.time;
@@ -126,7 +130,6 @@ async function main() {
       world?.begin(told.points);
     },
     controllers(told) {
-      names = told.names;
       stack.begin(told);
       composer?.begin(told, byId("program").textContent);
       chart.begin(told.names);

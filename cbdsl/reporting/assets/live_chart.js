@@ -17,13 +17,13 @@ function makeLiveChart(parent, title, height, tell) {
     columns = [[], ...names.map(() => [])];
     last = null;
     plot = new uPlot({
-      width: parent.clientWidth, height, padding: [6, 28, 0, 0],
+      width: parent.clientWidth, height, padding: [6, 12, 0, 0],
       scales: { x: { time: false }, y: { range: (u, low, high) => padded(low ?? 0, high ?? 1) } },
       axes: [{ ...axis, size: 26, values: (u, splits) => splits.map((s) => `${s} s`) },
         { ...axis, size: 60, incrs: INCREMENTS, values: (u, splits) => splits.map(tell) }],
-      series: [{ label: "time", value: (u, v) => (v == null ? "" : `${v.toFixed(2)} s`) },
-        ...names.map((label, index) => ({ label, ...pen(index), width: 1.6, points: { show: false }, spanGaps: false,
-          value: (u, v) => (v == null ? "–" : tell(v)) }))],
+      series: [{ label: "time" },
+        ...names.map((label, index) => ({ label, ...pen(index), width: 1.6, points: { show: false }, spanGaps: false }))],
+      legend: { live: false },
       cursor: { y: false, points: { show: false }, drag: { x: false, y: false } },
     }, columns, box);
   }

@@ -33,9 +33,8 @@ function makeComposer(askFor) {
     return line;
   }
 
-  function showStack(frame, names) {
-    const acting = frame.levels.map((level) => names[level.controller]).filter((name) => own.includes(name));
-    byId("take-over").onclick = () => compose(acting.length ? acting : own.slice(0, 1));
+  function showStack(frame) {
+    byId("take-over").onclick = () => compose(frame.acting.length ? frame.acting : own.slice(0, 1));
     byId("take-over").hidden = frame.stack !== null;
     byId("give-back").hidden = byId("add").hidden = frame.stack === null;
     const stack = frame.stack ?? [];
@@ -54,11 +53,11 @@ function makeComposer(askFor) {
   }
 
   // Rebuilt only when something changed, so that what is pointed at stays.
-  function show(frame, names) {
-    const now = JSON.stringify([frame.stack, frame.held, frame.stack ? 0 : frame.levels.map((level) => level.controller)]);
+  function show(frame) {
+    const now = JSON.stringify([frame.stack, frame.held, frame.acting]);
     if (now === told || document.activeElement === byId("add")) return;
     told = now;
-    showStack(frame, names);
+    showStack(frame);
     showTargets(frame.held);
   }
 

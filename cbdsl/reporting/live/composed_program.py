@@ -61,7 +61,7 @@ def composed_program(
     Raises:
         ValueError: no program can have this name.
     """
-    if not re.match(NAME_PATTERN, name):
+    if not re.fullmatch(NAME_PATTERN, name) or "\n" in name:
         raise ValueError(f"'{name}' is no name of a program: letters, digits and _")
     source = _plain(Library().text(file), str(file))
     before, controllers = source.get("name", ""), dict(source["controllers"])

@@ -130,6 +130,7 @@ class LiveView:
         told["paused"], told["speed"] = self._transport.paused, self._transport.shown_speed
         if self._composer is not None:
             told["targets"] = self._composer.positions()
+            told["acting"] = self._composer.acting
             told["held"] = list(self._composer.targets)
             told["stack"] = self._composer.stack
         self._feed.renew(message("frame", told))
