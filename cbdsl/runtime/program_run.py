@@ -167,6 +167,7 @@ class ProgramRun:
         self.is_open = self._was_changed = False
         self._action: Action | None = None
         self._withdraws = False
+        self._composed: Sequence[Active] | None = None
         self._features: Mapping[str, float] = {}
         self._ticks = self._idle_ticks = self._all_ticks = 0
 
@@ -183,6 +184,11 @@ class ProgramRun:
         self._choose(changed=True)
 
     @property
+    def background(self) -> Sequence[ControllerRun]:
+        """Controllers that act below every action, highest priority first."""
+        return self._background
+
+    @property
     def action(self) -> Action | None:
         """The action that runs now."""
         return self._action
@@ -192,6 +198,8 @@ class ProgramRun:
 
         The same object as before while the same acts.
         """
+        if self._composed is not None:
+            return self._composed
         if self._withdraws:
             return self._withdrawal
         if self._action is None:
@@ -203,6 +211,33 @@ class ProgramRun:
         if acting is not self._of_child:
             self._of_child, self._all_active = acting, self._above_background(acting)
         return self._all_active
+
+    def compose(self, names: Sequence[str] | None) -> None:
+        """Let a stack act instead of actions, and the background below it.
+
+        Meanwhile the program has no transitions, is not rewarded and does not end.
+
+        Args:
+            names: of its own controllers, highest priority first; ``None`` lets it choose again,
+                from the state in which nothing is active.
+        """
+        named = {run.controller.name: run for run in self.runs}
+        stack = tuple(named[name] for name in names or ())
+        if self.predicate != "0":
+            return  # its episode is over
+        for run in self.runs:
+            if run not in stack and run not in self._background:
+                run.deactivate()
+        for child in self.children.values():
+            child.deactivate()
+        for run in stack:
+            run.activate()
+        self._action, self._withdraws = None, False
+        if names is not None:
+            self._composed = self._above_background(self._together(stack))
+            return
+        self._composed, self.state = None, "X" * len(self.program.members)
+        self._choose(changed=True)
 
     def _together(self, runs: Sequence[ControllerRun]) -> list[Active]:
         """The controllers of an action, which may require what is in the background, too."""
@@ -220,7 +255,7 @@ class ProgramRun:
 
     def advance(self) -> None:
         """Take in the predicates of this tick; change the action where the state changed."""
-        if self.predicate != "0" or self.is_open:
+        if self.predicate != "0" or self.is_open or self._composed is not None:
             return
         if self._withdraws:
             self._withdraw()
