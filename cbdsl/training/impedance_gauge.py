@@ -134,13 +134,13 @@ class ImpedanceGauge:
             self._begun = _Begun(self._pose(probe, signals), np.mean(self._loads, axis=0))
             self._loads.clear()
         elif not tests and self._begun is not None and self._begun is not _OVER:
-            self._note_test(probe, self._begun, signals, run.rewarded)
+            self._note_test(probe, self._begun, signals, tracked=run.rewarded)
             self._begun = _OVER
         if load is not None and self._begun is not _OVER:
             self._loads.append(load.value.copy())
 
     def _note_test(
-        self, probe: _Probe, begun: _Begun, signals: Signals, tracked: bool
+        self, probe: _Probe, begun: _Begun, signals: Signals, *, tracked: bool
     ) -> None:
         moved = _moved(probe, begun.pose, self._pose(probe, signals))
         if not self._loads or math.isnan(moved):
@@ -150,8 +150,12 @@ class ImpedanceGauge:
 
     def _leave(self, signals: Signals) -> None:
         """Note how far from its beginning a test left the hand."""
-        if self._name and self._begun is _OVER and self._tests:
-            probe = self._probes[self._name]
+        probe = self._probes.get(self._name)
+        if probe is not None and self._begun is not None and self._begun is not _OVER:
+            # What neither settled nor came to its end in time has not been tracked.
+            self._note_test(probe, self._begun, signals, tracked=False)
+            self._begun = _OVER
+        if probe is not None and self._begun is _OVER and self._tests:
             residue = abs(_moved(probe, self._start, self._pose(probe, signals)))
             self._tests[-1] = self._tests[-1]._replace(residue=residue)
         self._name, self._begun = "", None
