@@ -93,7 +93,10 @@ class ImpedanceGauge:
         self._probes = {
             action.name: probe
             for action in program.actions
-            if action.program is not None and (probe := _probe(action.program)) is not None
+            # What uses other programs does more than to test.
+            if action.program is not None
+            and all(each.program is None for each in action.program.actions)
+            and (probe := _probe(action.program)) is not None
         }
         self._name = ""
         self._start: Floats = np.zeros(0)
