@@ -6,6 +6,7 @@ from collections.abc import Mapping
 
 from cbdsl.checking.context import ProgramContext, Steps
 from cbdsl.checking.knowledge.impossible import is_always_defined
+from cbdsl.checking.lookup.scope import Scope
 from cbdsl.documents import program as written
 from cbdsl.program.checked import CheckedProgram
 from cbdsl.program.controller import Controller
@@ -25,6 +26,28 @@ def read_axes(document: written.ControllerSection) -> tuple[int, ...] | None:
     """The axes that a controller compares along, in order; ``None`` for all."""
     axes = tuple(i for i, axis in enumerate(AXES) if axis in (document.axes or AXES))
     return None if len(axes) == len(AXES) else axes
+
+
+def fill_axes(
+    context: ProgramContext, steps: Steps, document: written.ControllerSection, scope: Scope
+) -> written.ControllerSection:
+    """A controller with axes in the place of the parameters that stand for them.
+
+    What is no axis is reported, and one that is not given yet takes its place.
+    """
+    if document.axes is None or set(document.axes) <= set(AXES):
+        return document
+    filled: list[str] = []
+    for place, text in enumerate(document.axes):
+        at = (*steps, "axes", place)
+        value = context.substitute(text, at, scope)
+        if value is not None and value not in AXES:
+            problem = f"'{value}' is none of x, y and z"
+            context.add("CB580", context.source.place(*at), problem=problem)
+        if value is None or value not in AXES:
+            value = next((axis for axis in AXES if axis not in (*document.axes, *filled)), AXES[-1])
+        filled.append(value)
+    return document.model_copy(update={"axes": tuple(filled)})
 
 
 def check_axes(
