@@ -76,9 +76,7 @@ def _fitting(
         allocations(path, session, values),
         key=lambda each: not _is_default(each, path, session),
     )
-    return {
-        _name(each): (each.program, each.values) for each in found if each.program is not None
-    }
+    return {_name(each): (each.program, each.values) for each in found if each.program is not None}
 
 
 def _name(allocation: Allocation) -> str:

@@ -25,7 +25,7 @@ class HandednessLearner(Protocol):
 
     @property
     def is_constrained(self) -> bool:
-        """Whether the next episode is one of those in which only the program's own arm is wanted."""
+        """Whether the next episode belongs to a first stage with the program's own arm."""
         ...
 
     def begin(self) -> None:

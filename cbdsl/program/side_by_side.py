@@ -11,7 +11,7 @@ from cbdsl.program.schema import Schema
 
 
 def side_by_side(variants: Mapping[str, CheckedProgram], schema: Schema) -> CheckedProgram:
-    """A program in which each allocation of each controller is an action and a predicate of its own.
+    """A program in which each allocation of each controller is an action, with a predicate.
 
     Programs that are actions are there once, and compositions are left out. What an action has
     moved stays where it is, as otherwise no later one could build on it; so nothing is in the

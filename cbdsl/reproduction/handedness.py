@@ -29,7 +29,7 @@ from cbdsl.program.schema import Ranking
 from cbdsl.program.schema_policy import SchemaPolicy
 from cbdsl.program.side_by_side import side_by_side
 from cbdsl.program.transition import Transition
-from cbdsl.reproduction.handedness_series import CONCURRENT, FLAT, STAGED, HandednessSeries
+from cbdsl.reproduction.handedness_series import CONCURRENT, FLAT, HandednessSeries
 from cbdsl.reproduction.shipped import shipped_file
 from cbdsl.reproduction.trial_runner import TrialRunner
 from cbdsl.training.journal import Journal
@@ -98,6 +98,11 @@ class HandednessTrials:
         self._at = situation(dexter)
         self._everything = dexter.classroom(self._at.everything)
         self._right = dexter.classroom(self._at.right)
+
+    @property
+    def own(self) -> CheckedProgram:
+        """The program with its own arm."""
+        return self._at.own
 
     def learner(self, series: HandednessSeries) -> HandednessLearner:
         """A learner that knows nothing yet."""
@@ -183,7 +188,7 @@ def _by_figure(features: Mapping[str, float]) -> Ranking:
 
 
 def _arms(letters: str) -> Ranking:
-    motion, side, scale = letters
+    motion, side, scale = tuple(letters)
     first = _BOTH if scale == "L" else _LEFT if (motion if motion != "s" else side) == "l" else ""
     return tuple(dict.fromkeys((first or _RIGHT, _RIGHT, _LEFT, _BOTH)))
 
@@ -207,4 +212,3 @@ def _flat_optimum(program: CheckedProgram) -> Policy:
 
 def _ignore(transition: Transition) -> None:
     """The best policies learn nothing."""
-

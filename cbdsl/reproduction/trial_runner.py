@@ -159,9 +159,7 @@ class TrialRunner:
     def _explore(self, series: ExplorationSeries, number: int) -> CatalogDocument:
         settings, count, done = self._settings, self.actions(series), 0
         where = settings.backend, settings.cameras
-        task = series.task(
-            self.library, self.robot, shipped_dexter()[1], self.path(series, number)
-        )
+        task = series.task(self.library, self.robot, shipped_dexter()[1], self.path(series, number))
         task = replace(
             task,
             backend=settings.backend,
