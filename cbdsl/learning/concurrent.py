@@ -5,9 +5,9 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from cbdsl.learning.accommodate import Accommodate
 from cbdsl.learning.assimilate import Assimilate, AssimilateConstants
 from cbdsl.learning.constants import AccommodateConstants
+from cbdsl.learning.decisive import Decisive
 from cbdsl.learning.experience import Experience
 from cbdsl.learning.lesson import Lesson
 from cbdsl.program.checked import CheckedProgram
@@ -47,7 +47,7 @@ class Concurrent:
             for each in schema.actions
             if each.program is not None
         }
-        self.accommodate = Accommodate(names, constants, programs)
+        self.accommodate = Decisive(names, constants, programs)
         self.assimilate = Assimilate(names, allocating)
 
     def begin(self) -> None:

@@ -6,9 +6,9 @@ from collections.abc import Callable, Mapping
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from cbdsl.learning.accommodate import Accommodate
 from cbdsl.learning.constants import AccommodateConstants
 from cbdsl.learning.context_letters import context_letters
+from cbdsl.learning.decisive import Decisive
 from cbdsl.learning.experience import Experience
 from cbdsl.learning.lesson import Lesson
 from cbdsl.program.checked import CheckedProgram
@@ -37,7 +37,7 @@ class Flat:
             if each.program is not None
         }
         names = [action.name for action in program.actions]
-        self.accommodate = Accommodate(names, constants, places)
+        self.accommodate = Decisive(names, constants, places)
         self._before: Transition | None = None
 
     def begin(self) -> None:

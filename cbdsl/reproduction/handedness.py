@@ -39,7 +39,7 @@ from cbdsl.types.policy import Policy
 from cbdsl.types.state import Predicate
 
 _PROGRAM, _STAGE, _OWN = "reachtouch", "handedness_training", "right"
-_LIMITS: dict[str, Any] = {"transitions": 100, "transition_time": 8.0, "idle_time": 1.0}
+_LIMITS: dict[str, Any] = {"transitions": 100, "transition_time": 8.0, "idle_time": 0.5}
 _EXPLORATION = 2
 # The source's epsilon-greedy choice of allocations, instead of ours.
 _ALLOCATING = AssimilateConstants(draws=False)
