@@ -39,12 +39,15 @@ from cbdsl.types.policy import Policy
 from cbdsl.types.state import Predicate
 
 _PROGRAM, _STAGE, _OWN = "reachtouch", "handedness_training", "right"
-_LIMITS: dict[str, Any] = {"transitions": 100, "transition_time": 8.0, "idle_time": 0.5}
+# Half as many transitions as the source has, so that a hundred trials take an hour.
+_LIMITS: dict[str, Any] = {"transitions": 50, "transition_time": 8.0, "idle_time": 0.5}
 _EXPLORATION = 2
 # The source's epsilon-greedy choice of allocations, instead of ours.
 _ALLOCATING = AssimilateConstants(draws=False)
 # Where the episodes that measure the best policies are numbered from.
 _OPTIMUM = 2_000_000
+# What a reach finds out at once, a look tells a transition earlier.
+_START, _LOOK = "XXX", "searchtrack"
 _BOTH, _LEFT, _RIGHT = "reachtouch_bimanual", "left_arm", "right_arm"
 
 
@@ -142,7 +145,7 @@ class HandednessTrials:
         if series == FLAT:
             program, policy = at.flat, _flat_optimum(at.flat)
         else:
-            program = at.schema._replace(policy=at.own.policy)
+            program = at.schema._replace(policy=dict(at.own.policy) | {_START: _LOOK})
             policy = SchemaPolicy(program, _by_figure, gives_up=False, persists=True)
         return [
             self._everything.run(program, policy, self._episode_seed(_OPTIMUM, k), _ignore)
