@@ -11,9 +11,9 @@ USERS = sim,editor,learn,mujoco,gym,trees,mcap
 SAMPLE ?= 100
 REACH ?= all
 
-.PHONY: check format lint types layers spelling documents tests mutants dist sbom fix
+.PHONY: check format lint types layers spelling documents pages tests mutants site dist sbom fix
 
-check: format lint types layers spelling documents tests
+check: format lint types layers spelling documents pages tests
 
 format:
 	$(BIN)ruff format --check .
@@ -34,6 +34,10 @@ documents:
 	$(BIN)cb validate robots programs knowledge
 	$(BIN)cb fmt --check robots programs knowledge
 
+# Every page is in the navigation, and every link and heading that is linked to is there.
+pages:
+	NO_MKDOCS_2_WARNING=1 $(BIN)mkdocs build --quiet --strict --site-dir build/site
+
 # The slow ones run episodes on the simulator.
 tests:
 	$(BIN)pytest -n auto -m "$(MARK)"
@@ -41,6 +45,11 @@ tests:
 # Small faults in control, sensing, runtime and learning that the fast tests have to notice.
 mutants:
 	$(BIN)python -m tests.mutants --sample $(SAMPLE) --reach $(REACH)
+
+# The documentation with replays of shipped programs, in site/.
+site:
+	$(PYTHON) docs/make_gallery.py
+	NO_MKDOCS_2_WARNING=1 $(BIN)mkdocs build --quiet --strict --site-dir site
 
 # A wheel and an sdist in dist/, checked where nothing else is installed.
 dist:

@@ -22,7 +22,7 @@ import numpy as np
 import pybullet  # noqa: TID251 (the judge, not the robot)
 from numpy.typing import NDArray
 
-from cbdsl.reproduction.interval import exact_interval
+from cbdsl.numeric.proportion import exact_interval
 
 Floats = NDArray[np.float64]
 

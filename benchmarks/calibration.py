@@ -25,7 +25,7 @@ import numpy as np
 from contacts import shown, touching
 from numpy.typing import NDArray
 
-from cbdsl.reproduction.interval import exact_interval
+from cbdsl.numeric.proportion import exact_interval
 
 Floats = NDArray[np.float64]
 

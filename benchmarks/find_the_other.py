@@ -22,7 +22,7 @@ from cbdsl.backends.simulated_backend import SimulatedBackend
 from cbdsl.checking.program import check_program
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.documents.stage import StageDocument
-from cbdsl.reproduction.interval import exact_interval
+from cbdsl.numeric.proportion import exact_interval
 from cbdsl.runtime.episode import Runner, Tick
 from cbdsl.sensing.kinematics import Kinematics
 from cbdsl.yaml_text.library import Library

@@ -19,7 +19,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from cbdsl.reproduction.interval import exact_interval
+from cbdsl.numeric.proportion import exact_interval
 
 TARGET = 0.95
 PLACE, CLOSE = (0.45, 0.30), 0.02  # m

@@ -22,7 +22,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from cbdsl.reproduction.interval import exact_interval
+from cbdsl.numeric.proportion import exact_interval
 
 Floats = NDArray[np.float64]
 

@@ -38,7 +38,7 @@ from numpy.typing import NDArray
 from cbdsl.backends.backend import embody
 from cbdsl.checking.program import check_program
 from cbdsl.documents.stage import StageDocument
-from cbdsl.reproduction.interval import exact_interval
+from cbdsl.numeric.proportion import exact_interval
 from cbdsl.reproduction.shipped import shipped_robot
 from cbdsl.robot.resources import resources
 from cbdsl.runtime.episode import Runner, Tick

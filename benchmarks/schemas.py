@@ -29,10 +29,10 @@ from cbdsl.documents.robot import RobotDocument
 from cbdsl.documents.stage import StageDocument
 from cbdsl.learning.assimilate import Assimilate, AssimilateConstants
 from cbdsl.learning.learner import ASSIMILATE
+from cbdsl.numeric.proportion import exact_interval
 from cbdsl.program.checked import CheckedProgram
 from cbdsl.program.schema import Ranking
 from cbdsl.program.schema_policy import Features, SchemaPolicy
-from cbdsl.reproduction.interval import exact_interval
 from cbdsl.sensing.kinematics import Kinematics
 from cbdsl.training.episode_runner import BackendEpisodeRunner
 from cbdsl.training.trial import Trial

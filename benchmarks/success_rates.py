@@ -22,7 +22,7 @@ from typing import Any, NamedTuple
 
 from contacts import shown, touching
 
-from cbdsl.reproduction.interval import exact_interval
+from cbdsl.numeric.proportion import exact_interval
 
 LEFT = {"arm": "left_arm", "hand": "left_hand"}
 

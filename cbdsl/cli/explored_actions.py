@@ -10,9 +10,6 @@ if TYPE_CHECKING:
     from cbdsl.training.explorable import Explorable
     from cbdsl.types.resource import Resource
 
-# Stands for a channel that is found while the action runs.
-_OPEN = "?"
-
 
 class ActionText(NamedTuple):
     """An action as it is typed.
@@ -81,25 +78,21 @@ def read_actions(
 
 
 def _explorable(text: ActionText, feature: str, stage: str) -> tuple[RunRequest, Explorable]:
-    from dataclasses import replace
-
     from cbdsl.errors.errors import UsageError
-    from cbdsl.training.explorable import other_hues
+    from cbdsl.training.explorable import OPEN, with_marks
 
-    open_keys = [key for key, value in text.values.items() if value == _OPEN]
+    open_keys = [key for key, value in text.values.items() if value == OPEN]
     if len(open_keys) > 1:
         raise UsageError(f"'{text.label}' leaves {' and '.join(open_keys)} open: one can be")
-    closed = {key: value for key, value in text.values.items() if value != _OPEN}
+    closed = {key: value for key, value in text.values.items() if value != OPEN}
     request, action = bound_action(text._replace(values=closed), feature, stage)
     if not open_keys:
         return request, action
-    own = {feature, action.program.parameters.get("feature", "")}
-    marks = {}
-    for channel in other_hues(request.robot, own):
-        label = f"{text.label}_{channel}"
-        values = {**closed, open_keys[0]: channel}
-        marks[channel] = bound_action(ActionText(label, text.program, values), feature, stage)[1]
-    return request, replace(action, marks=marks)
+
+    def bind(label: str, values: Mapping[str, str]) -> Explorable:
+        return bound_action(ActionText(label, text.program, values), feature, stage)[1]
+
+    return request, with_marks(text.label, text.values, bind, request.robot)
 
 
 def bound_action(text: ActionText, feature: str, stage: str) -> tuple[RunRequest, Explorable]:

@@ -39,7 +39,7 @@ class Affordance:
     change: float | None = None
     failed: bool = False
     ahead: Mapping[str, tuple[float, ...]] = field(default_factory=dict)
-    _before: list[Mapping[str, tuple[float, ...]]] = field(default_factory=list)
+    _before: list[ActionOutcome] = field(default_factory=list)
 
     def note(self, outcome: ActionOutcome, constants: ExplorationConstants) -> float:
         """Take in an outcome; returns how much it changed the variance of the model."""
@@ -49,7 +49,7 @@ class Affordance:
         if self.model is None and outcome.rewarded and outcome.features:
             self._begin(outcome.features, constants)
         if self.model is None:
-            self._before.append(outcome.features)
+            self._before.append(outcome)
             return 0.0
         before = self.model.variance(constants.measure)
         self.model = self.model.updated(self.vector(outcome.features), rewarded=outcome.rewarded)
@@ -70,8 +70,8 @@ class Affordance:
             for _ in range(form.size)
         ]
         model = AffordanceModel.fresh(np.array(deviations), constants.prior)
-        for features in self._before:
-            model = model.updated(self.vector(features), rewarded=False)
+        for outcome in self._before:
+            model = model.updated(self.vector(outcome.features), rewarded=outcome.rewarded)
         self.model = model
 
     def distance(self) -> float:

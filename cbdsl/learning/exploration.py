@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -108,13 +108,3 @@ class Exploration(ABC):
     def is_over(self) -> bool:
         """Whether all models have habituated (Algorithm 3, line 22)."""
         return all(map(self.is_habituated, self.affordances))
-
-
-def by_largest_of_all(steps: Iterable[ExplorationStep], cost: float) -> list[float]:
-    """Rewards as the source has them: changes relative to the largest of the whole trial.
-
-    That is known only at its end; no learner can use it.
-    """
-    steps = list(steps)
-    largest = max((step.change for step in steps), default=0.0) or 1.0
-    return [0.0 if step.action == NOOP else step.change / largest - cost for step in steps]

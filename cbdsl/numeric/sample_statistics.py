@@ -1,4 +1,4 @@
-"""Gaussian: mean and scatter of samples, kept up to date one sample at a time."""
+"""Mean and scatter of samples, kept up to date one sample at a time."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ Floats = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class SampleStatistics:
-    """Multivariate Gaussian as its sufficient statistics; a sample more makes another one.
+    """Sufficient statistics of a multivariate Gaussian; a sample more makes others.
 
     Attributes:
         weight: number of the samples; of a prior as how many it counts.
@@ -27,16 +27,16 @@ class SampleStatistics:
 
     @classmethod
     def empty(cls, size: int) -> SampleStatistics:
-        """Gaussian of no samples of this many components."""
+        """Statistics of no samples of this many components."""
         return cls(0.0, np.zeros(size), np.zeros((size, size)))
 
     @classmethod
     def of(cls, weight: float, mean: Floats, covariance: Floats) -> SampleStatistics:
-        """Gaussian of so many samples with this mean and this covariance."""
+        """Statistics of so many samples with this mean and this covariance."""
         return cls(weight, mean, weight * covariance)
 
     def updated(self, sample: Floats) -> SampleStatistics:
-        """Gaussian with one sample more, by Welford's update, which cancels no large numbers."""
+        """Statistics with one sample more, by Welford's update, which cancels no large numbers."""
         weight = self.weight + 1.0
         before = sample - self.mean
         mean = self.mean + before / weight
@@ -44,7 +44,7 @@ class SampleStatistics:
         return SampleStatistics(weight, mean, scatter)
 
     def merged(self, other: SampleStatistics) -> SampleStatistics:
-        """Gaussian of the samples of both."""
+        """Statistics of the samples of both."""
         weight = self.weight + other.weight
         if not weight:
             return self
@@ -59,7 +59,7 @@ class SampleStatistics:
         return self.scatter / self.weight if self.weight else self.scatter
 
     def log_density(self, point: Floats) -> float:
-        """Logarithm of the density at a point.
+        """Logarithm of the Gaussian's density at a point.
 
         Raises:
             numpy.linalg.LinAlgError: the covariance is not positive definite.

@@ -31,27 +31,29 @@ def affordance_resource(
     features = tuple(each for each in signals if each is not None)
     if len(features) < len(signals) or any(each.origin in DRAWN for each in features):
         return None
-    source = AffordanceProbability(catalog.name, action, model_of(own), features)
+    source = AffordanceProbability(catalog.name, action, model_of(own, catalog), features)
     return Resource(f"{AFFORDS}{action}", PROBABILITY, Origin.ENVIRONMENT, source)
 
 
 def models_of(catalog: CatalogDocument) -> dict[str, AffordanceModel]:
     """Models of a catalog's actions by name; one without features knows its counts alone."""
-    return {name: model_of(each) for name, each in catalog.affordances.items()}
+    return {name: model_of(each, catalog) for name, each in catalog.affordances.items()}
 
 
-def model_of(affordance: AffordanceSection) -> AffordanceModel:
-    """Model of one action of a catalog."""
+def model_of(affordance: AffordanceSection, catalog: CatalogDocument) -> AffordanceModel:
+    """Model of one action of a catalog, with the prior that it was explored with."""
+    constants = {} if catalog.provenance is None else catalog.provenance.constants
+    in_si = constants.get("units") == "si"
     scale = np.array(
         [
-            deviation_of(feature.unit)
+            1.0 if in_si else deviation_of(feature.unit)
             for feature in affordance.features.values()
             for _ in range(feature.components)
         ]
     )
     return AffordanceModel(
         scale,
-        1.0,
+        float(constants.get("prior", 1.0)),
         affordance.tried,
         affordance.rewarded,
         _samples(affordance.with_reward, len(scale)),

@@ -72,6 +72,7 @@ class CheckedProgram(NamedTuple):
         success: patterns of states in which it has succeeded.
         failure: patterns of states in which it has failed.
         guards: bounds on what it may press with.
+        is_learned: whether its policy was learned.
     """
 
     name: str
@@ -92,6 +93,7 @@ class CheckedProgram(NamedTuple):
     success: tuple[str, ...] = ()
     failure: tuple[str, ...] = ()
     guards: Guards = NO_GUARDS
+    is_learned: bool = False
 
     @property
     def all_guards(self) -> Guards:

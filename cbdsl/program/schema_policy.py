@@ -10,7 +10,7 @@ from cbdsl.program.attempts import AttemptProgress
 from cbdsl.program.checked import CheckedProgram
 from cbdsl.program.schema import Ranking, Schema
 from cbdsl.types.decision_tree import decide
-from cbdsl.types.policy import Policy, WrittenPolicy
+from cbdsl.types.policy import Policy, ReasonedPolicy, WrittenPolicy
 
 Features = Mapping[str, float]
 """Numbers by name, in SI; NaN where a signal is undefined."""
@@ -20,15 +20,13 @@ Rank = Callable[[Features], Ranking]
 
 
 @runtime_checkable
-class ContextPolicy(Protocol):
+class ContextPolicy(ReasonedPolicy, Protocol):
     """A policy that goes by more than the state.
 
     Attributes:
-        reason: why the last choice was none, as a clause; empty where the policy has no action.
         withdraws: whether the last choice was none only until what acted has gone back.
     """
 
-    reason: str
     withdraws: bool
 
     def begin(self, read: Callable[[], Features]) -> None:
@@ -56,7 +54,8 @@ class SchemaPolicy:
         persists: whether all are tried again when each has failed.
 
     Attributes:
-        reason, withdraws: see ``ContextPolicy``.
+        reason: see ``ReasonedPolicy``.
+        withdraws: see ``ContextPolicy``.
     """
 
     def __init__(

@@ -15,8 +15,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from cbdsl.reproduction.claim import at_least
+from cbdsl.reproduction.claim import above
 from cbdsl.reproduction.experiment import Result, RunSettings
+from cbdsl.reproduction.percentage import percentage
 from cbdsl.reproduction.posture_panels import PosturePanels
 from cbdsl.reproduction.quantity import Quantity
 from cbdsl.reproduction.simulation_fixture import SimulationFixture, simulation_fixture
@@ -143,14 +144,13 @@ def quantities(channels: Sequence[TrackedPostures]) -> Iterator[Quantity]:
     for prefix, (figure, word) in FIGURES.items():
         own = [each for each in channels if each.channel.startswith(prefix)]
         empty = [each.channel for each in own if not each.postures]
-        responding = float(len(own) - len(empty))
-        yield Quantity(
+        yield percentage(
             f"{word}: channels that can be tracked",
-            "",
             "most, and a few not at all",
-            responding,
-            at_least(len(own) / 2 + 1),
-            interval=(responding, responding),
+            len(own) - len(empty),
+            len(own),
+            above(50),
+            of="channels",
             note=f"Figure {figure}; empty: {', '.join(empty) or 'none'}",
         )
 

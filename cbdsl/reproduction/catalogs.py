@@ -11,7 +11,7 @@ from cbdsl.documents.catalog import CatalogDocument
 from cbdsl.learning.action_outcome import NOOP
 from cbdsl.reporting.drawing.catalog_icon import Layer, catalog_icon
 from cbdsl.reproduction.bar_chart import Bar, BarChart
-from cbdsl.reproduction.claim import Claim, above, at_least, at_most, below
+from cbdsl.reproduction.claim import Claim, above, at_least, at_most, below, between
 from cbdsl.reproduction.estimate import chance_of_samples, mean, median
 from cbdsl.reproduction.experiment import Picture, Result, RunSettings
 from cbdsl.reproduction.exploration_series import (
@@ -180,7 +180,7 @@ def _counts(catalogs: Sequence[CatalogDocument]) -> Iterator[Quantity]:
 
 def _habituation(catalogs: Sequence[CatalogDocument], seed: int) -> Iterator[Quantity]:
     after = np.array([negligible_after(row) for row in rewards(catalogs)])
-    claim, middle = at_most(60), float(np.median(after))
+    claim, middle = between(40, 60), float(np.median(after))
     yield Quantity(
         "reward negligible after, median",
         "actions",

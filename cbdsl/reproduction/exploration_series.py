@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import shlex
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 from typing import NamedTuple
 
@@ -18,11 +18,9 @@ from cbdsl.learning.explorations import EXPLORATIONS
 from cbdsl.program.checked import CheckedProgram
 from cbdsl.reproduction.shipped import shipped_file
 from cbdsl.robot.resources import resources
-from cbdsl.training.explorable import Explorable, explorable, other_hues
+from cbdsl.training.explorable import OPEN, Explorable, explorable, with_marks
 from cbdsl.training.exploration_task import ExplorationTask
 from cbdsl.yaml_text.library import Library
-
-_OPEN = "?"
 
 
 class ExploredAction(NamedTuple):
@@ -106,22 +104,11 @@ class ExplorationSeries:
         self, action: ExploredAction, library: Library, robot: RobotDocument
     ) -> Explorable:
         values = {"feature": self.feature, **action.values}
-        open_keys = [key for key, value in values.items() if value == _OPEN]
-        closed = {key: value for key, value in values.items() if value != _OPEN}
-        made = _bound(action.name, action.program, closed, library, robot)
-        if not open_keys:
-            return made
-        marks = {
-            channel: _bound(
-                f"{action.name}_{channel}",
-                action.program,
-                {**closed, open_keys[0]: channel},
-                library,
-                robot,
-            )
-            for channel in other_hues(robot, {values["feature"]})
-        }
-        return replace(made, marks=marks)
+
+        def bind(name: str, bound: Mapping[str, str]) -> Explorable:
+            return _bound(name, action.program, bound, library, robot)
+
+        return with_marks(action.name, values, bind, robot)
 
 
 def _bound(
@@ -141,7 +128,7 @@ def _checked(program: str, values: Mapping[str, str], library: Library) -> Check
 _LOOK = ExploredAction("searchtrack", "searchtrack")
 _TOUCH = ExploredAction("reachtouch", "reachtouch")
 _BOTH = ExploredAction("bimanualtouch", "bimanualtouch")
-_INSPECT = ExploredAction("visualinspect", "visualinspect", {"mark": _OPEN})
+_INSPECT = ExploredAction("visualinspect", "visualinspect", {"mark": OPEN})
 _SURFACE = ExploredAction("reachtouch", "touch_table")
 
 

@@ -19,11 +19,12 @@ from cbdsl.control.potential import Potential
 from cbdsl.control.range import between
 from cbdsl.control.signal import Floats
 from cbdsl.documents.stage import StageDocument
+from cbdsl.numeric.proportion import TAIL
 from cbdsl.reproduction.chart import Chart, Line
 from cbdsl.reproduction.claim import above, at_least, at_most, below
 from cbdsl.reproduction.estimate import mean_of
 from cbdsl.reproduction.experiment import Result, RunSettings
-from cbdsl.reproduction.interval import TAIL, resampled_interval
+from cbdsl.reproduction.interval import resampled_interval
 from cbdsl.reproduction.percentage import percentage
 from cbdsl.reproduction.quantity import Quantity
 from cbdsl.reproduction.simulation_fixture import SimulationFixture, simulation_fixture

@@ -7,13 +7,14 @@ from collections.abc import Iterator, Sequence
 
 import numpy as np
 
+from cbdsl.numeric.proportion import TAIL
 from cbdsl.reproduction.barcode import barcodes
 from cbdsl.reproduction.chart import Chart, Line
 from cbdsl.reproduction.claim import above, at_least, at_most, near
 from cbdsl.reproduction.estimate import mean_of
 from cbdsl.reproduction.experiment import Result, RunSettings
 from cbdsl.reproduction.inspection import InspectionRun, Look, inspection
-from cbdsl.reproduction.interval import TAIL, resampled_interval
+from cbdsl.reproduction.interval import resampled_interval
 from cbdsl.reproduction.percentage import percentage
 from cbdsl.reproduction.quantity import Quantity
 

@@ -8,8 +8,9 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from cbdsl.documents.catalog import CatalogDocument
+from cbdsl.documents.catalog import CatalogDocument, StepColumns
 from cbdsl.learning.action_outcome import NOOP
+from cbdsl.learning.exploration_constants import ExplorationConstants
 from cbdsl.reproduction.chart import Chart, Line
 from cbdsl.reproduction.interval import bootstrap_interval
 
@@ -30,19 +31,26 @@ def rewards(catalogs: Sequence[CatalogDocument]) -> Floats:
     return np.array([each.steps.reward for each in catalogs if each.steps is not None])
 
 
-def rewards_by_hindsight(catalogs: Sequence[CatalogDocument], cost: float = 0.05) -> Floats:
-    """Reward relative to the largest change of the whole trial, as the source has it."""
-    rows = []
-    for steps in (each.steps for each in catalogs):
-        if steps is not None:
-            largest = max(steps.change, default=0.0) or 1.0
-            rows.append(
-                [
-                    0.0 if action == NOOP else change / largest - cost
-                    for action, change in zip(steps.action, steps.change, strict=True)
-                ]
-            )
-    return np.array(rows)
+def rewards_by_hindsight(catalogs: Sequence[CatalogDocument]) -> Floats:
+    """Reward relative to the largest change of the whole trial, as the source has it.
+
+    That is known only at its end; no learner can use it.
+    """
+    return np.array([_by_hindsight(each.steps, cost_of(each)) for each in catalogs if each.steps])
+
+
+def _by_hindsight(steps: StepColumns, cost: float) -> list[float]:
+    largest = max(steps.change, default=0.0) or 1.0
+    return [
+        0.0 if action == NOOP else change / largest - cost
+        for action, change in zip(steps.action, steps.change, strict=True)
+    ]
+
+
+def cost_of(catalog: CatalogDocument) -> float:
+    """Cost of an action; that of the algorithm where the catalog does not say."""
+    usual = ExplorationConstants().cost
+    return float(catalog.provenance.constants.get("cost", usual)) if catalog.provenance else usual
 
 
 def negligible_after(reward: Floats) -> float:

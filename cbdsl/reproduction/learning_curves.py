@@ -9,17 +9,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cbdsl.learning.experience import Experience
+from cbdsl.numeric.proportion import TAIL
 from cbdsl.reproduction.chart import Chart, Line
 from cbdsl.reproduction.checks import Check, checks, schedule
 from cbdsl.reproduction.claim import Claim, above, near
 from cbdsl.reproduction.estimate import estimate
 from cbdsl.reproduction.experiment import Result, RunSettings
-from cbdsl.reproduction.interval import (
-    TAIL,
-    interquartile_interval,
-    interquartile_mean,
-    interval_of,
-)
+from cbdsl.reproduction.interval import interquartile_interval, interquartile_mean, interval_of
 from cbdsl.reproduction.learned_in import learned_in_quantities
 from cbdsl.reproduction.quantity import Quantity
 from cbdsl.reproduction.series import COARTICULATED, SEQUENTIAL, Series

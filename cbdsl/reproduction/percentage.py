@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import math
 
+from cbdsl.numeric.proportion import exact_interval
 from cbdsl.reproduction.claim import Claim
-from cbdsl.reproduction.interval import exact_interval
 from cbdsl.reproduction.quantity import Quantity
 
 

@@ -11,9 +11,9 @@ from numpy.typing import NDArray
 
 from cbdsl.learning.constants import AccommodateConstants
 from cbdsl.learning.decisions import Decisions
+from cbdsl.numeric.proportion import TAIL
 from cbdsl.program.transition import Transition
 from cbdsl.reproduction.claim import Interval, at_least, in_hindsight
-from cbdsl.reproduction.interval import TAIL
 from cbdsl.reproduction.quantity import Quantity
 from cbdsl.reproduction.series import Series
 from cbdsl.training.trial import Trial, used_programs

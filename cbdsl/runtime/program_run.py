@@ -12,12 +12,13 @@ from cbdsl.control.plan import ControllerPlan
 from cbdsl.control.predicate import PREDICATE
 from cbdsl.program.checked import Action, CheckedProgram
 from cbdsl.program.controller import Composition, Controller, Primitive
-from cbdsl.program.schema_policy import ContextPolicy, SchemaPolicy
+from cbdsl.program.own_policy import own_policy
+from cbdsl.program.schema_policy import ContextPolicy
 from cbdsl.program.transition import Transition
 from cbdsl.runtime.context import ContextReader
 from cbdsl.runtime.controller_run import ControllerRun
 from cbdsl.sensing.signals import Signals
-from cbdsl.types.policy import DeferredPolicy, Policy, WrittenPolicy
+from cbdsl.types.policy import DeferredPolicy, Policy, ReasonedPolicy
 from cbdsl.types.state import matches
 
 Listener = Callable[[Transition], None]
@@ -90,9 +91,7 @@ class ProgramRun:
         self._depth = depth
         schema = program.schema
         self._context = None if schema is None else ContextReader(schema, signals)
-        self._written: Policy = (
-            WrittenPolicy(program.policy) if schema is None else SchemaPolicy(program)
-        )
+        self._written = own_policy(program)
         self._actions = {action.name: action for action in program.actions}
         first = len(plan.slots)
         make = _ControllerRuns(signals, plan, period)
@@ -396,7 +395,7 @@ class ProgramRun:
                 run.deactivate()
 
     def _no_action(self, changed: bool) -> str:
-        if isinstance(self._policy, ContextPolicy) and self._policy.reason:
+        if isinstance(self._policy, ReasonedPolicy) and self._policy.reason:
             return f"{self.program.name}: {self._policy.reason}"
         if changed:
             return f"{self.program.name} has no action for state {self.state}"

@@ -16,7 +16,7 @@ from cbdsl.documents.catalog import (
 from cbdsl.learning.action_outcome import ActionOutcome
 from cbdsl.learning.affordance import Affordance
 from cbdsl.learning.exploration import Exploration
-from cbdsl.learning.proportion import wilson_interval
+from cbdsl.numeric.proportion import exact_interval
 from cbdsl.numeric.sample_statistics import SampleStatistics
 from cbdsl.training.explorable import Explorable
 
@@ -76,7 +76,7 @@ def _section(
         **{"with": dict(program.parameters)},
         tried=tried,
         rewarded=rewarded,
-        interval=wilson_interval(rewarded, tried) if tried else None,
+        interval=_interval(rewarded, tried) if tried else None,
         features={
             key: FeatureSection(
                 signal=action.features[key].name,
@@ -91,6 +91,11 @@ def _section(
         value=_rounded(values.get(name, 0.0)),
         failed=failure if affordance.failed else "",
     )
+
+
+def _interval(rewarded: int, tried: int) -> tuple[float, float]:
+    low, high = exact_interval(rewarded, tried)
+    return _rounded(low), _rounded(high)
 
 
 def _habituation(name: str, exploration: Exploration, affordance: Affordance) -> Habituation | None:

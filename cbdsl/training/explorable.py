@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator, Mapping
-from dataclasses import dataclass, field
+from collections.abc import Callable, Collection, Iterator, Mapping
+from dataclasses import dataclass, field, replace
 
 from cbdsl.documents.digest import ProgramDigest
 from cbdsl.documents.robot import RobotDocument
@@ -11,6 +11,9 @@ from cbdsl.learning.action_outcome import FeatureForm
 from cbdsl.program.checked import CheckedProgram
 from cbdsl.program.controller import Controller
 from cbdsl.types.resource import Heading, Resource, StereoPosition, SurfacePoint
+
+#: Stands for a channel that is found while the action runs.
+OPEN = "?"
 
 
 @dataclass(frozen=True)
@@ -95,6 +98,31 @@ def explorable(
     """
     read = features_of(program, resources)
     return None if read is None else Explorable(name, program, digest, *read)
+
+
+def with_marks(
+    name: str,
+    values: Mapping[str, str],
+    bind: Callable[[str, Mapping[str, str]], Explorable],
+    robot: RobotDocument,
+) -> Explorable:
+    """An action of which a value may be open (``?``): one mark for each channel that it can be.
+
+    Args:
+        name: in the catalog.
+        values: of its program's parameters, at most one of them open.
+        bind: an action from its name and its values.
+        robot: has the channels; that of the action itself is left out.
+    """
+    closed = {key: value for key, value in values.items() if value != OPEN}
+    action = bind(name, closed)
+    own = {action.program.parameters.get("feature", "")}
+    marks = {
+        channel: bind(f"{name}_{channel}", {**closed, key: channel})
+        for key in values.keys() - closed.keys()
+        for channel in other_hues(robot, own)
+    }
+    return replace(action, marks=marks)
 
 
 def other_hues(robot: RobotDocument, own: Collection[str]) -> list[str]:

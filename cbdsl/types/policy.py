@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Protocol
+from typing import Protocol, runtime_checkable
 
 from cbdsl.types.state import closest_first, matches
 
@@ -18,6 +18,21 @@ class Policy(Protocol):
             state: predicates, one character per member.
             changed: whether the last action changed the state.
         """
+        ...
+
+
+@runtime_checkable
+class ReasonedPolicy(Protocol):
+    """A policy that says why it has no action.
+
+    Attributes:
+        reason: why the last choice was none, as a clause; empty where the policy has no action.
+    """
+
+    reason: str
+
+    def choose(self, state: str, *, changed: bool) -> str | None:
+        """See ``Policy.choose``."""
         ...
 
 

@@ -27,6 +27,12 @@ def matches(pattern: str, state: str) -> bool:
     return all(letter in (ANY, own) for letter, own in zip(pattern, state, strict=True))
 
 
+def at_rest_anew(before: str, after: str) -> bool:
+    """Whether a member is at rest in the later of two states that was not so in the earlier."""
+    rest = Predicate.QUIESCENT
+    return any(now == rest != then for then, now in zip(before, after, strict=True))
+
+
 def overlap(one: str, other: str) -> str | None:
     """Pattern of the states that match both of two patterns, ``None`` where there are none."""
     letters = []

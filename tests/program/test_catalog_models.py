@@ -6,14 +6,18 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import yaml
 
 from cbdsl.backends.kinematic.backend import KinematicBackend
 from cbdsl.checking.findings import Findings
 from cbdsl.checking.program import examine_program
 from cbdsl.checking.schema import checked_schema
 from cbdsl.checking.session import Session
+from cbdsl.documents.catalog import CatalogDocument
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.documents.schema import SchemaDocument
+from cbdsl.numeric.affordance import deviation_of
+from cbdsl.program.catalog_models import models_of
 from cbdsl.program.checked import CheckedProgram
 from cbdsl.runtime.episode import Runner, Tick
 from cbdsl.sensing.kinematics import Kinematics
@@ -112,3 +116,30 @@ def test_a_schema_chooses_by_what_is_likely_to_be_rewarded(
     runner.run(stage, 3, "in_view", lambda each: transitions.append(each.allocation), note)
     assert read and (np.median(read) > 0.9 if arm == "right" else np.median(read) < 0.1)
     assert arm in transitions
+
+
+@pytest.mark.parametrize(
+    ("constants", "deviation", "prior"),
+    [({}, deviation_of("m"), 1.0), ({"units": "si", "prior": 4.0}, 1.0, 4.0)],
+)
+def test_a_model_has_the_prior_that_it_was_explored_with(
+    constants: dict[str, object], deviation: float, prior: float
+) -> None:
+    identity = {"name": "any", "sha256": "0" * 64}
+    provenance = {
+        "command": "cb explore",
+        "programs": {"reachtouch": identity},
+        "robot": identity,
+        "stage": identity,
+        "algorithm": "explore_catalog",
+        "constants": constants,
+        "seed": 1,
+        "actions": 80,
+        "backend": "kinematic",
+        "renderer": "ideal",
+        "versions": {},
+    }
+    document = CatalogDocument.model_validate(yaml.safe_load(CATALOG) | {"provenance": provenance})
+    model = models_of(document)["reachtouch"]
+    assert model.scale.tolist() == [deviation] * 3
+    assert model.prior == prior

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from pathlib import Path
 
 import numpy as np
@@ -46,13 +47,13 @@ def test_what_is_kept_is_not_searched_again(tmp_path: Path) -> None:
 
 
 def test_empty_channels_are_told() -> None:
-    found = [TrackedPostures(f"hue_{n}", (HERE,) if n < 9 else (), n > 8) for n in range(1, 11)]
+    found = [TrackedPostures(f"hue_{n}", (HERE,) if n < 10 else (), n > 9) for n in range(1, 11)]
     found += [TrackedPostures(f"sat_{n}", (), True) for n in range(1, 11)]
     saturation, hue, intensity = quantities(found)
-    assert hue.ours == 8 and hue.verdict is Verdict.REPRODUCED
-    assert hue.note.endswith("empty: hue_9, hue_10")
+    assert hue.ours == 90 and hue.verdict is Verdict.REPRODUCED
+    assert hue.note.endswith("empty: hue_10")
     assert saturation.verdict is Verdict.MISSED
-    assert intensity.ours == 0
+    assert math.isnan(intensity.ours), "of no channels"
 
 
 def test_panels_show_what_is_there_and_say_what_is_not() -> None:

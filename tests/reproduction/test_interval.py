@@ -1,4 +1,4 @@
-"""Intervals: exact for proportions, bootstrapped for means."""
+"""Intervals: bootstrapped for means and medians."""
 
 from __future__ import annotations
 
@@ -11,40 +11,12 @@ from hypothesis import strategies as st
 
 from cbdsl.reproduction.interval import (
     bootstrap_interval,
-    exact_interval,
     interquartile_interval,
     interquartile_mean,
     interval_of,
     median_interval,
     resampled_interval,
 )
-
-
-def at_least(hits: int, trials: int, p: float) -> float:
-    return sum(
-        math.comb(trials, i) * p**i * (1 - p) ** (trials - i) for i in range(hits, trials + 1)
-    )
-
-
-@given(st.integers(1, 60).flatmap(lambda n: st.tuples(st.integers(0, n), st.just(n))))
-def test_at_the_ends_of_an_exact_interval_the_tails_are_a_fortieth(case: tuple[int, int]) -> None:
-    hits, trials = case
-    low, high = exact_interval(hits, trials)
-    assert 0 <= low <= hits / trials <= high <= 1
-    if hits:
-        assert at_least(hits, trials, low) == pytest.approx(0.025, abs=1e-6)
-    if hits < trials:
-        assert 1 - at_least(hits + 1, trials, high) == pytest.approx(0.025, abs=1e-6)
-
-
-def test_all_of_a_hundred() -> None:
-    assert exact_interval(100, 100) == pytest.approx((0.96378, 1.0), abs=1e-5)
-
-
-@pytest.mark.parametrize(("hits", "trials"), [(0, 0), (-1, 5), (6, 5)])
-def test_what_is_no_proportion_is_refused(hits: int, trials: int) -> None:
-    with pytest.raises(ValueError, match="no proportion"):
-        exact_interval(hits, trials)
 
 
 def test_bootstrapped_intervals_of_normal_samples_are_about_two_standard_errors() -> None:

@@ -10,6 +10,7 @@ from pathlib import Path
 import pytest
 
 import cbdsl.reproduction
+from cbdsl.reproduction import registry
 from cbdsl.reproduction.experiment import Experiment
 from cbdsl.reproduction.registry import EXPERIMENTS
 
@@ -28,6 +29,8 @@ def test_every_experiment_is_registered_once() -> None:
         )
     }
     assert {each.module for each in EXPERIMENTS.values()} == measuring
+    lines = Path(registry.__file__).read_text("utf-8").count("    Experiment(")
+    assert lines == len(EXPERIMENTS), "two have one name"
     alone = [each.module for each in EXPERIMENTS.values() if not each.learns]
     assert len(set(alone)) == len(alone)
 

@@ -38,7 +38,7 @@ def with_policy(
         assert path is not None, "a policy without findings names models that are there"
         document = library.read(path, ModelDocument).document
         sources[name] = density_source(document.effector, document.density)
-    return bind(program._replace(policy=loaded.document.policy), sources)
+    return bind(program._replace(policy=loaded.document.policy, is_learned=True), sources)
 
 
 def check_policy(

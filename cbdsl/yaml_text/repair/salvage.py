@@ -67,9 +67,7 @@ class _Salvage(Generic[D]):
             self._leave_out(_faulty(self._source.root, ()))
         for _ in range(_MOST_ROUNDS):
             try:
-                document = self._model.model_validate(
-                    self._source.root.plain(), context=self._context
-                )
+                document = self._validated()
             except ValidationError as error:
                 self._mend(error.errors(include_url=False))
             else:

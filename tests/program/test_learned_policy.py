@@ -1,0 +1,102 @@
+"""Learned policies end where their tables go in circles."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from cbdsl.backends.kinematic.backend import KinematicBackend
+from cbdsl.documents.robot import RobotDocument
+from cbdsl.program.checked import CheckedProgram
+from cbdsl.program.learned_policy import LearnedPolicy
+from cbdsl.program.own_policy import own_policy
+from cbdsl.runtime.episode import EpisodeResult, Runner
+from cbdsl.sensing.kinematics import Kinematics
+from cbdsl.types.policy import WrittenPolicy
+from tests.backends.conftest import stage_named
+from tests.conftest import Checked
+
+TABLE = {
+    "X0-": "reach ◁ touch",
+    "X1-": "searchtrack",
+    "0XX": "searchtrack",
+    "1XX": "touch ◁ reach",
+    "***": "searchtrack",
+}
+ROUND = ("X0-", "X1-", "0XX", "1XX")
+
+
+@pytest.fixture
+def learned(checked: Checked) -> CheckedProgram:
+    """REACHTOUCH under a table that always tries again."""
+    return checked("reachtouch")._replace(policy=TABLE, is_learned=True)
+
+
+def choices(policy: LearnedPolicy, *states: str) -> list[str | None]:
+    return [policy.choose(state, changed=True) for state in states]
+
+
+def test_it_chooses_as_its_table_does(learned: CheckedProgram) -> None:
+    policy, table = LearnedPolicy(learned), WrittenPolicy(TABLE)
+    states = ("XXX", *ROUND * 5)
+    assert choices(policy, *states) == [table.choose(state, changed=True) for state in states]
+    assert policy.choose("X0-", changed=False) is None
+    assert policy.reason == "", "as any table that changed nothing"
+
+
+def test_it_ends_where_the_same_comes_to_rest_time_and_again(learned: CheckedProgram) -> None:
+    policy = LearnedPolicy(learned)
+    *before, last = choices(policy, "XXX", *(ROUND * 8)[:-2])
+    assert None not in before and last is None
+    assert policy.reason == "it goes in circles: X0- -> X1- 8 times without a reward"
+
+
+def test_contact_that_comes_and_goes_is_no_circle(learned: CheckedProgram) -> None:
+    """Only rest takes its time; letters of a touch may flicker."""
+    policy = LearnedPolicy(learned)
+    assert None not in choices(policy, "XXX", *("X0-", "X00") * 50)
+
+
+def test_what_has_failed_is_not_started_again_at_once(learned: CheckedProgram) -> None:
+    policy = LearnedPolicy(learned)
+    assert choices(policy, "XXX", "0XX") == ["searchtrack"] * 2
+    assert policy.choose("-XX", changed=True) is None
+    assert policy.reason.startswith("searchtrack has failed")
+
+
+def test_it_begins_anew_where_nothing_is_active(learned: CheckedProgram) -> None:
+    policy = LearnedPolicy(learned)
+    choices(policy, "XXX", *ROUND * 7)
+    assert None not in choices(policy, "XXX", *ROUND * 7)
+
+
+def test_where_references_are_drawn_every_round_goes_elsewhere(checked: Checked) -> None:
+    program = checked("searchtrack")._replace(is_learned=True, policy={"**": "track ◁ search"})
+    assert None not in choices(LearnedPolicy(program), "XX", *("0-", "1-") * 40)
+
+
+def test_written_tables_go_round_as_often_as_they_say(learned: CheckedProgram) -> None:
+    written = own_policy(learned._replace(is_learned=False))
+    assert isinstance(written, WrittenPolicy)
+    assert isinstance(own_policy(learned), LearnedPolicy)
+
+
+@pytest.mark.parametrize(
+    ("stage", "clause"), [("out_of_reach", "circles"), ("absent", "searchtrack has failed")]
+)
+def test_an_episode_in_vain_is_over_soon_and_says_why(
+    learned: CheckedProgram,
+    dexter: RobotDocument,
+    urdf: Path,
+    kinematics: Kinematics,
+    stage: str,
+    clause: str,
+) -> None:
+    def play(program: CheckedProgram) -> EpisodeResult:
+        body = KinematicBackend(dexter, urdf)
+        return Runner(dexter, kinematics, program, body).run(stage_named(stage), 5600100)
+
+    result = play(learned)
+    assert not result.rewarded and clause in result.ending
+    assert result.sim_seconds < 0.6 * play(learned._replace(is_learned=False)).sim_seconds
