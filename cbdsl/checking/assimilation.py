@@ -39,28 +39,44 @@ def program_to_assimilate(
     Raises:
         UsageError: it has one allocation only, or sees nothing that it could go by.
     """
-    fitting = [each for each in allocations(path, session, values) if each.program is not None]
+    fitting = _fitting(path, session, values)
     if len(fitting) < 2:
         raise UsageError(
             f"{path}: there is nothing to choose: of its resources one allocation fits; "
             f"see cb show allocations {path.stem}"
         )
     variants = {
-        _name(each): with_policy(each.program, policy, session.library)
-        for each in sorted(fitting, key=lambda each: not _is_default(each, path, session))
-        if each.program is not None
+        name: with_policy(program, policy, session.library)
+        for name, (program, _) in fitting.items()
     }
     base = next(iter(variants.values()))
     features = _features(base, _resources(base, path, session))
     if not features:
         raise UsageError(f"{path}: no controller goes by a seen position, so there is no context")
     worth = state_values(policy.document.policy, policy.document.transitions)
-    chosen = {_name(each): each.values for each in fitting}
-    allotted = {name: chosen[name] for name in variants}
+    allotted = {name: values for name, (_, values) in fitting.items()}
     schema = Schema(
         policy.document.name, features, allotted, otherwise=tuple(variants), worth=worth
     )
     return allocate(variants, schema)
+
+
+def variants_of(
+    path: Path, session: Session, values: Mapping[str, str]
+) -> dict[str, CheckedProgram]:
+    """A program under each of its allocations, its own first, by name; see ``allocations``."""
+    return {name: program for name, (program, _) in _fitting(path, session, values).items()}
+
+
+def _fitting(
+    path: Path, session: Session, values: Mapping[str, str]
+) -> dict[str, tuple[CheckedProgram, Mapping[str, str]]]:
+    """The allocations that fit, with the values of their parameters, by name."""
+    found = sorted(
+        allocations(path, session, values),
+        key=lambda each: not _is_default(each, path, session),
+    )
+    return {_name(each): (each.program, each.values) for each in found if each.program is not None}
 
 
 def _name(allocation: Allocation) -> str:

@@ -63,8 +63,12 @@ class Accommodate:
         self.counts.add(transition.state, transition.action, transition.next_state)
         over = self._decisions.over(transition)
         if over is not None:
-            ended = over.reward > 0
+            ended = self.ends(over)
             self.values.update(over.state, over.action, over.reward, over.next_state, ended=ended)
+
+    def ends(self, decision: Transition) -> bool:
+        """Whether nothing follows a decision that is worth anything."""
+        return decision.reward > 0
 
     def remember(self, experience: Experience) -> None:
         """Take in the rewarded configurations of a finished episode (line 19)."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
 from cbdsl.program.checked import Action, CheckedProgram
 from cbdsl.program.controller import Composition, Primitive
@@ -42,14 +42,17 @@ def in_place_of(
 ) -> CheckedProgram:
     """Another program with the members and actions of the one that it stands in for, in its order.
 
+    Which part of an action leads is for the one to say who does it: two hands that press with the
+    arms by which they reach cannot press below the reach. So where its own policy chooses the same
+    parts in another order only, they are in that order.
+
     Args:
         program: that keeps its name.
         other: what stands in for it.
         names: as ``correspondence`` has them.
     """
-    actions = {
-        renamed.name: renamed for each in other.actions for renamed in [_renamed(each, names)]
-    }
+    own = {each.name: _renamed(each, names) for each in other.actions}
+    chosen = [own[name] for name in dict.fromkeys(other.policy.values()) if name in own]
     primitives = {
         names[name]: primitive._replace(name=names[name])
         for name, primitive in other.primitives.items()
@@ -58,9 +61,25 @@ def in_place_of(
         name=program.name,
         members=program.members,
         primitives={name: primitives[name] for name in program.primitives},
-        actions=tuple(actions[each.name] for each in program.actions),
+        actions=tuple(_as_chosen(each, list(own.values()), chosen) for each in program.actions),
         policy=program.policy,
     )
+
+
+def _as_chosen(action: Action, known: Sequence[Action], chosen: Sequence[Action]) -> Action:
+    """What stands in for an action, under its name: of the same parts, as they are chosen."""
+    exact = next(each for each in known if each.name == action.name)
+    same = [each for each in chosen if _parts(each) == _parts(exact)]
+    if not same or exact in same:
+        return exact
+    return same[0]._replace(name=action.name)
+
+
+def _parts(action: Action) -> frozenset[str]:
+    """Names of the primitives of an action, or of its program."""
+    if action.composition is None:
+        return frozenset({action.name})
+    return frozenset(each.name for each in action.composition.primitives)
 
 
 def _by_kind(program: CheckedProgram) -> dict[_Kind, str] | None:

@@ -26,6 +26,7 @@ from cbdsl.program.checked import CheckedProgram
 from cbdsl.program.transition import Transition
 from cbdsl.reproduction.experiment import RunSettings
 from cbdsl.reproduction.exploration_series import ExplorationSeries
+from cbdsl.reproduction.handedness_series import HandednessSeries
 from cbdsl.reproduction.series import Series
 from cbdsl.reproduction.shipped import shipped_file, shipped_robot
 from cbdsl.sensing.kinematics import Kinematics
@@ -93,6 +94,10 @@ class TrialRunner:
         robot: that it embodies.
         kinematics: of the same robot.
         observer: is told of each episode that is run, and may end it all.
+
+    Attributes:
+        robot: that is embodied.
+        library: of the shipped documents.
     """
 
     def __init__(
@@ -104,21 +109,26 @@ class TrialRunner:
         observer: TrialObserver | None = None,
     ) -> None:
         self._settings = settings
-        self._body, self._robot, self._kinematics = body, robot, kinematics
+        self._body, self.robot, self._kinematics = body, robot, kinematics
         self._observer = observer or NullObserver()
-        self._library = Library(shipped())
+        self.library = Library(shipped())
         self._done = self._expected = 0
+
+    @property
+    def renderer(self) -> str:
+        """What makes the images."""
+        return self._body.renderer
 
     def expect(self, episodes: int) -> None:
         """Tell those who watch that so many more episodes are to come."""
         self._expected += episodes
 
-    def numbers(self, series: Series | ExplorationSeries) -> list[int]:
+    def numbers(self, series: Series | ExplorationSeries | HandednessSeries) -> list[int]:
         """The trials of a series that are to be run."""
         numbers = range(trials(self._settings, series))
         return [each for each in numbers if self._settings.only in (None, each)]
 
-    def episodes(self, series: Series) -> int:
+    def episodes(self, series: Series | HandednessSeries) -> int:
         """How many episodes each of them has."""
         return _QUICK_EPISODES if self._settings.quick else series.episodes
 
@@ -149,9 +159,7 @@ class TrialRunner:
     def _explore(self, series: ExplorationSeries, number: int) -> CatalogDocument:
         settings, count, done = self._settings, self.actions(series), 0
         where = settings.backend, settings.cameras
-        task = series.task(
-            self._library, self._robot, shipped_dexter()[1], self._path(series, number)
-        )
+        task = series.task(self.library, self.robot, shipped_dexter()[1], self.path(series, number))
         task = replace(
             task,
             backend=settings.backend,
@@ -174,11 +182,11 @@ class TrialRunner:
 
     def program(self, series: Series) -> CheckedProgram:
         """The program of a series, with the actions to choose from."""
-        program = check_program(self._file(series), {}, self._library)
+        program = check_program(self._file(series), {}, self.library)
         return program._replace(actions=series.actions(program))
 
     def _file(self, series: Series) -> Path:
-        return shipped_file(self._library, ProgramDocument, series.program)
+        return shipped_file(self.library, ProgramDocument, series.program)
 
     def greedy(
         self,
@@ -206,7 +214,7 @@ class TrialRunner:
         policy = WrittenPolicy(actions)
         same = {each.seed: each for each in known if _chooses(policy, each)}
         program = trial.informed_program() if program is None else program
-        classroom = self._classroom(learned.stage)
+        classroom = self.classroom(learned.stage)
         path = learned.path.with_suffix(f".{name}.jsonl")
         identity = identity_of(learned.provenance) | {"policy": actions}
         with Journal(path, identity) as journal:
@@ -234,8 +242,8 @@ class TrialRunner:
         settings, episodes = self._settings, self.episodes(series)
         stage = self._stage(series)
         setting = TrialSetting(
-            digest=program_digest(self._file(series), self._library),
-            robot=self._robot,
+            digest=program_digest(self._file(series), self.library),
+            robot=self.robot,
             stage=stage,
             backend=settings.backend,
             renderer=self._body.renderer,
@@ -246,19 +254,20 @@ class TrialRunner:
         where = settings.backend, settings.cameras
         command = series.command(settings.seed, count, episodes, *where)
         provenance = provenance_of(trial, setting, episodes, command)
-        path = self._path(series, number)
+        path = self.path(series, number)
         with open_journal(path, provenance) as journal:
-            run_trial(trial, self._classroom(stage), journal, provenance, path, self)
+            run_trial(trial, self.classroom(stage), journal, provenance, path, self)
         return LearnedTrial(trial, provenance, stage, path)
 
     def _stage(self, series: Series) -> StageDocument:
-        file = shipped_file(self._library, StageDocument, series.stage)
-        return self._library.read(file, StageDocument).document
+        file = shipped_file(self.library, StageDocument, series.stage)
+        return self.library.read(file, StageDocument).document
 
-    def _classroom(self, stage: StageDocument) -> BackendEpisodeRunner:
-        return BackendEpisodeRunner(self._robot, self._kinematics, self._body, stage)
+    def classroom(self, stage: StageDocument) -> BackendEpisodeRunner:
+        """What runs episodes of a stage."""
+        return BackendEpisodeRunner(self.robot, self._kinematics, self._body, stage)
 
-    def _path(self, series: Series | ExplorationSeries, number: int) -> Path:
+    def path(self, series: Series | ExplorationSeries | HandednessSeries, number: int) -> Path:
         """Where a policy goes: trials that are not comparable have folders of their own."""
         settings = self._settings
         eyes = "" if settings.cameras is None else f"_{settings.cameras}"
@@ -271,7 +280,7 @@ class TrialRunner:
         self._settings.progress(self._done, max(self._expected, self._done))
 
 
-def trials(settings: RunSettings, series: Series | ExplorationSeries) -> int:
+def trials(settings: RunSettings, series: Series | ExplorationSeries | HandednessSeries) -> int:
     """How many trials of a series there are."""
     if settings.trials is not None:
         return settings.trials

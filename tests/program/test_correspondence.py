@@ -23,6 +23,20 @@ def test_two_hands_stand_in_for_one(checked: Checked) -> None:
     assert instead.primitives["touch"].lead.feedback.name == "hands.net_forces"
 
 
+def test_who_stands_in_has_its_own_order_of_priorities(checked: Checked) -> None:
+    one, both = checked("reachtouch"), checked("reachtouch_bimanual")
+    names = correspondence(one, both)
+    assert names is not None
+    assert set(both.policy.values()) == {"searchtrack", "reach ◁ touch"}
+    orders = {each.name: str(each.composition) for each in in_place_of(one, both, names).actions}
+    # Arms that press below the reach that holds them apart never touch anything.
+    assert orders["touch ◁ reach"] == orders["reach ◁ touch"] == "reach ◁ touch"
+    assert orders["reach"] == "reach"
+    turned = both._replace(policy=both.policy | {"X10": "touch ◁ reach"})
+    orders = {each.name: str(each.composition) for each in in_place_of(one, turned, names).actions}
+    assert orders["touch ◁ reach"] == "touch ◁ reach"
+
+
 def test_names_and_order_do_not_matter(checked: Checked) -> None:
     one, both = checked("reachtouch"), checked("reachtouch_bimanual")
     other = {"searchtrack": "look", "reach": "enclose", "touch": "squeeze"}

@@ -1,0 +1,81 @@
+"""Concurrent learner: abstract actions and their resources at once (Section 5.3.1.1)."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+from cbdsl.learning.assimilate import Assimilate, AssimilateConstants
+from cbdsl.learning.constants import AccommodateConstants
+from cbdsl.learning.decisive import Decisive
+from cbdsl.learning.experience import Experience
+from cbdsl.learning.lesson import Lesson
+from cbdsl.program.checked import CheckedProgram
+from cbdsl.program.schema_policy import SchemaPolicy
+from cbdsl.program.state_values import state_values
+from cbdsl.program.transition import Transition
+
+if TYPE_CHECKING:
+    import numpy as np
+
+
+class Concurrent:
+    """Q-learning over abstract actions, and ASSIMILATE over what they are allocated with.
+
+    Args:
+        schema: the program with all its allocations.
+        constants: of the choice of abstract actions.
+        allocating: of the choice of allocations.
+
+    Attributes:
+        accommodate, assimilate: the two parts.
+    """
+
+    is_constrained = False
+
+    def __init__(
+        self,
+        schema: CheckedProgram,
+        constants: AccommodateConstants,
+        allocating: AssimilateConstants,
+    ) -> None:
+        self._schema = schema
+        self._abstract = {action.name: action.abstract for action in schema.actions}
+        names = tuple(dict.fromkeys(self._abstract.values()))
+        programs = {
+            schema.members.index(each.name): each.name
+            for each in schema.actions
+            if each.program is not None
+        }
+        self.accommodate = Decisive(names, constants, programs)
+        self.assimilate = Assimilate(names, allocating)
+
+    def begin(self) -> None:
+        """Tell progress from failure by what the states are worth now."""
+        assert self._schema.schema is not None
+        greedy, counts = self.accommodate.greedy(), dict(self.accommodate.counts.items())
+        worth = state_values(greedy, counts) if greedy else {}
+        schema = self._schema.schema._replace(worth=worth)
+        self._known = self._schema._replace(policy=greedy, schema=schema)
+        self.assimilate.adopt(self._known)
+
+    def lesson(self, rng: np.random.Generator) -> Lesson:
+        """See ``HandednessLearner.lesson``."""
+        policy = SchemaPolicy(
+            self._known,
+            self.assimilate.ranking(rng),
+            gives_up=False,
+            declarative=self.accommodate.policy(rng),
+            persists=True,
+        )
+        return Lesson(self._known, policy)
+
+    def see(self, transition: Transition) -> None:
+        """Take in the abstract action of a transition."""
+        action = self._abstract.get(transition.action, transition.action)
+        self.accommodate.see(replace(transition, action=action))
+
+    def remember(self, experience: Experience) -> None:
+        """See ``HandednessLearner.remember``."""
+        self.accommodate.remember(experience)
+        self.assimilate.remember(experience)

@@ -1,0 +1,53 @@
+"""Lessons: what one episode of a learner of handedness runs (Section 5.3.1.1)."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, NamedTuple, Protocol
+
+from cbdsl.learning.experience import Experience
+from cbdsl.program.checked import CheckedProgram
+from cbdsl.program.transition import Transition
+from cbdsl.types.policy import Policy
+
+if TYPE_CHECKING:
+    import numpy as np
+
+
+class Lesson(NamedTuple):
+    """A program with the policy that chooses its actions."""
+
+    program: CheckedProgram
+    policy: Policy
+
+
+class HandednessLearner(Protocol):
+    """Learner that chooses actions and their resources; equal experience, equal knowledge."""
+
+    @property
+    def is_constrained(self) -> bool:
+        """Whether the next episode belongs to a first stage with the program's own arm."""
+        ...
+
+    def begin(self) -> None:
+        """Begin an episode with what is known now."""
+        ...
+
+    def lesson(self, rng: np.random.Generator) -> Lesson:
+        """What the episode that was begun runs, which may explore."""
+        ...
+
+    def see(self, transition: Transition) -> None:
+        """Take in one transition, before the next action is chosen."""
+        ...
+
+    def remember(self, experience: Experience) -> None:
+        """Take in a finished episode, besides its transitions."""
+        ...
+
+
+def replay(learner: HandednessLearner, experience: Experience) -> None:
+    """Have a learner take in an episode that was finished before."""
+    learner.begin()
+    for transition in experience.transitions:
+        learner.see(transition)
+    learner.remember(experience)

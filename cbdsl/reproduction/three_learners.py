@@ -1,0 +1,281 @@
+"""Three learners of handedness, how fast each settles and how they retry (Figures 5.8 and 5.9)."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cbdsl.learning.experience import Experience
+from cbdsl.reproduction.chart import Chart, Line
+from cbdsl.reproduction.claim import Claim, above, below, near
+from cbdsl.reproduction.estimate import mean_of
+from cbdsl.reproduction.experiment import Result, RunSettings
+from cbdsl.reproduction.handedness import HandednessTrials
+from cbdsl.reproduction.handedness_series import CONCURRENT, FLAT, STAGED, HandednessSeries
+from cbdsl.reproduction.interval import TAIL, resampled_interval
+from cbdsl.reproduction.learning_curves import per_transition, settled_at
+from cbdsl.reproduction.quantity import Quantity
+from cbdsl.reproduction.retries import retry_diagram, retry_quantities
+from cbdsl.reproduction.trial_runner import TrialRunner, trial_runner
+
+Floats = NDArray[np.float64]
+Statistic = Callable[[Floats], float]
+
+# Episodes at the end that tell a learner's level, and those that are looked at around the change
+# of stages.
+_LAST, _AROUND = 50, 5
+# The level that the source's learners come to, which follows from their epsilon.
+_LEVEL = 0.8
+# Episodes under the best policies.
+_BEST, _QUICK_BEST = 60, 4
+# Half of the width of a 95 % interval, in standard errors.
+_NORMAL = 1.96
+
+
+@dataclass(frozen=True)
+class Learned:
+    """The trials of one learner.
+
+    Attributes:
+        series: which learner.
+        trials: the episodes of each.
+        best: reward per transition under the best policy of the same actions.
+    """
+
+    series: HandednessSeries
+    trials: tuple[tuple[Experience, ...], ...]
+    best: float
+
+    @property
+    def raw(self) -> Floats:
+        """Reward per transition, shape (trials, episodes)."""
+        return np.array([[per_transition(each) for each in trial] for trial in self.trials])
+
+    @property
+    def rewards(self) -> Floats:
+        """The same relative to the best policy's; NaN where that earns nothing."""
+        return self.raw / self.best if self.best else self.raw * math.nan
+
+
+def series_of(name: str) -> tuple[HandednessSeries, ...]:
+    """The series of trials."""
+    return (STAGED,) if name == "fig-5.9" else (FLAT, CONCURRENT, STAGED)
+
+
+def gather(
+    dexter: TrialRunner, settings: RunSettings, name: str
+) -> dict[HandednessSeries, tuple[tuple[Experience, ...], ...]]:
+    """Run all episodes, by learner and trial."""
+    for series in series_of(name):
+        dexter.expect(len(dexter.numbers(series)) * dexter.episodes(series))
+    trials = HandednessTrials(dexter, settings.seed)
+    return {
+        series: tuple(trials.learn(series, number) for number in dexter.numbers(series))
+        for series in series_of(name)
+    }
+
+
+def run(settings: RunSettings, name: str) -> Result:
+    """Learn, and compare what was earned on the way."""
+    with trial_runner(settings) as dexter:
+        learned = gather(dexter, settings, name)
+        if name == "fig-5.9":
+            assimilated = [trial[STAGED.constrained :] for trial in learned[STAGED]]
+            quantities = tuple(retry_quantities(assimilated))
+            diagram = retry_diagram(name, HandednessTrials(dexter, settings.seed).own, assimilated)
+            return Result(quantities, (diagram,), _RETRY_NOTES)
+        optimal = HandednessTrials(dexter, settings.seed)
+        count = _QUICK_BEST if settings.quick else _BEST
+        bests = {series: optimal.optimum(series, count) for series in (FLAT, CONCURRENT)}
+    earned = {
+        series: np.array([per_transition(each) for each in best]) for series, best in bests.items()
+    }
+    groups = [
+        Learned(series, trials, float(earned[FLAT if series == FLAT else CONCURRENT].mean()))
+        for series, trials in learned.items()
+    ]
+    charts = tuple(_chart(name, groups, normalised) for normalised in (False, True))
+    return Result(tuple(quantities_of(groups, settings.seed)), charts, _notes(earned, count))
+
+
+def quantities_of(groups: Sequence[Learned], seed: int) -> Iterator[Quantity]:
+    """The order of the learners, when each has settled, and the dip of the staged one."""
+    flat, concurrent, staged = groups
+    yield _ahead(staged, concurrent, seed)
+    yield _ahead(concurrent, flat, seed)
+    for group, source, expected in (
+        (flat, "about 140", near(140, 40)),
+        (concurrent, "about 50", near(50, 20)),
+        (staged, "before the others", below(50)),
+    ):
+        yield _settles(group, source, expected, seed)
+    for group in groups:
+        yield mean_of(
+            f"{group.series.label}: normalised reward in the last {_LAST} episodes",
+            "",
+            f"{_LEVEL}",
+            group.rewards[:, -_LAST:].mean(axis=1).tolist(),
+            near(_LEVEL, 0.1),
+            seed=seed,
+            note=f"raw {group.raw[:, -_LAST:].mean():.4f}, best {group.best:.4f}",
+        )
+    yield from dip_quantities(staged, seed)
+
+
+def _ahead(one: Learned, other: Learned, seed: int) -> Quantity:
+    """How much more one learner earns than another over all episodes, relative to its best."""
+    means = [group.rewards.mean(axis=1) for group in (one, other)]
+    names = [group.series.label for group in (one, other)]
+    raw = [group.raw.mean() for group in (one, other)]
+    apart = " and ".join(_with_interval(n, m) for n, m in zip(names, means, strict=True))
+    return mean_of(
+        f"normalised reward over all episodes, {names[0]} minus {names[1]}",
+        "",
+        "above 0",
+        (means[0] - means[1]).tolist(),
+        above(0),
+        seed=seed,
+        note=f"{apart}; raw {raw[0]:.4f} and {raw[1]:.4f}",
+    )
+
+
+def _with_interval(name: str, values: Floats) -> str:
+    half = _half_width(values)
+    return f"{name} {values.mean():.3f} ± {half:.3f}"
+
+
+def _half_width(values: Floats) -> Floats:
+    """Half of the width of the mean's 95 % interval along the first axis."""
+    if len(values) < 2:
+        return np.zeros(values.shape[1:])
+    half: Floats = _NORMAL * values.std(axis=0, ddof=1) / math.sqrt(len(values))
+    return half
+
+
+def _settles(group: Learned, source: str, expected: Claim, seed: int) -> Quantity:
+    return _of_curves(
+        f"{group.series.label}: episodes until the curve stays at its level",
+        source,
+        group.rewards,
+        lambda rewards: float(settled_at(rewards)),
+        expected,
+        seed,
+    )
+
+
+def dip_quantities(staged: Learned, seed: int) -> Iterator[Quantity]:
+    """How deep the staged learner falls when the second stage begins, and for how long."""
+    first = staged.series.constrained
+    if staged.raw.shape[1] <= first + _AROUND:  # the second stage is not there
+        return
+    rewards = staged.rewards
+    before = rewards[:, first - _AROUND : first].mean(axis=1)
+    after = rewards[:, first : first + _AROUND].mean(axis=1)
+    yield mean_of(
+        f"staged: normalised reward in the {_AROUND} episodes after {first}, less that before",
+        "",
+        "a sharp drop",
+        (after - before).tolist(),
+        below(0),
+        seed=seed,
+        note=f"{before.mean():.3f} before, {after.mean():.3f} after",
+    )
+    yield _of_curves(
+        "staged: length of the drop",
+        "about 10",
+        rewards,
+        lambda some: dip_length(some, first),
+        near(10, 5),
+        seed,
+    )
+
+
+def dip_length(rewards: Floats, first: int) -> float:
+    """After how many episodes of the second stage the mean curve is back where it was.
+
+    Args:
+        rewards: by trial and episode.
+        first: episodes of the first stage.
+
+    Returns:
+        Infinite where it never comes back.
+    """
+    curve = rewards.mean(axis=0)
+    level = _LEVEL * curve[first - _AROUND : first].mean()
+    smooth = np.convolve(curve[first:], np.full(_AROUND, 1 / _AROUND), mode="valid")
+    back = np.flatnonzero(smooth >= level)
+    return float(back[0]) if len(back) else math.inf
+
+
+def _of_curves(
+    name: str, source: str, rewards: Floats, statistic: Statistic, expected: Claim, seed: int
+) -> Quantity:
+    """A number of episodes that the curve of all trials tells."""
+    value = statistic(rewards)
+    interval = None
+    if len(rewards) > 1:
+        interval = resampled_interval(list(rewards), lambda drawn: statistic(np.array(drawn)), seed)
+    return Quantity(
+        name,
+        "episodes",
+        source,
+        value if math.isfinite(value) else math.nan,
+        expected,
+        interval=interval,
+        chance=TAIL,
+    )
+
+
+def _chart(name: str, groups: Sequence[Learned], normalised: bool) -> Chart:
+    kind = "normalised reward per transition" if normalised else "reward per transition"
+    return Chart(
+        f"{name}-{'normalised' if normalised else 'raw'}",
+        f"While learning, {len(groups[0].trials)} trials, means of {_AROUND} episodes",
+        "episode",
+        kind,
+        tuple(_line(group.series.label, _of(group, normalised)) for group in groups),
+    )
+
+
+def _of(group: Learned, normalised: bool) -> Floats:
+    return group.rewards if normalised else group.raw
+
+
+def _line(label: str, rewards: Floats) -> Line:
+    kernel = np.full(_AROUND, 1 / _AROUND)
+    smooth = np.array([np.convolve(each, kernel, mode="valid") for each in rewards])
+    middle, half = smooth.mean(axis=0), _half_width(smooth)
+    x = np.arange(smooth.shape[1]) + (_AROUND + 1) / 2
+    columns = (x, middle, middle - half, middle + half)
+    return Line(label, *(tuple(each.tolist()) for each in columns))
+
+
+def _notes(earned: Mapping[HandednessSeries, Floats], count: int) -> tuple[str, ...]:
+    flat, abstract = earned[FLAT], earned[CONCURRENT]
+    return (
+        "Features are the robot's own signals on every backend: position, velocity and volume of "
+        "what both cameras see, when an action is chosen. Half of the things are large, the "
+        "others to the left or to the right; some of them move across at 5 cm/s.",
+        "Flat: seven actions without compositions, and ten predicates, of which three tell motion, "
+        "side and size. What an action has moved stays. Concurrent: five abstract actions by "
+        "Q-learning, allocations by ASSIMILATE, epsilon 0.2 for both. Staged: 25 episodes with the "
+        "right arm and small things that keep still on the right, then ASSIMILATE, in which what "
+        "abstract actions are worth is still learned, without exploring.",
+        f"Normalised: relative to what the best policy of a learner's actions earns in {count} "
+        "other episodes, which goes by the tree of Figure 5.10: "
+        f"{_with_interval('flat', flat)}, {_with_interval('concurrent and staged', abstract)}. "
+        "A REACH and a TOUCH after each other do not catch what moves.",
+        "Intervals in words and bands in pictures are means with 1.96 standard errors. A curve "
+        "stays at its level from where its mean over five episodes stays above 80 % of its last "
+        "twenty; the drop ends where it is back at 80 % of what it was.",
+    )
+
+
+_RETRY_NOTES = (
+    "Episodes of the second stage of the staged learner. A retry is a transition out of X1-, the "
+    "reach at rest and nothing felt, under another allocation than that which led there.",
+)
