@@ -20,8 +20,8 @@ from pathlib import Path
 from typing import Any
 
 from cbdsl.learning.impedance import DIRECTIONS
+from cbdsl.numeric.proportion import exact_interval
 from cbdsl.reproduction.impedance_trials import ImpedanceTrial, run_trials
-from cbdsl.reproduction.interval import exact_interval
 from cbdsl.reproduction.thing_pairs import ALL_PAIRS, OTHER_PAIRS, PAIRS
 
 TARGET = 0.8

@@ -10,13 +10,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cbdsl.learning.experience import Experience
+from cbdsl.numeric.proportion import TAIL
 from cbdsl.reproduction.chart import Chart, Line
 from cbdsl.reproduction.claim import Claim, above, below, near
 from cbdsl.reproduction.estimate import mean_of
 from cbdsl.reproduction.experiment import Result, RunSettings
 from cbdsl.reproduction.handedness import HandednessTrials
 from cbdsl.reproduction.handedness_series import CONCURRENT, FLAT, STAGED, HandednessSeries
-from cbdsl.reproduction.interval import TAIL, resampled_interval
+from cbdsl.reproduction.interval import resampled_interval
 from cbdsl.reproduction.learning_curves import per_transition, settled_at
 from cbdsl.reproduction.quantity import Quantity
 from cbdsl.reproduction.retries import retry_diagram, retry_quantities
