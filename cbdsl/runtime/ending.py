@@ -48,6 +48,9 @@ def describe(
     verdict = _VERDICTS.get(run.outcome, "Done" if run.predicate == "1" else "Not rewarded")
     if run.rewarded and not run.outcome:
         verdict = "Rewarded"
+    # Rewards on the way say nothing of what the program is for.
+    if run.program.success and not run.outcome and not run.program.reward_ends:
+        verdict = "Neither succeeded nor failed"
     reasons = _evidence(run)
     if at_limits and not (run.rewarded or run.outcome == "success"):
         reasons.append(f"at their limits were {', '.join(at_limits)}")
