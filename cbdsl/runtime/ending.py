@@ -137,7 +137,7 @@ def _lacked(lead: ControllerRun, run: ProgramRun) -> ControllerRun | None:
 
 
 def _absence(required: ControllerRun) -> str:
-    """What a required controller lacks, as a clause."""
+    """Lack of a required controller, as a clause."""
     if required.controller.task.name == "force" and not required.exhausted:
         return f"{required.controller.name} felt nothing"
     return _clause(required)
