@@ -48,6 +48,9 @@ def describe(
     verdict = _VERDICTS.get(run.outcome, "Done" if run.predicate == "1" else "Not rewarded")
     if run.rewarded and not run.outcome:
         verdict = "Rewarded"
+    # Rewards on the way say nothing of what the program is for.
+    if run.program.success and not run.outcome and not run.program.reward_ends:
+        verdict = "Neither succeeded nor failed"
     reasons = _evidence(run)
     if at_limits and not (run.rewarded or run.outcome == "success"):
         reasons.append(f"at their limits were {', '.join(at_limits)}")
@@ -134,7 +137,7 @@ def _lacked(lead: ControllerRun, run: ProgramRun) -> ControllerRun | None:
 
 
 def _absence(required: ControllerRun) -> str:
-    """What a required controller lacks, as a clause."""
+    """Lack of a required controller, as a clause."""
     if required.controller.task.name == "force" and not required.exhausted:
         return f"{required.controller.name} felt nothing"
     return _clause(required)
