@@ -114,7 +114,11 @@ class HandednessTrials:
             return Flat(at.flat, constants)
         if series == CONCURRENT:
             return Concurrent(at.schema, constants, _ALLOCATING)
-        return Staged(at.schema, at.own, constants, _ALLOCATING, series.constrained)
+        return Staged(at.schema, at.own, constants, _ALLOCATING, self.constrained(series))
+
+    def constrained(self, series: HandednessSeries) -> int:
+        """Episodes of the first stage, fewer where there are fewer in all."""
+        return min(series.constrained, self._dexter.episodes(series) // 3)
 
     def learn(self, series: HandednessSeries, number: int) -> tuple[Experience, ...]:
         """All episodes of one trial; what is kept is not run again.
@@ -171,7 +175,7 @@ class HandednessTrials:
         program = program_digest(file, dexter.library)
         return {
             "learner": series.name,
-            "constrained": series.constrained,
+            "constrained": self.constrained(series),
             "seed": self._seed,
             "number": number,
             "program": program.sha256,
