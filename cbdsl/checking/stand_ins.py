@@ -25,8 +25,10 @@ def stand_ins_of(path: Path, session: Session, values: Mapping[str, str]) -> lis
     program = examine_program(path, values, session, Findings())
     if program is None:
         return []
-    found = [each for other in _others(path, session, values) for each in stand_ins(program, other)]
-    return sorted(found, key=lambda each: program.members.index(each.member))
+    all_of_them = [
+        each for other in _others(path, session, values) for each in stand_ins(program, other)
+    ]
+    return sorted(all_of_them, key=lambda each: program.members.index(each.member))
 
 
 def _others(path: Path, session: Session, values: Mapping[str, str]) -> Iterator[CheckedProgram]:

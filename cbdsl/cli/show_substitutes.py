@@ -29,7 +29,7 @@ def show_substitutes(
         {
             "in place of": each.member,
             "program": each.program,
-            "rewarded for": str(each.affordance),
+            "rewarded for": str(each.kind),
         }
         for each in stand_ins_of(path, session, values)
     ]

@@ -8,8 +8,8 @@ from cbdsl.program.checked import Action, CheckedProgram
 from cbdsl.program.controller import Primitive
 
 
-class Affordance(NamedTuple):
-    """What a quiescence is rewarded for in the abstract: a(phi, t_in, t_out) of Eq 5.1.
+class RewardKind(NamedTuple):
+    """Kind of a rewarded quiescence, in the abstract: a(phi, t_in, t_out) of Eq 5.1.
 
     Attributes:
         potential: name of the potential.
@@ -30,12 +30,12 @@ class StandIn(NamedTuple):
     Attributes:
         member: that it stands in for.
         program: its name.
-        affordance: that both are rewarded for.
+        kind: of quiescence that both are rewarded for.
     """
 
     member: str
     program: str
-    affordance: Affordance
+    kind: RewardKind
 
 
 def stand_ins(program: CheckedProgram, other: CheckedProgram) -> list[StandIn]:
@@ -47,17 +47,17 @@ def stand_ins(program: CheckedProgram, other: CheckedProgram) -> list[StandIn]:
     if program.name in _used(other) | {other.name}:
         return []
     children = {each.name: each.program for each in program.actions if each.program is not None}
-    theirs = _all_affordances(other)
+    theirs = _all_rewards(other)
     return [
-        StandIn(name, other.name, affordance)
+        StandIn(name, other.name, kind)
         for name in program.members
         if name not in children or children[name].name != other.name
-        for affordance in sorted(
+        for kind in sorted(
             theirs
             & (
-                _all_affordances(children[name])
+                _all_rewards(children[name])
                 if name in children
-                else affordances_of(program.primitives[name])
+                else rewards_of(program.primitives[name])
             )
         )
     ]
@@ -76,7 +76,7 @@ def with_stand_in(program: CheckedProgram, member: str, other: CheckedProgram) -
     """
     primitives = {name: each for name, each in program.primitives.items() if name != member}
     left = [each for each in program.actions if each.name != member and not _has(each, member)]
-    names = [each.name for each in left]
+    names = [*(each.name for each in left), member]
     policy = {state: name for state, name in program.policy.items() if name in names}
     return program._replace(
         primitives=primitives, actions=(*left, Action(member, program=other)), policy=policy
@@ -88,15 +88,15 @@ def _has(action: Action, member: str) -> bool:
     return any(each.name == member for each in parts)
 
 
-def _all_affordances(program: CheckedProgram) -> set[Affordance]:
-    """What a program is rewarded for by any of its members."""
-    return {each for part in program.primitives.values() for each in affordances_of(part)}
+def _all_rewards(program: CheckedProgram) -> set[RewardKind]:
+    """Kinds of quiescence that any member of a program is rewarded for."""
+    return {each for part in program.primitives.values() for each in rewards_of(part)}
 
 
-def affordances_of(primitive: Primitive) -> set[Affordance]:
-    """What the quiescence of a member is rewarded for."""
+def rewards_of(primitive: Primitive) -> set[RewardKind]:
+    """Kinds of quiescence that a member is rewarded for."""
     return {
-        Affordance(each.potential, str(each.feedback.type.name), str(each.effector.type.name))
+        RewardKind(each.potential, str(each.feedback.type.name), str(each.effector.type.name))
         for each in primitive.earners
     }
 

@@ -40,7 +40,7 @@ _NORMAL = 1.96
 
 
 @dataclass(frozen=True)
-class Learned:
+class LearnerTrials:
     """The trials of one learner.
 
     Attributes:
@@ -99,7 +99,7 @@ def run(settings: RunSettings, name: str) -> Result:
         series: np.array([per_transition(each) for each in best]) for series, best in bests.items()
     }
     groups = [
-        Learned(
+        LearnerTrials(
             series,
             episodes,
             float(earned[FLAT if series == FLAT else CONCURRENT].mean()),
@@ -111,7 +111,7 @@ def run(settings: RunSettings, name: str) -> Result:
     return Result(tuple(quantities_of(groups, settings.seed)), charts, _notes(earned, count))
 
 
-def quantities_of(groups: Sequence[Learned], seed: int) -> Iterator[Quantity]:
+def quantities_of(groups: Sequence[LearnerTrials], seed: int) -> Iterator[Quantity]:
     """The order of the learners, when each has settled, and the dip of the staged one."""
     flat, concurrent, staged = groups
     yield _ahead(staged, concurrent, seed)
@@ -135,7 +135,7 @@ def quantities_of(groups: Sequence[Learned], seed: int) -> Iterator[Quantity]:
     yield from dip_quantities(staged, seed)
 
 
-def _ahead(one: Learned, other: Learned, seed: int) -> Quantity:
+def _ahead(one: LearnerTrials, other: LearnerTrials, seed: int) -> Quantity:
     """How much more one learner earns than another over all episodes, relative to its best."""
     means = [group.rewards.mean(axis=1) for group in (one, other)]
     names = [group.series.label for group in (one, other)]
@@ -165,7 +165,7 @@ def _half_width(values: Floats) -> Floats:
     return half
 
 
-def _settles(group: Learned, source: str, expected: Claim, seed: int) -> Quantity:
+def _settles(group: LearnerTrials, source: str, expected: Claim, seed: int) -> Quantity:
     return _of_curves(
         f"{group.series.label}: episodes until the curve stays at the common level",
         source,
@@ -193,7 +193,7 @@ def stable_at(rewards: Floats) -> float:
     return rewards.shape[1] + 1.0 if is_last else float(low[-1]) + 2
 
 
-def dip_quantities(staged: Learned, seed: int) -> Iterator[Quantity]:
+def dip_quantities(staged: LearnerTrials, seed: int) -> Iterator[Quantity]:
     """How deep the staged learner falls when the second stage begins, and for how long."""
     first = staged.constrained
     if not _AROUND <= first <= staged.raw.shape[1] - _AROUND:  # the second stage is not there
@@ -256,7 +256,7 @@ def _of_curves(
     )
 
 
-def _chart(name: str, groups: Sequence[Learned], normalised: bool) -> Chart:
+def _chart(name: str, groups: Sequence[LearnerTrials], normalised: bool) -> Chart:
     kind = "normalised reward per transition" if normalised else "reward per transition"
     return Chart(
         f"{name}-{'normalised' if normalised else 'raw'}",
@@ -267,7 +267,7 @@ def _chart(name: str, groups: Sequence[Learned], normalised: bool) -> Chart:
     )
 
 
-def _of(group: Learned, normalised: bool) -> Floats:
+def _of(group: LearnerTrials, normalised: bool) -> Floats:
     return group.rewards if normalised else group.raw
 
 

@@ -1,4 +1,4 @@
-"""The staged learner's stages: one arm and exploring, then all arms and values that still change."""
+"""Stages of the staged learner: one arm and exploring, then all, and values that still change."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from cbdsl.documents.program import ProgramDocument
 from cbdsl.learning.assimilate import AssimilateConstants
 from cbdsl.learning.constants import AccommodateConstants
 from cbdsl.learning.experience import Experience
-from cbdsl.learning.lesson import replay
+from cbdsl.learning.handedness_learner import replay
 from cbdsl.learning.staged import Staged
 from cbdsl.program.transition import Transition
 from cbdsl.reproduction.shipped import shipped_file
@@ -43,11 +43,11 @@ def test_the_first_stage_is_the_own_arm(learner: Staged) -> None:
     for _ in range(2):
         assert learner.is_constrained
         learner.begin()
-        assert learner.lesson(rng).program.schema is None
+        assert learner.plan(rng).program.schema is None
         replay(learner, episode("X0-", LEADING, "X11", 1))
     assert not learner.is_constrained
     learner.begin()
-    assert learner.lesson(rng).program.schema is not None
+    assert learner.plan(rng).program.schema is not None
 
 
 def test_a_choice_that_fails_with_other_arms_is_given_up(learner: Staged) -> None:

@@ -15,21 +15,21 @@ from cbdsl.reproduction.experiment import RunSettings
 from cbdsl.reproduction.handedness_series import CONCURRENT, FLAT, STAGED, HandednessSeries
 from cbdsl.reproduction.quantity import Quantity, Verdict
 from cbdsl.reproduction.retries import retries
-from cbdsl.reproduction.three_learners import Learned, dip_length, quantities_of, stable_at
+from cbdsl.reproduction.three_learners import LearnerTrials, dip_length, quantities_of, stable_at
 
 from .series import experience
 
 TRIALS, EPISODES, FIRST = 100, 200, 25
 
 
-def learned(series: HandednessSeries, chances: np.ndarray, seed: int) -> Learned:
+def learned(series: HandednessSeries, chances: np.ndarray, seed: int) -> LearnerTrials:
     """Trials whose episodes are rewarded by chance, in one transition each."""
     rng = np.random.default_rng(seed)
     trials = tuple(
         tuple(experience(("XX", "a", "X1"), reward=int(rng.random() < p)) for p in chances)
         for _ in range(TRIALS)
     )
-    return Learned(series, trials, 1.0, series.constrained)
+    return LearnerTrials(series, trials, 1.0, series.constrained)
 
 
 def step(at: int, low: float = 0.05) -> np.ndarray:
