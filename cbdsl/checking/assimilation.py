@@ -72,11 +72,13 @@ def _fitting(
     path: Path, session: Session, values: Mapping[str, str]
 ) -> dict[str, tuple[CheckedProgram, Mapping[str, str]]]:
     """The allocations that fit, with the values of their parameters, by name."""
-    found = sorted(
+    ordered = sorted(
         allocations(path, session, values),
         key=lambda each: not _is_default(each, path, session),
     )
-    return {_name(each): (each.program, each.values) for each in found if each.program is not None}
+    return {
+        _name(each): (each.program, each.values) for each in ordered if each.program is not None
+    }
 
 
 def _name(allocation: Allocation) -> str:

@@ -55,7 +55,7 @@ def substitutes(
         file = library.find(ProgramDocument, name, path)
         if program is None or file is None or library.real(file) == library.real(path):
             continue
-        other = _examined(file, document, values, session, examine)
+        other = examined(file, document, values, session, examine)
         if other is not None and affordances(other) & wanted:
             yield _substitute(program, other)
 
@@ -76,7 +76,7 @@ def stand_in(
     document = session.library.read(path, ProgramDocument).document
     own = {key: value for key, value in values.items() if key in document.parameters}
     program = examine(path, own, Findings())
-    other = None if file is None else _examined(file, document, values, session, examine)
+    other = None if file is None else examined(file, document, values, session, examine)
     if program is None or other is None:
         return None, f"there is no sound program '{name}' for robot '{document.robot}'"
     substitute = _substitute(program, other)
@@ -89,7 +89,7 @@ def _wanted(document: ProgramDocument) -> set[str]:
     return {each.type for each in kinds if each is not None and each.kind == PROGRAM}
 
 
-def _examined(
+def examined(
     file: Path,
     document: ProgramDocument,
     values: Mapping[str, str],

@@ -19,6 +19,7 @@ from cbdsl.cli.show_plugins import (
 from cbdsl.cli.show_policy import show_policy
 from cbdsl.cli.show_program import show_program
 from cbdsl.cli.show_schema import show_schema
+from cbdsl.cli.show_substitutes import show_substitutes
 
 if TYPE_CHECKING:
     from cbdsl.types.potential import PotentialType
@@ -114,6 +115,7 @@ show.command("kinds")(show_kinds)
 show.command("backends")(show_backends)
 show.command("program")(show_program)
 show.command("allocations")(show_allocations)
+show.command("substitutes")(show_substitutes)
 show.command("policy")(show_policy)
 show.command("mesh")(show_mesh)
 show.command("schema")(show_schema)

@@ -9,7 +9,7 @@ from cbdsl.learning.assimilate import Assimilate, AssimilateConstants
 from cbdsl.learning.constants import AccommodateConstants
 from cbdsl.learning.decisive import Decisive
 from cbdsl.learning.experience import Experience
-from cbdsl.learning.lesson import Lesson
+from cbdsl.learning.handedness_learner import EpisodePlan
 from cbdsl.program.checked import CheckedProgram
 from cbdsl.program.schema_policy import SchemaPolicy
 from cbdsl.program.state_values import state_values
@@ -59,8 +59,8 @@ class Concurrent:
         self._known = self._schema._replace(policy=greedy, schema=schema)
         self.assimilate.adopt(self._known)
 
-    def lesson(self, rng: np.random.Generator) -> Lesson:
-        """See ``HandednessLearner.lesson``."""
+    def plan(self, rng: np.random.Generator) -> EpisodePlan:
+        """See ``HandednessLearner.plan``."""
         policy = SchemaPolicy(
             self._known,
             self.assimilate.ranking(rng),
@@ -68,7 +68,7 @@ class Concurrent:
             declarative=self.accommodate.policy(rng),
             persists=True,
         )
-        return Lesson(self._known, policy)
+        return EpisodePlan(self._known, policy)
 
     def see(self, transition: Transition) -> None:
         """Take in the abstract action of a transition."""

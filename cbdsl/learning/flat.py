@@ -10,7 +10,7 @@ from cbdsl.learning.constants import AccommodateConstants
 from cbdsl.learning.context_letters import context_letters
 from cbdsl.learning.decisive import Decisive
 from cbdsl.learning.experience import Experience
-from cbdsl.learning.lesson import Lesson
+from cbdsl.learning.handedness_learner import EpisodePlan
 from cbdsl.program.checked import CheckedProgram
 from cbdsl.program.transition import Transition
 from cbdsl.types.policy import Policy
@@ -44,9 +44,9 @@ class Flat:
         """See ``HandednessLearner.begin``."""
         self._before = None
 
-    def lesson(self, rng: np.random.Generator) -> Lesson:
-        """See ``HandednessLearner.lesson``."""
-        return Lesson(self._program, FlatPolicy(self.accommodate.policy(rng)))
+    def plan(self, rng: np.random.Generator) -> EpisodePlan:
+        """See ``HandednessLearner.plan``."""
+        return EpisodePlan(self._program, FlatPolicy(self.accommodate.policy(rng)))
 
     def see(self, transition: Transition) -> None:
         """Take in the transition before, of which only now the context is known that it led to."""

@@ -8,7 +8,7 @@ from cbdsl.learning.assimilate import AssimilateConstants
 from cbdsl.learning.concurrent import Concurrent
 from cbdsl.learning.constants import AccommodateConstants
 from cbdsl.learning.experience import Experience
-from cbdsl.learning.lesson import Lesson
+from cbdsl.learning.handedness_learner import EpisodePlan
 from cbdsl.program.checked import CheckedProgram
 
 if TYPE_CHECKING:
@@ -47,11 +47,11 @@ class Staged(Concurrent):
         """See ``HandednessLearner.is_constrained``."""
         return self._left > 0
 
-    def lesson(self, rng: np.random.Generator) -> Lesson:
-        """See ``HandednessLearner.lesson``."""
+    def plan(self, rng: np.random.Generator) -> EpisodePlan:
+        """See ``HandednessLearner.plan``."""
         if self.is_constrained:
-            return Lesson(self._own, self.accommodate.policy(rng))
-        return super().lesson(rng)
+            return EpisodePlan(self._own, self.accommodate.policy(rng))
+        return super().plan(rng)
 
     def remember(self, experience: Experience) -> None:
         """See ``HandednessLearner.remember``."""

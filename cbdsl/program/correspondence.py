@@ -67,7 +67,7 @@ def in_place_of(
 
 
 def _as_chosen(action: Action, known: Sequence[Action], chosen: Sequence[Action]) -> Action:
-    """What stands in for an action, under its name: of the same parts, as they are chosen."""
+    """Action of the same parts, as they are chosen, under the name of the one it stands in for."""
     exact = next(each for each in known if each.name == action.name)
     same = [each for each in chosen if _parts(each) == _parts(exact)]
     if not same or exact in same:

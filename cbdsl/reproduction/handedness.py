@@ -22,7 +22,7 @@ from cbdsl.learning.constants import AccommodateConstants
 from cbdsl.learning.context_letters import LETTERS, context_letters
 from cbdsl.learning.experience import Experience
 from cbdsl.learning.flat import Flat, FlatPolicy
-from cbdsl.learning.lesson import HandednessLearner, replay
+from cbdsl.learning.handedness_learner import HandednessLearner, replay
 from cbdsl.learning.staged import Staged
 from cbdsl.program.checked import CheckedProgram
 from cbdsl.program.schema import Ranking
@@ -99,8 +99,8 @@ class HandednessTrials:
     def __init__(self, dexter: TrialRunner, seed: int) -> None:
         self._dexter, self._seed = dexter, seed
         self._at = situation(dexter)
-        self._everything = dexter.classroom(self._at.everything)
-        self._right = dexter.classroom(self._at.right)
+        self._everything = dexter.episode_runner(self._at.everything)
+        self._right = dexter.episode_runner(self._at.right)
 
     @property
     def own(self) -> CheckedProgram:
@@ -114,7 +114,11 @@ class HandednessTrials:
             return Flat(at.flat, constants)
         if series == CONCURRENT:
             return Concurrent(at.schema, constants, _ALLOCATING)
-        return Staged(at.schema, at.own, constants, _ALLOCATING, series.constrained)
+        return Staged(at.schema, at.own, constants, _ALLOCATING, self.constrained(series))
+
+    def constrained(self, series: HandednessSeries) -> int:
+        """Episodes of the first stage, fewer where there are fewer in all."""
+        return min(series.constrained, self._dexter.episodes(series) // 3)
 
     def learn(self, series: HandednessSeries, number: int) -> tuple[Experience, ...]:
         """All episodes of one trial; what is kept is not run again.
@@ -153,10 +157,10 @@ class HandednessTrials:
         ]
 
     def _run(self, learner: HandednessLearner, seed: int) -> Experience:
-        classroom = self._right if learner.is_constrained else self._everything
+        episode_runner = self._right if learner.is_constrained else self._everything
         learner.begin()
-        program, policy = learner.lesson(np.random.default_rng([seed, _EXPLORATION]))
-        experience = classroom.run(program, policy, seed, learner.see)
+        program, policy = learner.plan(np.random.default_rng([seed, _EXPLORATION]))
+        experience = episode_runner.run(program, policy, seed, learner.see)
         learner.remember(experience)
         return experience
 
@@ -171,7 +175,7 @@ class HandednessTrials:
         program = program_digest(file, dexter.library)
         return {
             "learner": series.name,
-            "constrained": series.constrained,
+            "constrained": self.constrained(series),
             "seed": self._seed,
             "number": number,
             "program": program.sha256,

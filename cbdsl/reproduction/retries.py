@@ -55,7 +55,7 @@ def retry_quantities(trials: Sequence[Episodes]) -> Iterator[Quantity]:
 
 
 def retry_diagram(name: str, program: CheckedProgram, trials: Sequence[Episodes]) -> Diagram:
-    """What follows what in the second stage, by the abstract action that is chosen most there.
+    """Diagram of the second stage, by the abstract action that is chosen most in each state.
 
     Args:
         name: of the experiment.

@@ -18,7 +18,7 @@ from cbdsl.reproduction.experiment import Result, RunSettings
 from cbdsl.reproduction.handedness import HandednessTrials
 from cbdsl.reproduction.handedness_series import CONCURRENT, FLAT, STAGED, HandednessSeries
 from cbdsl.reproduction.interval import resampled_interval
-from cbdsl.reproduction.learning_curves import per_transition, settled_at
+from cbdsl.reproduction.learning_curves import per_transition
 from cbdsl.reproduction.quantity import Quantity
 from cbdsl.reproduction.retries import retry_diagram, retry_quantities
 from cbdsl.reproduction.trial_runner import TrialRunner, trial_runner
@@ -31,6 +31,8 @@ Statistic = Callable[[Floats], float]
 _LAST, _AROUND = 50, 5
 # The level that the source's learners come to, which follows from their epsilon.
 _LEVEL = 0.8
+# What share of a level is near it.
+_NEAR = 0.8
 # Episodes under the best policies.
 _BEST, _QUICK_BEST = 60, 4
 # Half of the width of a 95 % interval, in standard errors.
@@ -38,18 +40,20 @@ _NORMAL = 1.96
 
 
 @dataclass(frozen=True)
-class Learned:
+class LearnerTrials:
     """The trials of one learner.
 
     Attributes:
         series: which learner.
         trials: the episodes of each.
         best: reward per transition under the best policy of the same actions.
+        constrained: episodes of a first stage.
     """
 
     series: HandednessSeries
     trials: tuple[tuple[Experience, ...], ...]
     best: float
+    constrained: int = 0
 
     @property
     def raw(self) -> Floats:
@@ -83,27 +87,31 @@ def gather(
 def run(settings: RunSettings, name: str) -> Result:
     """Learn, and compare what was earned on the way."""
     with trial_runner(settings) as dexter:
-        learned = gather(dexter, settings, name)
+        learned, trials = gather(dexter, settings, name), HandednessTrials(dexter, settings.seed)
         if name == "fig-5.9":
-            assimilated = [trial[STAGED.constrained :] for trial in learned[STAGED]]
+            assimilated = [trial[trials.constrained(STAGED) :] for trial in learned[STAGED]]
             quantities = tuple(retry_quantities(assimilated))
-            diagram = retry_diagram(name, HandednessTrials(dexter, settings.seed).own, assimilated)
+            diagram = retry_diagram(name, trials.own, assimilated)
             return Result(quantities, (diagram,), _RETRY_NOTES)
-        optimal = HandednessTrials(dexter, settings.seed)
         count = _QUICK_BEST if settings.quick else _BEST
-        bests = {series: optimal.optimum(series, count) for series in (FLAT, CONCURRENT)}
+        bests = {series: trials.optimum(series, count) for series in (FLAT, CONCURRENT)}
     earned = {
         series: np.array([per_transition(each) for each in best]) for series, best in bests.items()
     }
     groups = [
-        Learned(series, trials, float(earned[FLAT if series == FLAT else CONCURRENT].mean()))
-        for series, trials in learned.items()
+        LearnerTrials(
+            series,
+            episodes,
+            float(earned[FLAT if series == FLAT else CONCURRENT].mean()),
+            trials.constrained(series),
+        )
+        for series, episodes in learned.items()
     ]
     charts = tuple(_chart(name, groups, normalised) for normalised in (False, True))
     return Result(tuple(quantities_of(groups, settings.seed)), charts, _notes(earned, count))
 
 
-def quantities_of(groups: Sequence[Learned], seed: int) -> Iterator[Quantity]:
+def quantities_of(groups: Sequence[LearnerTrials], seed: int) -> Iterator[Quantity]:
     """The order of the learners, when each has settled, and the dip of the staged one."""
     flat, concurrent, staged = groups
     yield _ahead(staged, concurrent, seed)
@@ -127,7 +135,7 @@ def quantities_of(groups: Sequence[Learned], seed: int) -> Iterator[Quantity]:
     yield from dip_quantities(staged, seed)
 
 
-def _ahead(one: Learned, other: Learned, seed: int) -> Quantity:
+def _ahead(one: LearnerTrials, other: LearnerTrials, seed: int) -> Quantity:
     """How much more one learner earns than another over all episodes, relative to its best."""
     means = [group.rewards.mean(axis=1) for group in (one, other)]
     names = [group.series.label for group in (one, other)]
@@ -157,21 +165,38 @@ def _half_width(values: Floats) -> Floats:
     return half
 
 
-def _settles(group: Learned, source: str, expected: Claim, seed: int) -> Quantity:
+def _settles(group: LearnerTrials, source: str, expected: Claim, seed: int) -> Quantity:
     return _of_curves(
-        f"{group.series.label}: episodes until the curve stays at its level",
+        f"{group.series.label}: episodes until the curve stays at the common level",
         source,
         group.rewards,
-        lambda rewards: float(settled_at(rewards)),
+        stable_at,
         expected,
         seed,
     )
 
 
-def dip_quantities(staged: Learned, seed: int) -> Iterator[Quantity]:
+def stable_at(rewards: Floats) -> float:
+    """From which episode on the mean curve stays near the level that all learners are to come to.
+
+    Args:
+        rewards: normalised, by trial and episode.
+
+    Returns:
+        More than there are episodes where it never does.
+    """
+    smooth = np.convolve(rewards.mean(axis=0), np.full(_AROUND, 1 / _AROUND), mode="valid")
+    low = np.flatnonzero(smooth < _NEAR * _LEVEL)
+    if not len(low):
+        return 1.0
+    is_last = low[-1] == len(smooth) - 1
+    return rewards.shape[1] + 1.0 if is_last else float(low[-1]) + 2
+
+
+def dip_quantities(staged: LearnerTrials, seed: int) -> Iterator[Quantity]:
     """How deep the staged learner falls when the second stage begins, and for how long."""
-    first = staged.series.constrained
-    if staged.raw.shape[1] <= first + _AROUND:  # the second stage is not there
+    first = staged.constrained
+    if not _AROUND <= first <= staged.raw.shape[1] - _AROUND:  # the second stage is not there
         return
     rewards = staged.rewards
     before = rewards[:, first - _AROUND : first].mean(axis=1)
@@ -203,13 +228,13 @@ def dip_length(rewards: Floats, first: int) -> float:
         first: episodes of the first stage.
 
     Returns:
-        Infinite where it never comes back.
+        As many as there are where it never comes back.
     """
     curve = rewards.mean(axis=0)
-    level = _LEVEL * curve[first - _AROUND : first].mean()
+    level = _NEAR * curve[first - _AROUND : first].mean()
     smooth = np.convolve(curve[first:], np.full(_AROUND, 1 / _AROUND), mode="valid")
     back = np.flatnonzero(smooth >= level)
-    return float(back[0]) if len(back) else math.inf
+    return float(back[0]) if len(back) else float(len(curve) - first)
 
 
 def _of_curves(
@@ -224,14 +249,14 @@ def _of_curves(
         name,
         "episodes",
         source,
-        value if math.isfinite(value) else math.nan,
+        value if value <= rewards.shape[1] else math.nan,
         expected,
         interval=interval,
         chance=TAIL,
     )
 
 
-def _chart(name: str, groups: Sequence[Learned], normalised: bool) -> Chart:
+def _chart(name: str, groups: Sequence[LearnerTrials], normalised: bool) -> Chart:
     kind = "normalised reward per transition" if normalised else "reward per transition"
     return Chart(
         f"{name}-{'normalised' if normalised else 'raw'}",
@@ -242,7 +267,7 @@ def _chart(name: str, groups: Sequence[Learned], normalised: bool) -> Chart:
     )
 
 
-def _of(group: Learned, normalised: bool) -> Floats:
+def _of(group: LearnerTrials, normalised: bool) -> Floats:
     return group.rewards if normalised else group.raw
 
 
@@ -271,8 +296,9 @@ def _notes(earned: Mapping[HandednessSeries, Floats], count: int) -> tuple[str, 
         f"{_with_interval('flat', flat)}, {_with_interval('concurrent and staged', abstract)}. "
         "A REACH and a TOUCH after each other do not catch what moves.",
         "Intervals in words and bands in pictures are means with 1.96 standard errors. A curve "
-        "stays at its level from where its mean over five episodes stays above 80 % of its last "
-        "twenty; the drop ends where it is back at 80 % of what it was.",
+        "stays at the common level from where its mean over five episodes stays above 80 % of "
+        f"{_LEVEL}; the drop ends where it is back at 80 % of what it was. An episode has 50 "
+        "transitions at most, half of the source's, so that a hundred trials take an hour.",
     )
 
 

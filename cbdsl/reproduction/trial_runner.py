@@ -116,7 +116,7 @@ class TrialRunner:
 
     @property
     def renderer(self) -> str:
-        """What makes the images."""
+        """Name of whatever makes the images."""
         return self._body.renderer
 
     def expect(self, episodes: int) -> None:
@@ -214,7 +214,7 @@ class TrialRunner:
         policy = WrittenPolicy(actions)
         same = {each.seed: each for each in known if _chooses(policy, each)}
         program = trial.informed_program() if program is None else program
-        classroom = self.classroom(learned.stage)
+        episode_runner = self.episode_runner(learned.stage)
         path = learned.path.with_suffix(f".{name}.jsonl")
         identity = identity_of(learned.provenance) | {"policy": actions}
         with Journal(path, identity) as journal:
@@ -222,7 +222,9 @@ class TrialRunner:
             self._advance(len(experiences))
             for seed in seeds[len(experiences) :]:
                 began = time.perf_counter()
-                experiences.append(same.get(seed) or classroom.run(program, policy, seed, _ignore))
+                experiences.append(
+                    same.get(seed) or episode_runner.run(program, policy, seed, _ignore)
+                )
                 seconds = time.perf_counter() - began
                 journal.append(experiences[-1], seconds)
                 self.note(trial.number, experiences[-1], seconds)
@@ -256,15 +258,15 @@ class TrialRunner:
         provenance = provenance_of(trial, setting, episodes, command)
         path = self.path(series, number)
         with open_journal(path, provenance) as journal:
-            run_trial(trial, self.classroom(stage), journal, provenance, path, self)
+            run_trial(trial, self.episode_runner(stage), journal, provenance, path, self)
         return LearnedTrial(trial, provenance, stage, path)
 
     def _stage(self, series: Series) -> StageDocument:
         file = shipped_file(self.library, StageDocument, series.stage)
         return self.library.read(file, StageDocument).document
 
-    def classroom(self, stage: StageDocument) -> BackendEpisodeRunner:
-        """What runs episodes of a stage."""
+    def episode_runner(self, stage: StageDocument) -> BackendEpisodeRunner:
+        """Runner of episodes of a stage."""
         return BackendEpisodeRunner(self.robot, self._kinematics, self._body, stage)
 
     def path(self, series: Series | ExplorationSeries | HandednessSeries, number: int) -> Path:

@@ -1,4 +1,4 @@
-"""Lessons: what one episode of a learner of handedness runs (Section 5.3.1.1)."""
+"""Learners of handedness: which action, with which arm (Section 5.3.1.1)."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     import numpy as np
 
 
-class Lesson(NamedTuple):
+class EpisodePlan(NamedTuple):
     """A program with the policy that chooses its actions."""
 
     program: CheckedProgram
@@ -32,8 +32,8 @@ class HandednessLearner(Protocol):
         """Begin an episode with what is known now."""
         ...
 
-    def lesson(self, rng: np.random.Generator) -> Lesson:
-        """What the episode that was begun runs, which may explore."""
+    def plan(self, rng: np.random.Generator) -> EpisodePlan:
+        """Program and policy of the episode that was begun; it may explore."""
         ...
 
     def see(self, transition: Transition) -> None:

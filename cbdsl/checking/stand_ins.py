@@ -1,0 +1,46 @@
+"""Programs of a library that can stand in for members of another program (Section 5.3.2)."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+
+from cbdsl.checking.findings import Findings
+from cbdsl.checking.program import examine_program
+from cbdsl.checking.session import Session
+from cbdsl.checking.substitution import examined
+from cbdsl.documents.program import ProgramDocument
+from cbdsl.program.checked import CheckedProgram
+from cbdsl.program.stand_in import StandIn, stand_ins
+
+
+def stand_ins_of(path: Path, session: Session, values: Mapping[str, str]) -> list[StandIn]:
+    """All of them, in the order of the members; what has findings of its own is left out.
+
+    Args:
+        path: the file of a program without findings.
+        session: documents that were read before.
+        values: values of its parameters; others take over those that they have, too.
+    """
+    program = examine_program(path, values, session, Findings())
+    if program is None:
+        return []
+    all_of_them = [
+        each for other in _others(path, session, values) for each in stand_ins(program, other)
+    ]
+    return sorted(all_of_them, key=lambda each: program.members.index(each.member))
+
+
+def _others(path: Path, session: Session, values: Mapping[str, str]) -> Iterator[CheckedProgram]:
+    library = session.library
+    document = library.read(path, ProgramDocument).document
+
+    def examine(file: Path, with_: Mapping[str, str], findings: Findings) -> CheckedProgram | None:
+        return examine_program(file, with_, session, findings)
+
+    for name in library.names(ProgramDocument, path):
+        file = library.find(ProgramDocument, name, path)
+        if file is not None and library.real(file) != library.real(path):
+            other = examined(file, document, values, session, examine)
+            if other is not None:
+                yield other

@@ -1,0 +1,41 @@
+"""``cb show substitutes``: the programs that can stand in for a program, or for a part of it."""
+
+from __future__ import annotations
+
+from cbdsl.cli.show_allocations import Program
+from cbdsl.cli.show_program import Json, With
+
+
+def show_substitutes(
+    name: Program,
+    with_: With = [],  # noqa: B006 (typer)
+    as_json: Json = False,
+) -> None:
+    """The programs that are rewarded for the same as a program, or as one of its members.
+
+    They are found by the types of what is sensed and moved and by what is rewarded, never by name.
+    """
+    from cbdsl.checking.program import check_program
+    from cbdsl.checking.session import Session
+    from cbdsl.checking.stand_ins import stand_ins_of
+    from cbdsl.cli.assignments import read_assignments
+    from cbdsl.cli.terminal import print_json, print_table
+    from cbdsl.documents.program import ProgramDocument
+
+    session, values = Session(), read_assignments(with_)
+    check_program(name, values, session.library)
+    path = session.library.locate(ProgramDocument, name)
+    rows = [
+        {
+            "in place of": each.member,
+            "program": each.program,
+            "rewarded for": str(each.kind),
+        }
+        for each in stand_ins_of(path, session, values)
+    ]
+    if as_json:
+        print_json(rows)
+    elif not rows:
+        print(f"no program is rewarded for what {path.stem} is rewarded for")
+    else:
+        print_table(f"Substitutes in {path.stem}", rows)

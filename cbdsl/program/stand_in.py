@@ -1,0 +1,107 @@
+"""Stand-ins: programs that come to the same rewards as a member of another (Section 5.3.2)."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+from cbdsl.program.checked import Action, CheckedProgram
+from cbdsl.program.controller import Primitive
+
+
+class RewardKind(NamedTuple):
+    """Kind of a rewarded quiescence, in the abstract: a(phi, t_in, t_out) of Eq 5.1.
+
+    Attributes:
+        potential: name of the potential.
+        feedback, effector: names of the types of what is sensed and of what is moved.
+    """
+
+    potential: str
+    feedback: str
+    effector: str
+
+    def __str__(self) -> str:
+        return f"{self.potential} of {self.feedback}, by {self.effector}"
+
+
+class StandIn(NamedTuple):
+    """A program in the place of a member of another.
+
+    Attributes:
+        member: that it stands in for.
+        program: its name.
+        kind: of quiescence that both are rewarded for.
+    """
+
+    member: str
+    program: str
+    kind: RewardKind
+
+
+def stand_ins(program: CheckedProgram, other: CheckedProgram) -> list[StandIn]:
+    """The members of a program that another one can stand in for, whatever any of them is called.
+
+    Both are rewarded for the same kind of quiescence. A program that uses the first one can be no
+    part of it.
+    """
+    if program.name in _used(other) | {other.name}:
+        return []
+    children = {each.name: each.program for each in program.actions if each.program is not None}
+    theirs = _all_rewards(other)
+    return [
+        StandIn(name, other.name, kind)
+        for name in program.members
+        if name not in children or children[name].name != other.name
+        for kind in sorted(
+            theirs
+            & (
+                _all_rewards(children[name])
+                if name in children
+                else rewards_of(program.primitives[name])
+            )
+        )
+    ]
+
+
+def with_stand_in(program: CheckedProgram, member: str, other: CheckedProgram) -> CheckedProgram:
+    """A program in which another one, explored as a whole, is a member (Figure 5.12).
+
+    A program is no part of a composition, so that those of the member are left out, and what its
+    own policy says of it says nothing of the other.
+
+    Args:
+        program: the program.
+        member: that is replaced.
+        other: that takes its place, and its predicate.
+    """
+    primitives = {name: each for name, each in program.primitives.items() if name != member}
+    left = [each for each in program.actions if each.name != member and not _has(each, member)]
+    names = [*(each.name for each in left), member]
+    policy = {state: name for state, name in program.policy.items() if name in names}
+    return program._replace(
+        primitives=primitives, actions=(*left, Action(member, program=other)), policy=policy
+    )
+
+
+def _has(action: Action, member: str) -> bool:
+    parts = () if action.composition is None else action.composition.primitives
+    return any(each.name == member for each in parts)
+
+
+def _all_rewards(program: CheckedProgram) -> set[RewardKind]:
+    """Kinds of quiescence that any member of a program is rewarded for."""
+    return {each for part in program.primitives.values() for each in rewards_of(part)}
+
+
+def rewards_of(primitive: Primitive) -> set[RewardKind]:
+    """Kinds of quiescence that a member is rewarded for."""
+    return {
+        RewardKind(each.potential, str(each.feedback.type.name), str(each.effector.type.name))
+        for each in primitive.earners
+    }
+
+
+def _used(program: CheckedProgram) -> set[str]:
+    """Names of the programs that a program uses, at any depth."""
+    children = [action.program for action in program.actions if action.program is not None]
+    return {child.name for child in children}.union(*(_used(child) for child in children))
