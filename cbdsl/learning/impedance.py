@@ -104,9 +104,7 @@ def _read(place: int, row: Mapping[str, object]) -> ImpedanceTest:
     if unknown:
         raise ValueError(f"test {place}: missing or unknown: {', '.join(sorted(unknown))}")
     if row["direction"] not in DIRECTIONS:
-        raise ValueError(
-            f"test {place}: '{row['direction']}' is none of {', '.join(DIRECTIONS)}"
-        )
+        raise ValueError(f"test {place}: '{row['direction']}' is none of {', '.join(DIRECTIONS)}")
     if row["sign"] not in (1, -1):
         raise ValueError(f"test {place}: a sign is 1 or -1, not {row['sign']}")
     return ImpedanceTest(**row)  # type: ignore[arg-type]

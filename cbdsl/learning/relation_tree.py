@@ -57,9 +57,7 @@ def name_relation(tree: Tree[str], profile: ImpedanceProfile) -> str | None:
 
 def features(profile: ImpedanceProfile) -> Mapping[str, float]:
     """Decimal logarithms of the impedances, by direction and sign."""
-    return {
-        name: math.log10(max(value, _LEAST)) for name, value in profile.features().items()
-    }
+    return {name: math.log10(max(value, _LEAST)) for name, value in profile.features().items()}
 
 
 def tree_as_data(tree: Tree[str]) -> object:

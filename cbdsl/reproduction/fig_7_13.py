@@ -55,9 +55,7 @@ def run(settings: RunSettings) -> Result:
     return Result(quantities, tuple(_charts(profiles)), _NOTES)
 
 
-def _quantities(
-    name: str, count: int, profiles: Sequence[ImpedanceProfile]
-) -> Iterator[Quantity]:
+def _quantities(name: str, count: int, profiles: Sequence[ImpedanceProfile]) -> Iterator[Quantity]:
     pair, label = PAIRS[name], name.replace("_", " ")
     yield percentage(f"{label}: brought together and tested", "", len(profiles), count, None)
     signs = [pair.is_right(d, p.tracked()[d]) for p in profiles for d in pair.judged]

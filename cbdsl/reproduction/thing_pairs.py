@@ -39,7 +39,7 @@ class ThingPair(NamedTuple):
         """Directions whose signs the source has."""
         return self.stiff + self.free
 
-    def is_right(self, direction: str, tracked: bool) -> bool:  # noqa: FBT001 (a measured value)
+    def is_right(self, direction: str, tracked: bool) -> bool:
         """Whether a judged direction is tracked, or not, as in the source."""
         return tracked == (direction in self.stiff)
 

@@ -142,9 +142,7 @@ class ImpedanceGauge:
         if load is not None and self._begun is not _OVER:
             self._loads.append(load.value.copy())
 
-    def _note_test(
-        self, probe: _Probe, begun: _Begun, signals: Signals, *, tracked: bool
-    ) -> None:
+    def _note_test(self, probe: _Probe, begun: _Begun, signals: Signals, *, tracked: bool) -> None:
         moved = _moved(probe, begun.pose, self._pose(probe, signals))
         if not self._loads or math.isnan(moved):
             return
