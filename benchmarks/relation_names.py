@@ -1,8 +1,8 @@
 """Relations between two things, named from what a hand felt of pairs that were not learned from.
 
-A tree is grown from profiles that ``benchmarks/impedance.py --profiles FILE`` wrote of the six pairs
-of the source, and names those of other pairs (``--others``). A profile that is not whole is not
-learned from, and counts as not named. Exits with 1 where fewer than 90 % are named right.
+A tree is grown from profiles that ``benchmarks/impedance.py --profiles FILE`` wrote of the six
+pairs of the source, and names those of other pairs (``--others``). A profile that is not whole is
+not learned from, and counts as not named. Exits with 1 where fewer than 90 % are named right.
 
     python benchmarks/relation_names.py --known known.json ... --others others.json ... [--json]
 """

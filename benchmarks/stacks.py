@@ -1,11 +1,10 @@
 """Which of the source's things stay on each other: ``stack``, judged by the simulator.
 
-The judge is the simulator's truth, which no controller sees. A stack stands where, at least 1 s after
-the hand has let go, the thing touches the lower one and nothing else, rests, and its centre is over
-that; it is tried where it was felt to be borne and let go. The pace of the release is the thing's
-largest speed within 0.2 s after the last fingertip left it. Shares are of all episodes, with exact
-(Clopper-Pearson) 95 % intervals, beside those of Table 7.1. Exits with 1 where flat on flat stays
-in fewer than 95 %.
+The judge is the simulator's truth, which no controller sees. A stack stands where, at least 1 s
+after the hand has let go, the thing rests and touches the lower one and nothing else. The pace of
+the release is the thing's largest speed within 0.2 s after the last fingertip left it. Shares are
+of all episodes, with exact (Clopper-Pearson) 95 % intervals, beside those of Table 7.1. Exits with
+1 where flat on flat stays in fewer than 95 %.
 
     python benchmarks/stacks.py --episodes 40 --seed 8500000 [--only purple_box_on_blue_box]
         [--backend bullet] [--cameras rendered] [--json]
