@@ -43,7 +43,7 @@ class ImpedanceTrial(NamedTuple):
 
     @classmethod
     def from_data(cls, data: Mapping[str, Any]) -> Self:
-        """What ``as_data`` wrote.
+        """Trial that ``as_data`` wrote.
 
         Raises:
             ValueError: a test of the profile is none.
