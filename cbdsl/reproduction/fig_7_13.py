@@ -8,7 +8,7 @@ from cbdsl.learning.impedance import DIRECTIONS, ImpedanceProfile
 from cbdsl.reproduction.bar_chart import Bar, BarChart
 from cbdsl.reproduction.claim import above
 from cbdsl.reproduction.experiment import Result, RunSettings
-from cbdsl.reproduction.impedance_trials import run_trials
+from cbdsl.reproduction.impedance_trials import run_trials, trial_digest
 from cbdsl.reproduction.kept_trials import KeptTrials
 from cbdsl.reproduction.percentage import percentage
 from cbdsl.reproduction.quantity import Quantity
@@ -40,13 +40,17 @@ def run(settings: RunSettings) -> Result:
     seeds = range(settings.seed, settings.seed + count)
     # Without physics nothing is stiff.
     engine = "mujoco" if settings.backend == "kinematic" else settings.backend
-    kept = KeptTrials(settings.folder / f"impedance_{engine}_{settings.cameras}.jsonl")
     profiles: dict[str, list[ImpedanceProfile]] = {}
     for place, name in enumerate(PAIRS):
+        kept = KeptTrials(
+            settings.folder / f"{engine}_{settings.cameras}.jsonl", trial_digest(name)
+        )
         missing = [seed for seed in seeds if kept.get(name, seed) is None]
-        for number, trial in enumerate(run_trials(name, missing, engine, settings.cameras)):
+        # Without any there is no need for a simulator.
+        for trial in run_trials(name, missing, engine, settings.cameras) if missing else ():
             kept.add(trial)
-            settings.progress(place * count + number + 1, len(PAIRS) * count)
+            done = sum(kept.get(name, seed) is not None for seed in seeds)
+            settings.progress(place * count + done, len(PAIRS) * count)
         trials = [kept.get(name, seed) for seed in seeds]
         profiles[name] = [each.profile for each in trials if each and each.profile.is_whole]
     quantities = tuple(

@@ -13,10 +13,11 @@ class KeptTrials:
 
     Args:
         path: the file, a line of JSON for each trial; it need not be there.
+        what: a digest of all that decides the outcome beside pair and seed; others are left alone.
     """
 
-    def __init__(self, path: Path) -> None:
-        self._path = path
+    def __init__(self, path: Path, what: str) -> None:
+        self._path, self._what = path, what
         self._known: dict[tuple[str, int], ImpedanceTrial] = {}
         text = path.read_text(encoding="utf-8") if path.exists() else ""
         if text and not text.endswith("\n"):
@@ -24,7 +25,10 @@ class KeptTrials:
                 file.write("\n")  # so that the next one has a line of its own
         for line in text.splitlines():
             try:
-                trial = ImpedanceTrial.from_data(json.loads(line))
+                row = json.loads(line)
+                if row.pop("what") != what:
+                    continue
+                trial = ImpedanceTrial.from_data(row)
             except ValueError:
                 continue  # cut off when the process was ended
             self._known[trial.pair, trial.seed] = trial
@@ -38,4 +42,4 @@ class KeptTrials:
         self._known[trial.pair, trial.seed] = trial
         self._path.parent.mkdir(parents=True, exist_ok=True)
         with self._path.open("a", encoding="utf-8") as file:
-            file.write(json.dumps(trial.as_data()) + "\n")
+            file.write(json.dumps({"what": self._what, **trial.as_data()}) + "\n")
