@@ -35,15 +35,15 @@ def summarise(known: Sequence[ImpedanceTrial], others: Sequence[ImpedanceTrial])
     """The tree, and how it names the others."""
     whole = [each for each in known if each.profile.is_whole]
     tree = grow_relations(
-        [NamedProfile(each.profile, ALL_PAIRS[each.pair].relation) for each in whole]
+        [NamedProfile(each.profile, ALL_PAIRS[each.things].relation) for each in whole]
     )
     names = [
         name_relation(tree, each.profile) if each.profile.is_whole else None for each in others
     ]
     right = sum(
-        name == ALL_PAIRS[each.pair].relation for name, each in zip(names, others, strict=True)
+        name == ALL_PAIRS[each.things].relation for name, each in zip(names, others, strict=True)
     )
-    counts = Counter((each.pair, str(name)) for name, each in zip(names, others, strict=True))
+    counts = Counter((each.things, str(name)) for name, each in zip(names, others, strict=True))
     return {
         "learned_from": len(whole),
         "others": len(others),

@@ -15,34 +15,16 @@ from __future__ import annotations
 import argparse
 import json
 import sys
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
 
 from cbdsl.reproduction.interval import exact_interval
 from cbdsl.reproduction.stack_trials import StackTrial, run_stacks
+from cbdsl.reproduction.table_7_1 import STACKS
 
 FLAT, TARGET = "purple_box_on_blue_box", 0.95
-
-#: Stacks, and the source's shares (Tables 7.1 and 7.2); ``None`` for those that it does not have.
-STACKS: Mapping[str, float | None] = {
-    "purple_box_on_blue_box": 1.0,
-    "basketball_on_blue_box": 0.2,
-    "football_on_blue_box": 0.8,
-    "basketball_on_purple_box": 0.0,
-    "football_on_purple_box": 0.4,
-    "basketball_on_football": 0.0,
-    "football_on_basketball": 0.0,
-    "purple_box_on_basketball": None,
-    "purple_box_on_football": None,
-    "basketball_on_purple_box_on_blue_box": 0.0,
-    "football_on_purple_box_on_blue_box": 0.4,
-    "purple_box_on_basketball_on_blue_box": 0.0,
-    "purple_box_on_football_on_blue_box": 0.0,
-    "basketball_on_football_on_blue_box": None,
-    "football_on_basketball_on_blue_box": None,
-}
 
 
 def summarise(name: str, trials: Sequence[StackTrial]) -> dict[str, Any]:
@@ -55,7 +37,7 @@ def summarise(name: str, trials: Sequence[StackTrial]) -> dict[str, Any]:
         "released": len(released),
         "stands": stand,
         "interval": [round(bound, 3) for bound in exact_interval(stand, len(trials))],
-        "source": STACKS[name],
+        "source_percent": STACKS[name],
         "offset_mm": _median([each.offset for each in released]),
         "pace_mm_s": _median([each.pace for each in released]),
         "amiss": [(each.seed, each.ending[:60]) for each in trials if not each.stands],

@@ -8,7 +8,7 @@ from cbdsl.learning.impedance import DIRECTIONS, ImpedanceProfile
 from cbdsl.reproduction.bar_chart import Bar, BarChart
 from cbdsl.reproduction.claim import above
 from cbdsl.reproduction.experiment import Result, RunSettings
-from cbdsl.reproduction.impedance_trials import run_trials, trial_digest
+from cbdsl.reproduction.impedance_trials import ImpedanceTrial, run_trials, trial_digest
 from cbdsl.reproduction.kept_trials import KeptTrials
 from cbdsl.reproduction.percentage import percentage
 from cbdsl.reproduction.quantity import Quantity
@@ -42,9 +42,8 @@ def run(settings: RunSettings) -> Result:
     engine = "mujoco" if settings.backend == "kinematic" else settings.backend
     profiles: dict[str, list[ImpedanceProfile]] = {}
     for place, name in enumerate(PAIRS):
-        kept = KeptTrials(
-            settings.folder / f"{engine}_{settings.cameras}.jsonl", trial_digest(name)
-        )
+        path = settings.folder / f"{engine}_{settings.cameras}.jsonl"
+        kept = KeptTrials(path, trial_digest(name), ImpedanceTrial.from_data)
         missing = [seed for seed in seeds if kept.get(name, seed) is None]
         # Without any there is no need for a simulator.
         for trial in run_trials(name, missing, engine, settings.cameras) if missing else ():

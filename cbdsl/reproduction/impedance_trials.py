@@ -26,14 +26,14 @@ class ImpedanceTrial(NamedTuple):
     """One episode.
 
     Attributes:
-        pair: name of the things.
+        things: name of the pair.
         seed: of the episode.
         profile: what was felt; not whole where the things did not come together.
         ending: of the program.
         sim_seconds: simulated.
     """
 
-    pair: str
+    things: str
     seed: int
     profile: ImpedanceProfile
     ending: str

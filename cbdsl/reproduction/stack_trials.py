@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Iterator
-from typing import Any, NamedTuple
+from collections.abc import Iterable, Iterator, Mapping
+from typing import Any, NamedTuple, Self
 
 import numpy as np
 
 from cbdsl.backends.simulated_backend import simulate
+from cbdsl.checking.knowledge.digest import program_digest
 from cbdsl.checking.program import check_program
+from cbdsl.documents.digest import digest_of_text
 from cbdsl.documents.program import ProgramDocument
 from cbdsl.documents.stage import StageDocument
 from cbdsl.reproduction.shipped import shipped_file, shipped_robot
@@ -25,7 +27,7 @@ class StackTrial(NamedTuple):
     """One stack.
 
     Attributes:
-        stack: its context.
+        things: its context.
         seed: of the episode.
         released: whether the topmost thing was let go on another one.
         stands: whether each thing rests on the one below it alone, 1 s later at least.
@@ -35,7 +37,7 @@ class StackTrial(NamedTuple):
         ending: of the program.
     """
 
-    stack: str
+    things: str
     seed: int
     released: bool
     stands: bool
@@ -43,6 +45,21 @@ class StackTrial(NamedTuple):
     pace: float
     seconds: float
     ending: str
+
+    def as_data(self) -> dict[str, Any]:
+        """Plain data, for JSON."""
+        return self._asdict()
+
+    @classmethod
+    def from_data(cls, data: Mapping[str, Any]) -> Self:
+        """Trial that ``as_data`` wrote.
+
+        Raises:
+            ValueError: it is none.
+        """
+        if set(data) != set(cls._fields):
+            raise ValueError("no trial of a stack")
+        return cls(**data)
 
 
 class _Judge:
@@ -93,6 +110,27 @@ class _Judge:
         return True
 
 
+def stack_digest(stack: str) -> str:
+    """Digest of all that decides trials of a stack beside seed and engine."""
+    program_name, stage_name, _ = _parts(stack)
+    library = Library(shipped())
+    file = shipped_file(library, ProgramDocument, program_name)
+    robot, _ = shipped_robot(library.read(file, ProgramDocument).document.robot, library)
+    stage = library.read(shipped_file(library, StageDocument, stage_name), StageDocument).document
+    text = file.read_text(encoding="utf-8")
+    parts = (str(program_digest(file, library)), text, robot, stage)
+    return digest_of_text(
+        "\n".join(p if isinstance(p, str) else p.model_dump_json() for p in parts)
+    )
+
+
+def _parts(stack: str) -> tuple[str, str, tuple[str, ...]]:
+    """Program and stage of a stack, and its things from below."""
+    if stack.count("_on_") > 1:
+        return "stack_three", "stacks_of_three", ("base", "middle", "top")
+    return "stack", "stacks", ("base", "top")
+
+
 def run_stacks(
     stack: str, seeds: Iterable[int], engine: str, cameras: str | None
 ) -> Iterator[StackTrial]:
@@ -107,9 +145,7 @@ def run_stacks(
         BackendError, EpisodeError: the simulator cannot run it.
         ImportError: it is not installed.
     """
-    three = stack.count("_on_") == 2
-    program_name, stage_name = ("stack_three", "stacks_of_three") if three else ("stack", "stacks")
-    order = ("base", "middle", "top") if three else ("base", "top")
+    program_name, stage_name, order = _parts(stack)
     library = Library(shipped())
     program = check_program(shipped_file(library, ProgramDocument, program_name), {}, library)
     stage = library.read(shipped_file(library, StageDocument, stage_name), StageDocument).document

@@ -1,4 +1,4 @@
-"""Trials of impedance are kept one by one, and not run again unless something has changed."""
+"""Trials are kept one by one, and not run again unless something has changed."""
 
 from __future__ import annotations
 
@@ -17,21 +17,21 @@ def trial(seed: int) -> ImpedanceTrial:
 
 def test_trials_are_kept_for_what_was_run(tmp_path: Path) -> None:
     path = tmp_path / "folder" / "kept.jsonl"
-    kept = KeptTrials(path, "one")
+    kept = KeptTrials(path, "one", ImpedanceTrial.from_data)
     kept.add(trial(1))
     kept.add(trial(2))
-    again = KeptTrials(path, "one")
+    again = KeptTrials(path, "one", ImpedanceTrial.from_data)
     assert again.get("box_on_box", 2) == trial(2)
     assert again.get("box_on_box", 3) is None and again.get("box_in_box", 2) is None
-    assert KeptTrials(path, "other").get("box_on_box", 2) is None
+    assert KeptTrials(path, "other", ImpedanceTrial.from_data).get("box_on_box", 2) is None
 
 
 def test_a_line_that_was_cut_off_is_run_again(tmp_path: Path) -> None:
     path = tmp_path / "kept.jsonl"
-    KeptTrials(path, "one").add(trial(1))
+    KeptTrials(path, "one", ImpedanceTrial.from_data).add(trial(1))
     text = path.read_text()
     path.write_text(text + text[:40])
-    kept = KeptTrials(path, "one")
+    kept = KeptTrials(path, "one", ImpedanceTrial.from_data)
     assert kept.get("box_on_box", 1) == trial(1)
     kept.add(trial(2))
-    assert KeptTrials(path, "one").get("box_on_box", 2) == trial(2)
+    assert KeptTrials(path, "one", ImpedanceTrial.from_data).get("box_on_box", 2) == trial(2)

@@ -17,7 +17,7 @@ def trial(name: str) -> ImpedanceTrial:
 
 
 def signs(found: ImpedanceTrial) -> list[bool]:
-    pair, tracked = PAIRS[found.pair], found.profile.tracked()
+    pair, tracked = PAIRS[found.things], found.profile.tracked()
     return [pair.is_right(name, tracked[name]) for name in pair.judged]
 
 
