@@ -23,12 +23,13 @@ _RIGHT = 80.0  # % of the signs
 _NOTES = (
     "A hand sets one thing on the other, or 5 cm into it with 1 cm of clearance on every side, and "
     "runs twelve tests: along the axes of the world frame until 2 N more are felt or the palm has "
-    "moved by 2 cm, and about them, through the palm, until 0.1 N m or 12 deg (25 deg about z). "
-    "Before each test it makes contact anew, with 2 N (0.5 N where it tests z), and it returns to "
-    "the same pose after it. Loads are those of the fingertips, displacements those of the palm.",
+    "moved by 2 cm, and about them, through the palm, until 0.14 N m or 12 deg (25 deg about z). "
+    "Before each test it makes contact anew, with 1 N (0.5 N where it tests z, 2 N where it turns), "
+    "and it returns to the same pose after it. Loads are those of the fingertips, displacements "
+    "those of the palm.",
     "The source tracks 2 N m. A grip of 6 N at 4 cm slips at about 0.2 N m.",
     "A direction counts as tracked where it was one way or the other. Those in which friction "
-    "decides are not judged: a ball on a box slides or not at 1.6 N.",
+    "decides are not judged: a ball on a box slides or not.",
     "Impedances are shares of the largest of a trial, forces and torques apart, means over trials; "
     "of both ways the larger one.",
 )

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any, Generic, Protocol, TypeVar
 
 
-class Trial(Protocol):
+class ThingTrial(Protocol):
     """A trial of things.
 
     Attributes:
@@ -27,7 +27,7 @@ class Trial(Protocol):
         ...
 
 
-Some = TypeVar("Some", bound=Trial)
+Some = TypeVar("Some", bound=ThingTrial)
 
 
 class KeptTrials(Generic[Some]):

@@ -92,7 +92,7 @@ class _Judge:
             self._pace = max(self._pace, speed)
 
     def conclude(self, stack: str, seed: int, ending: str) -> StackTrial:
-        """What became of it."""
+        """The trial, once it is over."""
         released = self._left >= 0
         seconds = (self._ticks - self._left) * _TICK if released else 0.0
         stands = released and seconds >= _LONG and self._stands()
