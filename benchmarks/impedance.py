@@ -77,10 +77,10 @@ def main() -> None:
         trials = list(run_trials(name, seeds, options.backend, options.cameras))
         profiles += [each.as_data() for each in trials]
         rows.append(summarise(name, trials))
+        if options.profiles is not None:
+            options.profiles.write_text(json.dumps(profiles, indent=1), encoding="utf-8")
         if not options.json:
             print("\n".join(f"{k}: {v}" for k, v in rows[-1].items()), flush=True)
-    if options.profiles is not None:
-        options.profiles.write_text(json.dumps(profiles, indent=1), encoding="utf-8")
     if options.json:
         print(json.dumps(rows))
     sys.exit(not all(row["met"] for row in rows))

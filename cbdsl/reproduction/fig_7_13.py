@@ -8,7 +8,7 @@ from cbdsl.learning.impedance import DIRECTIONS, ImpedanceProfile
 from cbdsl.reproduction.bar_chart import Bar, BarChart
 from cbdsl.reproduction.claim import above
 from cbdsl.reproduction.experiment import Result, RunSettings
-from cbdsl.reproduction.impedance_trials import run_trials
+from cbdsl.reproduction.impedance_trials import ImpedanceTrial, run_trials, trial_digest
 from cbdsl.reproduction.kept_trials import KeptTrials
 from cbdsl.reproduction.percentage import percentage
 from cbdsl.reproduction.quantity import Quantity
@@ -23,12 +23,13 @@ _RIGHT = 80.0  # % of the signs
 _NOTES = (
     "A hand sets one thing on the other, or 5 cm into it with 1 cm of clearance on every side, and "
     "runs twelve tests: along the axes of the world frame until 2 N more are felt or the palm has "
-    "moved by 2 cm, and about them, through the palm, until 0.1 N m or 12 deg (25 deg about z). "
-    "Before each test it makes contact anew, with 2 N (0.5 N where it tests z), and it returns to "
-    "the same pose after it. Loads are those of the fingertips, displacements those of the palm.",
+    "moved by 2 cm, and about them, through the palm, until 0.14 N m or 12 deg (25 deg about z). "
+    "Before each test it makes contact anew, with 1 N, or 0.5 N where it tests z and 2 N where it "
+    "turns; after it, it returns to the pose before that. Loads are those of the fingertips, "
+    "displacements those of the palm.",
     "The source tracks 2 N m. A grip of 6 N at 4 cm slips at about 0.2 N m.",
     "A direction counts as tracked where it was one way or the other. Those in which friction "
-    "decides are not judged: a ball on a box slides or not at 1.6 N.",
+    "decides are not judged: a ball on a box slides or not.",
     "Impedances are shares of the largest of a trial, forces and torques apart, means over trials; "
     "of both ways the larger one.",
 )
@@ -40,13 +41,16 @@ def run(settings: RunSettings) -> Result:
     seeds = range(settings.seed, settings.seed + count)
     # Without physics nothing is stiff.
     engine = "mujoco" if settings.backend == "kinematic" else settings.backend
-    kept = KeptTrials(settings.folder / f"impedance_{engine}_{settings.cameras}.jsonl")
     profiles: dict[str, list[ImpedanceProfile]] = {}
     for place, name in enumerate(PAIRS):
+        path = settings.folder / f"{engine}_{settings.cameras}.jsonl"
+        kept = KeptTrials(path, trial_digest(name), ImpedanceTrial.from_data)
         missing = [seed for seed in seeds if kept.get(name, seed) is None]
-        for number, trial in enumerate(run_trials(name, missing, engine, settings.cameras)):
+        # Without any there is no need for a simulator.
+        for trial in run_trials(name, missing, engine, settings.cameras) if missing else ():
             kept.add(trial)
-            settings.progress(place * count + number + 1, len(PAIRS) * count)
+            done = sum(kept.get(name, seed) is not None for seed in seeds)
+            settings.progress(place * count + done, len(PAIRS) * count)
         trials = [kept.get(name, seed) for seed in seeds]
         profiles[name] = [each.profile for each in trials if each and each.profile.is_whole]
     quantities = tuple(

@@ -6,7 +6,9 @@ from collections.abc import Iterable, Iterator, Mapping
 from typing import Any, NamedTuple, Self
 
 from cbdsl.backends.simulated_backend import simulate
+from cbdsl.checking.knowledge.digest import program_digest
 from cbdsl.checking.program import check_program
+from cbdsl.documents.digest import digest_of_text
 from cbdsl.documents.program import ProgramDocument
 from cbdsl.documents.stage import StageDocument
 from cbdsl.learning.impedance import ImpedanceProfile
@@ -24,14 +26,14 @@ class ImpedanceTrial(NamedTuple):
     """One episode.
 
     Attributes:
-        pair: name of the things.
+        things: name of the pair.
         seed: of the episode.
         profile: what was felt; not whole where the things did not come together.
         ending: of the program.
         sim_seconds: simulated.
     """
 
-    pair: str
+    things: str
     seed: int
     profile: ImpedanceProfile
     ending: str
@@ -43,12 +45,29 @@ class ImpedanceTrial(NamedTuple):
 
     @classmethod
     def from_data(cls, data: Mapping[str, Any]) -> Self:
-        """What ``as_data`` wrote.
+        """Trial that ``as_data`` wrote.
 
         Raises:
             ValueError: a test of the profile is none.
         """
         return cls(**{**data, "profile": ImpedanceProfile.from_data(data["profile"])})
+
+
+def trial_digest(name: str) -> str:
+    """Digest of all that decides trials of a pair beside seed and engine."""
+    library, pair = Library(shipped()), ALL_PAIRS[name]
+    file = shipped_file(library, ProgramDocument, PROGRAM)
+    robot, _ = shipped_robot(library.read(file, ProgramDocument).document.robot, library)
+    stage = library.read(shipped_file(library, StageDocument, pair.stage), StageDocument).document
+    parts = (
+        str(program_digest(file, library)),
+        # Its policy is no part of that.
+        file.read_text(encoding="utf-8"),
+        str(sorted(pair.values.items())),
+        robot.model_dump_json(),
+        stage.model_dump_json(),
+    )
+    return digest_of_text("\n".join(parts))
 
 
 def run_trials(

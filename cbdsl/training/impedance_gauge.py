@@ -71,7 +71,7 @@ def _probe(program: CheckedProgram) -> _Probe | None:
     return None
 
 
-class _Begun(NamedTuple):
+class _Outset(NamedTuple):
     """Pose of the tip and load of the hand where the way out of a test began."""
 
     pose: Floats
@@ -79,7 +79,7 @@ class _Begun(NamedTuple):
 
 
 #: A test whose way out has ended.
-_OVER = _Begun(np.zeros(0), np.zeros(0))
+_OVER = _Outset(np.zeros(0), np.zeros(0))
 
 
 class ImpedanceGauge:
@@ -100,7 +100,7 @@ class ImpedanceGauge:
         }
         self._name = ""
         self._start: Floats = np.zeros(0)
-        self._begun: _Begun | None = None
+        self._begun: _Outset | None = None
         self._loads: deque[Floats] = deque(maxlen=_TICKS)
         self._tests: list[ImpedanceTest] = []
 
@@ -134,7 +134,7 @@ class ImpedanceGauge:
         load = signals.read(probe.load.feedback)
         tests = any(active.run.controller.name == probe.load.name for active in run.active())
         if tests and self._begun is None and self._loads:
-            self._begun = _Begun(self._pose(probe, signals), np.mean(self._loads, axis=0))
+            self._begun = _Outset(self._pose(probe, signals), np.mean(self._loads, axis=0))
             self._loads.clear()
         elif not tests and self._begun is not None and self._begun is not _OVER:
             self._note_test(probe, self._begun, signals, tracked=run.rewarded)
@@ -142,7 +142,7 @@ class ImpedanceGauge:
         if load is not None and self._begun is not _OVER:
             self._loads.append(load.value.copy())
 
-    def _note_test(self, probe: _Probe, begun: _Begun, signals: Signals, *, tracked: bool) -> None:
+    def _note_test(self, probe: _Probe, begun: _Outset, signals: Signals, *, tracked: bool) -> None:
         moved = _moved(probe, begun.pose, self._pose(probe, signals))
         if not self._loads or math.isnan(moved):
             return

@@ -55,7 +55,7 @@ def test_a_lasting_drop_is_contact_and_the_mean_is_the_weight(seconds: float) ->
 def test_a_load_that_is_there_from_the_beginning_has_not_changed() -> None:
     waiting = Waiting(along=-DOWN)
     assert waiting.ticks(WEIGHT, 1.0) is None
-    after = waiting.ticks(WEIGHT + np.array([0, 0, 2.0]), 1.0)
+    after = waiting.ticks(WEIGHT - [0, 0, -2.0], 1.0)
     assert after is not None and after < 0.15
 
 
