@@ -138,7 +138,7 @@ def test_changes_last_over_episodes(play: Play, checked: Checked) -> None:
 @pytest.mark.parametrize(
     ("change", "words"),
     [
-        (lambda c: c.set_gain("aproach", 1.0), "did you mean 'approach'"),
+        (lambda c: c.set_gain("approach_", 1.0), "did you mean 'approach'"),
         (lambda c: c.set_gain("approach", 0.0), "above 0"),
         (lambda c: c.set_gain("approach", math.nan), "above 0"),
         (lambda c: c.set_gain("approach", 1e6), "at most"),
