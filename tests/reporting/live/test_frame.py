@@ -23,7 +23,9 @@ def test_images_keep_their_colours_at_half_the_size() -> None:
         np.frombuffer(base64.b64decode(pack()["left"]), np.uint8), cv2.IMREAD_COLOR
     )
     assert shown.shape == (24, 32, 3)
-    assert shown[12, 4].astype(int) == pytest.approx([0, 0, 250], abs=25), "red, blue first as cv2 has it"
+    assert shown[12, 4].astype(int) == pytest.approx([0, 0, 250], abs=25), (
+        "red, blue first as cv2 has it"
+    )
     assert shown[12, 28].astype(int) == pytest.approx([200, 0, 0], abs=25)
 
 
