@@ -53,7 +53,7 @@ function tellEnding(ending) {
 }
 
 function episodeLine(past) {
-  return lineOf(`seed ${past.seed}, ${past.context}, ${past.seconds.toFixed(1)} s: ${past.ending}`, past.rewarded ? "rewarded" : "");
+  return lineOf(`seed ${past.seed}, ${past.context}: ${past.ending}`, past.rewarded ? "rewarded" : "");
 }
 
 // What happens when a transition is told, in the order of time, the newest on top.

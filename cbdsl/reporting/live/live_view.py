@@ -77,7 +77,7 @@ class LiveView:
 
     def note_transition(self, transition: Transition) -> None:
         """See ``EpisodeWatcher.note_transition``."""
-        told = {
+        content = {
             "program": transition.program,
             "depth": transition.depth,
             "time": round(transition.time, 6),
@@ -86,7 +86,7 @@ class LiveView:
             "next_state": transition.next_state,
             "reward": transition.reward,
         }
-        self._feed.append(message("transition", told))
+        self._feed.append(message("transition", content))
 
     def note_tick(self, tick: Tick) -> None:
         """See ``EpisodeWatcher.note_tick``."""
@@ -105,7 +105,7 @@ class LiveView:
     def note_end(self, result: EpisodeResult) -> None:
         """See ``EpisodeWatcher.note_end``."""
         self._show()
-        told = {
+        content = {
             "seed": result.seed,
             "context": result.context,
             "rewarded": result.rewarded,
@@ -113,8 +113,8 @@ class LiveView:
             "seconds": round(result.sim_seconds, 3),
             "ending": result.ending,
         }
-        self._past.append(told)
-        self._feed.append(message("ending", told))
+        self._past.append(content)
+        self._feed.append(message("ending", content))
 
     def _show(self) -> None:
         """Publish the last tick, and what is new in it before."""
@@ -126,26 +126,26 @@ class LiveView:
         world = None if self._scenery is None else self._scenery()
         if world is not None:
             self._tell_bodies(world)
-        told = frame(tick, self._places, world, self._names)
-        told["paused"], told["speed"] = self._transport.paused, self._transport.shown_speed
+        content = frame(tick, self._places, world, self._names)
+        content["paused"], content["speed"] = self._transport.paused, self._transport.shown_speed
         if self._composer is not None:
-            told["targets"] = self._composer.positions()
-            told["acting"] = self._composer.acting
-            told["held"] = list(self._composer.targets)
-            told["stack"] = self._composer.stack
-        self._feed.renew(message("frame", told))
+            content["targets"] = self._composer.positions()
+            content["acting"] = self._composer.acting
+            content["held"] = list(self._composer.targets)
+            content["stack"] = self._composer.stack
+        self._feed.renew(message("frame", content))
 
     def _tell_controllers(self, tick: Tick) -> None:
         runs = dict(named_runs(tick.run))
         self._names = list(runs)
-        told = {
+        content = {
             "names": self._names,
             "triples": {name: triple(run.controller) for name, run in runs.items()},
             "gains": {name: run.gain for name, run in runs.items()},
             "own": [] if self._composer is None else self._composer.own,
             "cells": [".".join(key) for key in tick.observation.loads],
         }
-        self._feed.append(message("controllers", told))
+        self._feed.append(message("controllers", content))
 
     def _tell_bodies(self, world: WorldState) -> None:
         """Tell what a thing looks like when it is first there."""

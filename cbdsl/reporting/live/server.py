@@ -31,7 +31,7 @@ _LARGEST = 1 << 16
 TOKEN = "X-Cbdsl-Token"
 
 Answer = Callable[[Mapping[str, Any]], Mapping[str, Any]]
-"""What a request, as JSON, comes to.
+"""Answer to a request, both as JSON.
 
 Raises:
     RequestError: it cannot be done.
@@ -79,7 +79,7 @@ class LiveServer:
 
 
 class _Site:
-    """What handlers of requests need.
+    """A live page with all that handlers of requests need.
 
     Attributes:
         feed, answer: as of ``LiveServer``.
