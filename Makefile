@@ -36,7 +36,7 @@ documents:
 
 # Every page is in the navigation, and every link and heading that is linked to is there.
 pages:
-	NO_MKDOCS_2_WARNING=1 $(BIN)mkdocs build --quiet --strict --site-dir build/site
+	NO_MKDOCS_2_WARNING=1 $(BIN)mkdocs build --strict --site-dir build/site
 
 # The slow ones run episodes on the simulator.
 tests:
@@ -49,7 +49,7 @@ mutants:
 # The documentation with replays of shipped programs, in site/.
 site:
 	$(PYTHON) docs/make_gallery.py
-	NO_MKDOCS_2_WARNING=1 $(BIN)mkdocs build --quiet --strict --site-dir site
+	NO_MKDOCS_2_WARNING=1 $(BIN)mkdocs build --strict --site-dir site
 
 # A wheel and an sdist in dist/, checked where nothing else is installed.
 dist:

@@ -56,7 +56,7 @@ def test_a_missing_peer_has_a_reason(python: str, reason: str) -> None:
 
 JUDGES = (
     "scenes", "find_the_other", "touch_table", "hover_follow", "calibration", "success_rates",
-    "episode_speed",
+    "episode_speed", "holding", "placing", "force", "gripper", "both_hands", "handover",
 )  # fmt: skip
 
 
@@ -137,3 +137,65 @@ def test_other_targets_are_judged(monkeypatch: pytest.MonkeyPatch) -> None:
     for changes, reached in (({}, True), ({"rewarded": False}, False), ({"touching": 2}, False)):
         rows = [{"body": 1, "before": [episode], "after": [episode | changes]}]
         assert calibration.summarise(rows)["reached"] == reached
+
+
+_HELD = {
+    "seed": 1, "taken": True, "kept": True, "lifted": 0.15, "carried": 0.25, "drift": 8.0,
+    "tilt": 5.0, "force": 15.0, "seconds": 1.0, "ending": "",
+}  # fmt: skip
+_PLACED = {
+    "seed": 1, "thing": "ball", "held": True, "placed": True, "reported": True, "false": False,
+    "missed": False, "idle_ticks": 0, "error": 1.0, "tilt": 0.0, "seconds": 1.0, "ending": "",
+}  # fmt: skip
+_SLID = {"seed": 1, "good": True, "strayed": 0.2, "missed": 1.0, "ending": ""}
+_LET_GO = {"seed": 1, "placed": True, "error": 1.0, "seconds": 1.0, "ending": ""}
+_TAKEN = {
+    "seed": 1, "rewarded": True, "untouched": 0, "lifted": True, "height": 0.1, "force": 10.0,
+    "seconds": 1.0, "ending": "",
+}  # fmt: skip
+# What comes before the episodes, and how many of 100 are as many as may be amiss.
+_JUDGED = {
+    "holding": (("ball",), (8.0,), _HELD),
+    "placing": ((), (), _PLACED),
+    "force": ((), (), _SLID),
+    "gripper": ((), (), _LET_GO),
+    "both_hands": (("ball",), (), _TAKEN),
+}
+
+
+@pytest.mark.parametrize(
+    ("name", "bad", "most"),
+    [
+        ("holding", {"kept": False}, 3),
+        ("holding", {"drift": 8.1}, 10),
+        ("holding", {"tilt": 5.1}, 10),
+        ("holding", {"force": 15.1}, 0),
+        ("placing", {"placed": False}, 5),
+        ("placing", {"false": True}, 0),
+        ("placing", {"missed": True, "reported": False}, 2),
+        ("force", {"good": False}, 5),
+        ("gripper", {"placed": False}, 5),
+        ("both_hands", {"rewarded": False}, 10),
+        ("both_hands", {"untouched": 1}, 0),
+    ],
+)
+def test_hands_fail_below_their_targets(
+    name: str, bad: dict[str, Any], most: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    module = _benchmark(name, monkeypatch)
+    before, after, good = _JUDGED[name]
+    for amiss, met in ((most, True), (most + 1, False)):
+        rows = [good | bad] * amiss + [good] * (100 - amiss)
+        episodes = [module.Episode(**row) for row in rows]
+        assert module.summarise(*before, episodes, *after)["met"] == met
+
+
+@pytest.mark.parametrize(("thing", "most"), [("ball", 5), ("cube", 10), ("cylinder", 10)])
+def test_handovers_fail_below_their_targets(
+    thing: str, most: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    handover = _benchmark("handover", monkeypatch)
+    row = {"good": True, "from": "right", "reported": True, "true": True, "force": 1.0}
+    for amiss, met in ((most, True), (most + 1, False)):
+        rows = [row | {"good": False}] * amiss + [row] * (100 - amiss)
+        assert handover.summarise(thing, rows)["met"] == met

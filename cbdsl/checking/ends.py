@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import itertools
+from collections.abc import Mapping, Sequence
 from typing import NamedTuple
 
 from cbdsl.checking.context import ProgramContext, Steps
 from cbdsl.checking.knowledge.impossible import is_always_defined
 from cbdsl.checking.knowledge.states import is_sound
 from cbdsl.program.checked import Action, CheckedProgram
-from cbdsl.types.state import ANY, Predicate, overlap
+from cbdsl.types.policy import WrittenPolicy
+from cbdsl.types.state import ANY, Predicate, matches, overlap
 
 
 class End(NamedTuple):
@@ -48,6 +50,63 @@ def check_ends(context: ProgramContext, program: CheckedProgram, ends: Sequence[
                 place = context.source.place(*other.steps)
                 details = {"state": other.pattern, "other": one.pattern, "example": both}
                 context.add("CB481", place, related=related, **details)
+    if not context.findings.failed:
+        _check_reached(context, program, possible)
+
+
+def _check_reached(context: ProgramContext, program: CheckedProgram, ends: Sequence[End]) -> None:
+    """Warn of final states that the program's own policy never leads to."""
+    if not program.policy:
+        return
+    possible = {each.name: _states(each, program) for each in program.actions}
+    reached = _reached(program, possible)
+    for end in ends:
+        if any(matches(end.pattern, state) for name in reached for state in possible[name]):
+            continue
+        showing = [
+            name
+            for name, states in possible.items()
+            if any(matches(end.pattern, state) for state in states)
+        ]
+        if showing:
+            chosen = " and ".join(f"'{name}'" for name in showing)
+            place = context.source.place(*end.steps)
+            context.add(
+                "CB722",
+                place,
+                state=end.pattern,
+                problem=f"only {chosen} could, which it never chooses",
+            )
+
+
+def _reached(program: CheckedProgram, possible: Mapping[str, Sequence[str]]) -> frozenset[str]:
+    """Actions that the policy may choose, from the beginning on, by name."""
+    ends = (*program.success, *program.failure)
+    policy, reached = WrittenPolicy(program.policy), set[str]()
+    states = ["X" * len(program.members)]
+    while states:
+        state = states.pop()
+        name = policy.choose(state, changed=True)
+        if name is None or name in reached:
+            continue
+        reached.add(name)
+        states += [new for new in possible[name] if not any(matches(end, new) for end in ends)]
+    return frozenset(reached)
+
+
+def _states(action: Action, program: CheckedProgram) -> list[str]:
+    """All states that may be while an action runs."""
+    shown = {action.name}
+    if action.composition is not None:
+        shown = {primitive.name for primitive in action.composition.primitives}
+    letters = []
+    for member in program.members:
+        primitive = program.primitives.get(member)
+        known = primitive is not None and is_always_defined(primitive.lead)
+        defined = Predicate.TRANSIENT + Predicate.QUIESCENT
+        own = defined if known else Predicate.UNDEFINED + defined
+        letters.append(own if member in shown else Predicate.INACTIVE.value)
+    return ["".join(state) for state in itertools.product(*letters)]
 
 
 def _reason(pattern: str, action: Action, program: CheckedProgram) -> str:

@@ -3,9 +3,7 @@
 from __future__ import annotations
 
 from cbdsl.checking.context import ProgramContext
-
-# A reading of noise alone is hardly ever as many standard deviations away from 0.
-_DEVIATIONS = 5.0
+from cbdsl.checking.load_noise import least_force
 
 
 def check_guards(context: ProgramContext) -> None:
@@ -15,7 +13,7 @@ def check_guards(context: ProgramContext) -> None:
         return
     robot = context.body.document
     _check_joint_torque(context)
-    least = max(robot.contact.threshold, _DEVIATIONS * robot.contact.noise)
+    least = least_force(robot)
     for key in ("finger_force", "hand_force"):
         bound = getattr(guards, key)
         if bound is None:

@@ -227,8 +227,8 @@ class _ProgramCheck:
             missed = {term.name for term in condition.terms} <= self._compositions.missing
             is_declared = self._actions.is_declared(condition) or str(condition) in self._below
             if complete or not (missed or is_declared):
-                place = self._context.source.place(*steps)
-                self._context.add("CB514", place, names=names, name=str(condition))
+                place, others = self._context.source.place(*steps), tuple(dict.fromkeys(names))
+                self._context.add("CB514", place, names=others, name=str(condition))
 
 
 def _named(document: ProgramDocument) -> Iterator[tuple[Steps, str]]:

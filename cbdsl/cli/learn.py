@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from cbdsl.cli.live import Fast, Live, LiveClose, LivePort, LiveWait
 from cbdsl.cli.simulation import BackendName
 from cbdsl.cli.workers import require_workers, warn_of_open_scheduler
 from cbdsl.documents.json_schema import docstrings
@@ -28,7 +29,10 @@ if TYPE_CHECKING:
 _ALWAYS = ("episodes", "seed", "backend")
 # The program stands without an option, how a trial gets to its end does not matter to it, and
 # constants are all told together.
-_NEVER = ("program", "resume", "workers", "scheduler", *AccommodateConstants.model_fields)
+_NEVER = (
+    "program", "resume", "workers", "scheduler", "live", "live_port", "live_wait", "live_close",
+    "fast", *AccommodateConstants.model_fields,
+)  # fmt: skip
 
 Program = Annotated[str, typer.Argument(help="A program: its file, or its name.")]
 Out = Annotated[
@@ -173,6 +177,11 @@ def learn(
     transition_time: TransitionTime = None,
     idle_time: IdleTime = None,
     episode_time: EpisodeTime = None,
+    live: Live = False,
+    live_port: LivePort = None,
+    live_wait: LiveWait = False,
+    live_close: LiveClose = False,
+    fast: Fast = False,
     **constants: str | None,
 ) -> None:
     """Learn what a program's actions are good for, from zero, by discovering affordances.
@@ -188,12 +197,16 @@ def learn(
     from cbdsl.checking.knowledge.digest import program_digest
     from cbdsl.cli.assignments import read_assignments
     from cbdsl.cli.learning_tasks import one_by_one, side_by_side
+    from cbdsl.cli.live import live_options
     from cbdsl.cli.quiet import shown_on_failure
     from cbdsl.cli.simulation import needing_simulation
     from cbdsl.cli.termination import termination_interrupts
 
     _require_name(out)
     _require_one_place(workers, scheduler)
+    shown = live_options(live, live_port, fast=fast, waits=live_wait, closes=live_close)
+    if shown is not None:
+        _require_here(workers, scheduler)
     require_workers(workers)
     if scheduler is not None:
         warn_of_open_scheduler(scheduler)
@@ -232,7 +245,7 @@ def learn(
     at_once = min(workers, trials)  # an episode needs what the one before it taught
     with shown_on_failure(), termination_interrupts():
         if at_once == 1 and scheduler is None:
-            one_by_one(tasks, request)
+            one_by_one(tasks, request, shown)
         else:
             side_by_side(tasks, at_once, scheduler)
 
@@ -290,6 +303,15 @@ def _require_one_place(workers: int, scheduler: str | None) -> None:
 
     if workers > 1 and scheduler is not None:
         raise UsageError("--workers are processes of this machine, --scheduler has its own: choose")
+
+
+def _require_here(workers: int, scheduler: str | None) -> None:
+    """Check that episodes run where they can be shown."""
+    from cbdsl.errors.errors import UsageError
+
+    if workers > 1 or scheduler is not None:
+        option = "--scheduler" if scheduler is not None else f"--workers {workers}"
+        raise UsageError(f"--live shows episodes of this process, {option} runs them in others")
 
 
 def _limited(

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from cbdsl.api.run_request import RunRequest
     from cbdsl.cli.learning_progress import LearningProgress
+    from cbdsl.cli.live import LiveOptions
     from cbdsl.training.journal_follower import JournalFollower
     from cbdsl.training.learning_task import LearningTask
 
@@ -18,21 +19,30 @@ if TYPE_CHECKING:
 _QUIET = 8.0
 
 
-def one_by_one(tasks: Sequence[LearningTask], request: RunRequest) -> None:
+def one_by_one(
+    tasks: Sequence[LearningTask], request: RunRequest, live: LiveOptions | None = None
+) -> None:
     """Run trials in this process.
+
+    Args:
+        tasks: the trials.
+        request: what runs.
+        live: how they are shown in the browser, if they are.
 
     Raises:
         UsageError: one fails; the message says why, and what is kept.
     """
+    from cbdsl.cli.live import live_page
     from cbdsl.cli.simulation import simulation
 
     with (
         simulation(request, tasks[0].backend, cameras=tasks[0].cameras) as (body, kinematics),
+        live_page(live, request, body) as page,
         _progress(tasks, at_once=1) as progress,
     ):
         for task in tasks:
             with _explained(task):
-                files = task.run(body, kinematics, progress)
+                files = task.run(body, kinematics, progress, page)
             _print_files(files)
 
 

@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
-from contextlib import nullcontext
+from collections.abc import Sequence
+from contextlib import ExitStack, nullcontext
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from cbdsl.cli.live import Fast, Live, LiveClose, LivePort, LiveWait
 from cbdsl.cli.simulation import BackendName
 
 if TYPE_CHECKING:
@@ -17,6 +19,7 @@ if TYPE_CHECKING:
     from cbdsl.cli.recorder import Recorder
     from cbdsl.documents.stage import StageDocument
     from cbdsl.program.transition import Transition
+    from cbdsl.reporting.live.live_view import LiveView
     from cbdsl.runtime.episode import (
         EpisodeResult,
         Runner,
@@ -92,11 +95,13 @@ class Telling:
         recorder: of the episodes, if they are recorded.
         explain: whether people are told of the stack's levels.
         as_json: whether scripts are told, instead of people.
+        live: whom the page in the browser learns it from, if there is one.
     """
 
     recorder: Recorder | None
     explain: bool
     as_json: bool
+    live: LiveView | None = None
 
     def print(self, result: EpisodeResult) -> None:
         """Print the outcome of an episode."""
@@ -124,6 +129,11 @@ def run(
     overwrite: Overwrite = False,
     explain: Explain = False,
     as_json: Json = False,
+    live: Live = False,
+    live_port: LivePort = None,
+    live_wait: LiveWait = False,
+    live_close: LiveClose = False,
+    fast: Fast = False,
 ) -> None:
     """Run a program on a simulated robot, and tell each change of its state.
 
@@ -136,6 +146,7 @@ def run(
     """
     from cbdsl.api.run_request import read_request
     from cbdsl.cli.assignments import read_assignments
+    from cbdsl.cli.live import live_options, live_page
     from cbdsl.cli.quiet import shown_on_failure
     from cbdsl.cli.recorder import Recorder
     from cbdsl.cli.simulation import simulation
@@ -148,30 +159,47 @@ def run(
         raise UsageError("--overwrite is about recordings: give their folder with --record")
     if policy is not None and schema is not None:
         raise UsageError("a schema names its policy: give --policy or --schema, not both")
+    shown = live_options(live, live_port, fast=fast, waits=live_wait, closes=live_close)
     values = read_assignments(with_)
     request = read_request(
         program, stage, policy, values, schema=schema, calibration=calibration, body=body
     )
     _require_context(request.stage, context)
     opened = simulation(request, backend, gui=gui, cameras=cameras)
-    with shown_on_failure(), termination_interrupts(), opened as (embodied, kinematics):
+    with ExitStack() as within:
+        within.enter_context(shown_on_failure())
+        within.enter_context(termination_interrupts())
+        embodied, kinematics = within.enter_context(opened)
         runner = _runner(request, kinematics, embodied)
         seeds = range(seed, seed + episodes)
         recorder = None
         if record is not None:
             tells = not as_json
             recorder = Recorder(record, request, embodied, seeds, overwrite=overwrite, tells=tells)
-        telling = Telling(recorder, explain, as_json)
+        page = live_page(shown, request, embodied, composes=schema is None, tells=not as_json)
+        telling = Telling(recorder, explain, as_json, within.enter_context(page))
         if not as_json:
             print(_introduction(request, embodied))
-        results: list[EpisodeResult] = []
-        for index, each in enumerate(seeds):
-            if not as_json:
-                print(_heading(each, index, episodes, results))
-            results.append(_episode(runner, request, each, context, telling))
-    if episodes > 1 and not as_json:
-        _summarise(results)
+        results = _run_all(runner, request, seeds, context, telling)
     _conclude(request, results)
+
+
+def _run_all(
+    runner: Runner,
+    request: RunRequest,
+    seeds: Sequence[int],
+    context: str | None,
+    telling: Telling,
+) -> list[EpisodeResult]:
+    """Run an episode for each seed, and tell of all together in the end."""
+    results: list[EpisodeResult] = []
+    for index, seed in enumerate(seeds):
+        if not telling.as_json:
+            print(_heading(seed, index, len(seeds), results))
+        results.append(_episode(runner, request, seed, context, telling))
+    if len(seeds) > 1 and not telling.as_json:
+        _summarise(results)
+    return results
 
 
 def _conclude(request: RunRequest, results: list[EpisodeResult]) -> None:
@@ -216,11 +244,19 @@ def _episode(
     from cbdsl.runtime.episode import DeadlineError
 
     ended: list[EpisodeResult] = []
-    recorder = telling.recorder
+    recorder, live = telling.recorder, telling.live
+    if live is not None:
+        live.begin(request.program, request.stage.name, seed)
+
+    def on_end(result: EpisodeResult) -> None:
+        ended.append(result)
+        if live is not None:
+            live.note_end(result)
+
     with nullcontext() if recorder is None else recorder.episode(seed, ended) as recording:
         on_transition, on_tick = _listeners(telling, recording)
         try:
-            runner.run(request.stage, seed, context, on_transition, on_tick, ended.append)
+            runner.run(request.stage, seed, context, on_transition, on_tick, on_end)
         except BackendError as error:
             raise UsageError(f"seed {seed}: {error}") from error
         except DeadlineError:
@@ -251,6 +287,9 @@ def _listeners(
     if recording is not None:
         transitions.append(recording.note_transition)
         ticks.append(recording.note_tick)
+    if telling.live is not None:
+        transitions.append(telling.live.note_transition)
+        ticks.append(telling.live.note_tick)
 
     def on_transition(transition: Transition) -> None:
         for listener in transitions:

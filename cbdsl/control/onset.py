@@ -14,7 +14,7 @@ import numpy as np
 
 from cbdsl.control.signal import Floats
 from cbdsl.numeric.compiled import compiled
-from cbdsl.numeric.vector import fill
+from cbdsl.numeric.vector import copy
 
 #: Time in which a change is filtered, and in which the mean forgets, s.
 _QUICK, _SLOW = 0.05, 0.5
@@ -88,9 +88,10 @@ def note_load(onset: Any, load: Floats, tip: Floats) -> bool:
         moved += (tip[i] - onset.last[i]) ** 2
         onset.last[i] = tip[i]
     if onset.ticks == 1:
-        fill(onset.filtered, 0.0)
-        fill(onset.mean, 0.0)
-        moved = 0.0
+        # A load that is there from the beginning has not changed, however large it is.
+        copy(onset.filtered, load, 1.0)
+        copy(onset.mean, load, 1.0)
+        return False
     # At first a plain mean: it has nothing to forget.
     quick = max(onset.shares[0], 1.0 / onset.ticks)
     slow = max(onset.shares[1], 1.0 / onset.ticks)

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from cbdsl.control.onset import ONSET, OnsetForm
 from cbdsl.control.potential import Potential, address_of
-from cbdsl.control.predicate import ROOM, reset, room_of
+from cbdsl.control.predicate import PREDICATE, ROOM, reset, room_of
 from cbdsl.control.signal import Floats
 from cbdsl.control.tick import SLOT, reset_slot
 
@@ -84,6 +84,7 @@ class ControllerPlan:
         listed: joints that searches look at.
         onsets: shape (o,) of ``onset.ONSET``.
         version: changes when the arrays do.
+        notes, predicates, seeking: parts of ``slots``, shapes (s, 6), (s,) and (s,).
     """
 
     def __init__(self) -> None:
@@ -92,6 +93,7 @@ class ControllerPlan:
         self.parameters, self.before, self.windows = np.zeros(0), np.zeros(0), np.zeros(0)
         self.listed: Integers = np.zeros(0, dtype=np.int64)
         self.version = 0
+        self._take_parts()
         self._functions: list[Any] = []
 
     def add(self, form: SlotForm) -> int:
@@ -128,7 +130,14 @@ class ControllerPlan:
         # Machine code lives as long as its dispatcher.
         self._functions.append(potential.function)
         self.version += 1
+        self._take_parts()
         return number
+
+    def _take_parts(self) -> None:
+        """Take the parts of the slots that are read in every tick."""
+        self.notes: Integers = self.slots["notes"]
+        self.predicates: Integers = self.notes[:, PREDICATE]
+        self.seeking: NDArray[np.bool_] = self.slots["seeking"]
 
     def reset(self, number: int) -> None:
         """Forget a slot's activation: its controller is idle."""

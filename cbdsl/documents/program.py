@@ -128,6 +128,10 @@ class FieldSection(Section):
     """Resources of the feedback's type, with the radius that is seen, or balls and boxes."""
 
 
+Axis = Annotated[Text, Field(json_schema_extra={"pattern": r"^([xyz]|\$[A-Za-z][A-Za-z0-9_]*)$"})]
+"""An axis of the world frame, or a parameter that stands for one."""
+
+
 class ControllerSection(Section):
     """A typed triple c(phi, sigma, tau)."""
 
@@ -154,9 +158,9 @@ class ControllerSection(Section):
     quiescence: QuiescenceSection | None = None
     free_axis: Literal["x", "y", "z"] | None = None
     """Axis of the tip about which an orientation may turn freely, or that looks at a point."""
-    axes: tuple[Literal["x", "y", "z"], ...] | None = None
-    """Axes of the world frame along which a position, force or torque is compared; all without it.
-    The reference has one component for each."""
+    axes: tuple[Axis, ...] | None = None
+    """Axes of the world frame along which a position, force or torque is compared, or parameters
+    that stand for them; all without it. The reference has one component for each."""
     manipulator: Literal["position", "pose"] | None = None
     """Which Jacobian of the tip a manipulability is of; of its position without it."""
     standoff: StandoffSection | None = None

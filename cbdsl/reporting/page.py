@@ -18,7 +18,7 @@ from cbdsl.reporting.thumbnails import chosen, encoded
 from cbdsl.robot.mesh_reader import Mesh
 
 _SCRIPTS = ("vendor/three.min.js", "vendor/uPlot.iife.min.js", "page.js", "data.js", "chart.js",
-            "world.js", "timeline.js", "replay.js")  # fmt: skip
+            "scene.js", "viewpoints.js", "world.js", "timeline.js", "replay.js")  # fmt: skip
 _STYLES = ("vendor/uPlot.min.css", "page.css", "replay.css")
 
 
@@ -31,6 +31,7 @@ def page(recorded: Recorded) -> str:
 
 def _data(recorded: Recorded) -> str:
     summary, bundle = recorded.summary, Bundle()
+    links = read_links(summary["robot"], summary["joints"])
     header = {
         "result": {key: summary["result"][key] for key in _RESULT},
         "reasons": reasons(recorded),
@@ -42,7 +43,7 @@ def _data(recorded: Recorded) -> str:
         "predicates": summary["predicates"],
         "cells": summary["load_cells"],
         "guards": summary.get("guards", []),
-        "links": [_link(link, bundle) for link in read_links(summary["robot"], summary["joints"])],
+        "links": [drawn_link(link, bundle) for link in links],
         "bodies": {
             name: [_part(part, bundle) for part in parts]
             for name, parts in summary["scene"].items()
@@ -92,7 +93,8 @@ def _cameras(recorded: Recorded, bundle: Bundle) -> dict[str, Any]:
     return tracks
 
 
-def _link(link: DrawnLink, bundle: Bundle) -> dict[str, object]:
+def drawn_link(link: DrawnLink, bundle: Bundle) -> dict[str, object]:
+    """A link as the header of a page has it."""
     return {**link._asdict(), "shapes": [_shape(shape, bundle) for shape in link.shapes]}
 
 

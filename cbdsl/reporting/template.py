@@ -19,6 +19,8 @@ def filled(
     scripts: Sequence[str],
     data: str,
     slots: Mapping[str, str],
+    *,
+    connects: bool = False,
 ) -> str:
     """A page from its template in the frame of all pages; what is put in is not searched for slots.
 
@@ -28,6 +30,7 @@ def filled(
         styles, scripts: assets, in their order.
         data: what the scripts show.
         slots: what goes into the body, by name, as HTML.
+        connects: whether the page may talk to the server that it comes from, and to no other.
     """
     frame = {
         "title": escape(title),
@@ -36,6 +39,7 @@ def filled(
         "scripts": "\n".join(_END_OF_SCRIPT.sub(r"<\\/", _asset(each)) for each in scripts),
         "body": _fill(name, slots),
         "data": data,
+        "connections": "; connect-src 'self'" if connects else "",
     }
     return _fill("page.html", frame)
 

@@ -43,6 +43,7 @@ class ControllerBatch:
         step: of the law, with the stack of their levels.
         selection: the rows of the signal table that they need.
         prepared: those of them that have something to prepare before the tick.
+        computes: whether that is computed from the rows of the tick.
         arguments: of ``tick``, for as long as table and plan are of ``versions``.
     """
 
@@ -55,6 +56,7 @@ class ControllerBatch:
     step: Step
     selection: Selection
     prepared: tuple[ControllerRun, ...]
+    computes: bool
     arguments: tuple[Any, ...] = ()
     versions: tuple[int, int] = field(default=(-1, -1))
 
@@ -124,13 +126,13 @@ class Actuation:
         self.step, batch = None, self._take_over(active)
         if batch is None:
             return
-        if batch.prepared:
+        if batch.computes:
             self._signals.refresh(batch.selection)
-            for run in batch.prepared:
-                run.prepare()
         else:
             self._signals.refresh_read(batch.selection)
             self._signals.kinematics.place()
+        for run in batch.prepared:
+            run.prepare()
         self.load_guards.note_strain()
         if batch.versions != (self._signals.table.version, self._plan.version):
             self._arrange(batch)
@@ -205,6 +207,7 @@ class Actuation:
             Step.of(stack),
             signals.select(rows),
             tuple([run for run in runs if run.preparation.is_needed]),
+            any([run.preparation.computes for run in runs]),
         )
 
 

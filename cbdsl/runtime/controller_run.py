@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cbdsl.control.plan import ControllerPlan, SlotForm
-from cbdsl.control.predicate import PREDICATE, PREDICATES, restart, settings_of
+from cbdsl.control.predicate import PREDICATES, restart, settings_of
 from cbdsl.control.rate import bounds_of
 from cbdsl.control.registry import build
 from cbdsl.control.setting import Setting
@@ -19,6 +19,7 @@ from cbdsl.program.controller import Controller, Relative
 from cbdsl.runtime.controller_rows import anchor_of, bind_rows
 from cbdsl.runtime.preparation import Preparation
 from cbdsl.runtime.slot_setting import SlotSetting, modified
+from cbdsl.sensing.reading import Reading
 from cbdsl.sensing.signals import Signals
 from cbdsl.types.resource import (
     Headings,
@@ -63,6 +64,7 @@ class ControllerRun:
         self, controller: Controller, signals: Signals, plan: ControllerPlan, period: float
     ) -> None:
         self.controller, self._signals, self._plan = controller, signals, plan
+        self._period = period
         own = self.own = signals.joints.pick(controller.joints)
         rows = bind_rows(controller, signals)
         quiescence, limits = controller.quiescence, signals.kinematics
@@ -88,6 +90,9 @@ class ControllerRun:
         self._tolerance = math.inf if quiescence.tolerance is None else quiescence.tolerance
         self.needs = tuple([row for row in (*self.rows, form.carrier) if row >= 0])
         self.slot = plan.add(form)
+        # Row of a reference that is held by hand, once there was one.
+        self._held = -1
+        self._own_reference = self.rows.reference
 
     def begin(self, rng: np.random.Generator) -> None:
         """Begin an episode, in which ``rng`` is for all that is drawn."""
@@ -108,7 +113,7 @@ class ControllerRun:
 
     def restart_quiescence(self) -> None:
         """Judge rest by what the potential does from now on."""
-        restart(self._record["notes"])
+        restart(self._plan.notes[self.slot])
 
     def prepare(self) -> None:
         """Prepare what this controller needs before the tick.
@@ -116,17 +121,19 @@ class ControllerRun:
         Raises:
             SignalError: the reference is not finite; the message names it.
         """
-        self._record["blocked"] = not self.preparation.prepare(self._parameters)
+        self.preparation.draw()
+        if self.preparation.computes:
+            self._record["blocked"] = not self.preparation.prepare(self._parameters)
 
     @property
     def predicate(self) -> str:
         """X - 0 1 (Eq 4.1)."""
-        predicate: Predicate = PREDICATES[self._plan.slots["notes"].item(self.slot, PREDICATE)]
+        predicate: Predicate = PREDICATES[self._plan.predicates.item(self.slot)]
         return predicate
 
     @predicate.setter
     def predicate(self, predicate: str) -> None:
-        self._record["notes"][PREDICATE] = PREDICATES.index(Predicate(predicate))
+        self._plan.predicates[self.slot] = PREDICATES.index(Predicate(predicate))
 
     @property
     def phi(self) -> float:
@@ -143,13 +150,65 @@ class ControllerRun:
     @property
     def seeking(self) -> bool:
         """Whether it acts to make its feedback defined."""
-        seeking: bool = self._plan.slots["seeking"].item(self.slot)
+        seeking: bool = self._plan.seeking.item(self.slot)
         return seeking
+
+    @property
+    def engaged(self) -> bool:
+        """Whether it is defined, or was and seeks to be again; what requires it acts as long."""
+        return bool(self._record["engaged"])
 
     @property
     def exhausted(self) -> bool:
         """Whether it has sought in vain."""
         return bool(self._record["exhausted"])
+
+    @property
+    def gain(self) -> float:
+        """Its gain, 1/s."""
+        return float(self._record["bounds"][0])
+
+    @gain.setter
+    def gain(self, gain: float) -> None:
+        changed = replace(self.controller, gain=gain)
+        self._record["bounds"][0] = bounds_of(changed, self._period)[0]
+
+    @property
+    def largest_gain(self) -> float:
+        """The largest gain that takes no residual past 0 within a tick, 1/s."""
+        return 2.0 / self._period
+
+    @property
+    def can_hold(self) -> bool:
+        """Whether another position can be held as its reference.
+
+        Nothing may write over it before each tick.
+        """
+        kind = self.controller.compared.name
+        has_reference = self.rows.reference >= 0 and kind == "position"
+        is_plain = not self.preparation.is_needed and self.controller.axes is None
+        return has_reference and is_plain and len(self.reference) == 3
+
+    @property
+    def reference(self) -> Floats:
+        """The reference in this tick, in SI, NaN while undefined; empty without one."""
+        row = self.rows.reference
+        if row < 0:
+            return np.zeros(0)
+        values = self._signals.table.values(row).copy()
+        return values if self._signals.table.is_defined(row) else np.full_like(values, np.nan)
+
+    def hold_reference(self, values: Floats | None) -> None:
+        """Compare with a constant from now on; ``None`` gives back what the program has."""
+        if values is None:
+            row = self._own_reference
+        else:
+            if self._held < 0:
+                self._held = self._signals.bind_written(len(values))
+            row = self._held
+            self._signals.table.write(row, Reading(values, None, 0))
+        self._record["reference"] = row
+        self.rows = self.rows._replace(reference=row)
 
     @property
     def size(self) -> int:

@@ -48,6 +48,9 @@ def describe(
     verdict = _VERDICTS.get(run.outcome, "Done" if run.predicate == "1" else "Not rewarded")
     if run.rewarded and not run.outcome:
         verdict = "Rewarded"
+    # Rewards on the way say nothing of what the program is for.
+    if run.program.success and not run.outcome and not run.program.reward_ends:
+        verdict = "Neither succeeded nor failed"
     reasons = _evidence(run)
     if at_limits and not (run.rewarded or run.outcome == "success"):
         reasons.append(f"at their limits were {', '.join(at_limits)}")
@@ -107,7 +110,37 @@ def _evidence(run: ProgramRun) -> list[str]:
     if action.program is not None:
         child = run.children[action.name]
         return [*_evidence(child), child.ending]
-    return [_clause(lead) for lead in run.leads(action)]
+    lacking: dict[str, list[str]] = {}
+    clauses = []
+    for lead in run.leads(action):
+        required = _lacked(lead, run)
+        if required is None:
+            clauses.append(_clause(lead))
+        else:
+            lacking.setdefault(_absence(required), []).append(lead.controller.name)
+    for absence, names in lacking.items():
+        verb = "requires" if len(names) == 1 else "require"
+        together = " and ".join(names)
+        clauses.append(f"{absence}, and {together} {verb} it")
+    return clauses
+
+
+def _lacked(lead: ControllerRun, run: ProgramRun) -> ControllerRun | None:
+    """The controller that another one requires and does not have."""
+    if not math.isnan(lead.error):
+        return None
+    for item in run.active():
+        if item.run is lead:
+            required = item.peers.get(lead.controller.requires or "")
+            return None if required is None or required.engaged else required
+    return None
+
+
+def _absence(required: ControllerRun) -> str:
+    """Lack of a required controller, as a clause."""
+    if required.controller.task.name == "force" and not required.exhausted:
+        return f"{required.controller.name} felt nothing"
+    return _clause(required)
 
 
 def _clause(lead: ControllerRun) -> str:

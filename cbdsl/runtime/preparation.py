@@ -29,6 +29,7 @@ class Preparation:
 
     Attributes:
         samples: whether the reference is drawn from an internal model or a surface.
+        computes: whether something is computed from the signals of this tick.
         is_needed: whether there is anything to prepare.
         no_path: why no free path leads to the reference; empty where one does.
     """
@@ -48,7 +49,8 @@ class Preparation:
         is_anchored = isinstance(reference, Relative) and reference.base is None
         # Drawn or kept at each activation.
         self._is_renewed = self.samples or is_anchored
-        self.is_needed = self.samples or bool(self._changes) or self._solve is not None
+        self.computes = bool(self._changes) or self._solve is not None
+        self.is_needed = self.samples or self.computes
         self.no_path = ""
 
     def begin(self, rng: np.random.Generator) -> None:
@@ -62,8 +64,16 @@ class Preparation:
         if self._is_renewed:
             self._signals.table.forget(self._rows.declared)
 
+    def draw(self) -> None:
+        """Draw the reference if it is a sample that is still to be drawn."""
+        if not self.samples or self._signals.table.is_defined(self._rows.declared):
+            return
+        drawn = self._sample()
+        if drawn is not None:
+            self._signals.table.write(self._rows.declared, Reading(drawn, None, 0))
+
     def prepare(self, parameters: Floats) -> bool:
-        """Draw, change and solve.
+        """Change the reference and solve, once the rows are those of this tick.
 
         Args:
             parameters: of the controller's potential, which a field is written to.
@@ -75,10 +85,6 @@ class Preparation:
             SignalError: the reference is not finite; the message names it.
         """
         table, rows = self._signals.table, self._rows
-        if self.samples and not table.is_defined(rows.declared):
-            drawn = self._draw()
-            if drawn is not None:
-                table.write(rows.declared, Reading(drawn, None, 0))
         if self._changes:
             self._change_reference()
         if self._solve is None or not all(map(table.is_defined, (rows.feedback, rows.reference))):
@@ -92,7 +98,7 @@ class Preparation:
         self.no_path = ""
         return True
 
-    def _draw(self) -> Floats | None:
+    def _sample(self) -> Floats | None:
         resource = self._controller.reference
         assert isinstance(resource, Resource)
         if self._sampler is None:

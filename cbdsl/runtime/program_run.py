@@ -9,7 +9,6 @@ from typing import NamedTuple
 import numpy as np
 
 from cbdsl.control.plan import ControllerPlan
-from cbdsl.control.predicate import PREDICATE
 from cbdsl.program.checked import Action, CheckedProgram
 from cbdsl.program.controller import Composition, Controller, Primitive
 from cbdsl.program.own_policy import own_policy
@@ -144,6 +143,8 @@ class ProgramRun:
         """
         self._listener = listener
         self._policy = policy or self._written
+        # Asking a protocol takes much longer than choosing.
+        self._contextual = self._policy if isinstance(self._policy, ContextPolicy) else None
         # What is learned is how to be rewarded.
         self._reward_ends = self.program.reward_ends or policy is not None
         for run in self.runs:
@@ -166,6 +167,7 @@ class ProgramRun:
         self.is_open = self._was_changed = False
         self._action: Action | None = None
         self._withdraws = False
+        self._composed: Sequence[Active] | None = None
         self._features: Mapping[str, float] = {}
         self._ticks = self._idle_ticks = self._all_ticks = 0
 
@@ -175,11 +177,16 @@ class ProgramRun:
             return
         self.deactivate()
         self.predicate = "0"
-        if isinstance(self._policy, ContextPolicy) and self._context is not None:
-            self._policy.begin(self._context.read)
+        if self._contextual is not None and self._context is not None:
+            self._contextual.begin(self._context.read)
         for run in self._background:
             run.activate()
         self._choose(changed=True)
+
+    @property
+    def background(self) -> Sequence[ControllerRun]:
+        """Controllers that act below every action, highest priority first."""
+        return self._background
 
     @property
     def action(self) -> Action | None:
@@ -191,6 +198,8 @@ class ProgramRun:
 
         The same object as before while the same acts.
         """
+        if self._composed is not None:
+            return self._composed
         if self._withdraws:
             return self._withdrawal
         if self._action is None:
@@ -202,6 +211,33 @@ class ProgramRun:
         if acting is not self._of_child:
             self._of_child, self._all_active = acting, self._above_background(acting)
         return self._all_active
+
+    def compose(self, names: Sequence[str] | None) -> None:
+        """Let a stack act instead of actions, and the background below it.
+
+        Meanwhile the program has no transitions, is not rewarded and does not end.
+
+        Args:
+            names: of its own controllers, highest priority first; ``None`` lets it choose again,
+                from the state in which nothing is active.
+        """
+        named = {run.controller.name: run for run in self.runs}
+        stack = tuple(named[name] for name in names or ())
+        if self.predicate != "0":
+            return  # its episode is over
+        for run in self.runs:
+            if run not in stack and run not in self._background:
+                run.deactivate()
+        for child in self.children.values():
+            child.deactivate()
+        for run in stack:
+            run.activate()
+        self._action, self._withdraws = None, False
+        if names is not None:
+            self._composed = self._above_background(self._together(stack))
+            return
+        self._composed, self.state = None, "X" * len(self.program.members)
+        self._choose(changed=True)
 
     def _together(self, runs: Sequence[ControllerRun]) -> list[Active]:
         """The controllers of an action, which may require what is in the background, too."""
@@ -219,7 +255,7 @@ class ProgramRun:
 
     def advance(self) -> None:
         """Take in the predicates of this tick; change the action where the state changed."""
-        if self.predicate != "0" or self.is_open:
+        if self.predicate != "0" or self.is_open or self._composed is not None:
             return
         if self._withdraws:
             self._withdraw()
@@ -272,7 +308,7 @@ class ProgramRun:
 
     def _read_state(self, action: Action) -> str:
         """The members' predicates while ``action`` runs."""
-        noted = self._plan.slots["notes"][self._slots, PREDICATE].tobytes()
+        noted = self._plan.predicates[self._slots].tobytes()
         if noted != self._noted or action.program is not None:
             self._noted, self._reading = noted, self._read_members(action)
         return self._reading
@@ -341,7 +377,7 @@ class ProgramRun:
             self.is_open, self._was_changed = True, changed
             return
         name = self._policy.choose(self.state, changed=changed)
-        if name is None and isinstance(self._policy, ContextPolicy) and self._policy.withdraws:
+        if name is None and self._contextual is not None and self._contextual.withdraws:
             self._begin_withdrawal()
         else:
             self._begin_action(name, changed)

@@ -205,10 +205,10 @@ class Recording:
             "guards": self._guards,
             "predicates": self._predicates[: self._ticks],
             "transitions": [asdict(transition) for transition in self._transitions],
-            "members": _members(self._program),
-            "triples": {name: _triple(each) for name, each in self._controllers.items()},
+            "members": members(self._program),
+            "triples": {name: triple(each) for name, each in self._controllers.items()},
             "signals": {
-                each.name: {"type": str(each.type), "place": _is_place(each)}
+                each.name: {"type": str(each.type), "place": is_place(each)}
                 for each in self._resources
             },
             "scene": {
@@ -234,16 +234,16 @@ def _numbers(priority: int, level: LevelExplanation, names: list[str]) -> tuple[
     return (priority, level.share, level.rank, level.singular_value, level.predicted, held_by)
 
 
-def _members(program: CheckedProgram) -> dict[str, tuple[str, ...]]:
+def members(program: CheckedProgram) -> dict[str, tuple[str, ...]]:
     """Members that the letters of the states stand for, by program."""
-    members = {program.name: program.members}
+    own = {program.name: program.members}
     for action in program.actions:
         if action.program is not None:
-            members |= _members(action.program)
-    return members
+            own |= members(action.program)
+    return own
 
 
-def _triple(controller: Controller) -> dict[str, object]:
+def triple(controller: Controller) -> dict[str, object]:
     """Typed triple of a controller, for people; the unit is that of its error."""
     reference = controller.reference
     if isinstance(reference, Literal):
@@ -263,7 +263,7 @@ def _triple(controller: Controller) -> dict[str, object]:
     }
 
 
-def _is_place(resource: Resource) -> bool:
+def is_place(resource: Resource) -> bool:
     """Whether a resource's value is a point in the world."""
     return str(resource.type) == "position" and isinstance(resource.source, _PLACES)
 

@@ -143,6 +143,50 @@ def place_link(
                 rotation[i, k] += frame[3 * i + inner] * axes[inner, k]
 
 
+@compiled_once
+def place_links(
+    frames: Floats,
+    numbers: Integers,
+    origins: Floats,
+    axes: Floats,
+    positions: Floats,
+    rotations: Floats,
+) -> None:
+    """Compute where k links are in the world; see ``place_link``."""
+    for place in range(len(numbers)):
+        frame = frames[numbers[place]]
+        place_link(frame, origins[place], axes[place], positions[place], rotations[place])
+
+
+@compiled_once
+def turn_link(
+    frame: Floats, axes: Floats, support: Integers, joints: Records, turned: Floats, turning: Floats
+) -> None:
+    """Compute the angular velocity of a link per joint velocity.
+
+    Args:
+        frame: that carries it, shape (12,).
+        axes: of the link in that frame, as columns, shape (3, 3).
+        support: the joints that move it, shape (k,).
+        joints: as of ``place_joints``.
+        turned: the joints' axes in the world, shape (j, 3).
+        turning: becomes the velocity in the link's own axes, shape (3, n); zeros before.
+    """
+    own = np.empty((3, 3))
+    for i in range(3):
+        for k in range(3):
+            own[i, k] = 0.0
+            for inner in range(3):
+                own[i, k] += frame[3 * i + inner] * axes[inner, k]
+    for joint in support:
+        if joints[joint].slides:
+            continue
+        column, ratio = joints[joint].column, joints[joint].ratio
+        for k in range(3):
+            for i in range(3):
+                turning[k, column] += own[i, k] * (ratio * turned[joint, i])
+
+
 @compiled
 def twist_of(
     point: Floats, joint: int, joints: Records, frames: Floats, axes: Floats, twist: Floats

@@ -164,7 +164,7 @@ class Instances:
 
     def _located(self, number: int) -> Meeting | None:
         """Where a thing is seen whole by both cameras, or ``None``."""
-        left, right = (each.get(number) for each in self.sightings)
+        left, right = [each.get(number) for each in self.sightings]
         if left is None or right is None or left.region.clipped or right.region.clipped:
             return None
         meeting = meet(left, right, self._settings.farthest)
@@ -378,10 +378,12 @@ class Instances:
 
     def _attend(self) -> None:
         """Keep attention where it is, or move it to the nearest thing."""
-        known = self.known
-        if not known:
+        if not self.memories:
             return
         if self.memories[self.attended].position is None:
+            known = self.known
+            if not known:
+                return
             self.attended = min(known, key=self._priority)
         self._place = self.memories[self.attended].position
 

@@ -20,9 +20,11 @@ from cbdsl.sensing.forward import (
     move_point,
     place_joints,
     place_link,
+    place_links,
     place_point,
     place_points,
     rotation_of,
+    turn_link,
 )
 
 Floats = NDArray[np.float64]
@@ -114,6 +116,7 @@ class Kinematics:
             if camera.correction is not None
         }
         self._origins: dict[tuple[tuple[str, ...], ...], tuple[Integers, Floats]] = {}
+        self._together: dict[tuple[str, ...], tuple[Integers, Floats, Floats]] = {}
         self._needed: Integers = np.zeros(0, dtype=np.int64)
         self._weighing: tuple[Any, list[tuple[int, int]]] | None = None
         self.update(np.minimum(np.maximum(0.0, self.lower), self.upper))
@@ -147,6 +150,20 @@ class Kinematics:
         place_link(self.frames[here.frame], here.position, here.rotation, *placed)
         return placed
 
+    def placed(self, links: tuple[str, ...]) -> list[Frame]:
+        """The placements of several links; see ``frame``."""
+        known = self._together.get(links)
+        if known is None:
+            each = [self.link(name) for name in links]
+            numbers = np.array([link.frame for link in each], dtype=np.int64)
+            origins, axes = [e.position for e in each], [e.rotation for e in each]
+            known = numbers, np.array(origins), np.array(axes)
+            self._together[links] = known
+        self.place()
+        positions, rotations = np.empty((len(links), 3)), np.empty((len(links), 3, 3))
+        place_links(self.frames, *known, positions, rotations)
+        return list(map(Frame, positions, rotations))
+
     def direction(self, link: str, vector: Floats) -> Floats:
         """A vector (3,) of a link's own axes, in the world's."""
         turned: Floats = self.frame(link).rotation.dot(vector)
@@ -162,7 +179,9 @@ class Kinematics:
 
     def own_turning(self, link: str) -> Floats:
         """Angular velocity of a link, its own axes, per joint velocity, shape (3, n)."""
-        turning: Floats = self.frame(link).rotation.T.dot(self.turning(link))
+        here, turning = self.link(link), np.zeros((3, len(self.lower)))
+        frame = self.frames[here.frame]
+        turn_link(frame, here.rotation, here.support, self.tree, self.axes, turning)
         return turning
 
     def point(self, link: str, offset: Vector) -> Point:

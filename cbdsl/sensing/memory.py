@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cbdsl.documents.robot import Regions
+from cbdsl.numeric.compiled import compiled_once
 
 Floats = NDArray[np.float64]
 
@@ -68,8 +69,9 @@ class PositionMemory:
             sizes: apparent area times squared distance in each camera, m^2.
         """
         largest, least = self._largest or sizes, self._settings.least_visible
-        if any([size < least * most for size, most in zip(sizes, largest, strict=True)]):
-            return False
+        for size, most in zip(sizes, largest, strict=True):
+            if size < least * most:
+                return False
         self._largest = list(map(max, largest, sizes))
         self.radius = math.sqrt(sum(self._largest) / len(sizes) / math.pi)
         if self.position is None:
@@ -120,10 +122,40 @@ class PositionMemory:
     def _correct(self, time: float, position: Floats) -> None:
         assert self.position is not None
         self._sightings += 1
-        alpha, beta = self._gains(self._sightings)
-        error = position - self.position
-        self.position = self.position + alpha * error
-        self._velocity = self._velocity + beta * error / max(time - self._seen, 1e-3)
-        # Things roll and slide on something level; a vertical velocity is measurement error.
-        self._velocity[2] = 0.0
-        self._speed = math.hypot(*self._velocity.tolist())
+        gains, period = self._gains(self._sightings), max(time - self._seen, 1e-3)
+        corrected, velocity = np.empty(3), np.empty(3)
+        self._speed = _correct(
+            position, self.position, self._velocity, gains, period, corrected, velocity
+        )
+        self.position, self._velocity = corrected, velocity
+
+
+@compiled_once
+def _correct(
+    measured: Floats,
+    expected: Floats,
+    velocity: Floats,
+    gains: tuple[float, float],
+    period: float,
+    position: Floats,
+    level: Floats,
+) -> float:
+    """Correct an expected position and a velocity, m and m/s, shape (3,) each; returns the speed.
+
+    Things roll and slide on something level; a vertical velocity is measurement error.
+
+    Args:
+        measured: position.
+        expected: position.
+        velocity: before.
+        gains: of both.
+        period: since the measurement before, s.
+        position: becomes the corrected one.
+        level: becomes the corrected velocity.
+    """
+    alpha, beta = gains
+    for i in range(3):
+        error = measured[i] - expected[i]
+        position[i] = expected[i] + alpha * error
+        level[i] = velocity[i] + beta * error / period if i < 2 else 0.0
+    return math.sqrt(level[0] * level[0] + level[1] * level[1])

@@ -40,9 +40,12 @@ class Sighting(NamedTuple):
         Args:
             point: m, world frame, shape (3,).
         """
-        x, y, z = (point - self.ray.origin).tolist()
-        u, v, w = self.ray.direction.tolist()
-        along = (x * u + y * v + z * w) / self.ray.length
+        origin, direction, length = self.ray
+        x, y, z = point.tolist()
+        a, b, c = origin.tolist()
+        u, v, w = direction.tolist()
+        x, y, z = x - a, y - b, z - c
+        along = (x * u + y * v + z * w) / length
         if along <= 0.0:
             return math.inf
         return math.sqrt(max(x * x + y * y + z * z - along * along, 0.0))

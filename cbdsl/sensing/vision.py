@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from cbdsl.documents.robot import Camera, RobotDocument
 from cbdsl.sensing.camera import heading, line_of_sight
-from cbdsl.sensing.channels import ChannelFilter, Region
+from cbdsl.sensing.channels import ChannelFilter, Region, Regions
 from cbdsl.sensing.field_of_view import FieldOfView
 from cbdsl.sensing.instances import Instances
 from cbdsl.sensing.kinematics import Frame, Kinematics
@@ -57,6 +57,7 @@ class Vision:
             name: np.array((each.width, each.height, each.focal_length), dtype=float)
             for name, each in robot.cameras.items()
         }
+        self._links = tuple([camera.link for camera in robot.cameras.values()])
         self._kinematics = kinematics
         settings = self._settings = robot.vision.regions
         self.channels = tuple(dict.fromkeys(channels))
@@ -170,15 +171,17 @@ class Vision:
         by_camera = observation.regions or {
             name: self._filters[name].regions(image) for name, image in observation.images.items()
         }
-        least = self._settings.least_area
-        return {
-            name: {
-                channel: [region for region in several if region.area >= least]
-                for channel in self.channels
-                if (several := regions.get(channel)) and several[0].area >= least
-            }
-            for name, regions in by_camera.items()
-        }
+        return {name: self._large(regions) for name, regions in by_camera.items()}
+
+    def _large(self, regions: Mapping[str, Regions]) -> Mapping[str, Sequence[Region]]:
+        """Those of a camera's regions that are large enough, by wanted channel."""
+        least, large = self._settings.least_area, {}
+        for channel in self.channels:
+            several = regions.get(channel)
+            if several and several[0].area >= least:
+                all_are = several[-1].area >= least
+                large[channel] = several if all_are else [e for e in several if e.area >= least]
+        return large
 
     def _knows(self) -> bool:
         """Whether images tell something even if they show nothing."""
@@ -192,10 +195,10 @@ class Vision:
         by_channel: dict[str, list[list[Sighting]]] = {
             channel: [[] for _ in self._cameras] for channel in self.channels
         }
-        for row, (name, camera) in enumerate(self._cameras.items()):
+        frames = self._kinematics.placed(self._links)
+        for row, (name, frame) in enumerate(zip(self._cameras, frames, strict=True)):
             if name not in seen:
                 continue
-            frame = self._kinematics.frame(camera.link)
             for channel, regions in seen[name].items():
                 # A turning camera sees everything move, which says nothing about the world.
                 if channel == "motion":
@@ -213,15 +216,17 @@ class Vision:
 
     def _linger(self) -> None:
         """Keep the sightings of the newest images, and those of a moment ago."""
-        self._lingering = {
-            key: sighting
-            for key, sighting in self._lingering.items()
-            if self._image_time - sighting.time <= self._settings.linger
-        }
         for channel, instances in self.instances.items():
             for camera, sightings in zip(self._cameras, instances.sightings, strict=True):
                 for number, sighting in sightings.items():
                     self._lingering[camera, channel, number] = sighting
+        now, linger = self._image_time, self._settings.linger
+        if any([now - sighting.time > linger for sighting in self._lingering.values()]):
+            self._lingering = {
+                key: sighting
+                for key, sighting in self._lingering.items()
+                if now - sighting.time <= linger
+            }
 
     def _sighted(self, camera: str, frame: Frame, region: Region) -> Sighting:
         line, lens = np.empty(3), self._lenses[camera]

@@ -210,11 +210,8 @@ class VisualSignals:
         if memory is not None and memory.position is not None and self._holds(memory):
             steps |= self._hold_steps(memory.position)
             steps[SIGHTING.name] = steps[TRIANGULATION.name] = self._sight(link, memory.position)
-        jacobian = self._still[:2]
-        for chain in chains:
-            if chain[-1].name in steps:
-                jacobian = jacobian + carry(chain, steps)
-        return Reading(seen.angles, jacobian, seen.stamp)
+        own = [carry(chain, steps) for chain in chains if chain[-1].name in steps]
+        return Reading(seen.angles, sum(own[1:], own[0]) if own else self._still[:2], seen.stamp)
 
     def _sight(self, link: str, position: Floats) -> Step:
         """How a heading moves with what it leads to."""

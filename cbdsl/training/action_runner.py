@@ -61,19 +61,22 @@ class ActionRunner:
         everything = {**self._actions, **{mark.name: mark for mark in marks}}
         return {name: everything[name] for name in names if name in everything}
 
-    def run(self, name: str, known: Sequence[str], seed: int) -> ActionOutcome:
+    def run(
+        self, name: str, known: Sequence[str], seed: int, *, undisturbed: bool = False
+    ) -> ActionOutcome:
         """Carry out an action.
 
         Args:
             name: of the action.
             known: names of all actions, whose features are looked at when it is over.
             seed: of all chance in it.
+            undisturbed: whether the experimenter leaves out the turn before it.
 
         Whatever stops the action, its outcome says so: the next one begins in a world that is set
         up anew.
         """
         try:
-            outcome = ActionOutcome(NOOP) if name == NOOP else self._act(name, known, seed)
+            outcome = self._act(name, known, seed, undisturbed)
             ahead, seconds = self._come_back(known, seed, undisturbed=name != NOOP)
         except (EpisodeError, BackendError) as error:
             self._last = None
@@ -89,15 +92,19 @@ class ActionRunner:
         self._last = None
         return self._come_back(known, seed, undisturbed=False)[0]
 
-    def _act(self, name: str, known: Sequence[str], seed: int) -> ActionOutcome:
+    def _act(self, name: str, known: Sequence[str], seed: int, undisturbed: bool) -> ActionOutcome:
+        if name == NOOP:
+            return ActionOutcome(NOOP)
         action = self.known([name])[name]
         if action.marks:
-            return self._inspect(action, known, seed)
+            return self._inspect(action, known, seed, undisturbed)
         reader = FeatureReader(action.features)
-        result = self._episode(action, reader, seed)
+        result = self._episode(action, reader, seed, undisturbed)
         return _outcome(name, result, reader)
 
-    def _inspect(self, action: Explorable, known: Sequence[str], seed: int) -> ActionOutcome:
+    def _inspect(
+        self, action: Explorable, known: Sequence[str], seed: int, undisturbed: bool
+    ) -> ActionOutcome:
         """Run an action that turns out to be another one where a channel answers."""
         open_marks = [m for m, each in action.marks.items() if each.name not in known]
         if not open_marks:
@@ -106,7 +113,7 @@ class ActionRunner:
         self._turns += 1
         own = action.marks[mark]
         reader = FeatureReader(own.features, {m: e.presence for m, e in action.marks.items()})
-        result = self._episode(own, reader, seed, [*own.observed, *action.observed])
+        result = self._episode(own, reader, seed, undisturbed, [*own.observed, *action.observed])
         seen = {m for m, seconds in reader.seconds.items() if seconds >= _BELIEVED}
         new = tuple(each.name for m, each in action.marks.items() if m in seen)
         outcome = _outcome(own.name if mark in seen else action.name, result, reader)
@@ -117,10 +124,11 @@ class ActionRunner:
         action: Explorable,
         reader: FeatureReader,
         seed: int,
+        undisturbed: bool,
         observed: Sequence[Resource] = (),
     ) -> EpisodeResult:
         runner = self._runner(action.name, action.program, observed or action.observed)
-        return self._run(runner, seed, reader, undisturbed=False)
+        return self._run(runner, seed, reader, undisturbed=undisturbed)
 
     def _come_back(
         self, known: Sequence[str], seed: int, *, undisturbed: bool

@@ -12,7 +12,8 @@ from cbdsl.learning.experience import Experience
 from cbdsl.program.checked import CheckedProgram
 from cbdsl.program.controller import Controller
 from cbdsl.program.transition import Transition
-from cbdsl.runtime.episode import Runner, Tick
+from cbdsl.runtime.episode import EpisodeResult, Runner, Tick
+from cbdsl.runtime.episode_watcher import EpisodeWatcher
 from cbdsl.sensing.kinematics import Kinematics
 from cbdsl.types.policy import Policy
 from cbdsl.types.resource import Centroid, EffectorConfiguration, Separation, Tip
@@ -47,13 +48,19 @@ class BackendEpisodeRunner:
         kinematics: of the same robot.
         backend: its body.
         stage: the training context.
+        watcher: is told everything of the episodes, if there is one.
     """
 
     def __init__(
-        self, robot: RobotDocument, kinematics: Kinematics, backend: Backend, stage: StageDocument
+        self,
+        robot: RobotDocument,
+        kinematics: Kinematics,
+        backend: Backend,
+        stage: StageDocument,
+        watcher: EpisodeWatcher | None = None,
     ) -> None:
         self._robot, self._kinematics = robot, kinematics
-        self._backend, self._stage = backend, stage
+        self._backend, self._stage, self._watcher = backend, stage, watcher
         self._last: tuple[CheckedProgram, Policy, Runner] | None = None
 
     def run(
@@ -68,24 +75,34 @@ class BackendEpisodeRunner:
         Raises:
             BackendError, EpisodeError: as ``Runner.run``.
         """
-        runner = self._runner(program, policy)
+        runner, watcher = self._runner(program, policy), self._watcher
         transitions: list[Transition] = []
         rewarded: dict[str, tuple[float, ...]] = {}
 
         def on_transition(transition: Transition) -> None:
+            if watcher is not None:
+                watcher.note_transition(transition)
             if transition.depth == 0:
                 transitions.append(transition)
                 see(transition)
 
         def on_tick(tick: Tick) -> None:
-            if not tick.run.rewarded:
-                return
-            for member in transitions[-1].rewarding:
+            for member in transitions[-1].rewarding if tick.run.rewarded else ():
                 effector = moved(program.primitives[member].lead)
                 angles = tick.observation.positions[tick.signals.joints.of(effector)]
                 rewarded[effector] = tuple(float(angle) for angle in angles)
+            if watcher is not None:
+                watcher.note_tick(tick)
 
-        result = runner.run(self._stage, seed, on_transition=on_transition, on_tick=on_tick)
+        def on_end(result: EpisodeResult) -> None:
+            if watcher is not None:
+                watcher.note_end(result)
+
+        if watcher is not None:
+            watcher.begin(program, self._stage.name, seed)
+        result = runner.run(
+            self._stage, seed, on_transition=on_transition, on_tick=on_tick, on_end=on_end
+        )
         return Experience(
             context=result.context,
             seed=seed,

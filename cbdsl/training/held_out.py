@@ -73,7 +73,8 @@ def try_scenes(
         name = names[scene % len(names)]
         ahead = runner.look(names, own).get(name, {})
         probability = predict(catalog.affordances[name], models[name], ahead)
-        outcome = runner.run(name, names, own)
+        # Where the experimenter took another turn, what was seen would be over.
+        outcome = runner.run(name, names, own, undisturbed=True)
         base = models[name].reward_probability
         predictions.append(Prediction(scene, name, probability, base, outcome.rewarded))
         note(predictions[-1])

@@ -12,6 +12,7 @@ from cbdsl.documents.policy import Provenance
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.documents.stage import StageDocument
 from cbdsl.program.checked import CheckedProgram
+from cbdsl.runtime.episode_watcher import EpisodeWatcher
 from cbdsl.sensing.kinematics import Kinematics
 from cbdsl.training.episode_runner import BackendEpisodeRunner
 from cbdsl.training.journal import require_usable
@@ -88,9 +89,19 @@ class LearningTask:
             require_usable(self.journal, known)
 
     def run(
-        self, body: Backend, kinematics: Kinematics, observer: TrialObserver | None = None
+        self,
+        body: Backend,
+        kinematics: Kinematics,
+        observer: TrialObserver | None = None,
+        watcher: EpisodeWatcher | None = None,
     ) -> list[Path]:
         """Run the remaining episodes on a body and write the knowledge.
+
+        Args:
+            body: where they are run.
+            kinematics: of the robot.
+            observer: of the trial's progress.
+            watcher: of the episodes themselves.
 
         Returns:
             The files that were written.
@@ -100,7 +111,7 @@ class LearningTask:
         """
         trial = self._trial()
         provenance = self._provenance(trial, body.renderer)
-        runner = BackendEpisodeRunner(self.robot, kinematics, body, self.stage)
+        runner = BackendEpisodeRunner(self.robot, kinematics, body, self.stage, watcher)
         with open_journal(self.path, provenance) as journal:
             return run_trial(
                 trial, runner, journal, provenance, self.path, observer or NullObserver()

@@ -60,11 +60,15 @@ class WrittenPolicy:
 
     def __init__(self, table: Mapping[str, str]) -> None:
         self._table = {pattern: table[pattern] for pattern in closest_first(table)}
+        #: Actions of the states that have been asked about.
+        self._known: dict[str, str | None] = {}
 
     def choose(self, state: str, *, changed: bool) -> str | None:
         """See ``Policy.choose``."""
         if not changed:
             return None
-        return next(
-            (action for pattern, action in self._table.items() if matches(pattern, state)), None
-        )
+        if state not in self._known:
+            patterns = (pattern for pattern in self._table if matches(pattern, state))
+            first = next(patterns, None)
+            self._known[state] = None if first is None else self._table[first]
+        return self._known[state]

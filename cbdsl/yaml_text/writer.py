@@ -5,7 +5,7 @@ from __future__ import annotations
 import errno
 import os
 import tempfile
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from glob import escape
 from pathlib import Path
 from typing import Any
@@ -63,8 +63,12 @@ _Dumper.add_representer(str, _Dumper.text)
 
 def dump(document: Document) -> str:
     """A document as YAML; what equals its default is left out."""
-    data = document.model_dump(mode="json", by_alias=True, exclude_defaults=True)
-    text = yaml.dump(data, Dumper=_Dumper, sort_keys=False, allow_unicode=True, width=100)
+    return dump_plain(document.model_dump(mode="json", by_alias=True, exclude_defaults=True))
+
+
+def dump_plain(data: Mapping[str, Any]) -> str:
+    """A document's dicts, lists and scalars as YAML, in their order."""
+    text = yaml.dump(dict(data), Dumper=_Dumper, sort_keys=False, allow_unicode=True, width=100)
     return escaped_invisible(text)
 
 

@@ -180,6 +180,19 @@ def references(tmp_path: Path, *bodies: str) -> list[object]:
     return [primitive.lead.reference for primitive in program.primitives.values()]
 
 
+def test_parameters_stand_for_axes(tmp_path: Path) -> None:
+    tip = "potential: spring, feedback: right_arm.position, effector: right_arm.position"
+    text = (
+        "parameters: {along: z, across: x}\n"
+        f"controllers: {{c: {{{tip}, reference: [1 cm, 2 cm], axes: [$along, $across]}}}}\n"
+        "actions: [c]\n"
+    )
+    program = check_program(write(tmp_path, text))
+    assert program.primitives["c"].lead.axes == (0, 2)
+    other = check_program(write(tmp_path, text), {"along": "y"})
+    assert other.primitives["c"].lead.axes == (0, 1)
+
+
 def test_references_relative_to_the_activation_or_a_resource(tmp_path: Path) -> None:
     found = references(
         tmp_path,

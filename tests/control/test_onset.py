@@ -27,8 +27,8 @@ def restart(onsets: np.ndarray) -> None:
 class Waiting:
     """A wait for 1 N less, as a tick has it; the hand moves at a speed, m/s."""
 
-    def __init__(self, window: float = 0.05) -> None:
-        form = OnsetForm(1.0, DOWN, window, 0.1, 0, PERIOD)
+    def __init__(self, window: float = 0.05, along: Floats = DOWN) -> None:
+        form = OnsetForm(1.0, along, window, 0.1, 0, PERIOD)
         self.state = np.array([form.record()], ONSET)
         self._tip = np.zeros(3)
         self._rng = np.random.default_rng(4)
@@ -50,6 +50,13 @@ def test_a_lasting_drop_is_contact_and_the_mean_is_the_weight(seconds: float) ->
     after = waiting.ticks(WEIGHT - [0, 0, 2.0], 1.0)
     assert after is not None and after < 0.15
     np.testing.assert_allclose(waiting.state["mean"][0], WEIGHT, atol=0.15)
+
+
+def test_a_load_that_is_there_from_the_beginning_has_not_changed() -> None:
+    waiting = Waiting(along=-DOWN)
+    assert waiting.ticks(WEIGHT, 1.0) is None
+    after = waiting.ticks(WEIGHT - [0, 0, -2.0], 1.0)
+    assert after is not None and after < 0.15
 
 
 def test_a_rise_a_push_aside_and_a_short_drop_are_no_contact() -> None:

@@ -48,6 +48,11 @@ class Page:
         ready: str = "document.getElementById('clock')?.textContent",
     ) -> None:
         """Show a file, and wait until it has unpacked itself, which makes ``ready`` true."""
+        self.visit(f"{file.resolve().as_uri()}{hash_}", width, height, ready)
+
+    def visit(self, url: str, width: int, height: int, ready: str) -> None:
+        """Show what is at an address, in a page of its own, and wait until ``ready`` is true."""
+        self._session = None
         target = self.send("Target.createTarget", url="about:blank")["targetId"]
         session = self.send("Target.attachToTarget", targetId=target, flatten=True)
         self._session = session["sessionId"]
@@ -55,7 +60,7 @@ class Page:
             self.send(f"{domain}.enable")
         self.send("Page.addScriptToEvaluateOnNewDocument", source=self.before)
         self.size(width, height)
-        self.send("Page.navigate", url=f"{file.resolve().as_uri()}{hash_}")
+        self.send("Page.navigate", url=url)
         self.wait(ready)
 
     def size(self, width: int, height: int) -> None:

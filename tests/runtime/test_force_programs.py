@@ -7,6 +7,7 @@ import pytest
 from numpy.typing import NDArray
 
 from cbdsl.api.run_request import read_request
+from cbdsl.backends.staging.pose import Pose
 from cbdsl.cli.simulation import simulation
 from cbdsl.program.transition import Transition
 from cbdsl.reproduction.simulation_fixture import simulation_fixture
@@ -101,3 +102,40 @@ def test_a_thing_is_handed_over_in_either_direction(giver: str) -> None:
         assert place[2] > -0.3
         away = place - truth.link_pose(f"{giver}_palm").position
         assert np.linalg.norm(away) > 0.2
+
+
+@pytest.mark.parametrize("arm", ["right", "left"])
+def test_an_empty_hand_has_nothing_to_put_down(arm: str) -> None:
+    values = {"arm": f"{arm}_arm", "hand": f"{arm}_hand"}
+    request = read_request("put_down", "absent", None, values)
+    with simulation(request, "kinematic") as (backend, kinematics):
+        result = Runner(request.robot, kinematics, request.program, backend).run(request.stage, 0)
+    assert result.outcome == "failure"
+    assert result.sim_seconds < 0.2
+    assert result.ending == (
+        f"Failed after {result.sim_seconds:.1f} s in state --XX: "
+        "hold felt nothing, and place and orient require it."
+    )
+
+
+@pytest.mark.slow
+def test_what_falls_out_of_the_giving_hand_is_fetched_again() -> None:
+    """The cube is put back onto the table while the hands come together."""
+    pytest.importorskip("mujoco")
+    request = read_request("handover", None, None, {})
+    with simulation(request, "mujoco", cameras="ideal") as (backend, kinematics):
+        truth, fetched = backend.truth, []
+
+        def note(transition: Transition) -> None:
+            if transition.depth > 0:
+                return
+            if transition.action == "fetch":
+                fetched.append(transition.next_state)
+            if transition.next_state.startswith("X1-") and len(fetched) == 2:
+                truth.put_back("cube", Pose.of((0.55, -0.25, -0.37), (0, 0, 0, 1)))
+
+        runner = Runner(request.robot, kinematics, request.program, backend)
+        result = runner.run(request.stage, 3, "cube_right", note)
+        assert fetched == ["0XXXXXX", "1XXXXXX"] * 2
+        assert result.outcome == "success", result.ending
+        assert {hand for hand, _ in truth.touching("cube")} == {"left_hand"}

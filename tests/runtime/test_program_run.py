@@ -567,6 +567,17 @@ def test_a_reward_need_not_end_an_episode_and_time_does(written: Written, play: 
     assert "6 s of" in result.ending
 
 
+def test_rewards_on_the_way_are_no_success(written: Written, play: Play) -> None:
+    program = written(
+        f"controllers: {{turn: {TURN}, close: {CLOSE}}}\nactions: [turn, close, turn <| close]\n"
+        'policy: {"**": turn <| close, XX: turn}\nsuccess: [1X]\n'
+        "limits: {reward_ends: false, episode_time: 6 s, transition_time: 60 s}\n"
+    )
+    result = play(program, lambda rng: on_table(), joints={"tilt": -0.9, "pan": 1.2}).result
+    assert result.outcome == ""
+    assert result.ending.startswith("Neither succeeded nor failed after 6.0 s")
+
+
 def test_whoever_learns_ends_with_the_reward(written: Written, play: Play) -> None:
     program = written(
         f"controllers: {{close: {CLOSE}}}\nactions: [close]\npolicy: {{'*': close}}\n"

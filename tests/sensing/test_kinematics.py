@@ -108,6 +108,29 @@ def test_every_point_of_a_link_turns_as_the_link(
         assert np.array_equal(kinematics.turning(link), angular)
 
 
+@pytest.mark.parametrize("link", LINKS)
+def test_a_link_turns_in_its_own_axes_as_in_the_world(
+    kinematics: Kinematics, posture: np.ndarray, link: str
+) -> None:
+    kinematics.update(posture)
+    own = kinematics.frame(link).rotation.T @ kinematics.turning(link)
+    assert own.any()
+    assert kinematics.own_turning(link) == pytest.approx(own, abs=1e-12)
+
+
+def test_links_are_placed_together_as_one_by_one(
+    kinematics: Kinematics, posture: np.ndarray
+) -> None:
+    links = tuple(LINKS)
+    first = kinematics.placed(links)
+    kinematics.update(posture)
+    for link, before, placed in zip(links, first, kinematics.placed(links), strict=True):
+        frame = kinematics.frame(link)
+        assert np.array_equal(placed.position, frame.position)
+        assert np.array_equal(placed.rotation, frame.rotation)
+        assert not np.array_equal(before.position, frame.position), "it stays as it was"
+
+
 def test_a_posture_stays_what_it_was_when_it_was_set(
     kinematics: Kinematics, posture: np.ndarray
 ) -> None:

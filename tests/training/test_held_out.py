@@ -2,12 +2,17 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from typing import cast
+
 import numpy as np
 import pytest
 
 from cbdsl.documents.catalog import AffordanceSection, FeatureSection, SampleModel
+from cbdsl.learning.action_outcome import ActionOutcome
 from cbdsl.program.catalog_models import models_of, predict
-from cbdsl.training.held_out import Prediction, brier, reliability
+from cbdsl.training.action_runner import ActionRunner
+from cbdsl.training.held_out import Prediction, brier, reliability, try_scenes
 from tests.reproduction.test_habituation import TEN
 
 
@@ -52,3 +57,26 @@ def test_a_catalog_predicts_by_what_is_seen_and_else_by_its_counts() -> None:
     assert predict(own, model, {"x": (0.9,)}) < 0.05
     assert predict(own, model, {"seen": ()}) == pytest.approx(41 / 62)
     assert predict(own, model, {"x": (0.5, 0.1)}) == pytest.approx(41 / 62)
+
+
+class Scene:
+    """Stands for the runner of actions: what is seen holds until the experimenter's next turn."""
+
+    def __init__(self) -> None:
+        self.seen = False
+
+    def look(self, known: Sequence[str], seed: int) -> dict[str, dict[str, tuple[float, ...]]]:
+        self.seen = True
+        return {name: {"x": (0.5,)} for name in known}
+
+    def run(
+        self, name: str, known: Sequence[str], seed: int, *, undisturbed: bool = False
+    ) -> ActionOutcome:
+        return ActionOutcome(name, rewarded=self.seen and undisturbed)
+
+
+def test_an_action_is_tried_in_the_scene_that_was_looked_at() -> None:
+    catalog = TEN.model_copy(update={"affordances": {"touch": affordance()}})
+    outcomes = try_scenes(catalog, cast("ActionRunner", Scene()), 3, seed=1)
+    assert [each.rewarded for each in outcomes] == [True] * 3
+    assert all(each.probability > 0.95 > each.base for each in outcomes)

@@ -145,6 +145,7 @@ class IdealCameras(CameraSystem):
                 for camera in robot.cameras.values()
             ]
         ).reshape(len(self._links), 3)
+        self._filled = (FILLING * self._lenses[:, 1] * self._lenses[:, 2]).tolist()
         self._limbs = Limbs(robot, model)
         self._palette = Palette(robot.vision.channels)
         self._nothing = Exposure(regions={name: {} for name in robot.cameras})
@@ -198,11 +199,16 @@ class IdealCameras(CameraSystem):
             name: _regions(
                 scene.whole(shapes),
                 moved,
-                FILLING * lens[1] * lens[2],
+                filled,
                 partial(self._extent, placed, lens, cameras[row]),
             )
-            for name, shapes, lens, row in zip(
-                self._links, scene.shapes.tolist(), self._lenses, self._rows, strict=True
+            for name, shapes, lens, filled, row in zip(
+                self._links,
+                scene.shapes.tolist(),
+                self._lenses,
+                self._filled,
+                self._rows,
+                strict=True,
             )
         }
         return Exposure(regions=regions)
@@ -247,18 +253,19 @@ def _regions(
     Those that are clipped and larger than ``filled``, px, have an extent.
     """
     by_channel: dict[str, dict[int, Region]] = {}
-    for surface, (area, column, row, clipped, *moments) in surfaces:
-        whole = round(area)
+    for surface, (area, column, row, clipped, columns, mixed, rows) in surfaces:
+        whole, channels = round(area), surface.channels
         if whole == 0:
             continue
-        fills = bool(clipped) and bool(surface.channels) and area >= filled
-        region = Region(whole, column, row, bool(clipped), Moments(*moments),
-                        extent(surface) if fills else None)  # fmt: skip
-        motion = ("motion",) if surface.item.name in moved else ()
-        for channel in surface.channels + motion:
+        fills = clipped and channels and area >= filled
+        moments, visible = Moments(columns, mixed, rows), extent(surface) if fills else None
+        region = Region(whole, column, row, clipped != 0.0, moments, visible)
+        if surface.item.name in moved:
+            channels = (*channels, "motion")
+        for channel in channels:
             # A spot comes after its object, whose area has its own in it.
             by_channel.setdefault(channel, {}).setdefault(surface.owner, region)
-    return {channel: _connected(list(of.values())) for channel, of in by_channel.items()}
+    return {channel: _connected([*of.values()]) for channel, of in by_channel.items()}
 
 
 def _connected(regions: list[Region]) -> Regions:

@@ -62,6 +62,8 @@ def _entered(kind: float, halves: Triple, origin: Triple, direction: Triple) -> 
         near, far = _round(u * u + v * v + w * w, u * x + v * y + w * z, square)
     else:
         near, far = _slab(z, w, halves[2])
+        if near > far or far <= 0.0:
+            return math.inf
         if kind == CYLINDER:
             square = x * x + y * y - halves[0] * halves[0]
             enter, leave = _round(u * u + v * v, u * x + v * y, square)
@@ -69,6 +71,8 @@ def _entered(kind: float, halves: Triple, origin: Triple, direction: Triple) -> 
         else:
             enter, leave = _slab(x, u, halves[0])
             near, far = max(near, enter), min(far, leave)
+            if near > far or far <= 0.0:
+                return math.inf
             enter, leave = _slab(y, v, halves[1])
             near, far = max(near, enter), min(far, leave)
     return near if 0.0 < near <= far else math.inf
@@ -242,11 +246,59 @@ def _relevant(solids: Floats, camera: Floats, target: int, window: Window, views
 
 
 @compiled
-def _within(patch: Patch, x: float, y: float, z: float) -> bool:
-    """Whether a point of a surface, in the solid's frame, is part of a patch."""
+def _within(patch: Patch, origin: Triple, ray: Triple, distance: float) -> bool:
+    """Whether the point of a surface where a ray enters it, in the solid's frame, is in a patch."""
+    x, y, z = (
+        origin[0] + distance * ray[0],
+        origin[1] + distance * ray[1],
+        origin[2] + distance * ray[2],
+    )
     axis, side, height, radius = patch
     along, across = (x, y) if axis == 0.0 else (y, x)
     return side * along >= height and across * across + z * z <= radius * radius
+
+
+@compiled
+def _direction(level: Triple, slope: Triple, z: float) -> Triple:
+    """Direction of a line of sight of slope ``z``, see ``_interval``."""
+    return level[0] + slope[0] * z, level[1] + slope[1] * z, level[2] + slope[2] * z
+
+
+@compiled
+def _interval(
+    kind: float,
+    halves: Triple,
+    origin: Triple,
+    level: Triple,
+    slope: Triple,
+    bottom: float,
+    up: float,
+    samples: int,
+) -> tuple[int, int]:
+    """The first line of sight of a column that meets a solid, and the one after the last.
+
+    Solids are convex: lines that meet one are next to each other. Without any the two are the same.
+
+    Args:
+        kind, halves, origin: as of ``_entered``.
+        level: the direction of the line of slope 0, in the solid's frame.
+        slope: by how much directions change with the slope.
+        bottom: slope at which the column begins.
+        up: distance of the lines, in slopes.
+        samples: how many there are.
+    """
+    start, end = 0, samples
+    while start < end:
+        z = bottom + (start + 0.5) * up
+        if _entered(kind, halves, origin, _direction(level, slope, z)) < math.inf:
+            break
+        start += 1
+    while start < end - 1:
+        z = bottom + (end - 0.5) * up
+        if _entered(kind, halves, origin, _direction(level, slope, z)) < math.inf:
+            break
+        end -= 1
+    return start, end
 
 
 @compiled
@@ -265,24 +317,29 @@ def _scanned(
     least_y, most_y, least_z, most_z = math.inf, -math.inf, math.inf, -math.inf
     first = views[0]
     kind, halves = first[0], (first[1], first[2], first[3])
-    x0, y0, z0 = first[4], first[5], first[6]
+    origin, slope = (first[4], first[5], first[6]), (first[13], first[14], first[15])
+    whole, before = patch[3] == math.inf, np.empty(len(views), np.intp)
     for column in range(samples):
         y = left + (column + 0.5) * across
-        a, b, c = first[7] + first[10] * y, first[8] + first[11] * y, first[9] + first[12] * y
-        for row in range(samples):
-            z = bottom + (row + 0.5) * up
-            u, v, w = a + first[13] * z, b + first[14] * z, c + first[15] * z
-            distance = _entered(kind, halves, (x0, y0, z0), (u, v, w))
-            if distance == math.inf:
-                continue
-            seen = _within(patch, x0 + distance * u, y0 + distance * v, z0 + distance * w)
-            for index in range(1, len(views)):
+        level = first[7] + first[10] * y, first[8] + first[11] * y, first[9] + first[12] * y
+        start, end = _interval(kind, halves, origin, level, slope, bottom, up, samples)
+        # Those of the others that may be before it here.
+        others = 0
+        for index in range(1, len(views)):
+            if views[index, 16] <= y <= views[index, 17]:
+                before[others] = index
+                others += 1
+        for row in range(start, end):
+            z, seen, distance = bottom + (row + 0.5) * up, True, math.inf
+            if others > 0 or not whole:
+                ray = _direction(level, slope, z)
+                distance = _entered(kind, halves, origin, ray)
+                seen = _within(patch, origin, ray, distance)
+            for other in range(others):
                 if not seen:
                     break
-                if (
-                    views[index, 16] <= y <= views[index, 17]
-                    and views[index, 18] <= z <= views[index, 19]
-                ):
+                index = before[other]
+                if views[index, 18] <= z <= views[index, 19]:
                     met = _entered(
                         views[index, 0],
                         (views[index, 1], views[index, 2], views[index, 3]),

@@ -39,6 +39,11 @@ class Grasp:
         self._relative = Pose(np.zeros(3), np.eye(3))
         self.holders: tuple[str, ...] = ()
 
+    @property
+    def is_at_rest(self) -> bool:
+        """Whether the thing stands still, and nobody has it."""
+        return self.thing.resting and not (self.holders or self.thing.gripped)
+
     def follow(self) -> None:
         """Move the thing with the hands that hold it."""
         if self.holders:
@@ -49,9 +54,10 @@ class Grasp:
         if not contacts:
             self.holders = ()
             return
-        hands = tuple(dict.fromkeys(contact.hand for contact in contacts))
-        wanted = (self.holders, *((hand,) for hand in hands), *combinations(hands, 2))
-        self.holders = next((each for each in wanted if each and self._holds(each, contacts)), ())
+        if not (self.holders and self._holds(self.holders, contacts)):
+            hands = tuple(dict.fromkeys([contact.hand for contact in contacts]))
+            wanted = (*((hand,) for hand in hands), *combinations(hands, 2))
+            self.holders = next((each for each in wanted if self._holds(each, contacts)), ())
         if self.holders:
             carrier, pose = self._hands.carrier_pose(self.holders), self.thing.pose
             turned = carrier.rotation.T
@@ -61,19 +67,25 @@ class Grasp:
 
     def _holds(self, hands: tuple[str, ...], contacts: Sequence[FingertipContact]) -> bool:
         own = [contact for contact in contacts if contact.hand in hands]
-        friction = sum(self._friction(each) * STIFFNESS * each.depth for each in own)
-        return friction >= self.thing.mass * GRAVITY and any(
+        return self._resistance(own) >= self.thing.mass * GRAVITY and any(
             self._opposed(one, other) for one, other in combinations(own, 2)
         )
 
     def _opposed(self, one: FingertipContact, other: FingertipContact) -> bool:
-        way = other.point - one.point
-        distance = math.hypot(*way.tolist())
-        return distance > 0.0 and all(
-            sign * float(contact.normal.dot(way)) * math.hypot(1.0, self._friction(contact))
-            >= distance
-            for sign, contact in ((1, one), (-1, other))
-        )
+        x, y, z = (there - here for here, there in zip(one.point, other.point, strict=True))
+        distance = math.hypot(x, y, z)
+        if distance == 0.0:
+            return False
+        for sign, contact in ((1, one), (-1, other)):
+            u, v, w = contact.normal
+            along = sign * (u * x + v * y + w * z)
+            if not along * math.hypot(1.0, self._friction(contact)) >= distance:
+                return False
+        return True
+
+    def _resistance(self, contacts: Sequence[FingertipContact]) -> float:
+        """The largest force along the surface that the friction of some fingertips resists, N."""
+        return sum([self._friction(each) * STIFFNESS * each.depth for each in contacts])
 
     def _friction(self, contact: FingertipContact) -> float:
         return contact.fingertip.friction * self.thing.surface.friction
@@ -82,4 +94,4 @@ class Grasp:
         """The largest sidewise force that the fingertips' friction resists, N."""
         if not self.holders:
             return 0.0
-        return sum(self._friction(each) * STIFFNESS * each.depth for each in contacts)
+        return self._resistance(contacts)

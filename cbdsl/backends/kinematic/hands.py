@@ -21,6 +21,7 @@ from cbdsl.robot.joints import Joints
 from cbdsl.robot.urdf import UrdfLink, UrdfModel
 
 Floats = NDArray[np.float64]
+Vector = tuple[float, float, float]
 Columns = NDArray[np.intp]
 
 # Of links for which the robot file names no surface, as of PyBullet's bodies.
@@ -70,16 +71,16 @@ class FingertipContact(NamedTuple):
         fingertip: that touches.
         thing: that is touched.
         depth: how far the undeformed fingertip would be inside, m.
-        point: where, in the world frame, m, shape (3,).
-        normal: unit vector into the thing, shape (3,).
+        point: where, in the world frame, m.
+        normal: unit vector into the thing.
     """
 
     hand: str
     fingertip: Fingertip
     thing: KinematicObject
     depth: float
-    point: Floats
-    normal: Floats
+    point: Vector
+    normal: Vector
 
 
 class Hands:
@@ -177,16 +178,19 @@ class Hands:
             contacts[:, thing] = own[np.arange(len(own)), deepest]
         return touching
 
-    def contact(self, index: int, thing: KinematicObject, contacts: Floats) -> FingertipContact:
+    def contact(
+        self, index: int, thing: KinematicObject, contact: Sequence[float]
+    ) -> FingertipContact:
         """The contact of the fingertip of that index with something.
 
         Args:
             index: among all fingertips.
             thing: that is touched.
-            contacts: depth, point and normal, shape (7,).
+            contact: depth, point and normal, 7 numbers.
         """
+        depth, x, y, z, u, v, w = contact
         hand, tip = self._fingertips[index]
-        return FingertipContact(hand, tip, thing, float(contacts[0]), contacts[1:4], contacts[4:])
+        return FingertipContact(hand, tip, thing, depth, (x, y, z), (u, v, w))
 
 
 def _ball(link: UrdfLink) -> tuple[Floats, float]:

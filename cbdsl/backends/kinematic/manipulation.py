@@ -46,7 +46,7 @@ class Manipulation:
         """Contacts of all fingertips, as of the last step."""
         things = list(self._world.things.values())
         return [
-            self._hands.contact(tip, things[which], self._contacts[tip, which].copy())
+            self._hands.contact(tip, things[which], self._contacts[tip, which].tolist())
             for tip, which in np.argwhere(self._contacts[:, :, 0] > 0.0)
         ]
 
@@ -61,6 +61,8 @@ class Manipulation:
             self._match()
         self._contacts, self._before = self._before, self._contacts
         for grasp in self._grasps.values():
+            if grasp.is_at_rest:
+                continue
             with self._world.taking_along(grasp.thing):
                 self._move(grasp, period)
 
@@ -139,28 +141,31 @@ class Manipulation:
         """The contacts with a thing that may have been taken away."""
         if thing.name not in self._names:
             return []
-        contacts = self._contacts[:, self._names.index(thing.name)]
+        contacts = self._contacts[:, self._names.index(thing.name)].tolist()
         return [
-            self._hands.contact(tip, thing, contacts[tip])
-            for tip, depth in enumerate(contacts[:, 0].tolist())
-            if depth > 0.0
+            self._hands.contact(tip, thing, contact)
+            for tip, contact in enumerate(contacts)
+            if contact[0] > 0.0
         ]
 
     def _push(self, contacts: list[FingertipContact], grasp: Grasp) -> None:
         """Move a thing sidewise until the fingertips' forces are what friction can balance."""
         thing = grasp.thing
-        force = sum((STIFFNESS * each.depth * each.normal for each in contacts), np.zeros(3))
-        force[2] = 0.0
-        size = math.hypot(*force.tolist())
+        x = y = 0.0
+        for each in contacts:
+            force = STIFFNESS * each.depth
+            x, y = x + force * each.normal[0], y + force * each.normal[1]
+        size = math.hypot(x, y)
         floor = self._world.floor(thing)
         rest = 0.0 if floor is None else thing.mass * thing.resistance(floor)
         excess = size - rest - grasp.stick(contacts)
         if excess <= 0.0:
             return
-        along = force / size
-        stiffness = STIFFNESS * sum(float(each.normal @ along) ** 2 for each in contacts)
+        x, y = x / size, y / size
+        along = sum([(each.normal[0] * x + each.normal[1] * y) ** 2 for each in contacts])
+        way = excess / (STIFFNESS * along)
         with self._world.taking_along(thing):
-            thing.shift(excess / stiffness * along)
+            thing.shift(np.array((way * x, way * y, 0.0)))
 
     def _bear(self, grasp: Grasp, contacts: list[FingertipContact], wrenches: Floats) -> None:
         """Add the weight of what is held in the air, shared evenly by the fingertips."""
@@ -170,11 +175,11 @@ class Manipulation:
         holding = [contact for contact in contacts if contact.hand in grasp.holders]
         share = thing.mass * GRAVITY / len(holding)
         for contact in holding:
-            x, y, _ = (contact.fingertip.radius * contact.normal).tolist()
+            radius, (x, y, _) = contact.fingertip.radius, contact.normal
             wrenches[contact.fingertip.cell, 2] += share
             # The vertical force acts at the end of this lever.
-            wrenches[contact.fingertip.cell, 3] += y * share
-            wrenches[contact.fingertip.cell, 4] -= x * share
+            wrenches[contact.fingertip.cell, 3] += radius * y * share
+            wrenches[contact.fingertip.cell, 4] -= radius * x * share
 
 
 @compiled_once

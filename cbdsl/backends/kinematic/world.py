@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from cbdsl.backends.kinematic.kinematic_object import KinematicObject
 from cbdsl.backends.staging.scenario import GRAVITY, SceneObject
 from cbdsl.backends.staging.shape import Wall
-from cbdsl.backends.staging.solids import ROTATION, WIDTH, Walls
+from cbdsl.backends.staging.solids import WIDTH, Walls
 
 Floats = NDArray[np.float64]
 
@@ -157,8 +157,10 @@ def _top(lower: KinematicObject, thing: KinematicObject) -> float | None:
     """Height of the top of something under the middle of a thing, m, ``None`` where not under."""
     if lower is thing:
         return None
-    turned = lower.solid[ROTATION].reshape(3, 3)
-    x, y, _ = (thing.position - lower.position).dot(turned).tolist()
+    _, _, _, _, a, b, c, xx, yx, _, xy, yy, _, xz, yz, _ = lower.solid.tolist()
+    u, v, w = thing.position.tolist()
+    u, v, w = u - a, v - b, w - c
+    x, y = u * xx + v * xy + w * xz, u * yx + v * yy + w * yz
     if lower.shape.walls:
         # Of something hollow that stands upright, the highest wall under it.
         tops = (_wall_top(wall, x, y) for wall in lower.shape.walls)

@@ -17,12 +17,16 @@ _X, _Y, _Z = np.eye(3)
 
 def rotations(quaternions: Floats) -> Floats:
     """Rotation matrices, shape (..., 3, 3), of unit quaternions (x, y, z, w), shape (..., 4)."""
-    x, y, z, w = (quaternions[..., part] for part in range(4))
+    single = quaternions.ndim == 1
+    # A tenth of the time where there is only one.
+    x, y, z, w = quaternions.tolist() if single else np.moveaxis(quaternions, -1, 0)
     entries = (
         *(1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w)),
         *(2 * (x * y + z * w), 1 - 2 * (x * x + z * z), 2 * (y * z - x * w)),
         *(2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y)),
     )
+    if single:
+        return np.array(entries).reshape(3, 3)
     return np.stack(entries, axis=-1).reshape(*quaternions.shape[:-1], 3, 3)
 
 

@@ -30,7 +30,6 @@ from cbdsl.documents.stage import (
 )
 from cbdsl.numeric.box_cover import cover
 from cbdsl.numeric.convex import Convex
-from cbdsl.numeric.convex_hull import hull_corners, hull_faces
 from cbdsl.robot.mesh_reader import Mesh
 from cbdsl.robot.thing_mesh import changed, read_thing_mesh
 from cbdsl.robot.urdf import UrdfOrigin
@@ -149,6 +148,8 @@ class SolidShape:
             case "boxes":
                 triangles = mesh.corners[mesh.triangles]
                 return cls("box", halves, walls=_filling(triangles), mesh=mesh)
+        from cbdsl.numeric.convex_hull import hull_corners, hull_faces  # few things have a hull
+
         corners = hull_corners(mesh.corners)
         walls = _filling(corners[hull_faces(corners)])
         return cls("box", halves, walls=walls, mesh=mesh, hull=corners)

@@ -43,11 +43,14 @@ class Walls:
     """
 
     def __init__(self, shapes: Sequence[SolidShape]) -> None:
+        self._are_objects = not any(shape.walls for shape in shapes)
+        if self._are_objects:
+            self.owners: Rows = np.arange(len(shapes))
+            return
         walls = [(index, wall) for index, shape in enumerate(shapes) for wall in shape.solids]
-        self.owners: Rows = np.array([index for index, _ in walls], np.intp)
+        self.owners = np.array([index for index, _ in walls], np.intp)
         rows = [placed(wall.shape, Pose.at(wall.origin)) for _, wall in walls]
         self._own = np.array(rows).reshape(len(walls), WIDTH)
-        self._are_objects = not any(shape.walls for shape in shapes)
 
     def at(self, solids: Floats) -> Floats:
         """The solids in the world, shape (m, 16).

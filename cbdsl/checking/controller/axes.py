@@ -6,23 +6,48 @@ from collections.abc import Mapping
 
 from cbdsl.checking.context import ProgramContext, Steps
 from cbdsl.checking.knowledge.impossible import is_always_defined
+from cbdsl.checking.lookup.scope import Scope
 from cbdsl.documents import program as written
 from cbdsl.program.checked import CheckedProgram
 from cbdsl.program.controller import Controller
 from cbdsl.program.dry_run import levels
 from cbdsl.types.potential import POTENTIALS
-from cbdsl.types.resource import Resource
+from cbdsl.types.resource import Centroid, Resource, Separation
 
 AXES = "xyz"
 
 #: Types whose components are those of a vector in the world frame.
 SPATIAL = ("position", "force", "torque")
+# Types of which a controller that states no axes takes all three from those below it.
+_WHOLE = ("position", "force")
 
 
 def read_axes(document: written.ControllerSection) -> tuple[int, ...] | None:
     """The axes that a controller compares along, in order; ``None`` for all."""
     axes = tuple(i for i, axis in enumerate(AXES) if axis in (document.axes or AXES))
     return None if len(axes) == len(AXES) else axes
+
+
+def fill_axes(
+    context: ProgramContext, steps: Steps, document: written.ControllerSection, scope: Scope
+) -> written.ControllerSection:
+    """A controller with axes in the place of the parameters that stand for them.
+
+    What is no axis is reported, and one that is not given yet takes its place.
+    """
+    if document.axes is None or set(document.axes) <= set(AXES):
+        return document
+    filled: list[str] = []
+    for place, text in enumerate(document.axes):
+        at = (*steps, "axes", place)
+        value = context.substitute(text, at, scope)
+        if value is not None and value not in AXES:
+            problem = f"'{value}' is none of x, y and z"
+            context.add("CB580", context.source.place(*at), problem=problem)
+        if value is None or value not in AXES:
+            value = next((axis for axis in AXES if axis not in (*document.axes, *filled)), AXES[-1])
+        filled.append(value)
+    return document.model_copy(update={"axes": tuple(filled)})
 
 
 def check_axes(
@@ -89,13 +114,20 @@ def check_contradictions(
 
 def _shared(above: Controller, below: Controller) -> set[int]:
     """Axes that both of two controllers state of what the same joints do, and only one can have."""
-    if above.axes is None or below.axes is None:
+    if below.axes is None or (above.axes is None and above.feedback.type.name not in _WHOLE):
+        return set()
+    if _are_apart(above.feedback, below.feedback):
         return set()
     if "torque" in (above.feedback.type.name, below.feedback.type.name):
         return set()
     if set(above.joints).isdisjoint(below.joints) or _takes_over(above, below):
         return set()
-    return set(above.axes) & set(below.axes)
+    return set(range(len(AXES)) if above.axes is None else above.axes) & set(below.axes)
+
+
+def _are_apart(one: Resource, other: Resource) -> bool:
+    """Whether two tips can have both at will: where their middle is, and how far apart they are."""
+    return {type(one.source), type(other.source)} == {Centroid, Separation}
 
 
 def _takes_over(above: Controller, below: Controller) -> bool:

@@ -110,6 +110,8 @@ def settings_of(
     """The controller's own settings, and the robot's for the rest; ``None`` where some lack."""
     if feedback.type.name in FEATURES:
         return None  # which is no feedback, as has been reported
+    if document.potential not in POTENTIALS:
+        return None  # whose task is unknown, as has been reported
     robot = context.body.document
     task = _task(document, feedback)
     general = robot.control.tasks.get(task)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from cbdsl.checking.context import ProgramContext, Steps
+from cbdsl.checking.load_noise import least_force
 from cbdsl.documents import program as written
 from cbdsl.program.controller import Reference, Relative
 from cbdsl.types.potential import POTENTIALS
@@ -32,7 +33,20 @@ def check_relative(
     fault = document.onset is not None and reference is not None and _fault(reference, feedback)
     if fault:
         context.add("CB584", context.source.key(*steps, "onset"), problem=fault)
-    return not (problem or fault)
+    faint = "" if fault else _faint(context, document, feedback)
+    if faint:
+        context.add("CB595", context.source.place(*steps, "onset", "change"), problem=faint)
+    return not (problem or fault or faint)
+
+
+def _faint(context: ProgramContext, document: written.ControllerSection, feedback: Resource) -> str:
+    """Why an onset's change of force is lost in the load cells' noise; empty where it is not."""
+    if document.onset is None or feedback.type.name != "force" or not context.has_body:
+        return ""
+    change, least = document.onset.change, least_force(context.body.document)
+    if not 0.0 < change <= least:
+        return ""
+    return f"{change:g} N is no more than what the load cells take for noise, {least:g} N"
 
 
 def _problem(

@@ -7,7 +7,7 @@ from typing import Any
 
 from cbdsl.checking.context import ProgramContext, Steps
 from cbdsl.checking.controller.agreement import Agreement
-from cbdsl.checking.controller.axes import check_axes, read_axes
+from cbdsl.checking.controller.axes import check_axes, fill_axes, read_axes
 from cbdsl.checking.controller.comparison import Comparison, read_comparison
 from cbdsl.checking.controller.effector_units import in_task_units
 from cbdsl.checking.controller.field import ControllerSpec, check_field
@@ -68,7 +68,8 @@ class _Triple:
         self._scope = scope
 
     def check(self) -> Controller | None:
-        document = self._document
+        document = fill_axes(self._context, self._steps, self._document, self._scope)
+        self._document = document
         potential = self._potential()
         if not self._context.has_body:
             return None

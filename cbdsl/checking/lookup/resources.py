@@ -100,7 +100,7 @@ class MissingResources:
             self._add(place, names=siblings, candidates=list(self._known), **details)
         else:
             # Everything that begins with an unknown name is one mistake.
-            firsts = self._firsts()
+            firsts = [*(("here",) if steps[-1:] == ("reference",) else ()), *self._firsts()]
             candidates = firsts if "." in name else [*firsts, *self._known]
             self._add(place, names=firsts, candidates=candidates, given=first, **details)
 

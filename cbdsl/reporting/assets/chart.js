@@ -15,3 +15,5 @@ function padded(low, high) {
   const rim = 0.06 * (high - low) || 0.5;
   return [low - rim, high + rim];
 }
+// Two digits, and an exponent where there are many.
+function power(value) { return value < 0.01 || value >= 1e4 ? value.toExponential(0) : String(Number(value.toPrecision(2))); }

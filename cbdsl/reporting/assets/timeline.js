@@ -191,7 +191,6 @@ function normalised(values) {
 function extremes(values) {
   return values.reduce(([low, high], v) => [Math.min(low, v), Math.max(high, v)], [Infinity, -Infinity]);
 }
-function power(value) { return value < 0.01 || value >= 1e4 ? value.toExponential(0) : String(Number(value.toPrecision(2))); }
 
 // A chart: its lines' values by columns(), as axis and legend tell them by tell(value), unless
 // the legend tells what was recorded by exactly(line, tick).

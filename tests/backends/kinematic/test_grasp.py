@@ -51,9 +51,10 @@ def grasp(thing: KinematicObject, carriers: Carriers) -> Grasp:
 
 def touch(thing: KinematicObject, hand: str, angle: float, force: float = 3.0) -> FingertipContact:
     """A fingertip that presses on the ball's equator, at an angle about z."""
-    outward = np.array([math.cos(angle), math.sin(angle), 0.0])
+    x, y = math.cos(angle), math.sin(angle)
     tip = Fingertip(0, "tip", np.zeros(3), 0.012, 1.0, np.zeros(0, np.intp))
-    return FingertipContact(hand, tip, thing, force / STIFFNESS, RADIUS * outward, -outward)
+    point, normal = (RADIUS * x, RADIUS * y, 0.0), (-x, -y, 0.0)
+    return FingertipContact(hand, tip, thing, force / STIFFNESS, point, normal)
 
 
 def test_fingers_hold_what_is_between_them(grasp: Grasp, thing: KinematicObject) -> None:

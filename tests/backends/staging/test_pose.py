@@ -24,6 +24,11 @@ def test_rotations_are_rotations(quaternion: np.ndarray) -> None:
     assert np.linalg.det(rotation) == pytest.approx(1)
 
 
+@given(quaternions, quaternions)
+def test_several_rotations_are_those_of_each(one: np.ndarray, other: np.ndarray) -> None:
+    assert np.array_equal(rotations(np.stack((one, other))), [rotations(one), rotations(other)])
+
+
 @given(quaternions)
 def test_a_quaternion_comes_back_up_to_its_sign(quaternion: np.ndarray) -> None:
     again = Pose.of((0, 0, 0), tuple(quaternion)).quaternion()

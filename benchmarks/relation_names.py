@@ -1,0 +1,70 @@
+"""Relations between two things, named from what a hand felt of pairs that were not learned from.
+
+A tree is grown from profiles that ``benchmarks/impedance.py --profiles FILE`` wrote of the six
+pairs of the source, and names those of other pairs (``--others``). A profile that is not whole is
+not learned from, and counts as not named. Exits with 1 where fewer than 90 % are named right.
+
+    python benchmarks/relation_names.py --known known.json ... --others others.json ... [--json]
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import sys
+from collections import Counter
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+from cbdsl.learning.relation_tree import NamedProfile, grow_relations, name_relation, tree_as_data
+from cbdsl.numeric.proportion import exact_interval
+from cbdsl.reproduction.impedance_trials import ImpedanceTrial
+from cbdsl.reproduction.thing_pairs import ALL_PAIRS
+
+TARGET = 0.9
+
+
+def read(files: Sequence[Path]) -> list[ImpedanceTrial]:
+    """All trials of some files."""
+    rows = [row for file in files for row in json.loads(file.read_text(encoding="utf-8"))]
+    return [ImpedanceTrial.from_data(row) for row in rows]
+
+
+def summarise(known: Sequence[ImpedanceTrial], others: Sequence[ImpedanceTrial]) -> dict[str, Any]:
+    """The tree, and how it names the others."""
+    whole = [each for each in known if each.profile.is_whole]
+    tree = grow_relations(
+        [NamedProfile(each.profile, ALL_PAIRS[each.things].relation) for each in whole]
+    )
+    names = [
+        name_relation(tree, each.profile) if each.profile.is_whole else None for each in others
+    ]
+    right = sum(
+        name == ALL_PAIRS[each.things].relation for name, each in zip(names, others, strict=True)
+    )
+    counts = Counter((each.things, str(name)) for name, each in zip(names, others, strict=True))
+    return {
+        "learned_from": len(whole),
+        "others": len(others),
+        "right": right,
+        "interval": [round(bound, 3) for bound in exact_interval(right, len(others))],
+        "names": {f"{pair}: {name}": count for (pair, name), count in sorted(counts.items())},
+        "tree": tree_as_data(tree),
+        "met": right >= TARGET * len(others),
+    }
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=(__doc__ or "").splitlines()[0])
+    parser.add_argument("--known", type=Path, nargs="+", required=True)
+    parser.add_argument("--others", type=Path, nargs="+", required=True)
+    parser.add_argument("--json", action="store_true")
+    options = parser.parse_args()
+    row = summarise(read(options.known), read(options.others))
+    print(json.dumps(row) if options.json else "\n".join(f"{k}: {v}" for k, v in row.items()))
+    sys.exit(not row["met"])
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,173 @@
+"""``--live`` of commands that run episodes: a page in the browser while they run."""
+
+from __future__ import annotations
+
+import math
+import os
+import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+if TYPE_CHECKING:
+    from cbdsl.api.run_request import RunRequest
+    from cbdsl.backends.backend import Backend
+    from cbdsl.reporting.live.live_view import LiveView
+
+Live = Annotated[
+    bool,
+    typer.Option("--live", help="Show the run in the browser while it runs, at real time."),
+]
+Fast = Annotated[
+    bool, typer.Option("--fast", help="With --live: as fast as it goes, not at real time.")
+]
+LivePort = Annotated[
+    int | None,
+    typer.Option("--live-port", min=0, max=65535, help="Port of the page [one that is free]."),
+]
+LiveWait = Annotated[
+    bool, typer.Option("--live-wait", help="Begin only when a browser shows the page.")
+]
+LiveClose = Annotated[
+    bool, typer.Option("--live-close", help="End with the last episode, not with Ctrl-C.")
+]
+
+
+@dataclass(frozen=True)
+class LiveOptions:
+    """How a run is shown while it runs.
+
+    Attributes:
+        port: of the page; any that is free for 0.
+        fast: whether it runs as fast as it goes.
+        waits: whether it begins only when someone looks.
+        closes: whether the page ends with the last episode.
+    """
+
+    port: int
+    fast: bool
+    waits: bool
+    closes: bool
+
+
+def live_options(
+    live: bool, port: int | None, *, fast: bool, waits: bool, closes: bool
+) -> LiveOptions | None:
+    """Options of a page, ``None`` for no page.
+
+    Raises:
+        UsageError: one was given without ``--live``.
+    """
+    from cbdsl.errors.errors import UsageError
+
+    given = {
+        "--live-port": port is not None,
+        "--fast": fast,
+        "--live-wait": waits,
+        "--live-close": closes,
+    }
+    if live:
+        return LiveOptions(port or 0, fast, waits, closes)
+    alone = [name for name, is_given in given.items() if is_given]
+    if alone:
+        raise UsageError(f"{alone[0]} is about the page of a run: give --live, too")
+    return None
+
+
+@contextmanager
+def live_page(
+    options: LiveOptions | None,
+    request: RunRequest,
+    backend: Backend,
+    *,
+    composes: bool = False,
+    tells: bool = True,
+) -> Iterator[LiveView | None]:
+    """The page of the episodes that run within; afterwards it stays until Ctrl-C.
+
+    Args:
+        options: of the page; ``None`` for no page.
+        request: what runs.
+        backend: where it runs.
+        composes: whether the program may be changed on it.
+        tells: whether the standard output is for people.
+
+    Raises:
+        UsageError: its port cannot be had.
+    """
+    if options is None:
+        yield None
+        return
+    from cbdsl.backends.staging.world_state import GroundTruthProvider
+    from cbdsl.reporting.live.composed_program import (
+        Changes,
+        ComposedProgram,
+        composed_program,
+    )
+    from cbdsl.reporting.live.feed import Feed
+    from cbdsl.reporting.live.live_page import live_page as page
+    from cbdsl.reporting.live.live_view import LiveView
+    from cbdsl.reporting.live.requests import Requests
+    from cbdsl.reporting.live.server import LiveServer
+    from cbdsl.reporting.live.transport import Transport
+    from cbdsl.runtime.composer import Composer
+
+    # What a backend knows of its world is on the page only: people look at that.
+    scenery = (lambda: backend.truth) if isinstance(backend, GroundTruthProvider) else None
+    feed, transport = Feed(), Transport(math.inf if options.fast else 1.0)
+    composer = Composer() if composes else None
+    view = LiveView(feed, transport, scenery, composer)
+
+    def save(name: str, changes: Changes) -> ComposedProgram:
+        values = {key: str(value) for key, value in request.program.parameters.items()}
+        return composed_program(request.program_file, request.stage.name, values, changes, name)
+
+    def make(token: str) -> str:
+        return page(request.program.name, request.robot, request.urdf, token, composes=composes)
+
+    server = LiveServer(feed, make, Requests(transport, composer, save), options.port)
+    try:
+        _tell(f"live at {server.url}", tells)
+        _open(server.url)
+        if options.waits:
+            _tell("begins when a browser shows it", tells)
+            feed.wait_for_page()
+        yield view
+        if not options.closes:
+            _stay(tells)
+    finally:
+        server.close()
+
+
+def _stay(tells: bool) -> None:
+    """Keep the page until Ctrl-C, which ends nothing but the page."""
+    from threading import Event
+
+    _tell("the page stays until Ctrl-C", tells)
+    try:
+        while not Event().wait(3600):
+            continue
+    except KeyboardInterrupt:
+        return
+
+
+def _tell(text: str, tells: bool) -> None:
+    print(text, file=sys.stdout if tells else sys.stderr, flush=True)
+
+
+def _open(url: str) -> None:
+    """Show the page, if a person sits at a screen."""
+    from cbdsl.cli.quiet import quiet_stderr
+
+    if sys.stdout.isatty() and _has_screen():
+        with quiet_stderr():  # a machine without a browser has much to say about it
+            typer.launch(url)
+
+
+def _has_screen() -> bool:
+    if sys.platform in ("darwin", "win32"):
+        return True
+    return bool(os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY"))

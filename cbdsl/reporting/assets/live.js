@@ -1,0 +1,165 @@
+// The live page: what the server tells, and what it is asked for.
+
+// Asks the server for something; its answer, or null where it refuses, which is told.
+function makeAsking(token) {
+  return async (request) => {
+    const headers = { "Content-Type": "application/json", "X-Cbdsl-Token": token };
+    const response = await fetch("request", { method: "POST", headers, body: JSON.stringify(request) });
+    const answer = await response.json();
+    byId("problem").hidden = response.ok;
+    if (!response.ok) byId("problem").textContent = answer.problem;
+    return response.ok ? answer : null;
+  };
+}
+
+// The program's members, each with its letter, and the action.
+function showState(members, frame) {
+  if (frame.stack) {
+    byId("state").replaceChildren(Object.assign(document.createElement("span"), { className: "hand", textContent: "composed by hand" }));
+    return;
+  }
+  const acting = new Set(frame.action.split(/\s*[◁]\s*/));
+  byId("state").replaceChildren(...members.map((name, index) => {
+    const letter = frame.state[index] ?? "X";
+    return Object.assign(document.createElement("span"), {
+      className: `p-${letter}${acting.has(name) ? " now" : ""}`, textContent: `${name} ${letter}`,
+      title: acting.has(name) ? `part of the action ${frame.action}` : "",
+    });
+  }));
+}
+
+function lineOf(text, className) {
+  return Object.assign(document.createElement("li"), { textContent: text, className });
+}
+
+function showImages(images) {
+  for (const [name, letters] of Object.entries(images)) {
+    let figure = byId(`camera-${name}`);
+    if (!figure) {
+      figure = Object.assign(document.createElement("figure"), { id: `camera-${name}` });
+      const caption = Object.assign(document.createElement("figcaption"), { textContent: `camera ${name}` });
+      figure.append(Object.assign(document.createElement("img"), { alt: `what camera ${name} sees` }), caption);
+      byId("cameras").append(figure);
+    }
+    figure.firstChild.src = `data:image/webp;base64,${letters}`;
+  }
+}
+
+function tellEnding(ending) {
+  byId("why").hidden = !ending;
+  byId("ending").textContent = ending ? ending.ending : "";
+  byId("verdict").textContent = ending ? ending.ending.split(" after ")[0].toLowerCase() : "running";
+  byId("verdict").className = !ending ? "" : ending.rewarded || ending.outcome === "success" ? "rewarded" : "not";
+}
+
+function episodeLine(past) {
+  return lineOf(`seed ${past.seed}, ${past.context}: ${past.ending}`, past.rewarded ? "rewarded" : "");
+}
+
+// What happens when a transition is told, in the order of time, the newest on top.
+function showTransition(told) {
+  const reward = told.reward ? `  ★ ${told.reward}` : "";
+  const text = `${told.time.toFixed(2)} s  ${told.program}  ${told.state} → ${told.next_state}  ${told.action}${reward}`;
+  byId("transitions").prepend(lineOf(text, told.reward ? "rewarded" : told.depth ? "inner" : ""));
+}
+
+function makeTransport(askFor) {
+  let paused = false;
+  const toggle = () => askFor({ do: paused ? "continue" : "pause" });
+  byId("pause").addEventListener("click", toggle);
+  byId("step").addEventListener("click", () => askFor({ do: "step" }));
+  byId("speed").addEventListener("change", () => {
+    askFor({ do: "speed", value: byId("speed").value === "" ? null : Number(byId("speed").value) });
+  });
+  addEventListener("keydown", (event) => {
+    if (event.ctrlKey || event.altKey || event.metaKey || event.target.matches("input, select, textarea")) return;
+    if (event.key === " " && event.target.matches("button")) return;
+    const does = { " ": toggle, s: () => askFor({ do: "step" }) }[event.key.toLowerCase()];
+    if (!does) return;
+    event.preventDefault();
+    does();
+  });
+  return {
+    show(frame) {
+      paused = frame.paused;
+      byId("pause").textContent = paused ? "▶ Go on" : "⏸ Pause";
+      if (document.activeElement !== byId("speed")) byId("speed").value = frame.speed ?? "";
+      byId("clock").textContent = `${frame.time.toFixed(2)} s`;
+    },
+  };
+}
+
+async function main() {
+  const { token, links, composes } = await readData();
+  const askFor = makeAsking(token), transport = makeTransport(askFor), stack = makeLiveStack(askFor, composes);
+  const composer = composes ? makeComposer(askFor) : null;
+  let world = null, targets = null;
+  try {
+    world = makeLiveWorld(links, byId("view"));
+    makeViews(world);
+    if (composes) targets = makeTargets(world, byId("view"), askFor);
+    window.targets = targets; // the same for references
+    window.linkAt = world.linkAt; // for whoever asks on the console where a link is
+  } catch (error) {
+    tellProblem(new Error(`no 3-D view, since this browser offers no WebGL (${error.message})`));
+  }
+  const chart = makeLiveChart(byId("charts"), "Potentials φ, logarithmic", 210, (v) => power(10 ** v));
+  let members = [], newest = null, isOver = false;
+
+  function show() {
+    const frame = newest;
+    newest = null;
+    targets?.show(frame.targets);
+    world?.show(frame);
+    stack.show(frame);
+    composer?.show(frame);
+    showState(members, frame);
+    transport.show(frame);
+    document.body.dataset.time = frame.time;
+  }
+
+  const tells = {
+    episode(told) {
+      byId("program").textContent = document.title = told.program;
+      byId("where").textContent = `on ${told.stage}, seed ${told.seed}${told.number > 1 ? `, episode ${told.number}` : ""}`;
+      members = told.members[told.program];
+      tellEnding(null);
+      byId("transitions").replaceChildren();
+      byId("episodes").replaceChildren(...told.past.map(episodeLine).reverse());
+      byId("before").hidden = !told.past.length;
+      world?.begin(told.points);
+    },
+    controllers(told) {
+      stack.begin(told);
+      composer?.begin(told, byId("program").textContent);
+      chart.begin(told.names);
+    },
+    body: (told) => world?.add(told.name, told.parts),
+    transition: showTransition,
+    frame(told) {
+      chart.add(told.time, told.potentials.map((v) => (v === null ? null : Math.log10(Math.max(Math.abs(v), 1e-8)))));
+      if (!newest) requestAnimationFrame(show);
+      newest = told;
+    },
+    images: showImages,
+    ending: tellEnding,
+    closed() {
+      isOver = true;
+      source.close();
+      byId("link").textContent = "The run is over, and nothing more will come.";
+    },
+  };
+  const source = new EventSource("events");
+  for (const [kind, tell] of Object.entries(tells)) source.addEventListener(kind, (event) => tell(JSON.parse(event.data)));
+  source.addEventListener("open", () => {
+    byId("link").textContent = "live";
+    byId("link").className = "";
+  });
+  source.addEventListener("error", () => {
+    if (isOver) return;
+    byId("link").textContent = "nothing answers: cb has ended, or is being started again";
+    byId("link").className = "lost";
+  });
+}
+
+main().catch(tellProblem);

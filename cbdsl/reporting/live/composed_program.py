@@ -1,0 +1,147 @@
+"""A program document from what was composed by hand, checked as any other."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any, NamedTuple
+
+from cbdsl.checking.document import check_document
+from cbdsl.checking.session import Session
+from cbdsl.documents.document import NAME_PATTERN
+from cbdsl.documents.program import ProgramDocument
+from cbdsl.errors.diagnostic import Diagnostic
+from cbdsl.yaml_text.composer import compose
+from cbdsl.yaml_text.library import Library
+from cbdsl.yaml_text.reader import formatted_text
+from cbdsl.yaml_text.writer import dump_plain
+
+_WORD = re.compile(r"[^\W\d]\w*")
+# What is about the states of the actions before, which are others now.
+_OF_STATES = ("use", "success", "failure", "rewards")
+
+Plain = dict[str, Any]
+
+
+class Changes(NamedTuple):
+    """Changes by hand, as of ``Composer``."""
+
+    gains: Mapping[str, float]
+    targets: Mapping[str, Sequence[float]]
+    stack: Sequence[str] | None
+
+
+class ComposedProgram(NamedTuple):
+    """A document that can be saved.
+
+    Attributes:
+        text: of the document.
+        findings: of the checker, in its place beside the program that it came from.
+        left_out: controllers of other programs, whose changes it cannot hold.
+    """
+
+    text: str
+    findings: tuple[Diagnostic, ...]
+    left_out: tuple[str, ...]
+
+
+def composed_program(
+    file: Path, stage: str, values: Mapping[str, str], changes: Changes, name: str
+) -> ComposedProgram:
+    """A program with changes that were made by hand.
+
+    Args:
+        file: the program that they were made to.
+        stage: on which it ran.
+        values: of its parameters.
+        changes: what was changed.
+        name: of the new program.
+
+    Raises:
+        ValueError: no program can have this name.
+    """
+    if not re.fullmatch(NAME_PATTERN, name) or "\n" in name:
+        raise ValueError(f"'{name}' is no name of a program: letters, digits and _")
+    source = _plain(Library().text(file), str(file))
+    before, controllers = source.get("name", ""), dict(source["controllers"])
+    left_out = []
+    for each in dict.fromkeys([*changes.gains, *changes.targets]):
+        if not isinstance(controllers.get(each), dict):
+            left_out.append(each)
+            continue
+        changed = controllers[each] = dict(controllers[each])
+        if each in changes.gains:
+            changed["gain"] = f"{changes.gains[each]:.6g} /s"
+        if each in changes.targets:
+            changed["reference"] = [f"{value:.4f} m" for value in changes.targets[each]]
+    made: Plain = {**source, "name": name, "stage": stage, "controllers": controllers}
+    made["description"] = f"Composed by hand from {before} while it ran."
+    if "parameters" in source:
+        made["parameters"] = {**source["parameters"], **values}
+    if changes.stack is not None:
+        made = _only(made, changes.stack)
+    text = dump_plain({key: made[key] for key in _ordered(made)})
+    text = formatted_text(text, name)
+    return ComposedProgram(text, _checked(text, file.with_name(f"{name}.yaml")), tuple(left_out))
+
+
+def _plain(text: str, file: str) -> Plain:
+    plain = compose(text, file).root.plain()
+    assert isinstance(plain, dict), "a program that runs has been read before"
+    return plain
+
+
+def _only(source: Plain, stack: Sequence[str]) -> Plain:
+    """A program whose only action is a stack, and what that needs."""
+    action = " ◁ ".join(reversed(stack))
+    made = {key: value for key, value in source.items() if key not in _OF_STATES}
+    needed = _needed(source["controllers"], f"{action} {source.get('background', '')}")
+    made["controllers"] = {k: v for k, v in source["controllers"].items() if k in needed}
+    # By themselves, too, so that the states show each of them.
+    made["actions"] = list(dict.fromkeys([*reversed(stack), action]))
+    made["policy"] = {"*" * len(stack): action}
+    read = {word for key in ("controllers", "background") for word in _words(made.get(key))}
+    for key in ("parameters", "resources", "models"):
+        kept = {k: v for k, v in made.get(key, {}).items() if key == "resources" or k in read}
+        made[key] = kept
+    names = set(made["parameters"])
+    made["resources"] = {
+        group: own
+        for group, members in made["resources"].items()
+        if (own := {k: v for k, v in members.items() if k in names})
+    }
+    return {key: value for key, value in made.items() if value not in ({}, [])}
+
+
+def _needed(controllers: Plain, text: str) -> set[str]:
+    """Controllers that a text names, and those that these name."""
+    needed: set[str] = set()
+    waiting = [text]
+    while waiting:
+        for word in _words(waiting.pop()):
+            if word in controllers and word not in needed:
+                needed.add(word)
+                waiting.append(" ".join(_words(controllers[word])))
+    return needed
+
+
+def _words(value: object) -> list[str]:
+    """The words of all texts in a value."""
+    if isinstance(value, dict):
+        return [word for each in value.values() for word in _words(each)]
+    if isinstance(value, list):
+        return [word for each in value for word in _words(each)]
+    return _WORD.findall(value) if isinstance(value, str) else []
+
+
+def _ordered(made: Plain) -> list[str]:
+    """Keys in the order in which programs have them."""
+    fields = ProgramDocument.model_fields
+    order = ["cbdsl", "kind", *(field.alias or name for name, field in fields.items())]
+    return sorted(made, key=lambda key: order.index(key) if key in order else len(order))
+
+
+def _checked(text: str, file: Path) -> tuple[Diagnostic, ...]:
+    library = Library(given={file: text.encode()})
+    return tuple(check_document(file, Session(library)))

@@ -1,0 +1,103 @@
+"""One tick as a live page shows it."""
+
+from __future__ import annotations
+
+import math
+from base64 import b64encode
+from collections.abc import Callable, Sequence
+from typing import Any
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from cbdsl.backends.staging.world_state import WorldState
+from cbdsl.reporting.thumbnails import encoded
+from cbdsl.runtime.episode import Tick
+from cbdsl.runtime.explanation import Explanation, TickExplanation, named_runs
+from cbdsl.types.resource import Resource
+
+# Half of the images' width is enough to see what happens.
+_SCALE = 0.5
+
+
+def frame(
+    tick: Tick, places: Sequence[Resource], world: WorldState | None, names: Sequence[str]
+) -> dict[str, Any]:
+    """A tick, as JSON has it; undefined numbers are null.
+
+    Args:
+        tick: the state of the episode.
+        places: resources whose values are points in the world.
+        world: what is in it, for people who look.
+        names: of the controllers, with those of the programs that they are used in.
+    """
+    observation, run = tick.observation, tick.run
+    runs = [each for _, each in named_runs(run)]
+    explained = Explanation().note(tick)
+    return {
+        "time": round(observation.time, 6),
+        "positions": _numbers(observation.positions),
+        "bodies": {} if world is None else {name: _pose(world, name) for name in world.names()},
+        "state": run.state,
+        "action": "" if run.action is None else run.action.name,
+        "predicates": "".join(each.predicate for each in runs),
+        "potentials": [_number(each.phi) for each in runs],
+        "errors": [_number(each.error) for each in runs],
+        "levels": _levels(explained, names),
+        "points": {each.name: _point(each, tick) for each in places},
+        "forces": [_number(float(np.linalg.norm(w[:3]))) for w in observation.loads.values()],
+        "limits": list(explained.at_limits),
+        "guards": list(explained.guards),
+    }
+
+
+def _levels(explained: TickExplanation, names: Sequence[str]) -> list[dict[str, object]]:
+    """Levels that act, highest priority first, each with the index of its controller."""
+    return [
+        {
+            "controller": names.index(level.name),
+            "share": _number(level.share),
+            "rank": level.rank,
+            "singular_value": _number(level.singular_value),
+            "held_by": level.held_by,
+        }
+        for level in explained.levels
+    ]
+
+
+def _pose(world: WorldState, name: str) -> list[float | None]:
+    """Position, m, and quaternion (x, y, z, w)."""
+    pose = world.pose(name)
+    return _numbers([*pose.position.tolist(), *pose.quaternion()])
+
+
+def _point(resource: Resource, tick: Tick) -> list[float | None] | None:
+    """A point in the world, m, as it is sensed; ``None`` while it is not."""
+    reading = tick.signals.read(resource)
+    return None if reading is None else _numbers(reading.value)
+
+
+def _numbers(values: Sequence[float] | NDArray[np.float64]) -> list[float | None]:
+    return [_number(float(value)) for value in values]
+
+
+def _number(value: float) -> float | None:
+    """A number, as exact as a page needs it; JSON has neither NaN nor infinity."""
+    return float(f"{value:.6g}") if math.isfinite(value) else None
+
+
+def images(tick: Tick) -> Callable[[], dict[str, str]]:
+    """The camera images of a tick, to be packed later: WebP, in letters and digits, by camera."""
+    small = {
+        camera: cv2.resize(image, None, fx=_SCALE, fy=_SCALE)
+        for camera, image in tick.observation.images.items()
+    }
+
+    def pack() -> dict[str, str]:
+        return {
+            camera: b64encode(encoded(np.asarray(image)[None])[0]).decode()
+            for camera, image in small.items()
+        }
+
+    return pack

@@ -1,0 +1,156 @@
+"""The live view of episodes: a watcher that tells a feed, at the pace of a transport."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+
+from cbdsl.backends.staging.world_state import WorldState
+from cbdsl.program.checked import CheckedProgram
+from cbdsl.program.transition import Transition
+from cbdsl.reporting.live.feed import Feed
+from cbdsl.reporting.live.frame import frame, images
+from cbdsl.reporting.live.message import Message, message
+from cbdsl.reporting.live.transport import Transport
+from cbdsl.runtime.composer import Composer
+from cbdsl.runtime.episode import EpisodeResult, Tick, resources_of
+from cbdsl.runtime.explanation import named_runs
+from cbdsl.runtime.recording import drawn, is_place, members, triple
+from cbdsl.types.resource import DRAWN, Resource
+
+# Wall time between frames, s.
+_PAUSE = 1 / 30
+# Outcomes of episodes that a page lists.
+_KEPT = 50
+
+
+class LiveView:
+    """Watcher of episodes that are looked at while they run.
+
+    While nobody looks it makes no frames, and only keeps what happened to the program's state.
+
+    Args:
+        feed: where pages learn of it.
+        transport: paces the ticks.
+        scenery: the world, for people who look; nothing else asks for it.
+        composer: changes the program while it runs, if it may be changed.
+        clock: wall time, s.
+    """
+
+    def __init__(
+        self,
+        feed: Feed,
+        transport: Transport,
+        scenery: Callable[[], WorldState] | None = None,
+        composer: Composer | None = None,
+        *,
+        clock: Callable[[], float] = time.perf_counter,
+    ) -> None:
+        self._feed, self._transport = feed, transport
+        self._scenery, self._composer, self._clock = scenery, composer, clock
+        self._past: list[dict[str, object]] = []
+        self._number = 0
+        self._places: list[Resource] = []
+        self._names: list[str] = []
+        self._known: set[str] = set()
+        self._shown = 0.0
+        self._last: Tick | None = None
+
+    def begin(self, program: CheckedProgram, stage: str, seed: int) -> None:
+        """See ``EpisodeWatcher.begin``."""
+        self._number += 1
+        resources = [each for each in resources_of(program) if each.origin not in DRAWN]
+        self._places = [each for each in resources if is_place(each)]
+        self._names, self._known = [], set()
+        self._shown, self._last = 0.0, None
+        header = {
+            "number": self._number,
+            "program": program.name,
+            "stage": stage,
+            "seed": seed,
+            "members": members(program),
+            "points": [each.name for each in self._places],
+            "past": self._past[-_KEPT:],
+        }
+        self._feed.begin(message("episode", header))
+        self._transport.begin()
+
+    def note_transition(self, transition: Transition) -> None:
+        """See ``EpisodeWatcher.note_transition``."""
+        content = {
+            "program": transition.program,
+            "depth": transition.depth,
+            "time": round(transition.time, 6),
+            "state": transition.state,
+            "action": transition.action,
+            "next_state": transition.next_state,
+            "reward": transition.reward,
+        }
+        self._feed.append(message("transition", content))
+
+    def note_tick(self, tick: Tick) -> None:
+        """See ``EpisodeWatcher.note_tick``."""
+        if self._last is None and self._composer is not None:
+            self._composer.begin(tick.run)
+        self._last = tick
+        if self._feed.watched:
+            now = self._clock()
+            if now - self._shown >= _PAUSE:
+                self._shown = now
+                self._show()
+            if tick.observation.images:
+                self._feed.renew(Message("images", images(tick)))
+        self._transport.hold(tick.observation.time, self._show)
+
+    def note_end(self, result: EpisodeResult) -> None:
+        """See ``EpisodeWatcher.note_end``."""
+        self._show()
+        content = {
+            "seed": result.seed,
+            "context": result.context,
+            "rewarded": result.rewarded,
+            "outcome": result.outcome,
+            "seconds": round(result.sim_seconds, 3),
+            "ending": result.ending,
+        }
+        self._past.append(content)
+        self._feed.append(message("ending", content))
+
+    def _show(self) -> None:
+        """Publish the last tick, and what is new in it before."""
+        tick = self._last
+        if tick is None:
+            return
+        if not self._names:
+            self._tell_controllers(tick)
+        world = None if self._scenery is None else self._scenery()
+        if world is not None:
+            self._tell_bodies(world)
+        content = frame(tick, self._places, world, self._names)
+        content["paused"], content["speed"] = self._transport.paused, self._transport.shown_speed
+        if self._composer is not None:
+            content["targets"] = self._composer.positions()
+            content["acting"] = self._composer.acting
+            content["held"] = list(self._composer.targets)
+            content["stack"] = self._composer.stack
+        self._feed.renew(message("frame", content))
+
+    def _tell_controllers(self, tick: Tick) -> None:
+        runs = dict(named_runs(tick.run))
+        self._names = list(runs)
+        content = {
+            "names": self._names,
+            "triples": {name: triple(run.controller) for name, run in runs.items()},
+            "gains": {name: run.gain for name, run in runs.items()},
+            "own": [] if self._composer is None else self._composer.own,
+            "cells": [".".join(key) for key in tick.observation.loads],
+        }
+        self._feed.append(message("controllers", content))
+
+    def _tell_bodies(self, world: WorldState) -> None:
+        """Tell what a thing looks like when it is first there."""
+        for name in world.names():
+            if name not in self._known:
+                self._known.add(name)
+                parts = [drawn(part) for part in world.parts(name)]
+                self._feed.append(message("body", {"name": name, "parts": parts}))

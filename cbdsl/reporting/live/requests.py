@@ -1,0 +1,162 @@
+"""The requests of a live page: what may be asked for, and how it is done."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping
+from typing import Any
+
+from cbdsl.errors.nearest import suggestion
+from cbdsl.reporting.live.composed_program import Changes, ComposedProgram
+from cbdsl.reporting.live.server import RequestError
+from cbdsl.reporting.live.transport import IdleError, Transport
+from cbdsl.runtime.composer import Composer, ComposerError
+
+# Speeds beyond these are a slip, simulated seconds per second.
+_SLOWEST, _FASTEST = 0.01, 100.0
+_MOST_TICKS = 1000
+
+Does = Callable[[Mapping[str, Any]], Mapping[str, Any]]
+
+
+class Requests:
+    """Answers to what pages ask for.
+
+    Args:
+        transport: of the run.
+        composer: of its program; ``None`` where it is not to be changed by hand.
+        save: makes a document, by its name, of what was composed.
+    """
+
+    def __init__(
+        self,
+        transport: Transport,
+        composer: Composer | None = None,
+        save: Callable[[str, Changes], ComposedProgram] | None = None,
+    ) -> None:
+        self._transport = transport
+        self._does: dict[str, Does] = {
+            "pause": self._pause,
+            "continue": self._go_on,
+            "step": self._step,
+            "speed": self._hasten,
+        }
+        if composer is not None and save is not None:
+            self._composer, self._save = composer, save
+            self._does |= {
+                "gain": self._set_gain,
+                "hold": self._hold,
+                "compose": self._compose,
+                "save": self._make_document,
+            }
+
+    def __call__(self, request: Mapping[str, Any]) -> Mapping[str, Any]:
+        """Do what is asked for.
+
+        Raises:
+            RequestError: it cannot be done.
+        """
+        name = request.get("do")
+        if not isinstance(name, str) or name not in self._does:
+            near, known = suggestion(str(name), self._does), ", ".join(self._does)
+            raise RequestError(f"there is no request '{name}'{near} (known: {known})")
+        return self._does[name](request)
+
+    def _pause(self, _: Mapping[str, Any]) -> Mapping[str, Any]:
+        self._transport.pause()
+        return {}
+
+    def _go_on(self, _: Mapping[str, Any]) -> Mapping[str, Any]:
+        self._transport.go_on()
+        return {}
+
+    def _step(self, request: Mapping[str, Any]) -> Mapping[str, Any]:
+        ticks = request.get("ticks", 1)
+        if type(ticks) is not int or not 1 <= ticks <= _MOST_TICKS:
+            raise RequestError(f"ticks: {ticks!r} is not a whole number from 1 to {_MOST_TICKS}")
+        self._transport.step(ticks)
+        return {}
+
+    def _hasten(self, request: Mapping[str, Any]) -> Mapping[str, Any]:
+        given = request.get("value")
+        speed = math.inf if given is None else number(request, "value")
+        if given is not None and not _SLOWEST <= speed <= _FASTEST:
+            raise RequestError(
+                f"value: {given!r} is not from {_SLOWEST:g} to {_FASTEST:g}, or null"
+            )
+        self._transport.hasten(speed)
+        return {}
+
+    def _set_gain(self, request: Mapping[str, Any]) -> Mapping[str, Any]:
+        name, gain = text(request, "controller"), number(request, "value")
+        return {"gain": self._ask(lambda: self._composer.set_gain(name, gain))}
+
+    def _hold(self, request: Mapping[str, Any]) -> Mapping[str, Any]:
+        name, given = text(request, "controller"), request.get("target")
+        target = None if given is None else numbers(request, "target")
+        self._ask(lambda: self._composer.hold(name, target))
+        return {}
+
+    def _compose(self, request: Mapping[str, Any]) -> Mapping[str, Any]:
+        stack = request.get("stack")
+        if stack is not None and not _is_list_of(stack, str):
+            raise RequestError(f"stack: {stack!r} is no list of controllers, nor null")
+        self._ask(lambda: self._composer.compose(stack))
+        return {}
+
+    def _make_document(self, request: Mapping[str, Any]) -> Mapping[str, Any]:
+        composer, name = self._composer, text(request, "name")
+        changes = Changes(dict(composer.gains), dict(composer.targets), composer.stack)
+        try:
+            made = self._save(name, changes)
+        except ValueError as error:
+            raise RequestError(str(error)) from error
+        findings = [f"{each.code} {each.message}" for each in made.findings]
+        return {"text": made.text, "findings": findings, "left_out": list(made.left_out)}
+
+    def _ask(self, change: Callable[[], Any]) -> Any:
+        """Have a change made between two ticks."""
+        try:
+            return self._transport.ask(change)
+        except (ComposerError, IdleError) as error:
+            raise RequestError(str(error)) from error
+
+
+def _is_list_of(value: object, kind: type) -> bool:
+    return isinstance(value, list) and all(type(each) is kind for each in value)
+
+
+def text(request: Mapping[str, Any], key: str) -> str:
+    """A text of a request.
+
+    Raises:
+        RequestError: it is none.
+    """
+    value = request.get(key)
+    if not isinstance(value, str):
+        raise RequestError(f"{key}: {value!r} is no text")
+    return value
+
+
+def numbers(request: Mapping[str, Any], key: str) -> list[float]:
+    """Finite numbers of a request.
+
+    Raises:
+        RequestError: they are none.
+    """
+    values = request.get(key)
+    if not isinstance(values, list):
+        raise RequestError(f"{key}: {values!r} is no list of numbers")
+    return [number({key: value}, key) for value in values]
+
+
+def number(request: Mapping[str, Any], key: str) -> float:
+    """A finite number of a request.
+
+    Raises:
+        RequestError: it is none.
+    """
+    value = request.get(key)
+    if isinstance(value, bool) or not isinstance(value, int | float) or not math.isfinite(value):
+        raise RequestError(f"{key}: {value!r} is no number")
+    return float(value)

@@ -1,0 +1,266 @@
+"""The server of a live page: on this machine alone, one page, its events, and its requests."""
+
+from __future__ import annotations
+
+import errno
+import hmac
+import json
+import secrets
+import socket
+from collections.abc import Callable, Mapping
+from http import HTTPStatus
+from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
+from threading import Thread
+from typing import Any
+
+from cbdsl.errors.errors import UsageError
+from cbdsl.errors.reason import reason
+from cbdsl.reporting.live.feed import Feed, FullError
+
+#: The only address that is listened at.
+HOST = "127.0.0.1"
+_NAMES = (HOST, "localhost")
+# Ports that are looked at for a free one near one that is taken.
+_NEAR = 100
+# A client that takes nothing for so long is let go, s.
+_PATIENCE = 10.0
+# A page that hears nothing for so long hears that there is nothing to hear, s.
+_SILENCE = 1.0
+_LARGEST = 1 << 16
+#: Header by which the page shows that it is this server's own.
+TOKEN = "X-Cbdsl-Token"
+
+Answer = Callable[[Mapping[str, Any]], Mapping[str, Any]]
+"""Answer to a request, both as JSON.
+
+Raises:
+    RequestError: it cannot be done.
+"""
+
+
+class RequestError(Exception):
+    """A request of a page cannot be done; the message says why."""
+
+
+class LiveServer:
+    """Server of one live page; it listens until it is closed.
+
+    Args:
+        feed: what pages are told.
+        page: makes the page, given the token that its requests have to show.
+        answer: does what pages ask for.
+        port: where to listen; any that is free for 0.
+
+    Attributes:
+        url: of the page.
+
+    Raises:
+        UsageError: it cannot listen there; the message says why, and which port is free.
+    """
+
+    def __init__(
+        self, feed: Feed, page: Callable[[str], str], answer: Answer, port: int = 0
+    ) -> None:
+        self._feed = feed
+        self._http = _listen(port)
+        token = secrets.token_urlsafe(24)
+        self._http.site = _Site(feed, page(token).encode(), token, answer, self._http.server_port)
+        self.url = f"http://{HOST}:{self._http.server_port}/"
+        self._thread = Thread(target=self._http.serve_forever, args=(0.1,), daemon=True)
+        self._thread.start()
+
+    def close(self) -> None:
+        """Let pages and port go; no thread is left."""
+        self._feed.close()
+        self._http.shutdown()
+        self._thread.join()
+        self._http.hang_up()
+        self._http.server_close()
+
+
+class _Site:
+    """A live page with all that handlers of requests need.
+
+    Attributes:
+        feed, answer: as of ``LiveServer``.
+        page: the page's bytes.
+        token: what requests have to show.
+        hosts: how clients of this machine call it.
+    """
+
+    def __init__(self, feed: Feed, page: bytes, token: str, answer: Answer, port: int) -> None:
+        self.feed, self.page, self.token, self.answer = feed, page, token, answer
+        self.hosts = frozenset(f"{name}:{port}" for name in _NAMES)
+
+
+class _Http(ThreadingHTTPServer):
+    """HTTP server that knows its connections, to end them."""
+
+    site: _Site
+    # Their threads are waited for when it is closed.
+    daemon_threads = False
+
+    def __init__(self, port: int) -> None:
+        super().__init__((HOST, port), _Handler)
+        self._open: set[socket.socket] = set()
+
+    def process_request(self, request: Any, client_address: Any) -> None:
+        """Note a connection, and serve it in a thread of its own."""
+        self._open.add(request)
+        super().process_request(request, client_address)
+
+    def shutdown_request(self, request: Any) -> None:
+        """End a connection."""
+        self._open.discard(request)
+        super().shutdown_request(request)
+
+    def hang_up(self) -> None:
+        """End all connections, whatever their clients do."""
+        for each in list(self._open):
+            try:
+                each.shutdown(socket.SHUT_RDWR)
+            except OSError:
+                continue  # it has ended itself
+
+    def handle_error(self, request: Any, client_address: Any) -> None:
+        """Leave a client that is gone alone; it is nobody's fault."""
+
+
+class _Handler(BaseHTTPRequestHandler):
+    """One request of a client."""
+
+    server: _Http
+    timeout = _PATIENCE
+    server_version, sys_version = "cbdsl", ""
+
+    def do_GET(self) -> None:
+        """Send the page, or its events for as long as it looks."""
+        if not self._is_from_here():
+            self._refuse(HTTPStatus.FORBIDDEN, "this page is for browsers of this machine")
+        elif self.path == "/":
+            self._send(HTTPStatus.OK, "text/html; charset=utf-8", self.server.site.page)
+        elif self.path == "/events":
+            self._send_events()
+        else:
+            self._refuse(HTTPStatus.NOT_FOUND, "there is / and /events")
+
+    def do_POST(self) -> None:
+        """Do what the page asks for."""
+        site = self.server.site
+        token = self.headers.get(TOKEN, "")
+        if not self._is_from_here() or not hmac.compare_digest(token.encode(), site.token.encode()):
+            self._refuse(HTTPStatus.FORBIDDEN, "only the page itself may ask for something")
+            return
+        if self.path != "/request":
+            self._refuse(HTTPStatus.NOT_FOUND, "requests go to /request")
+            return
+        try:
+            answer = site.answer(self._content())
+        except RequestError as error:
+            self._refuse(HTTPStatus.CONFLICT, str(error))
+            return
+        self._send_json(HTTPStatus.OK, answer)
+
+    def _content(self) -> Mapping[str, Any]:
+        """The JSON object that was sent.
+
+        Raises:
+            RequestError: it is none, or too large.
+        """
+        length = self.headers.get("Content-Length", "")
+        if not length.isdecimal() or int(length) > _LARGEST:
+            raise RequestError(f"a request has at most {_LARGEST} bytes, and says how many")
+        try:
+            content = json.loads(self.rfile.read(int(length)))
+        except (ValueError, RecursionError) as error:
+            raise RequestError("a request is a JSON object") from error
+        if not isinstance(content, dict):
+            raise RequestError("a request is a JSON object")
+        return content
+
+    def _is_from_here(self) -> bool:
+        """Whether the client calls this machine by a name of its own.
+
+        A site whose name is made to lead here (DNS rebinding) does not, nor does a page of another
+        origin.
+        """
+        hosts = self.server.site.hosts
+        origin = self.headers.get("Origin")
+        is_own = origin is None or origin in {f"http://{host}" for host in hosts}
+        return is_own and self.headers.get("Host", "").lower() in hosts
+
+    def _send_events(self) -> None:
+        feed = self.server.site.feed
+        try:
+            with feed.page() as cursor:
+                self._begin(HTTPStatus.OK, "text/event-stream")
+                while not feed.closed:
+                    events = b"".join([each.event for each in cursor.take(_SILENCE)])
+                    self.wfile.write(events or b": nothing new\n\n")
+                self.wfile.write(b"event: closed\ndata: {}\n\n")
+        except FullError as error:
+            self._refuse(HTTPStatus.SERVICE_UNAVAILABLE, str(error))
+        except OSError:
+            self.close_connection = True  # the client is gone, or takes nothing
+
+    def _refuse(self, status: HTTPStatus, why: str) -> None:
+        self._send_json(status, {"problem": why})
+
+    def _send_json(self, status: HTTPStatus, content: Mapping[str, Any]) -> None:
+        text = json.dumps(content, ensure_ascii=False).encode()
+        self._send(status, "application/json", text)
+
+    def _send(self, status: HTTPStatus, kind: str, content: bytes) -> None:
+        self._begin(status, kind, {"Content-Length": str(len(content))})
+        self.wfile.write(content)
+
+    def _begin(
+        self, status: HTTPStatus, kind: str, headers: Mapping[str, str] | None = None
+    ) -> None:
+        self.send_response(status)
+        fixed = {
+            "Content-Type": kind,
+            "Cache-Control": "no-store",
+            "X-Content-Type-Options": "nosniff",
+            "X-Frame-Options": "DENY",
+            "Cross-Origin-Resource-Policy": "same-origin",
+            "Referrer-Policy": "no-referrer",
+        }
+        for name, value in {**fixed, **(headers or {})}.items():
+            self.send_header(name, value)
+        self.end_headers()
+
+    def log_message(self, format: str, *values: object) -> None:
+        """Say nothing: the terminal is the program's."""
+
+
+def _listen(port: int) -> _Http:
+    try:
+        return _Http(port)
+    except OSError as error:
+        if error.errno == errno.EADDRINUSE:
+            free = _free_near(port)
+            remedy = f"; {free} is free" if free else "; without --live-port a free one is taken"
+            raise UsageError(
+                f"--live-port {port}: another program listens there{remedy}"
+            ) from error
+        raise UsageError(f"--live-port {port}: {reason(error)}") from error
+
+
+def _free_near(port: int) -> int | None:
+    """The nearest port that is free."""
+    for distance in range(1, _NEAR):
+        for candidate in (port + distance, port - distance):
+            if 1024 <= candidate <= 65535 and _is_free(candidate):
+                return candidate
+    return None
+
+
+def _is_free(port: int) -> bool:
+    with socket.socket() as trial:
+        trial.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+        try:
+            trial.bind((HOST, port))
+        except OSError:
+            return False
+    return True

@@ -1,0 +1,151 @@
+"""Transport of a watched run: paused, tick by tick, or at a speed, and requests between ticks."""
+
+from __future__ import annotations
+
+import math
+import time
+from collections.abc import Callable
+from concurrent.futures import Future
+from threading import Condition
+from typing import Any
+
+# A world that fell behind by this much does not hurry to catch up, s.
+_LATE = 0.25
+# How long a request waits for a tick, s.
+_PATIENCE = 3.0
+
+
+class IdleError(Exception):
+    """Nothing runs that could answer a request."""
+
+
+class Transport:
+    """Pace at which ticks pass, set from any thread.
+
+    Args:
+        speed: simulated seconds per second; infinite for as fast as it goes.
+        clock: wall time, s.
+    """
+
+    def __init__(self, speed: float = 1.0, clock: Callable[[], float] = time.perf_counter) -> None:
+        self._changed = Condition()
+        self._clock = clock
+        self._speed = speed
+        self._paused = self._released = False
+        self._steps = 0
+        self._asked: list[tuple[Callable[[], Any], Future[Any]]] = []
+        # Wall time at which simulated time 0 was, or would have been at this speed.
+        self._origin: float | None = None
+
+    @property
+    def paused(self) -> bool:
+        """Whether ticks wait for someone."""
+        return self._paused
+
+    @property
+    def shown_speed(self) -> float | None:
+        """Simulated seconds per second; ``None`` for as fast as it goes."""
+        return self._speed if math.isfinite(self._speed) else None
+
+    def begin(self) -> None:
+        """Begin an episode."""
+        with self._changed:
+            self._origin = None
+
+    def pause(self) -> None:
+        """Let no tick pass."""
+        with self._changed:
+            self._paused, self._steps = not self._released, 0
+            self._changed.notify_all()
+
+    def go_on(self) -> None:
+        """Let ticks pass again."""
+        with self._changed:
+            self._paused, self._origin = False, None
+            self._changed.notify_all()
+
+    def step(self, ticks: int = 1) -> None:
+        """Let some ticks pass, and pause."""
+        with self._changed:
+            self._paused, self._steps = not self._released, ticks
+            self._changed.notify_all()
+
+    def hasten(self, speed: float) -> None:
+        """Change the speed."""
+        with self._changed:
+            self._speed, self._origin = speed, None
+            self._changed.notify_all()
+
+    def release(self) -> None:
+        """Never pause again: nobody is there who could go on."""
+        with self._changed:
+            self._released, self._paused = True, False
+            self._changed.notify_all()
+
+    def ask(self, do: Callable[[], Any]) -> Any:
+        """Have something done between two ticks, by the thread that they pass in.
+
+        Raises:
+            IdleError: none passed.
+            Exception: as ``do``.
+        """
+        future: Future[Any] = Future()
+        with self._changed:
+            self._asked.append((do, future))
+            self._changed.notify_all()
+        try:
+            return future.result(_PATIENCE)
+        except TimeoutError as error:
+            if not future.cancel() and future.done():
+                raise  # what was asked for ran out of time itself
+            raise IdleError("no episode runs") from error
+
+    def hold(self, now: float, show: Callable[[], None]) -> None:
+        """Do what was asked for, and let a tick last as long as it should.
+
+        Args:
+            now: simulated time of the tick, s.
+            show: is called where the tick is looked at for longer, and after each request.
+        """
+        is_shown = False
+        while True:
+            if self._answer():
+                show()
+            with self._changed:
+                if self._asked:
+                    continue
+                pause = self._pause_at(now)
+                if pause <= 0:
+                    return
+                must_show = self._paused and not is_shown
+                if not must_show:
+                    self._changed.wait(pause)
+            if must_show:
+                is_shown = True
+                show()
+
+    def _answer(self) -> bool:
+        """Do what was asked for; whether anything was."""
+        with self._changed:
+            asked, self._asked = self._asked, []
+        for do, future in asked:
+            if future.set_running_or_notify_cancel():
+                try:
+                    future.set_result(do())
+                except Exception as error:
+                    future.set_exception(error)
+        return bool(asked)
+
+    def _pause_at(self, now: float) -> float:
+        """How long the tick of a simulated time has to wait still, s."""
+        if self._paused:
+            if self._steps > 0:
+                self._steps -= 1
+                return 0.0
+            self._origin = None
+            return 1.0
+        clock = self._clock()
+        ahead = now / self._speed
+        if self._origin is None or clock - self._origin - ahead > _LATE:
+            self._origin = clock - ahead
+        return self._origin + ahead - clock

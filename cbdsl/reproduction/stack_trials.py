@@ -1,0 +1,161 @@
+"""Trials of stacks: things set on each other by a hand, judged by the simulator's truth."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Iterator, Mapping
+from typing import Any, NamedTuple, Self
+
+import numpy as np
+
+from cbdsl.backends.simulated_backend import simulate
+from cbdsl.checking.knowledge.digest import program_digest
+from cbdsl.checking.program import check_program
+from cbdsl.documents.digest import digest_of_text
+from cbdsl.documents.program import ProgramDocument
+from cbdsl.documents.stage import StageDocument
+from cbdsl.reproduction.shipped import shipped_file, shipped_robot
+from cbdsl.runtime.episode import Runner, Tick
+from cbdsl.sensing.kinematics import Kinematics
+from cbdsl.yaml_text.library import Library, shipped
+
+# m/s; s that it has to stay, and in which a pace counts as that of the release; s of a tick.
+_STILL, _LONG, _JUST, _TICK = 0.01, 1.0, 0.2, 1 / 60
+
+
+class StackTrial(NamedTuple):
+    """One stack.
+
+    Attributes:
+        things: its context.
+        seed: of the episode.
+        released: whether the topmost thing was let go on another one.
+        stands: whether each thing rests on the one below it alone, 1 s later at least.
+        offset: distance on the level between the upper two centres at the release, m; NaN without.
+        pace: largest speed of the topmost thing within 0.2 s of the release, m/s; NaN without.
+        seconds: from the release to the end.
+        ending: of the program.
+    """
+
+    things: str
+    seed: int
+    released: bool
+    stands: bool
+    offset: float
+    pace: float
+    seconds: float
+    ending: str
+
+    def as_data(self) -> dict[str, Any]:
+        """Plain data, for JSON."""
+        return self._asdict()
+
+    @classmethod
+    def from_data(cls, data: Mapping[str, Any]) -> Self:
+        """Trial that ``as_data`` wrote.
+
+        Raises:
+            ValueError: it is none.
+        """
+        if set(data) != set(cls._fields):
+            raise ValueError("no trial of a stack")
+        return cls(**data)
+
+
+class _Judge:
+    """Watches one episode by the simulator's truth, which no controller sees."""
+
+    def __init__(self, truth: Any, order: tuple[str, ...]) -> None:
+        self._truth = truth
+        self._order = order
+        self._left, self._ticks = -1, 0
+        self._lifted = False
+        self._offset, self._pace = math.nan, 0.0
+
+    def note(self, _: Tick) -> None:
+        """Take in a tick."""
+        self._ticks += 1
+        top, below = self._order[-1], self._order[-2]
+        if self._truth.touched(top):
+            # What is held above all others has been taken, and may be let go.
+            self._lifted |= "table" not in self._truth.neighbours(top)
+            self._left, self._pace = -1, 0.0
+            return
+        if not self._lifted:
+            return
+        if self._left < 0:
+            self._left = self._ticks
+            centres = [self._truth.pose(name).position for name in (top, below)]
+            self._offset = math.dist(centres[0][:2], centres[1][:2])
+        if (self._ticks - self._left) * _TICK <= _JUST:
+            speed = float(np.linalg.norm(self._truth.velocity(top)))
+            self._pace = max(self._pace, speed)
+
+    def conclude(self, stack: str, seed: int, ending: str) -> StackTrial:
+        """The trial, once it is over."""
+        released = self._left >= 0
+        seconds = (self._ticks - self._left) * _TICK if released else 0.0
+        stands = released and seconds >= _LONG and self._stands()
+        pace = self._pace if released else math.nan
+        return StackTrial(stack, seed, released, stands, self._offset, pace, seconds, ending)
+
+    def _stands(self) -> bool:
+        """Whether each thing rests on the one below it, and touches no other but that above it."""
+        around = ("table", *self._order, None)
+        for place, name in enumerate(self._order, start=1):
+            beside = {each for each in (around[place - 1], around[place + 1]) if each}
+            moves = float(np.linalg.norm(self._truth.velocity(name))) >= _STILL
+            if moves or self._truth.touched(name) or set(self._truth.neighbours(name)) != beside:
+                return False
+        return True
+
+
+def stack_digest(stack: str) -> str:
+    """Digest of all that decides trials of a stack beside seed and engine."""
+    program_name, stage_name, _ = _parts(stack)
+    library = Library(shipped())
+    file = shipped_file(library, ProgramDocument, program_name)
+    robot, _ = shipped_robot(library.read(file, ProgramDocument).document.robot, library)
+    stage = library.read(shipped_file(library, StageDocument, stage_name), StageDocument).document
+    text = file.read_text(encoding="utf-8")
+    parts = (str(program_digest(file, library)), text, robot, stage)
+    return digest_of_text(
+        "\n".join(p if isinstance(p, str) else p.model_dump_json() for p in parts)
+    )
+
+
+def _parts(stack: str) -> tuple[str, str, tuple[str, ...]]:
+    """Program and stage of a stack, and its things from below."""
+    if stack.count("_on_") > 1:
+        return "stack_three", "stacks_of_three", ("base", "middle", "top")
+    return "stack", "stacks", ("base", "top")
+
+
+def run_stacks(
+    stack: str, seeds: Iterable[int], engine: str, cameras: str | None
+) -> Iterator[StackTrial]:
+    """Build one stack, once for each seed.
+
+    Args:
+        stack: a context of the stage ``stacks`` or ``stacks_of_three``.
+        seeds: of the episodes.
+        engine, cameras: of the simulation.
+
+    Raises:
+        BackendError, EpisodeError: the simulator cannot run it.
+        ImportError: it is not installed.
+    """
+    program_name, stage_name, order = _parts(stack)
+    library = Library(shipped())
+    program = check_program(shipped_file(library, ProgramDocument, program_name), {}, library)
+    stage = library.read(shipped_file(library, StageDocument, stage_name), StageDocument).document
+    robot, urdf = shipped_robot(program.robot, library)
+    backend = simulate(engine, robot, urdf, cameras=cameras)
+    try:
+        runner = Runner(robot, Kinematics(robot, urdf), program, backend)
+        for seed in seeds:
+            judge = _Judge(backend.truth, order)
+            result = runner.run(stage, seed, stack, on_tick=judge.note)
+            yield judge.conclude(stack, seed, result.ending)
+    finally:
+        backend.close()

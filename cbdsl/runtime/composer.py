@@ -1,0 +1,146 @@
+"""The composer: gains, references and the stack of a program that runs, changed by hand."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+
+from cbdsl.errors.nearest import suggestion
+from cbdsl.runtime.controller_run import ControllerRun
+from cbdsl.runtime.explanation import named_runs
+from cbdsl.runtime.program_run import ProgramRun
+
+# Farther away nothing can be reached, m.
+_FARTHEST = 100.0
+
+
+class ComposerError(Exception):
+    """A change cannot be made; the message says why."""
+
+
+class Composer:
+    """Changes of a running program by hand, which last over its episodes.
+
+    Controllers have their own names; those of programs that are used as actions are qualified by
+    the actions' names. Only the program's own can be composed.
+
+    Attributes:
+        gains: 1/s, by controller, of those that were changed.
+        targets: positions that are held instead of references, m, shape (3,), by controller.
+        stack: names of the controllers that act instead of the program's actions, highest priority
+            first; ``None`` while it chooses them itself.
+    """
+
+    def __init__(self) -> None:
+        self.gains: dict[str, float] = {}
+        self.targets: dict[str, tuple[float, ...]] = {}
+        self.stack: tuple[str, ...] | None = None
+        self._run: ProgramRun | None = None
+
+    def begin(self, run: ProgramRun) -> None:
+        """Make the changes to the run of an episode that has begun."""
+        self._run = run
+        for name, gain in self.gains.items():
+            self._named(name).gain = gain
+        for name, target in self.targets.items():
+            self._named(name).hold_reference(np.array(target))
+        if self.stack is not None:
+            run.compose(self.stack)
+
+    @property
+    def own(self) -> tuple[str, ...]:
+        """Controllers that can be composed: those that the program's actions and background use."""
+        return tuple(run.controller.name for run in self._running.runs)
+
+    @property
+    def acting(self) -> tuple[str, ...]:
+        """Those of them that act now above the background, highest priority first."""
+        run = self._running
+        return tuple(
+            each.run.controller.name
+            for each in run.active()
+            if each.run in run.runs and each.run not in run.background
+        )
+
+    def set_gain(self, name: str, gain: float) -> float:
+        """Change a controller's gain.
+
+        Returns:
+            The gain, 1/s.
+
+        Raises:
+            ComposerError: there is no such controller, or it cannot have this gain.
+        """
+        run = self._named(name)
+        if run.controller.tip_stiffness is not None:
+            raise ComposerError(f"{name}: its gain is one of the tip's speed by force, and stays")
+        if not 0 < gain <= run.largest_gain:
+            most = f"{run.largest_gain:g} /s, which takes its error to 0 within a tick"
+            raise ComposerError(f"{name}: a gain is above 0 and at most {most}, not {gain:g} /s")
+        run.gain = self.gains[name] = gain
+        return gain
+
+    def hold(self, name: str, target: Sequence[float] | None) -> None:
+        """Hold a position as a controller's reference, or give it its own again.
+
+        Args:
+            name: of the controller.
+            target: position, m, shape (3,), world frame; ``None`` for its own reference.
+
+        Raises:
+            ComposerError: there is no such controller, or it has no position to hold.
+        """
+        run = self._named(name)
+        if not run.can_hold:
+            raise ComposerError(f"{name}: only constant or sensed positions can be held elsewhere")
+        if target is None:
+            self.targets.pop(name, None)
+            run.hold_reference(None)
+            return
+        if len(target) != 3 or not all(abs(value) <= _FARTHEST for value in target):
+            raise ComposerError(f"{name}: a target is three numbers, m, each within {_FARTHEST:g}")
+        self.targets[name] = tuple(float(value) for value in target)
+        run.hold_reference(np.array(self.targets[name]))
+
+    def compose(self, names: Sequence[str] | None) -> None:
+        """Let some controllers act instead of the program's actions.
+
+        Args:
+            names: highest priority first; ``None`` lets the program choose again.
+
+        Raises:
+            ComposerError: one is none of the program's own, or is named twice, or there is none.
+        """
+        if names is not None:
+            if not names or len(set(names)) != len(names):
+                raise ComposerError("a stack is of at least one controller, each of them once")
+            for name in names:
+                if name not in self.own:
+                    raise ComposerError(_unknown(name, self.own))
+        self._running.compose(names)
+        self.stack = None if names is None else tuple(names)
+
+    def positions(self) -> Mapping[str, list[float]]:
+        """References that can be held elsewhere, m, by controller, of those that act."""
+        return {
+            name: run.reference.tolist()
+            for name, run in named_runs(self._running)
+            if run.predicate != "X" and run.can_hold and np.isfinite(run.reference).all()
+        }
+
+    @property
+    def _running(self) -> ProgramRun:
+        if self._run is None:
+            raise ComposerError("no episode has begun")
+        return self._run
+
+    def _named(self, name: str) -> ControllerRun:
+        runs = dict(named_runs(self._running))
+        if name not in runs:
+            raise ComposerError(_unknown(name, runs))
+        return runs[name]
+
+
+def _unknown(name: str, known: Sequence[str] | Mapping[str, object]) -> str:
+    return f"there is no controller '{name}'{suggestion(name, known)} (known: {', '.join(known)})"

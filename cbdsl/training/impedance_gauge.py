@@ -1,0 +1,174 @@
+"""Gauge of impedance: what a hand felt and how far it moved in each test of an episode.
+
+It reads the robot's own load cells and joints, and nothing of the simulator.
+"""
+
+from __future__ import annotations
+
+import math
+from collections import deque
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cbdsl.control.rotation import log
+from cbdsl.learning.impedance import AXES, KINDS, ImpedanceProfile, ImpedanceTest
+from cbdsl.program.checked import CheckedProgram
+from cbdsl.program.controller import Controller, Relative
+from cbdsl.runtime.episode import Tick
+from cbdsl.runtime.program_run import ProgramRun
+from cbdsl.sensing.signals import Signals
+from cbdsl.types.resource import NetLoad, Resource, Tip
+
+Floats = NDArray[np.float64]
+
+# Ticks over which loads are averaged, 0.1 s of Dexter's.
+_TICKS = 6
+
+
+class _Probe(NamedTuple):
+    """A program that tests one direction.
+
+    Attributes:
+        load: the controller that tracks a load, along one axis.
+        motion: feedback of the tip that is moved.
+        axis: index of the axis.
+        sign: of the reference.
+    """
+
+    load: Controller
+    motion: Resource
+    axis: int
+    sign: int
+
+    @property
+    def direction(self) -> str:
+        """As profiles call it."""
+        return KINDS[self.load.feedback.type.name] + AXES[self.axis]
+
+
+def _probe(program: CheckedProgram) -> _Probe | None:
+    """How a program tests a direction; ``None`` where it does nothing of the kind."""
+    primitives = [
+        primitive
+        for action in program.actions
+        if action.composition is not None
+        for primitive in action.composition.primitives
+    ]
+    controllers = [each for primitive in primitives for each in primitive.controllers]
+    for load in (each for primitive in primitives for each in primitive.earners):
+        reference, kind = load.reference, load.feedback.type.name
+        if not isinstance(load.feedback.source, NetLoad) or kind not in KINDS:
+            continue
+        if load.axes is None or len(load.axes) != 1 or not isinstance(reference, Relative):
+            continue
+        wanted = "position" if kind == "force" else "orientation"
+        for motion in (each.feedback for each in controllers):
+            if isinstance(motion.source, Tip) and motion.type.name == wanted:
+                sign = 1 if sum(reference.offset) > 0.0 else -1
+                return _Probe(load, motion, load.axes[0], sign)
+    return None
+
+
+class _Outset(NamedTuple):
+    """Pose of the tip and load of the hand where the way out of a test began."""
+
+    pose: Floats
+    load: Floats
+
+
+#: A test whose way out has ended.
+_OVER = _Outset(np.zeros(0), np.zeros(0))
+
+
+class ImpedanceGauge:
+    """Listens to the ticks of an episode, and makes a profile of the tests that ran in it.
+
+    Attributes:
+        profile: of the tests that are over.
+    """
+
+    def __init__(self, program: CheckedProgram) -> None:
+        self._probes = {
+            action.name: probe
+            for action in program.actions
+            # What uses other programs does more than to test.
+            if action.program is not None
+            and all(each.program is None for each in action.program.actions)
+            and (probe := _probe(action.program)) is not None
+        }
+        self._name = ""
+        self._start: Floats = np.zeros(0)
+        self._begun: _Outset | None = None
+        self._loads: deque[Floats] = deque(maxlen=_TICKS)
+        self._tests: list[ImpedanceTest] = []
+
+    @property
+    def profile(self) -> ImpedanceProfile:
+        """Of the tests that are over."""
+        return ImpedanceProfile(tuple(self._tests))
+
+    def note(self, tick: Tick) -> None:
+        """Take in a tick."""
+        action = tick.run.action
+        name = "" if action is None else action.name
+        if name != self._name:
+            self._leave(tick.signals)
+        probe = self._probes.get(name)
+        if probe is None:
+            return
+        if name != self._name:
+            self._name = name
+            self._start, self._begun = self._pose(probe, tick.signals), None
+            self._loads.clear()
+        self._follow(probe, tick.run.children[name], tick.signals)
+
+    def finish(self, signals: Signals) -> ImpedanceProfile:
+        """The profile once the episode is over."""
+        self._leave(signals)
+        return self.profile
+
+    def _follow(self, probe: _Probe, run: ProgramRun, signals: Signals) -> None:
+        """Note what a test begins with, and the test itself where its way out ends."""
+        load = signals.read(probe.load.feedback)
+        tests = any(active.run.controller.name == probe.load.name for active in run.active())
+        if tests and self._begun is None and self._loads:
+            self._begun = _Outset(self._pose(probe, signals), np.mean(self._loads, axis=0))
+            self._loads.clear()
+        elif not tests and self._begun is not None and self._begun is not _OVER:
+            self._note_test(probe, self._begun, signals, tracked=run.rewarded)
+            self._begun = _OVER
+        if load is not None and self._begun is not _OVER:
+            self._loads.append(load.value.copy())
+
+    def _note_test(self, probe: _Probe, begun: _Outset, signals: Signals, *, tracked: bool) -> None:
+        moved = _moved(probe, begun.pose, self._pose(probe, signals))
+        if not self._loads or math.isnan(moved):
+            return
+        change = float((np.mean(self._loads, axis=0) - begun.load)[probe.axis])
+        self._tests.append(ImpedanceTest(probe.direction, probe.sign, moved, change, tracked))
+
+    def _leave(self, signals: Signals) -> None:
+        """Note how far from its beginning a test left the hand."""
+        probe = self._probes.get(self._name)
+        if probe is not None and self._begun is not None and self._begun is not _OVER:
+            # What neither settled nor came to its end in time has not been tracked.
+            self._note_test(probe, self._begun, signals, tracked=False)
+            self._begun = _OVER
+        if probe is not None and self._begun is _OVER and self._tests:
+            residue = abs(_moved(probe, self._start, self._pose(probe, signals)))
+            self._tests[-1] = self._tests[-1]._replace(residue=residue)
+        self._name, self._begun = "", None
+
+    @staticmethod
+    def _pose(probe: _Probe, signals: Signals) -> Floats:
+        reading = signals.read(probe.motion)
+        return np.full(3, math.nan) if reading is None else reading.value.copy()
+
+
+def _moved(probe: _Probe, before: Floats, after: Floats) -> float:
+    """Displacement along the axis of a test or about it, m or rad."""
+    if probe.motion.type.name == "position":
+        return float((after - before)[probe.axis])
+    return float(log(after @ before.T)[probe.axis])

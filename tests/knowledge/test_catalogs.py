@@ -1,0 +1,74 @@
+"""Shipped catalogs belong to the programs as they are, and say what the source's catalogs do."""
+
+from __future__ import annotations
+
+import itertools
+import shlex
+from pathlib import Path
+
+import pytest
+
+from cbdsl.checking.document import check_document
+from cbdsl.checking.knowledge.digest import program_digest
+from cbdsl.checking.session import Session
+from cbdsl.documents.catalog import CATALOG, CatalogDocument
+from cbdsl.documents.program import ProgramDocument
+from cbdsl.program.catalog_models import models_of
+from cbdsl.yaml_text.library import Library
+from tests.conftest import ROOT
+
+CATALOGS = sorted((ROOT / CATALOG.folder).glob("*.yaml"))
+# Section 6.2.2: what each object was found to afford.
+AFFORDED = {
+    "table": {"searchtrack", "reachtouch"},
+    "basketball": {"searchtrack", "reachtouch", "bimanualtouch"},
+    "red_ball": {
+        "searchtrack",
+        "reachtouch",
+        "bimanualtouch",
+        "visualinspect_blue",
+        "visualinspect_yellow",
+    },
+}
+
+
+@pytest.fixture(params=CATALOGS, ids=lambda path: path.stem)
+def path(request: pytest.FixtureRequest) -> Path:
+    return Path(request.param)
+
+
+@pytest.fixture
+def catalog(path: Path, library: Library) -> CatalogDocument:
+    return library.read(path, CatalogDocument).document
+
+
+def test_all_are_shipped() -> None:
+    assert {path.stem for path in CATALOGS} == AFFORDED.keys()
+
+
+def test_it_has_no_findings(path: Path, library: Library) -> None:
+    assert not check_document(path, Session(library))
+
+
+def test_its_programs_are_what_they_were(catalog: CatalogDocument, library: Library) -> None:
+    assert catalog.provenance is not None
+    for name, identity in catalog.provenance.programs.items():
+        file = library.locate(ProgramDocument, identity.name)
+        assert program_digest(file, library).sha256 == identity.sha256, name
+
+
+def test_it_affords_what_the_source_reports(catalog: CatalogDocument) -> None:
+    rewarded = {name for name, each in catalog.affordances.items() if each.rewarded}
+    assert rewarded == AFFORDED[catalog.name]
+    models = models_of(catalog)
+    assert all(models[name].rewarded.weight > 0 for name in rewarded)
+
+
+def test_its_command_explores_it_again(catalog: CatalogDocument, path: Path) -> None:
+    assert catalog.provenance is not None and catalog.steps is not None
+    words = shlex.split(catalog.provenance.command)
+    options = dict(itertools.pairwise(words))
+    assert words[:2] == ["cb", "explore"]
+    assert options["--out"] == path.name
+    assert options["--stage"] == catalog.provenance.stage.name
+    assert int(options["--actions"]) == catalog.provenance.actions == len(catalog.steps.action)

@@ -1,0 +1,65 @@
+"""Signs and impedances of pairs, of trials that are there."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from cbdsl.learning.impedance import DIRECTIONS, ImpedanceProfile, ImpedanceTest
+from cbdsl.reproduction.experiment import RunSettings
+from cbdsl.reproduction.fig_7_13 import run
+from cbdsl.reproduction.impedance_trials import ImpedanceTrial, trial_digest
+from cbdsl.reproduction.kept_trials import KeptTrials
+from cbdsl.reproduction.quantity import Verdict
+from cbdsl.reproduction.thing_pairs import ALL_PAIRS, PAIRS
+
+TRIALS = 12
+
+
+def profile(stiff: set[str]) -> ImpedanceProfile:
+    return ImpedanceProfile(
+        tuple(
+            ImpedanceTest(
+                name, sign, 0.01 * sign, 2.0 if name in stiff else 0.1, name in stiff, 0.0
+            )
+            for name in DIRECTIONS
+            for sign in (1, -1)
+        )
+    )
+
+
+def keep(folder: Path, *, right: bool) -> RunSettings:
+    for name, pair in PAIRS.items():
+        kept = KeptTrials(
+            folder / "mujoco_ideal.jsonl", trial_digest(name), ImpedanceTrial.from_data
+        )
+        stiff = set(pair.stiff) if right else set(DIRECTIONS) - set(pair.stiff)
+        for seed in range(TRIALS):
+            kept.add(ImpedanceTrial(name, seed, profile(stiff), "", 60.0))
+    return RunSettings(folder=folder, trials=TRIALS, backend="mujoco", cameras="ideal")
+
+
+@pytest.mark.parametrize(
+    ("right", "verdict"), [(True, Verdict.REPRODUCED), (False, Verdict.MISSED)]
+)
+def test_signs_are_judged(tmp_path: Path, *, right: bool, verdict: Verdict) -> None:
+    result = run(keep(tmp_path, right=right))
+    judged = [each for each in result.quantities if each.expected is not None]
+    assert len(judged) == len(PAIRS)
+    assert {each.verdict for each in judged} == {verdict}
+
+
+def test_charts_show_shares_of_trials_and_of_the_largest_impedance(tmp_path: Path) -> None:
+    charts = {chart.name: chart.data() for chart in run(keep(tmp_path, right=True)).charts}
+    assert len(charts) == 2 * len(PAIRS)
+    assert charts["fig-7.13-cylinder_in_cylinder"]["dPx"] == {"share of trials": 1.0, "rest": 0.0}
+    assert charts["fig-7.13-cylinder_in_cylinder"]["dRz"] == {"share of trials": 0.0, "rest": 0.0}
+    shares = charts["fig-7.14-cylinder_in_cylinder"]
+    assert shares["dPz"] == {"share of the largest": pytest.approx(0.05), "rest": 0.0}
+
+
+def test_a_direction_is_not_both_stiff_and_free() -> None:
+    for pair in ALL_PAIRS.values():
+        assert set(pair.judged) <= set(DIRECTIONS)
+        assert len(set(pair.judged)) == len(pair.judged)

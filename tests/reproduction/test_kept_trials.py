@@ -1,0 +1,37 @@
+"""Trials are kept one by one, and not run again unless something has changed."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from cbdsl.learning.impedance import ImpedanceProfile, ImpedanceTest
+from cbdsl.reproduction.impedance_trials import ImpedanceTrial
+from cbdsl.reproduction.kept_trials import KeptTrials
+
+TEST = ImpedanceTest("dPz", -1, -0.002, -2.0, True, 0.0)
+
+
+def trial(seed: int) -> ImpedanceTrial:
+    return ImpedanceTrial("box_on_box", seed, ImpedanceProfile((TEST,)), "Succeeded", 60.0)
+
+
+def test_trials_are_kept_for_what_was_run(tmp_path: Path) -> None:
+    path = tmp_path / "folder" / "kept.jsonl"
+    kept = KeptTrials(path, "one", ImpedanceTrial.from_data)
+    kept.add(trial(1))
+    kept.add(trial(2))
+    again = KeptTrials(path, "one", ImpedanceTrial.from_data)
+    assert again.get("box_on_box", 2) == trial(2)
+    assert again.get("box_on_box", 3) is None and again.get("box_in_box", 2) is None
+    assert KeptTrials(path, "other", ImpedanceTrial.from_data).get("box_on_box", 2) is None
+
+
+def test_a_line_that_was_cut_off_is_run_again(tmp_path: Path) -> None:
+    path = tmp_path / "kept.jsonl"
+    KeptTrials(path, "one", ImpedanceTrial.from_data).add(trial(1))
+    text = path.read_text()
+    path.write_text(text + text[:40])
+    kept = KeptTrials(path, "one", ImpedanceTrial.from_data)
+    assert kept.get("box_on_box", 1) == trial(1)
+    kept.add(trial(2))
+    assert KeptTrials(path, "one", ImpedanceTrial.from_data).get("box_on_box", 2) == trial(2)
