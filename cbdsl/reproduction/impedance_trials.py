@@ -48,8 +48,10 @@ class ImpedanceTrial(NamedTuple):
         """Trial that ``as_data`` wrote.
 
         Raises:
-            ValueError: a test of the profile is none.
+            ValueError: it is no trial, or a test of its profile is none.
         """
+        if set(data) != set(cls._fields):
+            raise ValueError(f"no trial of impedance: it has {', '.join(sorted(data))}")
         return cls(**{**data, "profile": ImpedanceProfile.from_data(data["profile"])})
 
 
