@@ -18,7 +18,7 @@ import pytest
 from cbdsl.cli import live as module
 from tests.cli.test_main import cb
 
-REACH = ("run", "sixaxis_reach", "--backend", "kinematic", "--seed", "7000000", "--json")
+REACH = ("run", "sixaxis_reach", "--backend", "kinematic", "--seed", "25", "--json")
 LIVE = ("--live", "--fast", "--live-close")
 
 
@@ -47,7 +47,7 @@ def test_learning_with_a_page_learns_the_same(
 ) -> None:
     monkeypatch.chdir(tmp_path)
     words = ("learn", "searchtrack", "--stage", "searchtrack_training", "--backend", "kinematic",
-             "--episodes", "2", "--seed", "7000000")  # fmt: skip
+             "--episodes", "2", "--seed", "25")  # fmt: skip
     assert cb(monkeypatch, *words, "--out", "alone/looks.yaml") == 0
     assert cb(monkeypatch, *words, "--out", "shown/looks.yaml", *LIVE) == 0
     assert "live at http://127.0.0.1:" in capsys.readouterr().out

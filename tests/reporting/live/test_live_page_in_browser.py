@@ -44,6 +44,7 @@ class Run:
 
     def __init__(self, watched: Watched, robot: RobotDocument, urdf: Path) -> None:
         self.feed, self.transport = Feed(), Transport(math.inf)
+        self.period = 1 / robot.control.rate
         self.composer = Composer()
         self.view = LiveView(self.feed, self.transport, Shown, self.composer)
 
@@ -60,6 +61,16 @@ class Run:
         self.transport.pause()
         self._thread = Thread(target=lambda: self.results.append(watched(self.view)))
         self._thread.start()
+
+    def step(self, ticks: int, shown: Page) -> None:
+        """Let ticks pass, and the page show the last of them: from then on nothing in it moves."""
+        last = self.transport.ask(self._time) + ticks * self.period
+        self.transport.step(ticks)
+        shown.wait(f"{NOW} > {last - self.period / 2}")
+
+    def _time(self) -> float:
+        assert self.view._last is not None
+        return self.view._last.observation.time
 
     def close(self) -> None:
         if self.composer.stack is not None:  # whose episode has no end
@@ -112,7 +123,7 @@ def test_it_follows_a_run_from_its_pause_to_its_end(
 
 
 def test_the_stack_is_in_the_order_of_priority(run: Run, shown: Page) -> None:
-    run.transport.step(60)
+    run.step(60, shown)
     shown.wait(f"{LEVELS}.includes('approach')")
     names = shown.value(LEVELS)
     assert names.index("approach") < names.index("orient") < names.index("posture")
@@ -124,7 +135,7 @@ def test_when_the_server_ends_the_page_says_so(run: Run, shown: Page) -> None:
 
 
 def test_a_stack_is_composed_a_target_dragged_and_both_saved(run: Run, shown: Page) -> None:
-    run.transport.step(160)
+    run.step(160, shown)
     shown.wait(f"{LEVELS}.includes('approach')")
     shown.click("#take-over")
     shown.wait("document.querySelectorAll('#composed li').length > 1")
@@ -140,7 +151,7 @@ def test_a_stack_is_composed_a_target_dragged_and_both_saved(run: Run, shown: Pa
         "document.querySelector('tr[data-name=approach] input').dispatchEvent(new Event('change'))"
     )
     shown.wait("document.querySelector('tr[data-name=approach] input').value === '3.5'")
-    run.transport.step(1)
+    run.step(1, shown)
     shown.wait("targets.placeOfTarget('approach')[0] > 0")
     left, top = shown.value(
         "(() => { scrollTo(0, 0);"

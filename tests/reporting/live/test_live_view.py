@@ -113,9 +113,9 @@ def test_frames_are_no_denser_than_eyes_need(feed: Feed, watched: Watched) -> No
 
 
 def test_a_page_lists_the_episodes_before(feed: Feed, view: LiveView, watched: Watched) -> None:
-    first = watched(view, seed=7_000_001)
-    watched(view, seed=7_000_002)
+    first = watched(view, seed=21)
+    watched(view, seed=22)
     with feed.page() as cursor:
         header = contents(cursor)[0][1]
-    assert (header["number"], header["seed"]) == (2, 7_000_002)
+    assert (header["number"], header["seed"]) == (2, 22)
     assert [each["ending"] for each in header["past"]] == [first.ending]
