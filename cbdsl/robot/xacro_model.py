@@ -28,13 +28,14 @@ def expand_xacro(path: Path, arguments: Mapping[str, str], packages: PackageFold
         UrdfError: it is no xacro, a package is nowhere, or it has no such argument.
     """
     known = _AskedArguments(arguments)
+    absent: list[UrdfError] = []
     try:
         # Its warnings carry the colours and the frames of a stack, and a mistake is told below.
-        with _finding(packages.folder), redirect_stderr(StringIO()):
+        with _finding(packages.folder, absent), redirect_stderr(StringIO()):
             document = xacro.process_file(str(path), mappings=known)
-    except UrdfError as error:
-        raise UrdfError(f"{path}: {error}") from None
     except Exception as error:
+        if absent:  # which xacro has wrapped, and says twice
+            raise UrdfError(f"{path}: {absent[0]}") from None
         # Expressions of the file are evaluated, and raise whatever such code raises.
         raise UrdfError(f"{path}: xacro cannot expand it: {_reason(error)}") from None
     unknown = next((name for name in arguments if name not in known.asked), None)
@@ -69,13 +70,20 @@ class _AskedArguments(dict[str, str]):
 
 
 @contextmanager
-def _finding(find: Callable[[str], Path]) -> Iterator[None]:
-    """Look packages up here while xacro expands, and not in an installed ROS."""
+def _finding(find: Callable[[str], Path], absent: list[UrdfError]) -> Iterator[None]:
+    """Look packages up here while xacro expands, and not in an installed ROS.
+
+    Errors of packages that are nowhere are added to ``absent``.
+    """
     substitution: Any = xacro.substitution_args
     own, table = substitution._eval_find, substitution._eval_dict
 
     def find_text(name: str) -> str:
-        return str(find(name))
+        try:
+            return str(find(name))
+        except UrdfError as error:
+            absent.append(error)
+            raise
 
     substitution._eval_find = table["find"] = find_text
     try:
