@@ -90,16 +90,24 @@ class ModelReader:
         if kind == "xacro":
             return self._read_xacro(name, folder)
         if self._given:
-            text = self._file.read_text("utf-8")
-            return self._local(text, "copied, with its meshes found", name, folder)
+            return self._local(self._contents(), "copied, with its meshes found", name, folder)
         return ModelSource(read_urdf(self._file), {}, ())
+
+    def _contents(self) -> bytes:
+        from cbdsl.documents.contents import contents
+        from cbdsl.robot.urdf import UrdfError
+
+        try:
+            return contents(self._file, _MOST_BYTES)
+        except OSError as error:
+            raise UrdfError(f"{self._file}: {error.strerror}") from None
 
     def _read_xacro(self, name: str, folder: Path) -> ModelSource:
         text = _expand(self._file, self._arguments, self._packages)
         values = "".join(f" {key}:={value}" for key, value in self._arguments.items())
         return self._local(text, f"expanded by xacro{values}", name, folder)
 
-    def _local(self, text: str, how: str, name: str, folder: Path) -> ModelSource:
+    def _local(self, text: str | bytes, how: str, name: str, folder: Path) -> ModelSource:
         from cbdsl.robot.local_urdf import localized
 
         urdf = localized(text, self._file, folder, self._packages)
@@ -141,7 +149,9 @@ class ModelReader:
         origin = Path(os.path.relpath(self._file.resolve(), folder.resolve())).as_posix()
         text = with_origin(urdf, f"From {origin}, {how}, by cb new robot {name}.").encode()
         files = {path: text, **{folder / file: stl for file, stl in meshes.items()}}
-        return ModelSource(parse_urdf(text, path), files, remarks)
+        model = parse_urdf(text, path)
+        len(model.bodies)  # reads the numbers of all links, before anything is written
+        return ModelSource(model, files, remarks)
 
 
 def _expand(file: Path, arguments: Mapping[str, str], packages: PackageFolders) -> str:

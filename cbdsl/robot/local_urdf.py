@@ -10,7 +10,7 @@ from cbdsl.robot.package_folders import PackageFolders
 from cbdsl.robot.urdf import UrdfError
 
 
-def localized(text: str, source: Path, folder: Path, packages: PackageFolders) -> str:
+def localized(text: str | bytes, source: Path, folder: Path, packages: PackageFolders) -> str:
     """A URDF as it reads in another folder.
 
     Args:
@@ -24,7 +24,7 @@ def localized(text: str, source: Path, folder: Path, packages: PackageFolders) -
     """
     try:
         root = ElementTree.fromstring(text)
-    except ElementTree.ParseError as error:
+    except (ElementTree.ParseError, ValueError, LookupError) as error:
         raise UrdfError(f"{source}: it is no XML, of which URDF is made: {error}") from None
     for link in root.findall("link"):
         for mesh in link.iter("mesh"):
