@@ -2,14 +2,19 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from types import MappingProxyType
+from typing import TYPE_CHECKING, Annotated, NoReturn
 
 import typer
 
 if TYPE_CHECKING:
+    from cbdsl.cli.model_source import ModelReader
     from cbdsl.documents.document import Document
     from cbdsl.documents.robot import RobotDocument
+    from cbdsl.robot.semantic_groups import SemanticGroups
+    from cbdsl.robot.urdf import UrdfModel
 
 new = typer.Typer(
     help="Write a robot, program or stage to start from.",
@@ -25,7 +30,21 @@ To = Annotated[
     typer.Option("--to", help="Folder to write to [where names are looked up, such as programs]."),
 ]
 Force = Annotated[bool, typer.Option("--force", help="Replace a file that is there.")]
-Urdf = Annotated[Path, typer.Option("--urdf", help="The robot's model.")]
+Urdf = Annotated[Path, typer.Option("--urdf", help="The robot's model: URDF, xacro or MJCF.")]
+Srdf = Annotated[
+    Path | None,
+    typer.Option(
+        "--srdf", help="Its groups and postures, which become effectors [rows of joints]."
+    ),
+]
+XacroArg = Annotated[
+    list[str] | None,
+    typer.Option("--xacro-arg", metavar="NAME:=VALUE", help="An argument of a model in xacro."),
+]
+Package = Annotated[
+    list[str] | None,
+    typer.Option("--package", metavar="NAME=FOLDER", help="Where a package is that models name."),
+]
 
 
 @new.command("program")
@@ -36,27 +55,52 @@ def new_program(name: Name, robot: Robot = "dexter", to: To = None, force: Force
     body = _robot(robot)
     effector, posture = _posture(body)
     values = {"robot": body.name, "effector": effector, "posture": posture, "stage": _stage(body)}
-    _write(ProgramDocument, "program", name, values, to, force)
+    _Template(ProgramDocument, "program", name, to).write(values, force)
 
 
 @new.command("robot")
-def new_robot(name: Name, urdf: Urdf, to: To = None, force: Force = False) -> None:
-    """A robot, from its URDF.
+def new_robot(
+    name: Name,
+    urdf: Urdf,
+    srdf: Srdf = None,
+    xacro_arg: XacroArg = None,
+    package: Package = None,
+    to: To = None,
+    force: Force = False,
+) -> None:
+    """A robot, from its URDF, xacro or MJCF.
 
-    Rows of joints become effectors, with a tip, a posture and the limits as comments.
+    Rows of joints become effectors, with a tip, a posture and the limits as comments; with --srdf,
+    its groups do. What is not URDF is written as URDF beside the robot (extra formats).
     """
+    from cbdsl.cli.model_source import ModelReader
     from cbdsl.cli.proposal import propose
     from cbdsl.documents.robot import RobotDocument
-    from cbdsl.errors.errors import UsageError
-    from cbdsl.robot.urdf import UrdfError
-    from cbdsl.robot.urdf_reader import read_urdf
 
+    _require_name(name)
+    folder = _folder(RobotDocument, to)
+    reader = ModelReader(urdf, xacro_arg or (), package or ())
+    source = reader.read(name, folder)
+    semantics = None if srdf is None else _semantics(reader, srdf, source.model)
+    proposal = propose(source.model, folder, semantics)
+    remarks = [*source.remarks, *([] if semantics is None else semantics.remarks)]
+    if proposal.left_out:
+        counts = proposal.left_out
+        remarks.append(f"left out what programs cannot move: {counts}; its comments say more")
+    template = _Template(RobotDocument, "robot", name, to)
+    template.write(proposal.values, force, source.files, remarks)
+
+
+def _semantics(reader: ModelReader, srdf: Path, model: UrdfModel) -> SemanticGroups:
+    from cbdsl.errors.errors import UsageError
+    from cbdsl.robot.semantic_groups import SemanticGroups
+    from cbdsl.robot.urdf import UrdfError
+
+    description = reader.semantics(srdf)
     try:
-        model = read_urdf(urdf)
+        return SemanticGroups(model, description)
     except UrdfError as error:
-        raise UsageError(f"--urdf {error}") from None
-    proposal = propose(model, _folder(RobotDocument, to))
-    _write(RobotDocument, "robot", name, proposal.values, to, force, proposal.left_out)
+        raise UsageError(f"--srdf {error}") from None
 
 
 @new.command("stage")
@@ -64,7 +108,7 @@ def new_stage(name: Name, robot: Robot = "dexter", to: To = None, force: Force =
     """A stage: a ball on a table, or nothing."""
     from cbdsl.documents.stage import StageDocument
 
-    _write(StageDocument, "stage", name, {"robot": _robot(robot).name}, to, force)
+    _Template(StageDocument, "stage", name, to).write({"robot": _robot(robot).name}, force)
 
 
 def _robot(name: str) -> RobotDocument:
@@ -108,44 +152,70 @@ def _folder(kind: type[Document], to: Path | None) -> Path:
     return Path(kind_of(kind).folder) if to is None else to
 
 
-def _write(
-    kind: type[Document],
-    word: str,
-    name: str,
-    values: dict[str, str],
-    to: Path | None,
-    force: bool,
-    left_out: str = "",
-) -> None:
-    """Fill a template in, write it where it belongs, and check what was written.
+class _Template:
+    """A document to be filled in.
 
-    What was ``left_out`` of it, if anything, is told.
+    Args:
+        kind: of document.
+        word: its name, and that of its template.
+        name: of the document.
+        to: the folder for it, if not the kind's own.
+
+    Raises:
+        UsageError: the name is none.
     """
-    from string import Template
 
-    from cbdsl.cli.findings import check_paths
-    from cbdsl.cli.terminal import print_problem
-    from cbdsl.errors.errors import UsageError
-    from cbdsl.errors.reason import reason
-    from cbdsl.yaml_text.writer import write_text
+    def __init__(self, kind: type[Document], word: str, name: str, to: Path | None) -> None:
+        _require_name(name)
+        self._word, self._name = word, name
+        self._folder = _folder(kind, to)
 
-    _require_name(name)
-    folder = _folder(kind, to)
-    file = folder / f"{name}.yaml"
-    if file.exists() and not force:
-        raise UsageError(f"{file} is there; --force replaces it")
-    template = Path(__file__).parent / "templates" / f"{word}.yaml.template"
-    text = Template(template.read_text("utf-8"))
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-        filled = text.substitute(values, name=name, schema=_schema(word, folder))
-        write_text(filled, file)
-    except OSError as error:
-        raise UsageError(f"{file}: {reason(error)}") from error
-    print(f"wrote {file}", flush=True)
-    if left_out:
-        print_problem(f"left out what programs cannot move: {left_out}; its comments say more")
-    raise typer.Exit(check_paths([str(file)], {}))
+    def write(
+        self,
+        values: Mapping[str, str],
+        force: bool,
+        files: Mapping[Path, bytes] = MappingProxyType({}),
+        remarks: Sequence[str] = (),
+    ) -> NoReturn:
+        """Write it where it belongs, with the files that it needs, and check what was written.
+
+        Args:
+            values: of the template's places.
+            force: whether to replace what is there.
+            files: contents of the files that the document names, by path.
+            remarks: sentences about what is not in it.
+
+        Raises:
+            UsageError: something is there already, or cannot be written.
+        """
+        from string import Template
+
+        from cbdsl.cli.findings import check_paths
+        from cbdsl.cli.terminal import print_problem
+        from cbdsl.errors.errors import UsageError
+        from cbdsl.errors.reason import reason
+        from cbdsl.yaml_text.writer import write_text
+
+        file = self._folder / f"{self._name}.yaml"
+        there = next((each for each in (file, *files) if each.exists() and not force), None)
+        if there is not None:
+            raise UsageError(f"{there} is there; --force replaces it")
+        template = Path(__file__).parent / "templates" / f"{self._word}.yaml.template"
+        text = Template(template.read_text("utf-8"))
+        schema = _schema(self._word, self._folder)
+        try:
+            self._folder.mkdir(parents=True, exist_ok=True)
+            for path, contents in files.items():
+                path.parent.mkdir(parents=True, exist_ok=True)
+                path.write_bytes(contents)
+            write_text(text.substitute(values, name=self._name, schema=schema), file)
+        except OSError as error:
+            raise UsageError(f"{file}: {reason(error)}") from error
+        for path in (*(each for each in files if each.suffix == ".urdf"), file):
+            print(f"wrote {path}", flush=True)
+        for remark in remarks:
+            print_problem(remark)
+        raise typer.Exit(check_paths([str(file)], {}))
 
 
 def _require_name(name: str) -> None:

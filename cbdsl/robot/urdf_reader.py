@@ -49,8 +49,13 @@ def parse_urdf(text: bytes | str, path: Path) -> UrdfModel:
         root = ElementTree.fromstring(text)
     except (ElementTree.ParseError, ValueError, LookupError) as error:
         raise UrdfError(f"{path}: it is no XML, of which URDF is made: {error}") from None
-    if any("xacro" in element.tag for element in root.iter()):
-        raise UrdfError(f"{path}: it is xacro; `xacro {path.name} > {path.stem}.urdf` expands it")
+    is_xacro = any("xacro" in element.tag for element in root.iter())
+    if is_xacro or root.tag == "mujoco":
+        kind = "xacro" if is_xacro else "MJCF"
+        raise UrdfError(
+            f"{path}: it is {kind}; cb new robot NAME --urdf {path.name} makes URDF of it, with "
+            "the extra formats: pip install 'cbdsl[formats]'"
+        )
     if root.tag != "robot":
         raise UrdfError(f"{path}: its root is <{root.tag}>, not <robot>")
     links = frozenset(link.get("name", "") for link in root.findall("link"))

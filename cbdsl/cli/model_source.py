@@ -1,0 +1,206 @@
+"""A robot's model in the formats of the field, read as the URDF that robot documents name."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, NamedTuple
+from xml.etree import ElementTree
+
+if TYPE_CHECKING:
+    from cbdsl.robot.package_folders import PackageFolders
+    from cbdsl.robot.srdf import SrdfModel
+    from cbdsl.robot.urdf import UrdfModel
+
+_MOST_BYTES = 16_000_000
+
+
+class ModelSource(NamedTuple):
+    """A model, and what has to be written so that a document can name it.
+
+    Attributes:
+        model: read from its file, or from the one that will be written.
+        files: contents of the files to write, by path.
+        remarks: sentences about parts of the source that have no counterpart.
+    """
+
+    model: UrdfModel
+    files: Mapping[Path, bytes]
+    remarks: tuple[str, ...]
+
+
+class ModelReader:
+    """Reads URDF, xacro and MJCF, whichever a file is.
+
+    Args:
+        file: of the model.
+        arguments: of xacro, each as ``name:=value``.
+        packages: folders of packages, each as ``name=folder``.
+
+    Raises:
+        UsageError: one of the arguments or packages is not of that form.
+    """
+
+    def __init__(self, file: Path, arguments: Sequence[str], packages: Sequence[str]) -> None:
+        self._file, self._given = file, list(packages)
+        self._arguments = _pairs("--xacro-arg", arguments, ":=")
+        self._packages = _package_folders(file, _pairs("--package", packages, "="))
+
+    def read(self, name: str, folder: Path) -> ModelSource:
+        """The model of a robot of some name, whose document will be in a folder.
+
+        Raises:
+            UsageError: the model cannot be read, or needs what is not installed.
+        """
+        from cbdsl.errors.errors import UsageError
+        from cbdsl.robot.urdf import UrdfError
+
+        try:
+            return self._read(name, folder)
+        except UrdfError as error:
+            raise UsageError(f"--urdf {error}") from None
+
+    def semantics(self, file: Path) -> SrdfModel:
+        """The groups of the robot, in SRDF or xacro of it.
+
+        Raises:
+            UsageError: they cannot be read, or need what is not installed.
+        """
+        from cbdsl.errors.errors import UsageError
+        from cbdsl.robot.srdf import parse_srdf, read_srdf
+        from cbdsl.robot.urdf import UrdfError
+
+        try:
+            if _format(file) == "xacro":
+                return parse_srdf(_expand(file, {}, self._packages), file)
+            return read_srdf(file)
+        except UrdfError as error:
+            raise UsageError(f"--srdf {error}") from None
+
+    def _read(self, name: str, folder: Path) -> ModelSource:
+        from cbdsl.errors.errors import UsageError
+        from cbdsl.robot.urdf_reader import read_urdf
+
+        kind = _format(self._file)
+        if self._arguments and kind != "xacro":
+            raise UsageError(f"--xacro-arg is for xacro, and {self._file} is none")
+        if kind == "mujoco":
+            return self._read_mjcf(name, folder)
+        if kind == "xacro":
+            return self._read_xacro(name, folder)
+        if self._given:
+            return self._local(self._contents(), "copied, with its meshes found", name, folder)
+        return ModelSource(read_urdf(self._file), {}, ())
+
+    def _contents(self) -> bytes:
+        from cbdsl.documents.contents import contents
+        from cbdsl.robot.urdf import UrdfError
+
+        try:
+            return contents(self._file, _MOST_BYTES)
+        except OSError as error:
+            raise UrdfError(f"{self._file}: {error.strerror}") from None
+
+    def _read_xacro(self, name: str, folder: Path) -> ModelSource:
+        text = _expand(self._file, self._arguments, self._packages)
+        values = "".join(f" {key}:={value}" for key, value in self._arguments.items())
+        return self._local(text, f"expanded by xacro{values}", name, folder)
+
+    def _local(self, text: str | bytes, how: str, name: str, folder: Path) -> ModelSource:
+        from cbdsl.robot.local_urdf import localized
+
+        urdf = localized(text, self._file, folder, self._packages)
+        return self._written(urdf, how, name, folder, {}, ())
+
+    def _read_mjcf(self, name: str, folder: Path) -> ModelSource:
+        from cbdsl.errors.errors import UsageError
+
+        try:
+            from cbdsl.robot.mjcf_model import convert_mjcf
+        except ModuleNotFoundError as error:
+            raise UsageError(
+                f"--urdf {self._file}: MJCF needs {error.name}, which is not installed: "
+                "pip install 'cbdsl[formats]'"
+            ) from None
+        converted = convert_mjcf(self._file, name)
+        how = "converted from MJCF as MuJoCo compiles it"
+        return self._written(converted.urdf, how, name, folder, converted.meshes, converted.remarks)
+
+    def _written(
+        self,
+        urdf: str,
+        how: str,
+        name: str,
+        folder: Path,
+        meshes: Mapping[str, bytes],
+        remarks: tuple[str, ...],
+    ) -> ModelSource:
+        from cbdsl.errors.errors import UsageError
+        from cbdsl.robot.local_urdf import with_origin
+        from cbdsl.robot.urdf_reader import parse_urdf
+
+        path = folder / f"{name}.urdf"
+        if path.resolve() == self._file.resolve():
+            raise UsageError(
+                f"{path} would be written over the model itself; give the robot another name, or "
+                "--to another folder"
+            )
+        origin = Path(os.path.relpath(self._file.resolve(), folder.resolve())).as_posix()
+        text = with_origin(urdf, f"From {origin}, {how}, by cb new robot {name}.").encode()
+        files = {path: text, **{folder / file: stl for file, stl in meshes.items()}}
+        model = parse_urdf(text, path)
+        len(model.bodies)  # reads the numbers of all links, before anything is written
+        return ModelSource(model, files, remarks)
+
+
+def _expand(file: Path, arguments: Mapping[str, str], packages: PackageFolders) -> str:
+    from cbdsl.errors.errors import UsageError
+
+    try:
+        from cbdsl.robot.xacro_model import expand_xacro
+    except ModuleNotFoundError as error:
+        raise UsageError(
+            f"{file}: xacro needs {error.name}, which is not installed: "
+            "pip install 'cbdsl[formats]'"
+        ) from None
+    return expand_xacro(file, arguments, packages)
+
+
+def _format(file: Path) -> str:
+    """``xacro``, ``mujoco`` or ``robot``; the latter, too, for what readers will refuse."""
+    from cbdsl.documents.contents import contents
+
+    if file.suffix == ".xacro" and file.is_file():
+        return "xacro"
+    try:
+        root = ElementTree.fromstring(contents(file, _MOST_BYTES))
+    except (OSError, ElementTree.ParseError, ValueError, LookupError):
+        return "robot"
+    if any("xacro" in element.tag for element in root.iter()):
+        return "xacro"
+    return "mujoco" if root.tag == "mujoco" else "robot"
+
+
+def _package_folders(file: Path, named: Mapping[str, str]) -> PackageFolders:
+    from cbdsl.robot.package_folders import PackageFolders
+
+    roots = [Path(root) for root in os.environ.get("ROS_PACKAGE_PATH", "").split(":") if root]
+    return PackageFolders({name: Path(path) for name, path in named.items()}, roots, file)
+
+
+def _pairs(option: str, texts: Sequence[str], separator: str) -> dict[str, str]:
+    """Values by name.
+
+    Raises:
+        UsageError: a text has no name, or no separator.
+    """
+    from cbdsl.errors.errors import UsageError
+
+    pairs = {}
+    for text in texts:
+        name, found_separator, value = text.partition(separator)
+        if not (name and found_separator):
+            raise UsageError(f"{option} {text} is not of the form NAME{separator}VALUE")
+        pairs[name] = value
+    return pairs

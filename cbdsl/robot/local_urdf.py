@@ -1,0 +1,54 @@
+"""URDF text for a folder of its own, in which files of meshes are named from there."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+from xml.etree import ElementTree
+
+from cbdsl.robot.package_folders import PackageFolders
+from cbdsl.robot.urdf import UrdfError
+
+
+def localized(text: str | bytes, source: Path, folder: Path, packages: PackageFolders) -> str:
+    """A URDF as it reads in another folder.
+
+    Args:
+        text: of the URDF.
+        source: the file that it comes from, to which its meshes are relative.
+        folder: where it will be.
+        packages: where ``package://NAME`` leads.
+
+    Raises:
+        UrdfError: it is no XML, or one of its meshes is not there.
+    """
+    try:
+        root = ElementTree.fromstring(text)
+    except (ElementTree.ParseError, ValueError, LookupError) as error:
+        raise UrdfError(f"{source}: it is no XML, of which URDF is made: {error}") from None
+    for link in root.findall("link"):
+        for mesh in link.iter("mesh"):
+            mesh.set(
+                "filename", _localized_mesh(mesh, link.get("name", ""), source, folder, packages)
+            )
+    ElementTree.indent(root)
+    return ElementTree.tostring(root, encoding="unicode")
+
+
+def _localized_mesh(
+    mesh: ElementTree.Element, link: str, source: Path, folder: Path, packages: PackageFolders
+) -> str:
+    name = mesh.get("filename", "")
+    try:
+        file = packages.mesh(name, source.resolve().parent)
+    except UrdfError as error:
+        raise UrdfError(f"{source}: link '{link}' has the mesh {name}: {error}") from None
+    if not file.is_file():
+        raise UrdfError(f"{source}: link '{link}' has the mesh {name}, and {file} is not there")
+    return Path(os.path.relpath(file, folder.resolve())).as_posix()
+
+
+def with_origin(text: str, origin: str) -> str:
+    """A URDF that says, in a comment before it, what it was made from and how."""
+    # Two hyphens end a comment of XML.
+    return f'<?xml version="1.0"?>\n<!-- {origin.replace("--", "- -")} -->\n{text}\n'

@@ -1,0 +1,61 @@
+"""Folders of the packages that models name, as in ``package://NAME/meshes/link.stl``."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from pathlib import Path
+
+from cbdsl.errors.nearest import suggestion
+from cbdsl.robot.urdf import UrdfError
+
+
+class PackageFolders:
+    """Folders by the name of their package.
+
+    Args:
+        named: folders that the user names.
+        roots: folders with packages in them, or packages themselves, as in ROS_PACKAGE_PATH.
+        model: the model that names packages; those in and beside the folders above it are known.
+    """
+
+    def __init__(self, named: Mapping[str, Path], roots: Sequence[Path], model: Path) -> None:
+        self._named, self._roots = dict(named), tuple(roots)
+        self._above = tuple(model.resolve().parents)
+
+    def folder(self, name: str) -> Path:
+        """Folder of a package.
+
+        Raises:
+            UrdfError: nothing says where it is.
+        """
+        folder = next((each for each in self._candidates(name) if each.is_dir()), None)
+        if folder is None:
+            raise UrdfError(
+                f"package '{name}' is nowhere{suggestion(name, self._named)}; "
+                f"--package {name}=FOLDER says where it is, or ROS_PACKAGE_PATH, and so does a "
+                "folder of this name above the model"
+            )
+        return folder.resolve()
+
+    def mesh(self, name: str, folder: Path) -> Path:
+        """File of a mesh that a model in a folder names.
+
+        Raises:
+            UrdfError: its package is nowhere.
+        """
+        scheme, separator, path = name.partition("://")
+        if not separator:
+            return folder / name
+        if scheme != "package":
+            return Path(path)
+        package, _, inner = path.partition("/")
+        return self.folder(package) / inner
+
+    def _candidates(self, name: str) -> Iterator[Path]:
+        if name in self._named:
+            yield self._named[name]
+            return  # a wrong folder is not to be mended by a guess
+        for root in (*self._roots, *self._above):
+            if root.name == name:
+                yield root
+            yield root / name

@@ -1,0 +1,155 @@
+"""SRDF: the groups of joints, postures and end effectors that a robot's makers name."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import NamedTuple
+from xml.etree import ElementTree
+
+from cbdsl.documents.contents import contents
+from cbdsl.robot.urdf import UrdfError
+
+_MOST_BYTES = 16_000_000
+
+
+class SrdfGroup(NamedTuple):
+    """A group of joints, as it is written.
+
+    Attributes:
+        name: of the group.
+        chains: base and tip link of each of its chains.
+        joints: names of joints.
+        links: names of links, whose joints to their parents belong to it.
+        groups: names of groups that it is made of.
+    """
+
+    name: str
+    chains: tuple[tuple[str, str], ...]
+    joints: tuple[str, ...]
+    links: tuple[str, ...]
+    groups: tuple[str, ...]
+
+
+class GroupState(NamedTuple):
+    """A named posture of a group: rad or m by joint, several where it has several axes."""
+
+    name: str
+    group: str
+    positions: Mapping[str, tuple[float, ...]]
+
+
+class EndEffector(NamedTuple):
+    """A hand.
+
+    Attributes:
+        name: of the hand.
+        group: of its joints.
+        parent_link: the link that carries it.
+        parent_group: the group of the arm, where it is named.
+    """
+
+    name: str
+    group: str
+    parent_link: str
+    parent_group: str
+
+
+class SrdfModel(NamedTuple):
+    """A robot's semantic description.
+
+    Attributes:
+        path: its file.
+        groups: by name.
+        states, end_effectors: in the file's order.
+        passive: names of joints that no motor moves.
+        virtual: names and types of joints that hold the base in the world.
+        separated: pairs of links whose contacts are left out of account, though a joint does not
+            join them.
+    """
+
+    path: Path
+    groups: Mapping[str, SrdfGroup]
+    states: tuple[GroupState, ...]
+    end_effectors: tuple[EndEffector, ...]
+    passive: frozenset[str]
+    virtual: Mapping[str, str]
+    separated: tuple[tuple[str, str], ...]
+
+
+def read_srdf(path: Path) -> SrdfModel:
+    """Read a semantic description.
+
+    Raises:
+        UrdfError: there is no such file, or it is no SRDF.
+    """
+    try:
+        return parse_srdf(contents(path, _MOST_BYTES), path)
+    except OSError as error:
+        raise UrdfError(f"{path}: {error.strerror}") from None
+
+
+def parse_srdf(text: bytes | str, path: Path) -> SrdfModel:
+    """Parse the text of a semantic description; its path names it in messages.
+
+    Raises:
+        UrdfError: it is no SRDF.
+    """
+    try:
+        root = ElementTree.fromstring(text)
+    except (ElementTree.ParseError, ValueError, LookupError) as error:
+        raise UrdfError(f"{path}: it is no XML, of which SRDF is made: {error}") from None
+    if root.tag != "robot":
+        raise UrdfError(f"{path}: its root is <{root.tag}>, not <robot>")
+    groups = [_group(element) for element in root.findall("group")]
+    twice = next((g.name for g in groups if [h.name for h in groups].count(g.name) > 1), None)
+    if twice is not None:
+        raise UrdfError(f"{path}: it has two groups of the name '{twice}'")
+    try:
+        states = tuple(_state(element) for element in root.findall("group_state"))
+    except ValueError as error:
+        raise UrdfError(f"{path}: {error}") from None
+    keys = ("name", "group", "parent_link", "parent_group")
+    return SrdfModel(
+        path=path,
+        groups={group.name: group for group in groups},
+        states=states,
+        end_effectors=tuple(
+            EndEffector(*(element.get(key, "") for key in keys))
+            for element in root.findall("end_effector")
+        ),
+        passive=frozenset(each.get("name", "") for each in root.findall("passive_joint")),
+        virtual={
+            each.get("name", ""): each.get("type", "") for each in root.findall("virtual_joint")
+        },
+        separated=tuple(
+            (element.get("link1", ""), element.get("link2", ""))
+            for element in root.findall("disable_collisions")
+            if element.get("reason") != "Adjacent"
+        ),
+    )
+
+
+def _group(element: ElementTree.Element) -> SrdfGroup:
+    def names(tag: str) -> tuple[str, ...]:
+        return tuple(each.get("name", "") for each in element.findall(tag))
+
+    chains = tuple(
+        (each.get("base_link", ""), each.get("tip_link", "")) for each in element.findall("chain")
+    )
+    return SrdfGroup(element.get("name", ""), chains, names("joint"), names("link"), names("group"))
+
+
+def _state(element: ElementTree.Element) -> GroupState:
+    name = element.get("name", "")
+    positions = {}
+    for joint in element.findall("joint"):
+        text = joint.get("value", "")
+        try:
+            positions[joint.get("name", "")] = tuple(map(float, text.split()))
+        except ValueError:
+            raise ValueError(
+                f"group_state '{name}' has value=\"{text}\" for joint '{joint.get('name', '')}', "
+                "which should be a number"
+            ) from None
+    return GroupState(name, element.get("group", ""), positions)

@@ -1,0 +1,210 @@
+"""``cb new robot`` from xacro, SRDF and MJCF: what it writes is valid, and mistakes are named."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+
+import pytest
+
+from cbdsl.checking.document import check_document
+from cbdsl.documents.robot import RobotDocument
+from cbdsl.robot.urdf_reader import read_urdf
+from cbdsl.yaml_text.library import Library
+from tests.cli.test_main import cb
+
+HEAD = '<robot name="desk" xmlns:xacro="http://www.ros.org/wiki/xacro">'
+MACRO = f"""{HEAD}
+  <xacro:macro name="hinge" params="name parent lower:=-2">
+    <link name="${{name}}_link"><inertial><mass value="${{mass}}"/>
+      <inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial></link>
+    <joint name="${{name}}" type="revolute">
+      <parent link="${{parent}}"/><child link="${{name}}_link"/><origin xyz="0 0 0.2"/>
+      <axis xyz="0 1 0"/><limit lower="${{lower}}" upper="2" effort="30" velocity="2"/>
+    </joint>
+  </xacro:macro>
+</robot>"""
+MODEL = f"""{HEAD}
+  <xacro:arg name="mass" default="1.0"/>
+  <xacro:property name="mass" value="$(arg mass)"/>
+  <xacro:include filename="$(find desk_description)/joint.xacro"/>
+  <link name="base"/>
+  <xacro:hinge name="shoulder" parent="base"/>
+  <xacro:hinge name="elbow" parent="shoulder_link" lower="0"/>
+  <link name="tool"><visual><geometry>
+    <mesh filename="package://desk_description/tool.stl"/></geometry></visual></link>
+  <joint name="flange" type="fixed"><parent link="elbow_link"/><child link="tool"/></joint>
+  <link name="jaw"/>
+  <joint name="grip" type="prismatic"><parent link="tool"/><child link="jaw"/>
+    <axis xyz="0 1 0"/><limit lower="0" upper="0.04" effort="20" velocity="0.2"/></joint>
+  <link name="lid"/>
+  <joint name="hatch" type="revolute"><parent link="base"/><child link="lid"/>
+    <limit lower="0" upper="1" effort="20" velocity="0.2"/></joint>
+</robot>"""
+SRDF = """<robot name="desk">
+  <virtual_joint name="roam" type="planar" parent_frame="world" child_link="base"/>
+  <group name="arm"><chain base_link="base" tip_link="tool"/></group>
+  <group name="hand"><link name="jaw"/></group>
+  <group name="arm_hand"><group name="arm"/><group name="hand"/></group>
+  <group name="lower"><joint name="shoulder"/></group>
+  <group_state name="up-right" group="arm">
+    <joint name="shoulder" value="0.5"/><joint name="elbow" value="1.25"/></group_state>
+  <group_state name="far" group="arm">
+    <joint name="shoulder" value="9"/><joint name="elbow" value="1"/></group_state>
+  <group_state name="whole" group="arm_hand"><joint name="shoulder" value="0"/>
+    <joint name="elbow" value="0"/><joint name="grip" value="0.03"/></group_state>
+  <end_effector name="gripper" parent_link="elbow_link" group="hand" parent_group="arm"/>
+  <disable_collisions link1="shoulder_link" link2="jaw" reason="Never"/>
+  <disable_collisions link1="tool" link2="jaw" reason="Adjacent"/>
+  <disable_collisions link1="shoulder_lnk" link2="jaw" reason="Never"/>
+</robot>"""
+TRIANGLE = (
+    "solid t\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\n"
+    "endloop\nendfacet\nendsolid t\n"
+)
+
+
+@pytest.fixture(autouse=True)
+def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """A folder to work in, with the package of a robot in another one."""
+    package = tmp_path / "elsewhere" / "desk_description"
+    package.mkdir(parents=True)
+    (package / "joint.xacro").write_text(MACRO)
+    (package / "tool.stl").write_text(TRIANGLE)
+    work = tmp_path / "work"
+    work.mkdir()
+    (work / "desk.urdf.xacro").write_text(MODEL)
+    (work / "desk.srdf").write_text(SRDF)
+    monkeypatch.chdir(work)
+    monkeypatch.delenv("ROS_PACKAGE_PATH", raising=False)
+    return work
+
+
+MADE = ("new", "robot", "arm", "--urdf", "desk.urdf.xacro")
+PACKAGE = ("--package", "desk_description=../elsewhere/desk_description")
+
+
+def robot(folder: Path) -> RobotDocument:
+    path = folder / "robots" / "arm.yaml"
+    assert check_document(path) == []
+    return Library(folder).read(path, RobotDocument).document
+
+
+def test_xacro_is_expanded_beside_the_robot(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    assert cb(monkeypatch, *MADE, *PACKAGE, "--xacro-arg", "mass:=2.5") == 0
+    assert robot(folder).model == "arm.urdf"
+    urdf = folder / "robots" / "arm.urdf"
+    assert "From ../desk.urdf.xacro, expanded by xacro mass:=2.5" in urdf.read_text()
+    model = read_urdf(urdf)
+    inertial = model.bodies["elbow_link"].inertial
+    assert inertial is not None and inertial.mass == 2.5
+    assert model.joints["elbow"].lower == 0 and model.joints["shoulder"].lower == -2
+    (mesh,) = model.meshes
+    assert (urdf.parent / mesh).read_text() == TRIANGLE
+
+
+def test_packages_are_where_the_path_of_ros_says(
+    folder: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("ROS_PACKAGE_PATH", f"/nowhere:{folder.parent / 'elsewhere'}")
+    assert cb(monkeypatch, *MADE) == 0
+
+
+def test_groups_become_effectors_and_states_postures(
+    folder: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert cb(monkeypatch, *MADE, *PACKAGE, "--srdf", "desk.srdf") == 0
+    body, told = robot(folder), capsys.readouterr().err
+    arm, hand = body.effectors["arm"], body.effectors["hand"]
+    assert set(body.effectors) == {"arm", "hand"}
+    assert arm.joints == ("shoulder", "elbow") and hand.joints == ("grip",)
+    assert arm.postures == {"up_right": (0.5, 1.25), "whole": (0, 0)} and arm.start == "up_right"
+    assert hand.postures == {"whole": (0.03,)}
+    assert arm.tip is not None and arm.tip.link == "elbow_link"
+    assert body.groups["arm_hand"].members == ("arm", "hand")
+    assert body.simulation.no_contact == (("shoulder_link", "jaw"),)
+    for words in (
+        "group 'lower' has joints of 'arm'",
+        "posture 'far' of 'arm' is left out: 9 of joint 'shoulder'",
+        "did you mean 'shoulder_link'?",
+        "virtual joint 'roam' is planar",
+        "1 in no group of the SRDF",
+    ):
+        assert words in told
+    assert "# - hatch: in no group" in (folder / "robots" / "arm.yaml").read_text()
+
+
+def test_mjcf_becomes_a_robot_with_its_meshes(
+    folder: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (folder / "parts.xml").write_text(
+        '<mujoco><asset><mesh name="m" vertex="0 0 0 1 0 0 0 1 0 0 0 1"/></asset></mujoco>'
+    )
+    (folder / "arm.xml").write_text(
+        '<mujoco><include file="parts.xml"/><worldbody><body name="a">'
+        '<joint name="turn" range="-90 90"/><geom type="mesh" mesh="m"/>'
+        "</body></worldbody></mujoco>"
+    )
+    assert cb(monkeypatch, "new", "robot", "arm", "--urdf", "arm.xml") == 0
+    assert robot(folder).base == "world"
+    assert (folder / "robots" / "arm_meshes" / "m.stl").is_file()
+    assert "'turn' is a joint without an actuator" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (MADE, "package 'desk_description' is nowhere; --package desk_description=FOLDER"),
+        ((*MADE, "--package", "desk_descripton=."), "did you mean 'desk_descripton'?"),
+        ((*MADE, *PACKAGE, "--xacro-arg", "mas:=2"), "did you mean 'mass'?"),
+        ((*MADE, *PACKAGE, "--xacro-arg", "mass=2"), "is not of the form NAME:=VALUE"),
+        ((*MADE, *PACKAGE, "--xacro-arg", "mass:=heavy"), 'has value="heavy"'),
+        ((*MADE, *PACKAGE, "--srdf", "bad.srdf"), "did you mean 'shoulder'?"),
+        ((*MADE, *PACKAGE, "--srdf", "circle.srdf"), "group 'a' is in itself"),
+        ((*MADE, *PACKAGE, "--srdf", "none.srdf"), "--srdf none.srdf: No such file"),
+        (("new", "robot", "arm", "--urdf", "none.urdf", *PACKAGE), "No such file"),
+        (("new", "robot", "arm", "--urdf", "bad.xacro"), "xacro cannot expand it"),
+    ],
+)
+def test_mistakes_are_named_and_nothing_is_written(
+    arguments: tuple[str, ...],
+    words: str,
+    folder: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    (folder / "bad.srdf").write_text(SRDF.replace('"shoulder"/>', '"sholder"/>'))
+    (folder / "circle.srdf").write_text(
+        '<robot name="d"><group name="a"><group name="b"/></group>'
+        '<group name="b"><group name="a"/></group></robot>'
+    )
+    (folder / "bad.xacro").write_text(f"{HEAD}<xacro:hinge/></robot>")
+    assert cb(monkeypatch, *arguments) == 2
+    told = capsys.readouterr().err
+    assert words in told and "Traceback" not in told
+    assert not (folder / "robots").exists()
+
+
+@pytest.mark.parametrize("library", ["xacro", "mujoco"])
+def test_without_the_extra_its_name_is_told(
+    library: str,
+    folder: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    for module in ("cbdsl.robot.xacro_model", "cbdsl.robot.mjcf_model"):
+        monkeypatch.delitem(sys.modules, module, raising=False)
+    monkeypatch.setitem(sys.modules, library, None)
+    (folder / "arm.xml").write_text("<mujoco/>")
+    file = "arm.xml" if library == "mujoco" else "desk.urdf.xacro"
+    assert cb(monkeypatch, "new", "robot", "arm", "--urdf", file) == 2
+    assert "pip install 'cbdsl[formats]'" in capsys.readouterr().err
+
+
+def test_a_model_is_never_written_over(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    (folder / "robots").mkdir()
+    source = folder / "robots" / "arm.urdf"
+    source.write_text(MODEL)
+    made = ("new", "robot", "arm", "--urdf", "robots/arm.urdf", "--force", *PACKAGE)
+    assert cb(monkeypatch, *made) == 2
+    assert source.read_text() == MODEL
