@@ -226,7 +226,7 @@ class _Mjcf:
         if abs(gravity - _GRAVITY) > _GRAVITY_TOLERANCE:
             yield (
                 f"its gravity is {gravity:.3g} m/s^2, and programs run under {_GRAVITY:g}: efforts "
-                "that hold it there may not hold it here (simulation: efforts)"
+                "that hold it there may not hold it here"
             )
         yield from _remark(held, "can move freely in the model, and is fixed in space here")
         yield from _remark(things, "is a thing beside the robot, which belongs on a stage")
