@@ -27,6 +27,8 @@ Floats = NDArray[np.float64]
 LEAST_MASS, LEAST_INERTIA = 1e-6, 1e-9
 # Geoms of the groups from this one on are not shown by MuJoCo's viewer, unless asked to.
 _HIDDEN_GROUP = 3
+# Of stages, and how much that of a model may differ without a word, m/s^2.
+_GRAVITY, _GRAVITY_TOLERANCE = 9.81, 0.05
 
 
 class MjcfConversion(NamedTuple):
@@ -220,6 +222,12 @@ class _Mjcf:
             and number not in self.driven
             and number not in self.mimics
         ]
+        gravity = float(np.linalg.norm(model.opt.gravity))
+        if abs(gravity - _GRAVITY) > _GRAVITY_TOLERANCE:
+            yield (
+                f"its gravity is {gravity:.3g} m/s^2, and programs run under {_GRAVITY:g}: efforts "
+                "that hold it there may not hold it here"
+            )
         yield from _remark(held, "can move freely in the model, and is fixed in space here")
         yield from _remark(things, "is a thing beside the robot, which belongs on a stage")
         if scenery:

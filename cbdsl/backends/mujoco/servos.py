@@ -68,7 +68,10 @@ class MujocoServos:
         stiffness = settings.servo_frequency**2 * inertias
         impulses = inertias / timestep
         # How much the torque may fall with the speed, besides the servo's own damping.
-        falls = np.array(efforts) / fastest - stiffness * lag
+        # Without a largest speed it does not fall, however large the effort is.
+        steepness = np.zeros(len(fastest))
+        np.divide(efforts, fastest, out=steepness, where=np.isfinite(fastest))
+        falls = steepness - stiffness * lag
         tapers = np.clip(falls, 0.0, _STEEPEST * impulses) / stiffness
         self._limits = np.array(
             [

@@ -120,3 +120,15 @@ def test_links_that_overlap_at_first_stay_where_they_are(tmp_path: Path) -> None
         backend.step()
     assert backend.observe().positions == pytest.approx([0.0, 0.0], abs=1e-3)
     backend.close()
+
+
+@pytest.mark.filterwarnings("error::RuntimeWarning")
+def test_a_joint_without_bounds_of_effort_and_speed_stays_where_it_is_held(tmp_path: Path) -> None:
+    unbounded = model("base", '<box size="0.1 0.1 0.1"/>').replace(
+        'effort="10" velocity="2"', 'effort="0" velocity="0"'
+    )
+    backend = make(tmp_path, unbounded)
+    for _ in range(30):
+        backend.step()
+    assert backend.observe().positions == pytest.approx([0.0, 0.0], abs=1e-2)
+    backend.close()
