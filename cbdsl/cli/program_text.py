@@ -146,7 +146,10 @@ def _policy(program: CheckedProgram) -> Iterator[str]:
         yield "\nPolicy: none; it needs one to run"
         return
     shares = coverage(program)
-    yield f"\nPolicy, over the {count(shares.states, 'state')} of {', '.join(program.members)}"
+    yield ""
+    yield from wrap(
+        f"Policy, over the {count(shares.states, 'state')} of {', '.join(program.members)}", _WIDTH
+    )
     yield from _note("X not active, - undefined, 0 on its way, 1 at rest, * any")
     width = max(5, *(len(pattern) for pattern in program.policy))
     actions = max(6, *(len(action) for action in program.policy.values()))

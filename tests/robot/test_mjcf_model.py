@@ -16,7 +16,7 @@ from cbdsl.robot.urdf import UrdfError, UrdfModel
 from cbdsl.robot.urdf_reader import parse_urdf
 
 ASSETS = Path(gymnasium.__file__).parent / "envs" / "mujoco" / "assets"
-SEED = 7_250_000
+SEED = 5_250_000
 
 # Anchors off the origin, a reference, several joints a body, a slide between hinges, turned frames.
 ODD = """

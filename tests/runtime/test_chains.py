@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from cbdsl.cli.program_text import casts_text
 from cbdsl.control.plan import ControllerPlan
+from cbdsl.control.rotation import log
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.program.checked import CheckedProgram
 from cbdsl.program.controller import AlongNormals, Controller
@@ -20,7 +21,7 @@ from cbdsl.runtime.controller_rows import bind_rows
 from cbdsl.runtime.controller_run import ControllerRun
 from cbdsl.sensing.camera import heading
 from cbdsl.sensing.chain import CastError
-from cbdsl.sensing.kinematics import Kinematics
+from cbdsl.sensing.kinematics import Frame, Kinematics
 from cbdsl.sensing.signals import Signals
 from cbdsl.sensing.vision import SeenHeading
 from cbdsl.types.casts import CASTS, chains_of
@@ -91,6 +92,8 @@ class Oracle:
             touch = self.signals.touch
             rows = np.eye(len(self.positions))[touch.flexing[source.hand]]
             return control.stiffness * touch.closing[source.hand] * rows
+        if isinstance(source, NetLoad) and source.part == "torque":
+            return self._turned_against(source.hand)
         if isinstance(source, NetLoad) and not isinstance(controller.reference, AlongNormals):
             return control.contact_stiffness * self._differences(lambda: self._tips(source.hand))
         palms = palms_of(source)
@@ -100,6 +103,25 @@ class Oracle:
             normal = self.signals.tips.normal(self.signals.touch.carriers[hand]).copy()
             rows.append(normal @ self._differences(lambda hand=hand: self._tips(hand)))
         return control.contact_stiffness * np.array(rows)
+
+    def _turned_against(self, hand: str) -> Floats:
+        """How the torque about a hand's tip grows with every fingertip on springs of its own."""
+        control, rows = self.robot.control, np.zeros((3, len(self.positions)))
+        tip = self.robot.effectors[self.signals.touch.carriers[hand]].tip
+        assert tip is not None
+        palm = self.kinematics.frame(tip.link)
+        centre = palm.position + palm.rotation @ np.array(tip.offset)
+        for cell in self.robot.load_cells[hand].values():
+            link = self.kinematics.frame(cell.link)
+
+            def moment(link: Frame = link, name: str = cell.link) -> Floats:
+                now = self.kinematics.frame(name)
+                force = control.contact_stiffness * (now.position - link.position)
+                turn = log(now.rotation @ link.rotation.T)
+                return np.cross(link.position - centre, force) + control.contact_torsion * turn
+
+            rows += self._differences(moment)
+        return rows
 
     def _tips(self, hand: str) -> Floats:
         """The sum of where the fingertips of a hand are."""

@@ -69,6 +69,11 @@ class Feed:
             self._closed = True
             self._changed.notify_all()
 
+    def wait_for_nobody(self, patience: float) -> None:
+        """Wait until no page looks any more, for ``patience``, s, at most."""
+        with self._changed:
+            self._changed.wait_for(lambda: not self._pages, patience)
+
     def wait_for_page(self) -> None:
         """Wait until a page looks, or the feed is closed."""
         with self._changed:
@@ -92,6 +97,7 @@ class Feed:
         finally:
             with self._changed:
                 self._pages -= 1
+                self._changed.notify_all()
 
 
 class PageCursor:

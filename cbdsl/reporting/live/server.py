@@ -26,6 +26,8 @@ _NEAR = 100
 _PATIENCE = 10.0
 # A page that hears nothing for so long hears that there is nothing to hear, s.
 _SILENCE = 1.0
+# Pages have so long to hear that it is over, s.
+_FAREWELL = 1.0
 _LARGEST = 1 << 16
 #: Header by which the page shows that it is this server's own.
 TOKEN = "X-Cbdsl-Token"
@@ -72,6 +74,7 @@ class LiveServer:
     def close(self) -> None:
         """Let pages and port go; no thread is left."""
         self._feed.close()
+        self._feed.wait_for_nobody(_FAREWELL)
         self._http.shutdown()
         self._thread.join()
         self._http.hang_up()

@@ -7,6 +7,7 @@ said to be missing because of it.
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterable, Iterator
 from typing import Any, Generic, TypeVar
 
@@ -156,8 +157,8 @@ class _Salvage(Generic[D]):
             if not part:
                 raise self._hopeless()
             self._source.node(part[:-1]).drop(part[-1])
-            # In `track {gain: 3}` or `{arm right_arm}` the key is the first word.
-            self._broken.add([part, (*part[:-1], str(part[-1]).partition(" ")[0])])
+            # In `track {gain: 3}`, `{arm right_arm}` or `models:{pan: head}` the key comes first.
+            self._broken.add([part, (*part[:-1], re.split("[ :{]", str(part[-1]))[0])])
 
     def _stand_in(self, key: str) -> None:
         root = self._source.root
