@@ -117,7 +117,7 @@ class ModelReader:
         from cbdsl.errors.errors import UsageError
 
         try:
-            from cbdsl.robot.mjcf_model import convert_mjcf
+            from cbdsl.robot.mjcf.conversion import convert_mjcf
         except ModuleNotFoundError as error:
             raise UsageError(
                 f"--urdf {self._file}: MJCF needs {error.name}, which is not installed: "

@@ -192,7 +192,7 @@ def test_without_the_extra_its_name_is_told(
     monkeypatch: pytest.MonkeyPatch,
     capsys: pytest.CaptureFixture[str],
 ) -> None:
-    for module in ("cbdsl.robot.xacro_model", "cbdsl.robot.mjcf_model"):
+    for module in ("cbdsl.robot.xacro_model", "cbdsl.robot.mjcf.conversion"):
         monkeypatch.delitem(sys.modules, module, raising=False)
     monkeypatch.setitem(sys.modules, library, None)
     (folder / "arm.xml").write_text("<mujoco/>")

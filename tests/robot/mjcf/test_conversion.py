@@ -11,7 +11,7 @@ import numpy as np
 import pinocchio
 import pytest
 
-from cbdsl.robot.mjcf_model import LEAST_MASS, MjcfConversion, convert_mjcf
+from cbdsl.robot.mjcf.conversion import LEAST_MASS, MjcfConversion, convert_mjcf
 from cbdsl.robot.urdf import UrdfError, UrdfModel
 from cbdsl.robot.urdf_reader import parse_urdf
 

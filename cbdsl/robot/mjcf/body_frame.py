@@ -1,0 +1,44 @@
+"""Frames of bodies, relative to those that carry them."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from typing import NamedTuple
+
+import mujoco as mj
+import numpy as np
+from numpy.typing import NDArray
+
+Floats = NDArray[np.float64]
+
+
+class BodyFrame(NamedTuple):
+    """Position, m, shape (3,), and rotation matrix, shape (3, 3), in another frame."""
+
+    position: Floats
+    rotation: Floats
+
+    def then(self, other: BodyFrame) -> BodyFrame:
+        """A frame that is given in this one, in the frame that this one is given in."""
+        return BodyFrame(
+            self.position + self.rotation @ other.position, self.rotation @ other.rotation
+        )
+
+
+def moved(position: Iterable[float]) -> BodyFrame:
+    """Frame that is moved, m."""
+    return BodyFrame(np.array(position, dtype=np.float64), np.eye(3))
+
+
+def placed(position: Floats, quaternion: Floats) -> BodyFrame:
+    """Frame that is moved, m, and turned by a quaternion (w, x, y, z)."""
+    rotation = np.zeros(9)
+    mj.mju_quat2Mat(rotation, np.asarray(quaternion, dtype=np.float64))
+    return BodyFrame(np.array(position, dtype=np.float64), rotation.reshape(3, 3))
+
+
+def turned(axis: Floats, angle: float) -> BodyFrame:
+    """Frame that is turned about an axis, rad."""
+    quaternion = np.zeros(4)
+    mj.mju_axisAngle2Quat(quaternion, np.asarray(axis, dtype=np.float64), angle)
+    return placed(np.zeros(3), quaternion)
