@@ -40,7 +40,7 @@ _HEAD = """\
 [Types and casts](#types-and-casts), [potentials](#potentials), [resources](#resources-of-dexter),
 [units](#units), [commands](#commands), [learners](#learners), [documents](#documents) and
 [findings](#findings). This page is written from the code by
-`python docs/make_reference.py`: it lists what [documents.md](documents.md) and
+`python docs/make_reference.py`: it lists what [documents](documents/index.md) and
 [control.md](control.md) explain.
 """
 

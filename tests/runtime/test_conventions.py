@@ -1,4 +1,4 @@
-"""Conventions that docs/documents.md states: how an orientation is written, and an effector."""
+"""Conventions that docs/documents states: how an orientation is written, and an effector."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""How far the centre of a box's silhouettes is off its own, as docs/documents.md states it."""
+"""How far the centre of a box's silhouettes is off its own, as docs/documents states it."""
 
 from __future__ import annotations
 
