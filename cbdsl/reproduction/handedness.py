@@ -144,17 +144,28 @@ class HandednessTrials:
         return tuple(experiences)
 
     def optimum(self, series: HandednessSeries, count: int) -> list[Experience]:
-        """Episodes under the best policy of a learner's actions, which knows the source's tree."""
+        """Episodes under the best policy of a learner's actions, which knows the source's tree.
+
+        Raises:
+            JournalError, BackendError, EpisodeError, OSError: as ``learn``.
+        """
+        program, policy = self._best(series)
+        path = journal_file(self._dexter.path(series, _OPTIMUM))
+        with Journal(path, self._identity(series, _OPTIMUM)) as journal:
+            experiences = list(journal.finished[:count])
+            while len(experiences) < count:
+                began = time.perf_counter()
+                seed = self._episode_seed(_OPTIMUM, len(experiences))
+                experiences.append(self._everything.run(program, policy, seed, _ignore))
+                journal.append(experiences[-1], time.perf_counter() - began)
+        return experiences
+
+    def _best(self, series: HandednessSeries) -> tuple[CheckedProgram, Policy]:
         at = self._at
         if series == FLAT:
-            program, policy = at.flat, _flat_optimum(at.flat)
-        else:
-            program = at.schema._replace(policy=dict(at.own.policy) | {_START: _LOOK})
-            policy = SchemaPolicy(program, _by_figure, gives_up=False, persists=True)
-        return [
-            self._everything.run(program, policy, self._episode_seed(_OPTIMUM, k), _ignore)
-            for k in range(count)
-        ]
+            return at.flat, _flat_optimum(at.flat)
+        program = at.schema._replace(policy=dict(at.own.policy) | {_START: _LOOK})
+        return program, SchemaPolicy(program, _by_figure, gives_up=False, persists=True)
 
     def _run(self, learner: HandednessLearner, seed: int) -> Experience:
         episode_runner = self._right if learner.is_constrained else self._everything
