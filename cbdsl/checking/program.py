@@ -160,7 +160,8 @@ class _ProgramCheck:
         running = _running(checked, background)
         is_sound = background is not None or self._document.background is None
         complete = are_complete and are_shown and is_sound and None not in checked
-        self._conditions(running, complete)
+        if context.source.is_whole("background"):
+            self._conditions(running, complete)
         self._used.report_values(context.wrong_parameters)
         if context.findings.failed:
             return None

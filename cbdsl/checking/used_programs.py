@@ -102,8 +102,10 @@ class UsedPrograms:
             own = Findings()
             self._examine(path, {}, own)
             if not own.failed:
-                wrong = [key for key in values if not self._runs(path, {key: values[key]})]
-                self._unsuitable.append((name, path, (*wrong, *values)[0], faults))
+                # Values that are missed by a fault of their own may be what it runs with.
+                if len(values) == len(use.with_) and self._source.is_whole("use", name, "with"):
+                    wrong = [key for key in values if not self._runs(path, {key: values[key]})]
+                    self._unsuitable.append((name, path, (*wrong, *values)[0], faults))
                 return None
             faults = own  # with its own values it has faults already
         self._findings.extend(faults.sorted())

@@ -97,7 +97,7 @@ def test_it_goes_on_from_what_was_kept(tmp_path: Path) -> None:
     settings = RunSettings(seed=8450000, quick=True, trials=1, folder=tmp_path)
     whole = three_learners.run(settings, "fig-5.8")
     journals = sorted(tmp_path.rglob("*.episodes.jsonl"))
-    assert len(journals) == 3
+    assert len(journals) == 5, "three learners, and the best policies of two kinds of actions"
     before = [journal.read_text().splitlines() for journal in journals]
     for journal, lines in zip(journals, before, strict=True):
         journal.write_text("".join(f"{line}\n" for line in lines[:4]))

@@ -33,7 +33,9 @@ def check_states(
         for pattern, action in policy.items()
         if is_sound(pattern, members, source.key("policy", pattern), findings)
     }
-    if members is None:
+    # A pattern that was left out, or is none, may be what decides between others.
+    is_whole = source.is_whole("policy") and len(sound) == len(policy)
+    if members is None or not is_whole:
         return
     patience, contradict = _Patience(_MOST_SPLITS), False
     for other, one, example in _contradictions(sound, patience):
