@@ -11,7 +11,7 @@ USERS = sim,editor,formats,learn,mujoco,gym,trees,mcap
 SAMPLE ?= 100
 REACH ?= all
 
-.PHONY: check format lint types layers spelling documents pages tests mutants site dist sbom fix
+.PHONY: check format lint types layers spelling documents pages tests properties mutants site dist sbom fix
 
 check: format lint types layers spelling documents pages tests
 
@@ -41,6 +41,11 @@ pages:
 # The slow ones run episodes on the simulator.
 tests:
 	$(BIN)pytest -n auto -m "$(MARK)"
+
+# Every single fault that can be put into a shipped document, which the tests sample: a quarter of an
+# hour.
+properties:
+	$(BIN)pytest -n auto --hypothesis-profile=exhaustive tests/yaml_text/repair
 
 # Small faults in control, sensing, runtime and learning that the fast tests have to notice.
 mutants:

@@ -21,8 +21,11 @@ ROOT = Path(__file__).parents[1]
 Checked = Callable[..., CheckedProgram]
 
 # How long an example takes says how busy the machine is, and what was compiled for the first time.
-settings.register_profile("patient", deadline=None)
-settings.load_profile("patient")
+# The same examples in every run: whether a change passes is decided by the change. All of them are
+# tried by `make properties`.
+settings.register_profile("repeatable", deadline=None, derandomize=True)
+settings.register_profile("exhaustive", deadline=None, max_examples=20_000)
+settings.load_profile("repeatable")
 
 
 @pytest.fixture(scope="session")

@@ -16,7 +16,9 @@ def check_allotments(context: ProgramContext) -> None:
             steps: Steps = ("resources", group, name)
             kind = allotment(text)
             whole = {WHOLE} if kind is not None and kind.kind == PROGRAM else set()
-            if name not in (whole or parameters):
+            # A kind that cannot be read may be that of a program.
+            may_be_whole = kind is None and name == WHOLE
+            if name not in (whole or parameters) and not may_be_whole:
                 context.add(
                     "CB402",
                     source.key(*steps),

@@ -43,7 +43,11 @@ class Compositions:
         """Check that what earns rewards is part of a composition, and can."""
         document, source = self._context.document, self._context.source
         for key, parts in document.rewards.items():
-            if not isinstance(document.controllers.get(key), str):
+            written = self._context.controllers.get(key)
+            # What cannot be read, or is missed by an action, has been reported.
+            if isinstance(written, Unknown) or key in self.missing:
+                continue
+            if not isinstance(written, str):
                 names = [
                     name for name, each in document.controllers.items() if isinstance(each, str)
                 ]

@@ -8,7 +8,7 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
-from hypothesis import assume, given, settings
+from hypothesis import assume, given
 from hypothesis import strategies as st
 
 from cbdsl.checking.document import check_document
@@ -24,7 +24,6 @@ FILES = [
     for folder in ("robots", "programs")
     for path in sorted((shipped() / folder).rglob("*.yaml"))
 ]
-FEW = settings(max_examples=60)
 
 
 def paths(value: Any, path: Steps = ()) -> Iterator[Steps]:
@@ -85,7 +84,6 @@ def causes(diagnostics: list[Diagnostic]) -> set[tuple[str, str]]:
     return {(diagnostic.code, diagnostic.message) for diagnostic in diagnostics}
 
 
-@FEW
 @given(st.sampled_from(PLACES))
 def test_a_value_of_the_wrong_kind_is_one_finding(place: tuple[Path, Steps]) -> None:
     file, path = place
@@ -93,21 +91,18 @@ def test_a_value_of_the_wrong_kind_is_one_finding(place: tuple[Path, Steps]) -> 
     assert diagnostic.code in ("CB202", "CB203", "CB204", "CB205", "CB206", "CB208")
 
 
-@FEW
 @given(st.sampled_from([place for place in PLACES if isinstance(place[1][-1], str)]))
 def test_a_misspelt_key_is_one_cause(place: tuple[Path, Steps]) -> None:
     file, path = place
     assert len(causes(found(file, (rename, path)))) <= 1
 
 
-@FEW
 @given(st.sampled_from([place for place in TEXTS if place[1][0] != "parameters"]))
 def test_a_misspelt_text_is_one_cause(place: tuple[Path, Steps]) -> None:
     file, path = place
     assert len(causes(found(file, (misspell, path)))) <= 1
 
 
-@FEW
 @given(st.data())
 def test_a_faulty_part_hides_nothing_in_another(data: st.DataObject) -> None:
     file, text = data.draw(st.sampled_from([p for p in TEXTS if p[1][0] in SEVERAL]))
