@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+import math
 from collections.abc import Mapping, Sequence
 from typing import NamedTuple
 
@@ -12,6 +13,9 @@ from cbdsl.checking.knowledge.states import is_sound
 from cbdsl.program.checked import Action, CheckedProgram
 from cbdsl.types.policy import WrittenPolicy
 from cbdsl.types.state import ANY, Predicate, matches, overlap
+
+# Actions that people write have fewer states; a document made on purpose has any number.
+_MOST_STATES = 20_000
 
 
 class End(NamedTuple):
@@ -58,16 +62,14 @@ def _check_reached(context: ProgramContext, program: CheckedProgram, ends: Seque
     """Warn of final states that the program's own policy never leads to."""
     if not program.policy:
         return
-    possible = {each.name: _states(each, program) for each in program.actions}
+    possible = {each.name: _letters(each, program) for each in program.actions}
+    if sum(math.prod(map(len, letters)) for letters in possible.values()) > _MOST_STATES:
+        return
     reached = _reached(program, possible)
     for end in ends:
-        if any(matches(end.pattern, state) for name in reached for state in possible[name]):
+        showing = [name for name, letters in possible.items() if _may_be(end.pattern, letters)]
+        if not reached.isdisjoint(showing):
             continue
-        showing = [
-            name
-            for name, states in possible.items()
-            if any(matches(end.pattern, state) for state in states)
-        ]
         if showing:
             chosen = " and ".join(f"'{name}'" for name in showing)
             place = context.source.place(*end.steps)
@@ -77,6 +79,11 @@ def _check_reached(context: ProgramContext, program: CheckedProgram, ends: Seque
                 state=end.pattern,
                 problem=f"only {chosen} could, which it never chooses",
             )
+
+
+def _may_be(pattern: str, letters: Sequence[str]) -> bool:
+    """Whether one of the states of some letters for each member matches a pattern."""
+    return all(own == ANY or own in some for own, some in zip(pattern, letters, strict=True))
 
 
 def _reached(program: CheckedProgram, possible: Mapping[str, Sequence[str]]) -> frozenset[str]:
@@ -90,12 +97,13 @@ def _reached(program: CheckedProgram, possible: Mapping[str, Sequence[str]]) -> 
         if name is None or name in reached:
             continue
         reached.add(name)
-        states += [new for new in possible[name] if not any(matches(end, new) for end in ends)]
+        after = map("".join, itertools.product(*possible[name]))
+        states += [new for new in after if not any(matches(end, new) for end in ends)]
     return frozenset(reached)
 
 
-def _states(action: Action, program: CheckedProgram) -> list[str]:
-    """All states that may be while an action runs."""
+def _letters(action: Action, program: CheckedProgram) -> list[str]:
+    """The predicates that each member may have while an action runs."""
     shown = {action.name}
     if action.composition is not None:
         shown = {primitive.name for primitive in action.composition.primitives}
@@ -106,7 +114,7 @@ def _states(action: Action, program: CheckedProgram) -> list[str]:
         defined = Predicate.TRANSIENT + Predicate.QUIESCENT
         own = defined if known else Predicate.UNDEFINED + defined
         letters.append(own if member in shown else Predicate.INACTIVE.value)
-    return ["".join(state) for state in itertools.product(*letters)]
+    return letters
 
 
 def _reason(pattern: str, action: Action, program: CheckedProgram) -> str:

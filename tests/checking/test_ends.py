@@ -1,0 +1,52 @@
+"""Patterns of final states in actions of any number of members."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import yaml
+
+from cbdsl.checking.document import check_document
+from cbdsl.checking.session import Session
+from cbdsl.yaml_text.library import Library
+from tests.conftest import ROOT
+
+
+def codes(folder: Path, members: int, pattern: str) -> list[str]:
+    """Findings of a program that composes some controllers, which end in a pattern."""
+    names = [f"c{number}" for number in range(members)]
+    whole = " ◁ ".join(names)
+    data = {
+        "cbdsl": 1,
+        "kind": "program",
+        "name": "many",
+        "robot": "dexter",
+        "stage": "table_right",
+        "controllers": {
+            name: {
+                "potential": "spring",
+                "reference": "stereo.sat_10",
+                "feedback": "right_arm.position",
+                "effector": "right_arm.position",
+                "gain": f"{number + 1} /s",
+            }
+            for number, name in enumerate(names)
+        },
+        "actions": [whole, *names],
+        "policy": {"*" * members: whole},
+        "success": [pattern],
+    }
+    path = folder / "many.yaml"
+    path.write_text(yaml.safe_dump(data, allow_unicode=True, sort_keys=False), encoding="utf-8")
+    return [each.code for each in check_document(path, session=Session(Library(ROOT)))]
+
+
+def test_an_end_that_the_policy_never_leads_to_is_told(tmp_path: Path) -> None:
+    # Where the composition runs, no member is inactive.
+    assert "CB722" in codes(tmp_path, 3, "1XX")
+    assert "CB722" not in codes(tmp_path, 3, "111")
+
+
+def test_the_check_ends_for_any_number_of_members(tmp_path: Path) -> None:
+    """Forty members that each have three predicates have more states than anybody can list."""
+    assert "CB722" not in codes(tmp_path, 40, "1" * 40)
