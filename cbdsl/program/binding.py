@@ -22,11 +22,10 @@ def internal_models(program: CheckedProgram) -> dict[str, Resource]:
     """The internal models that a program's own actions draw references from, by name."""
     models = {}
     for action in program.actions:
-        for primitive in action.composition.primitives if action.composition else ():
-            for controller in primitive.controllers:
-                reference = controller.reference
-                if isinstance(reference, Resource) and reference.origin is Origin.MODEL:
-                    models[reference.name] = reference
+        for controller in action.controllers:
+            reference = controller.reference
+            if isinstance(reference, Resource) and reference.origin is Origin.MODEL:
+                models[reference.name] = reference
     return models
 
 

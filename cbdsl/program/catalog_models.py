@@ -9,7 +9,7 @@ import numpy as np
 from cbdsl.documents.catalog import AffordanceSection, CatalogDocument, SampleModel
 from cbdsl.numeric.affordance import AffordanceModel, deviation_of
 from cbdsl.numeric.sample_statistics import SampleStatistics
-from cbdsl.types.resource import AFFORDS, DRAWN, AffordanceProbability, Origin, Resource
+from cbdsl.types.resource import AFFORDS, AffordanceProbability, Origin, Resource
 from cbdsl.types.resource_type import PROBABILITY
 
 
@@ -29,7 +29,7 @@ def affordance_resource(
     own = catalog.affordances[action]
     signals = [resources.get(each.signal) for each in own.features.values()]
     features = tuple(each for each in signals if each is not None)
-    if len(features) < len(signals) or any(each.origin in DRAWN for each in features):
+    if len(features) < len(signals) or any(each.is_drawn for each in features):
         return None
     source = AffordanceProbability(catalog.name, action, model_of(own, catalog), features)
     return Resource(f"{AFFORDS}{action}", PROBABILITY, Origin.ENVIRONMENT, source)

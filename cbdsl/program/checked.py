@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import NamedTuple
 
-from cbdsl.program.controller import Composition, Primitive
+from cbdsl.program.controller import Composition, Controller, Primitive
 from cbdsl.program.schema import Schema
 
 
@@ -25,6 +25,11 @@ class Action(NamedTuple):
     program: CheckedProgram | None = None
     abstract: str = ""
     allocation: str = ""
+
+    @property
+    def controllers(self) -> tuple[Controller, ...]:
+        """Controllers of its composition, in written order; none where it is a program."""
+        return () if self.composition is None else self.composition.controllers
 
 
 class Guards(NamedTuple):

@@ -222,6 +222,11 @@ class Controller:
         return self.feedback.type if name is None else TYPES[name]
 
     @property
+    def is_drawn(self) -> bool:
+        """Whether its reference is drawn when it begins, from an internal model or a surface."""
+        return isinstance(self.reference, Resource) and self.reference.is_drawn
+
+    @property
     def resources(self) -> tuple[Resource, ...]:
         """Resources that it reads."""
         obstacles = self.field.obstacles if self.field is not None else ()
@@ -270,6 +275,11 @@ class Composition(NamedTuple):
     """``c2 ◁ c1``: primitives in written order, the last one with the highest priority."""
 
     primitives: tuple[Primitive, ...]
+
+    @property
+    def controllers(self) -> tuple[Controller, ...]:
+        """Controllers of all primitives, in written order."""
+        return tuple(each for primitive in self.primitives for each in primitive.controllers)
 
     def __str__(self) -> str:
         return " ◁ ".join(primitive.name for primitive in self.primitives)

@@ -6,7 +6,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from typing import NamedTuple
 
 from cbdsl.program.checked import Action, CheckedProgram
-from cbdsl.program.controller import AlongNormals, Composition, Controller, Relative
+from cbdsl.program.controller import AlongNormals, Controller, Relative
 from cbdsl.types.potential import POTENTIALS
 from cbdsl.types.resource import Resource
 from cbdsl.types.state import ANY, PREDICATES, closest_first, matches, overlap, split
@@ -34,8 +34,8 @@ def levels(program: CheckedProgram, action: Action) -> tuple[StackLevel, ...]:
     """The stack of an action, highest priority first; empty where it is a program."""
     if action.composition is None:
         return ()
-    own = _stack(action.composition)
-    below = _stack(program.background) if program.background is not None else ()
+    own = tuple(reversed(action.controllers))
+    below = () if program.background is None else tuple(reversed(program.background.controllers))
     stack = (*own, *(controller for controller in below if controller not in own))
     return tuple(
         StackLevel(
@@ -70,21 +70,11 @@ def _free(above: Iterable[Controller], controller: Controller) -> int:
     return max(0, len(joints) - taken)
 
 
-def _stack(composition: Composition) -> tuple[Controller, ...]:
-    return tuple(
-        controller
-        for primitive in reversed(composition.primitives)
-        for controller in reversed(primitive.controllers)
-    )
-
-
 def controllers(program: CheckedProgram) -> tuple[Controller, ...]:
     """All controllers of a program, each once; without those of the programs that it uses."""
-    stacks = [action.composition for action in program.actions if action.composition is not None]
-    if program.background is not None:
-        stacks.append(program.background)
-    primitives = (primitive for stack in stacks for primitive in stack.primitives)
-    return tuple(dict.fromkeys(each for members in primitives for each in members.controllers))
+    own = [each for action in program.actions for each in action.controllers]
+    below = () if program.background is None else program.background.controllers
+    return tuple(dict.fromkeys((*own, *below)))
 
 
 def resources(program: CheckedProgram) -> tuple[Resource, ...]:

@@ -3,12 +3,9 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterator
 
 from cbdsl.program.checked import CheckedProgram
-from cbdsl.program.controller import Controller
 from cbdsl.types.policy import WrittenPolicy
-from cbdsl.types.resource import DRAWN, Resource
 from cbdsl.types.state import at_rest_anew
 
 # Where an object slips away time and again, as many as four approaches have led to a grasp.
@@ -38,7 +35,9 @@ class LearnedPolicy:
             if action.program is not None
         }
         # Where references are drawn, the next round goes elsewhere.
-        self._counts_rests = program.reward_ends and not any(map(_is_drawn, _controllers(program)))
+        self._counts_rests = program.reward_ends and not any(
+            each.is_drawn for action in program.actions for each in action.controllers
+        )
         self._begin("")
 
     def _begin(self, state: str) -> None:
@@ -71,15 +70,3 @@ class LearnedPolicy:
         if count < _PATIENCE:
             return ""
         return f"it goes in circles: {self._state} -> {state} {count} times without a reward"
-
-
-def _controllers(program: CheckedProgram) -> Iterator[Controller]:
-    for action in program.actions:
-        if action.composition is not None:
-            for primitive in action.composition.primitives:
-                yield from primitive.controllers
-
-
-def _is_drawn(controller: Controller) -> bool:
-    reference = controller.reference
-    return isinstance(reference, Resource) and reference.origin in DRAWN

@@ -59,8 +59,7 @@ def _members(allocation: str, program: CheckedProgram) -> Iterator[Primitive]:
 
 def _background(program: CheckedProgram) -> Iterator[Controller]:
     if program.background is not None:
-        for primitive in program.background.primitives:
-            yield from primitive.controllers
+        yield from program.background.controllers
 
 
 def _at_once(controller: Controller) -> Controller:

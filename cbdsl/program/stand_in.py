@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-from cbdsl.program.checked import Action, CheckedProgram
+from cbdsl.program.checked import CheckedProgram
 from cbdsl.program.controller import Primitive
 
 
@@ -61,31 +61,6 @@ def stand_ins(program: CheckedProgram, other: CheckedProgram) -> list[StandIn]:
             )
         )
     ]
-
-
-def with_stand_in(program: CheckedProgram, member: str, other: CheckedProgram) -> CheckedProgram:
-    """A program in which another one, explored as a whole, is a member (Figure 5.12).
-
-    A program is no part of a composition, so that those of the member are left out, and what its
-    own policy says of it says nothing of the other.
-
-    Args:
-        program: the program.
-        member: that is replaced.
-        other: that takes its place, and its predicate.
-    """
-    primitives = {name: each for name, each in program.primitives.items() if name != member}
-    left = [each for each in program.actions if each.name != member and not _has(each, member)]
-    names = [*(each.name for each in left), member]
-    policy = {state: name for state, name in program.policy.items() if name in names}
-    return program._replace(
-        primitives=primitives, actions=(*left, Action(member, program=other)), policy=policy
-    )
-
-
-def _has(action: Action, member: str) -> bool:
-    parts = () if action.composition is None else action.composition.primitives
-    return any(each.name == member for each in parts)
 
 
 def _all_rewards(program: CheckedProgram) -> set[RewardKind]:

@@ -7,7 +7,6 @@ the channel is given up (Section 5.2.1).
 
 from __future__ import annotations
 
-import json
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -17,6 +16,7 @@ import numpy as np
 
 from cbdsl.reproduction.claim import above
 from cbdsl.reproduction.experiment import Result, RunSettings
+from cbdsl.reproduction.kept_rows import KeptRows
 from cbdsl.reproduction.percentage import percentage
 from cbdsl.reproduction.posture_panels import PosturePanels
 from cbdsl.reproduction.quantity import Quantity
@@ -56,25 +56,18 @@ class KeptSearches:
     """
 
     def __init__(self, path: Path) -> None:
-        self._path = path
-        self._known: dict[tuple[str, int], ChannelSearch] = {}
-        for line in path.read_text(encoding="utf-8").splitlines() if path.exists() else ():
-            try:
-                channel, seed, posture = json.loads(line)
-            except ValueError:
-                continue  # cut off when the process was ended
-            self._known[channel, seed] = ChannelSearch(channel, seed, tuple(posture))
-        if path.exists() and not path.read_bytes().endswith(b"\n"):
-            with path.open("a", encoding="utf-8") as file:
-                file.write("\n")
+        self._rows = KeptRows(path)
+        self._known = {
+            (channel, seed): ChannelSearch(channel, seed, tuple(posture))
+            for channel, seed, posture in self._rows
+        }
 
     def get(self, channel: str, seed: int, look: Callable[[int], Posture]) -> ChannelSearch:
         """A search, from the file or by looking."""
         known = self._known.get((channel, seed))
         if known is None:
             known = self._known[channel, seed] = ChannelSearch(channel, seed, look(seed))
-            with self._path.open("a", encoding="utf-8") as file:
-                file.write(json.dumps(known) + "\n")
+            self._rows.add(known)
         return known
 
 

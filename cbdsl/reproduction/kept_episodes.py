@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Callable
 from dataclasses import asdict
 from pathlib import Path
 from typing import Any, NamedTuple
 
+from cbdsl.reproduction.kept_rows import KeptRows
 from cbdsl.runtime.episode import EpisodeResult
 
 
@@ -34,17 +34,9 @@ class KeptEpisodes:
     """
 
     def __init__(self, path: Path) -> None:
-        self._path = path
+        self._rows = KeptRows(path)
         self._known: dict[tuple[str, int], PlayedEpisode] = {}
-        text = path.read_text(encoding="utf-8") if path.exists() else ""
-        if text and not text.endswith("\n"):
-            with path.open("a", encoding="utf-8") as file:
-                file.write("\n")  # so that the next one has a line of its own
-        for line in text.splitlines():
-            try:
-                row = json.loads(line)
-            except ValueError:
-                continue  # cut off when the process was ended
+        for row in self._rows:
             result = _result(row["result"])
             self._known[row["what"], result.seed] = PlayedEpisode(result, row["done"], row["slip"])
 
@@ -60,9 +52,7 @@ class KeptEpisodes:
         if known is not None:
             return known
         played = run()
-        row = {"what": what, **played._asdict(), "result": asdict(played.result)}
-        with self._path.open("a", encoding="utf-8") as file:
-            file.write(json.dumps(row) + "\n")
+        self._rows.add({"what": what, **played._asdict(), "result": asdict(played.result)})
         self._known[what, seed] = played
         return played
 

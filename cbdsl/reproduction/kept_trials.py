@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-import json
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any, Generic, Protocol, TypeVar
+
+from cbdsl.reproduction.kept_rows import KeptRows
 
 
 class ThingTrial(Protocol):
@@ -40,20 +41,15 @@ class KeptTrials(Generic[Some]):
     """
 
     def __init__(self, path: Path, what: str, read: Callable[[Mapping[str, Any]], Some]) -> None:
-        self._path, self._what = path, what
+        self._rows, self._what = KeptRows(path), what
         self._known: dict[tuple[str, int], Some] = {}
-        text = path.read_text(encoding="utf-8") if path.exists() else ""
-        if text and not text.endswith("\n"):
-            with path.open("a", encoding="utf-8") as file:
-                file.write("\n")  # so that the next one has a line of its own
-        for line in text.splitlines():
+        for row in self._rows:
+            if row.pop("what") != what:
+                continue
             try:
-                row = json.loads(line)
-                if row.pop("what") != what:
-                    continue
                 trial = read(row)
             except ValueError:
-                continue  # cut off when the process was ended
+                continue
             self._known[trial.things, trial.seed] = trial
 
     def get(self, things: str, seed: int) -> Some | None:
@@ -63,6 +59,40 @@ class KeptTrials(Generic[Some]):
     def add(self, trial: Some) -> None:
         """Keep a trial."""
         self._known[trial.things, trial.seed] = trial
-        self._path.parent.mkdir(parents=True, exist_ok=True)
-        with self._path.open("a", encoding="utf-8") as file:
-            file.write(json.dumps({"what": self._what, **trial.as_data()}) + "\n")
+        self._rows.add({"what": self._what, **trial.as_data()})
+
+
+def kept_trials(
+    path: Path,
+    seeds: Mapping[str, Sequence[int]],
+    digest: Callable[[str], str],
+    read: Callable[[Mapping[str, Any]], Some],
+    run: Callable[[str, Sequence[int]], Iterable[Some]],
+    progress: Callable[[int, int], None],
+) -> dict[str, list[Some]]:
+    """Trials of several things, those of a file and those that it lacks, which are run and added.
+
+    Args:
+        path: the file; see ``KeptTrials``.
+        seeds: of the trials, by the things' names.
+        digest: makes a digest of what decides the trials of some things.
+        read: makes a trial of its data, or raises ValueError.
+        run: runs the trials of some things; where none is missing it is not called.
+        progress: hears of the trials that are there, and of all.
+
+    Returns:
+        Trials in the order of their seeds, by name.
+    """
+    trials: dict[str, list[Some]] = {}
+    before, total = 0, sum(map(len, seeds.values()))
+    for things, own in seeds.items():
+        kept = KeptTrials(path, digest(things), read)
+        missing = [seed for seed in own if kept.get(things, seed) is None]
+        done = before + len(own) - len(missing)
+        for trial in run(things, missing) if missing else ():
+            kept.add(trial)
+            done += 1
+            progress(done, total)
+        trials[things] = [each for seed in own if (each := kept.get(things, seed)) is not None]
+        before += len(own)
+    return trials

@@ -55,6 +55,7 @@ def simulation_fixture(
     values: Mapping[str, str] | None = None,
     stage: str | None = None,
     engine: str = REFERENCE,
+    cameras: str | None = None,
 ) -> Iterator[SimulationFixture]:
     """Set up a shipped program and its robot on the simulator.
 
@@ -63,6 +64,7 @@ def simulation_fixture(
         values: of its parameters.
         stage: another stage than the program's own.
         engine: name of the backend.
+        cameras: kind of its cameras; without it, the backend's own choice.
 
     Raises:
         BackendError: the simulator cannot embody the robot.
@@ -73,7 +75,7 @@ def simulation_fixture(
     program = check_program(shipped_file(library, ProgramDocument, name), values or {}, library)
     robot, urdf = shipped_robot(program.robot, library)
     stage_file = shipped_file(library, StageDocument, stage or program.stage or "")
-    backend = simulate(engine, robot, urdf)
+    backend = simulate(engine, robot, urdf, cameras=cameras)
     try:
         yield SimulationFixture(
             robot=robot,

@@ -8,16 +8,9 @@ from typing import Any, NamedTuple, Self
 
 import numpy as np
 
-from cbdsl.backends.simulated_backend import simulate
-from cbdsl.checking.knowledge.digest import program_digest
-from cbdsl.checking.program import check_program
-from cbdsl.documents.digest import digest_of_text
-from cbdsl.documents.program import ProgramDocument
-from cbdsl.documents.stage import StageDocument
-from cbdsl.reproduction.shipped import shipped_file, shipped_robot
-from cbdsl.runtime.episode import Runner, Tick
-from cbdsl.sensing.kinematics import Kinematics
-from cbdsl.yaml_text.library import Library, shipped
+from cbdsl.reproduction.simulation_fixture import simulation_fixture
+from cbdsl.reproduction.trial_digest import trial_digest
+from cbdsl.runtime.episode import Tick
 
 # m/s; s that it has to stay, and in which a pace counts as that of the release; s of a tick.
 _STILL, _LONG, _JUST, _TICK = 0.01, 1.0, 0.2, 1 / 60
@@ -62,8 +55,13 @@ class StackTrial(NamedTuple):
         return cls(**data)
 
 
-class _Judge:
-    """Watches one episode by the simulator's truth, which no controller sees."""
+class StackJudge:
+    """Watches one episode by the simulator's truth, which no controller sees.
+
+    Args:
+        truth: of the backend.
+        order: things from below.
+    """
 
     def __init__(self, truth: Any, order: tuple[str, ...]) -> None:
         self._truth = truth
@@ -112,16 +110,8 @@ class _Judge:
 
 def stack_digest(stack: str) -> str:
     """Digest of all that decides trials of a stack beside seed and engine."""
-    program_name, stage_name, _ = _parts(stack)
-    library = Library(shipped())
-    file = shipped_file(library, ProgramDocument, program_name)
-    robot, _ = shipped_robot(library.read(file, ProgramDocument).document.robot, library)
-    stage = library.read(shipped_file(library, StageDocument, stage_name), StageDocument).document
-    text = file.read_text(encoding="utf-8")
-    parts = (str(program_digest(file, library)), text, robot, stage)
-    return digest_of_text(
-        "\n".join(p if isinstance(p, str) else p.model_dump_json() for p in parts)
-    )
+    program, stage, _ = _parts(stack)
+    return trial_digest(program, {}, stage)
 
 
 def _parts(stack: str) -> tuple[str, str, tuple[str, ...]]:
@@ -145,17 +135,10 @@ def run_stacks(
         BackendError, EpisodeError: the simulator cannot run it.
         ImportError: it is not installed.
     """
-    program_name, stage_name, order = _parts(stack)
-    library = Library(shipped())
-    program = check_program(shipped_file(library, ProgramDocument, program_name), {}, library)
-    stage = library.read(shipped_file(library, StageDocument, stage_name), StageDocument).document
-    robot, urdf = shipped_robot(program.robot, library)
-    backend = simulate(engine, robot, urdf, cameras=cameras)
-    try:
-        runner = Runner(robot, Kinematics(robot, urdf), program, backend)
+    program, stage, order = _parts(stack)
+    with simulation_fixture(program, None, stage, engine, cameras) as lab:
+        runner = lab.runner()
         for seed in seeds:
-            judge = _Judge(backend.truth, order)
-            result = runner.run(stage, seed, stack, on_tick=judge.note)
+            judge = StackJudge(lab.backend.truth, order)
+            result = runner.run(lab.stage, seed, stack, on_tick=judge.note)
             yield judge.conclude(stack, seed, result.ending)
-    finally:
-        backend.close()

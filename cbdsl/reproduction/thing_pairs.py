@@ -39,9 +39,9 @@ class ThingPair(NamedTuple):
         """Directions whose signs the source has."""
         return self.stiff + self.free
 
-    def is_right(self, direction: str, tracked: bool) -> bool:
-        """Whether a judged direction is tracked, or not, as in the source."""
-        return tracked == (direction in self.stiff)
+    def right(self, tracked: Mapping[str, bool]) -> list[bool]:
+        """Whether each judged direction is tracked, or not, as in the source."""
+        return [tracked[each] == (each in self.stiff) for each in self.judged]
 
 
 _PLANE = (("dPz", "dRx", "dRy"), ("dPx", "dPy", "dRz"))

@@ -14,7 +14,6 @@ from cbdsl.sensing.reading import Reading, flattened, transform
 from cbdsl.sensing.signals import Signals
 from cbdsl.types.modifier import MODIFIERS
 from cbdsl.types.resource import (
-    DRAWN,
     EffectorConfiguration,
     FingerForces,
     NetForces,
@@ -85,7 +84,7 @@ def _bind_reference(controller: Controller, signals: Signals) -> int:
     if reference is None:
         return -1
     if isinstance(reference, Resource):
-        if reference.origin in DRAWN:
+        if reference.is_drawn:
             return signals.bind_written(reference.type.size)
         return signals.bind(reference)
     if isinstance(reference, Relative):

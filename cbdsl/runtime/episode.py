@@ -353,9 +353,8 @@ def resources_of(program: CheckedProgram) -> Sequence[Resource]:
     resources: dict[Resource, None] = {}
     compositions = [program.background, *(action.composition for action in program.actions)]
     for composition in compositions:
-        for primitive in composition.primitives if composition else ():
-            for controller in primitive.controllers:
-                resources.update(dict.fromkeys(controller.resources))
+        for controller in composition.controllers if composition else ():
+            resources.update(dict.fromkeys(controller.resources))
     for action in program.actions:
         if action.program is not None:
             resources.update(dict.fromkeys(resources_of(action.program)))

@@ -18,7 +18,7 @@ from cbdsl.sensing.density import Sampler
 from cbdsl.sensing.reading import Reading
 from cbdsl.sensing.signals import Signals
 from cbdsl.types.modifier import MODIFIERS
-from cbdsl.types.resource import DRAWN, Resource
+from cbdsl.types.resource import Resource
 
 Floats = NDArray[np.float64]
 Change = Callable[[Floats, Floats, float, Mapping[str, float]], Floats]
@@ -45,7 +45,7 @@ class Preparation:
             for each in controller.modifiers
             if MODIFIERS.get(each.name).implementation
         ]
-        self.samples = isinstance(reference, Resource) and reference.origin in DRAWN
+        self.samples = controller.is_drawn
         is_anchored = isinstance(reference, Relative) and reference.base is None
         # Drawn or kept at each activation.
         self._is_renewed = self.samples or is_anchored

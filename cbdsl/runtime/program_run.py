@@ -470,11 +470,7 @@ class _ControllerRuns:
 
     def stack(self, composition: Composition) -> tuple[ControllerRun, ...]:
         """The runs of a composition's controllers, highest priority first."""
-        return tuple(
-            self.run(controller)
-            for primitive in reversed(composition.primitives)
-            for controller in reversed(primitive.controllers)
-        )
+        return tuple(map(self.run, reversed(composition.controllers)))
 
     def waiting(
         self, composition: Composition

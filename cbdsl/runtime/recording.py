@@ -23,7 +23,7 @@ from cbdsl.runtime.episode import EpisodeResult, Tick, resources_of
 from cbdsl.runtime.explanation import LIMITS, Explanation, LevelExplanation, named_runs
 from cbdsl.runtime.recording_folder import RecordingFolder, replace_file
 from cbdsl.sensing.signals import Signals
-from cbdsl.types.resource import DRAWN, Centroid, Resource, StereoPosition, Tip
+from cbdsl.types.resource import Centroid, Resource, StereoPosition, Tip
 
 #: Of the files; raised where a reader of older ones would be misled.
 VERSION = 2
@@ -76,7 +76,7 @@ class Recording:
     ) -> None:
         self._program, self._robot, self._urdf = program, robot, urdf
         self._joints = Joints(robot).names
-        self._resources = [each for each in resources_of(program) if each.origin not in DRAWN]
+        self._resources = [each for each in resources_of(program) if not each.is_drawn]
         self._rows: dict[str, list[Any]] = {
             key: [] for key in ("time", "positions", "references", "potentials", "errors", "loads")
         }

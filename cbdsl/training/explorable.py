@@ -9,7 +9,6 @@ from cbdsl.documents.digest import ProgramDigest
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.learning.action_outcome import FeatureForm
 from cbdsl.program.checked import CheckedProgram
-from cbdsl.program.controller import Controller
 from cbdsl.types.resource import Heading, Resource, StereoPosition, SurfacePoint
 
 #: Stands for a channel that is found while the action runs.
@@ -161,19 +160,13 @@ def _is(resource: Resource, kind: type) -> bool:
 
 def _places(program: CheckedProgram) -> Iterator[Resource]:
     """Places that controllers of a program go to, its own first."""
-    for controller in _controllers(program):
-        reference = controller.reference
-        if isinstance(reference, Resource) and isinstance(
-            reference.source, StereoPosition | SurfacePoint
-        ):
-            yield reference
+    for action in program.actions:
+        for controller in action.controllers:
+            reference = controller.reference
+            if isinstance(reference, Resource) and isinstance(
+                reference.source, StereoPosition | SurfacePoint
+            ):
+                yield reference
     for action in program.actions:
         if action.program is not None:
             yield from _places(action.program)
-
-
-def _controllers(program: CheckedProgram) -> Iterator[Controller]:
-    for action in program.actions:
-        if action.composition is not None:
-            for primitive in action.composition.primitives:
-                yield from primitive.controllers

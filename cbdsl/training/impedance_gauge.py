@@ -56,7 +56,7 @@ def _probe(program: CheckedProgram) -> _Probe | None:
         if action.composition is not None
         for primitive in action.composition.primitives
     ]
-    controllers = [each for primitive in primitives for each in primitive.controllers]
+    controllers = [each for action in program.actions for each in action.controllers]
     for load in (each for primitive in primitives for each in primitive.earners):
         reference, kind = load.reference, load.feedback.type.name
         if not isinstance(load.feedback.source, NetLoad) or kind not in KINDS:

@@ -249,8 +249,7 @@ Source = (
 )
 
 
-#: Origins of what is drawn when a controller begins, and stays as it is until it ends.
-DRAWN = frozenset({Origin.MODEL, Origin.SURFACE})
+_DRAWN = frozenset({Origin.MODEL, Origin.SURFACE})
 #: Sources of what cameras see of a channel.
 VISUAL = (Heading, Headings, StereoPosition, BlobSignal, StereoSignal, InstanceCount, SurfacePoint)
 
@@ -271,3 +270,8 @@ class Resource(NamedTuple):
     origin: Origin
     source: Source
     movable: bool = False
+
+    @property
+    def is_drawn(self) -> bool:
+        """Whether it is drawn when a controller begins, and stays as it is until that ends."""
+        return self.origin in _DRAWN

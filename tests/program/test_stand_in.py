@@ -8,7 +8,7 @@ from cbdsl.checking.session import Session
 from cbdsl.checking.stand_ins import stand_ins_of
 from cbdsl.documents.program import ProgramDocument
 from cbdsl.program.checked import CheckedProgram
-from cbdsl.program.stand_in import stand_ins, with_stand_in
+from cbdsl.program.stand_in import stand_ins
 from cbdsl.yaml_text.library import Library
 from tests.conftest import ROOT, Checked
 
@@ -54,16 +54,3 @@ def test_a_renamed_file_is_found(tmp_path: Path) -> None:
     rows = stand_ins_of(path, Session(library), {})
     assert ("touch", "palpate") in [(each.member, each.program) for each in rows]
     assert library.find(ProgramDocument, "palpate", path) is not None
-
-
-def test_it_takes_the_place_and_leaves_the_compositions(checked: Checked) -> None:
-    program = with_stand_in(checked("reachtouch"), "touch", checked("tactileprobe"))
-    assert program.members == ("searchtrack", "reach", "touch")
-    assert [each.name for each in program.actions] == ["searchtrack", "reach", "touch"]
-    instead = program.actions[-1].program
-    assert instead is not None
-    assert instead.name == "tactileprobe"
-    assert "touch" not in program.primitives
-    assert set(program.policy.values()) == {"searchtrack"}
-    inspect = with_stand_in(checked("visualinspect"), "reachtouch", checked("bimanualtouch"))
-    assert inspect.policy == checked("visualinspect").policy

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -9,7 +10,7 @@ import pytest
 from cbdsl.learning.impedance import DIRECTIONS, ImpedanceProfile, ImpedanceTest
 from cbdsl.reproduction.experiment import RunSettings
 from cbdsl.reproduction.fig_7_13 import run
-from cbdsl.reproduction.impedance_trials import ImpedanceTrial, trial_digest
+from cbdsl.reproduction.impedance_trials import ImpedanceTrial, impedance_digest
 from cbdsl.reproduction.kept_trials import KeptTrials
 from cbdsl.reproduction.quantity import Verdict
 from cbdsl.reproduction.thing_pairs import ALL_PAIRS, PAIRS
@@ -32,12 +33,20 @@ def profile(stiff: set[str]) -> ImpedanceProfile:
 def keep(folder: Path, *, right: bool) -> RunSettings:
     for name, pair in PAIRS.items():
         kept = KeptTrials(
-            folder / "mujoco_ideal.jsonl", trial_digest(name), ImpedanceTrial.from_data
+            folder / "mujoco_ideal.jsonl", impedance_digest(name), ImpedanceTrial.from_data
         )
         stiff = set(pair.stiff) if right else set(DIRECTIONS) - set(pair.stiff)
         for seed in range(TRIALS):
             kept.add(ImpedanceTrial(name, seed, profile(stiff), "", 60.0))
     return RunSettings(folder=folder, trials=TRIALS, backend="mujoco", cameras="ideal")
+
+
+def test_signs_of_a_profile_are_no_independent_trials(tmp_path: Path) -> None:
+    """Two profiles with all of their six signs right are two trials, not twelve."""
+    result = run(replace(keep(tmp_path, right=True), trials=2))
+    judged = [each for each in result.quantities if each.expected is not None]
+    assert {each.note for each in judged} == {"2 of 2 profiles"}
+    assert {each.verdict for each in judged} == {Verdict.UNDECIDED}
 
 
 @pytest.mark.parametrize(

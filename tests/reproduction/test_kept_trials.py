@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 
 from cbdsl.learning.impedance import ImpedanceProfile, ImpedanceTest
 from cbdsl.reproduction.impedance_trials import ImpedanceTrial
-from cbdsl.reproduction.kept_trials import KeptTrials
+from cbdsl.reproduction.kept_trials import KeptTrials, kept_trials
 
 TEST = ImpedanceTest("dPz", -1, -0.002, -2.0, True, 0.0)
 
@@ -35,3 +36,29 @@ def test_a_line_that_was_cut_off_is_run_again(tmp_path: Path) -> None:
     assert kept.get("box_on_box", 1) == trial(1)
     kept.add(trial(2))
     assert KeptTrials(path, "one", ImpedanceTrial.from_data).get("box_on_box", 2) == trial(2)
+
+
+def test_only_what_is_missing_is_run_and_all_of_it_is_counted(tmp_path: Path) -> None:
+    path, ran, heard = tmp_path / "kept.jsonl", list[int](), list[tuple[int, int]]()
+    KeptTrials(path, "of box_on_box", ImpedanceTrial.from_data).add(trial(1))
+
+    def run(things: str, seeds: Sequence[int]) -> Iterator[ImpedanceTrial]:
+        ran.extend(seeds)
+        return (trial(seed)._replace(things=things) for seed in seeds)
+
+    def gathered() -> dict[str, list[ImpedanceTrial]]:
+        return kept_trials(
+            path,
+            {"box_on_box": range(3), "box_in_box": range(2)},
+            "of {}".format,
+            ImpedanceTrial.from_data,
+            run,
+            lambda done, total: heard.append((done, total)),
+        )
+
+    first = gathered()
+    assert [each.seed for each in first["box_on_box"]] == [0, 1, 2]
+    assert [each.things for each in first["box_in_box"]] == ["box_in_box"] * 2
+    assert ran == [0, 2, 0, 1]
+    assert heard == [(2, 5), (3, 5), (4, 5), (5, 5)]
+    assert gathered() == first and len(ran) == 4

@@ -18,7 +18,7 @@ def trial(name: str) -> ImpedanceTrial:
 
 def signs(found: ImpedanceTrial) -> list[bool]:
     pair, tracked = PAIRS[found.things], found.profile.tracked()
-    return [pair.is_right(name, tracked[name]) for name in pair.judged]
+    return pair.right(tracked)
 
 
 @pytest.mark.parametrize("name", ["cylinder_in_cylinder", "football_on_ball"])

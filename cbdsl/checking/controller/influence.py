@@ -4,15 +4,12 @@ from __future__ import annotations
 
 from cbdsl.checking.robot.checked_robot import CheckedRobot
 from cbdsl.types.casts import Chain, chains, chains_of
-from cbdsl.types.resource import DRAWN, Origin, Resource
-
-# What is drawn or written down is no measurement, and stays as it is.
-_STILL = DRAWN | {Origin.CONSTANT}
+from cbdsl.types.resource import Origin, Resource
 
 
 def is_measured(resource: Resource) -> bool:
     """Whether a resource is a signal, and no draw and no constant."""
-    return resource.origin not in _STILL
+    return not resource.is_drawn and resource.origin is not Origin.CONSTANT
 
 
 def moves(body: CheckedRobot, effector: Resource, feedback: Resource) -> bool:

@@ -7,7 +7,7 @@ from cbdsl.checking.load_noise import least_force
 from cbdsl.documents import program as written
 from cbdsl.program.controller import Reference, Relative
 from cbdsl.types.potential import POTENTIALS
-from cbdsl.types.resource import DRAWN, FingerLoad, NetLoad, Resource
+from cbdsl.types.resource import FingerLoad, NetLoad, Resource
 
 
 def check_relative(
@@ -62,7 +62,7 @@ def _problem(
         if potential.compares is not None:
             return f"'here' is no {potential.compares}, which {potential.name} wants"
     base = reference.base if isinstance(reference, Relative) else None
-    if base is not None and base.origin in DRAWN:
+    if base is not None and base.is_drawn:
         return f"'{base.name}' is drawn anew, and nothing is displaced from a draw"
     return ""
 

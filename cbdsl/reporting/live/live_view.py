@@ -16,7 +16,7 @@ from cbdsl.runtime.composer import Composer
 from cbdsl.runtime.episode import EpisodeResult, Tick, resources_of
 from cbdsl.runtime.explanation import named_runs
 from cbdsl.runtime.recording import drawn, is_place, members, triple
-from cbdsl.types.resource import DRAWN, Resource
+from cbdsl.types.resource import Resource
 
 # Wall time between frames, s.
 _PAUSE = 1 / 30
@@ -59,7 +59,7 @@ class LiveView:
     def begin(self, program: CheckedProgram, stage: str, seed: int) -> None:
         """See ``EpisodeWatcher.begin``."""
         self._number += 1
-        resources = [each for each in resources_of(program) if each.origin not in DRAWN]
+        resources = [each for each in resources_of(program) if not each.is_drawn]
         self._places = [each for each in resources if is_place(each)]
         self._names, self._known = [], set()
         self._shown, self._last = 0.0, None

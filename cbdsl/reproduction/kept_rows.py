@@ -1,0 +1,38 @@
+"""Rows of JSON in a file, each kept as soon as it is known."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+
+class KeptRows:
+    """Rows in a file, a line for each.
+
+    Args:
+        path: the file; it need not be there.
+    """
+
+    def __init__(self, path: Path) -> None:
+        self._path = path
+
+    def __iter__(self) -> Iterator[Any]:
+        """The rows in their order, without what was cut off when a process was ended."""
+        for line in self._text().splitlines():
+            try:
+                yield json.loads(line)
+            except ValueError:
+                continue
+
+    def add(self, row: Any) -> None:
+        """Add a row at the end, on a line of its own."""
+        text = self._text()
+        start = "\n" if text and not text.endswith("\n") else ""
+        self._path.parent.mkdir(parents=True, exist_ok=True)
+        with self._path.open("a", encoding="utf-8") as file:
+            file.write(f"{start}{json.dumps(row)}\n")
+
+    def _text(self) -> str:
+        return self._path.read_text(encoding="utf-8") if self._path.exists() else ""

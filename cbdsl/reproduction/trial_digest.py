@@ -1,0 +1,35 @@
+"""Digest of what decides the outcome of a shipped program's episode, but for seed and engine."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from cbdsl.checking.knowledge.digest import program_digest
+from cbdsl.documents.digest import digest_of_text
+from cbdsl.documents.program import ProgramDocument
+from cbdsl.documents.stage import StageDocument
+from cbdsl.reproduction.shipped import shipped_file, shipped_robot
+from cbdsl.yaml_text.library import Library, shipped
+
+
+def trial_digest(program: str, values: Mapping[str, str], stage: str) -> str:
+    """Digest of a shipped program with all it uses, its robot and a stage.
+
+    Args:
+        program: its name.
+        values: of its parameters.
+        stage: name of a stage, its own or another.
+    """
+    library = Library(shipped())
+    file = shipped_file(library, ProgramDocument, program)
+    robot, _ = shipped_robot(library.read(file, ProgramDocument).document.robot, library)
+    place = library.read(shipped_file(library, StageDocument, stage), StageDocument).document
+    parts = (
+        str(program_digest(file, library)),
+        # Its policy is no part of that.
+        file.read_text(encoding="utf-8"),
+        str(sorted(values.items())),
+        robot.model_dump_json(),
+        place.model_dump_json(),
+    )
+    return digest_of_text("\n".join(parts))
