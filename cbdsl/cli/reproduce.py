@@ -29,7 +29,9 @@ Quick = Annotated[
 BackendName = Annotated[
     str | None,
     typer.Option(
-        "--backend", help="What embodies the robot in experiments that learn [kinematic]."
+        "--backend",
+        help="What embodies the robot in experiments that learn, fig-7.13-7.14 and table-7.1-7.2 "
+        "[kinematic; mujoco in Chapter 7].",
     ),
 ]
 Cameras = Annotated[
@@ -85,7 +87,7 @@ def reproduce(
 
     Experiments in which the robot learns run trials, and share those of the same programs. With
     --keep each of their episodes is kept as soon as it is over, and so is each of engines and
-    fig-5.3-5.5, and each trial of fig-5.10-5.11.
+    fig-5.3-5.5, and each trial of fig-5.10-5.11, fig-7.13-7.14 and table-7.1-7.2.
 
     Exit 0 when it ran, whatever the verdicts, and 2 when it could not run.
     """
@@ -103,21 +105,25 @@ def reproduce(
     chosen = _chosen(name)
     if out is not None:
         _require_writable(out)
+    if not any(each.backend for each in chosen):
+        own = {"--backend": backend, "--cameras": cameras}
+        _require_unused(own, f"run on a backend of choice, which {name} does not")
     if not any(each.learns for each in chosen):
-        _require_unused({"--backend": backend, "--cameras": cameras, "--workers": workers}, name)
+        learns = f"learn, which {name} is not"
+        _require_unused({"--workers": workers}, learns)
         if not any(each.keeps for each in chosen):
-            _require_unused({"--trials": trials, "--keep": keep}, name)
+            _require_unused({"--trials": trials, "--keep": keep}, learns)
     results: list[dict[str, object]] = []
     with _kept(keep) as folder:
-        settings = RunSettings(
-            seed=seed,
-            quick=quick,
-            backend=backend or RunSettings.backend,
-            cameras=cameras,
-            trials=trials,
-            folder=folder,
-        )
         for experiment in chosen:
+            settings = RunSettings(
+                seed=seed,
+                quick=quick,
+                backend=backend or experiment.backend or RunSettings.backend,
+                cameras=cameras,
+                trials=trials,
+                folder=folder,
+            )
             outcome = _run(experiment, settings, workers or 1)
             results.append(data(experiment, settings, outcome))
             if not as_json:
@@ -129,13 +135,13 @@ def reproduce(
         print_json(results)
 
 
-def _require_unused(options: Mapping[str, object], name: str) -> None:
+def _require_unused(options: Mapping[str, object], whose: str) -> None:
     """Say so rather than ignore an option that has no meaning."""
     from cbdsl.errors.errors import UsageError
 
     given = [option for option, value in options.items() if value is not None]
     if given:
-        raise UsageError(f"{given[0]} is for experiments that learn, which {name} is not")
+        raise UsageError(f"{given[0]} is for experiments that {whose}")
 
 
 @contextmanager

@@ -28,7 +28,7 @@ class RunSettings:
         seed: of everything random; the same seed gives the same outcome.
         quick: a smaller variant that shows that it works; its numbers prove nothing.
         progress: told while it runs.
-        backend: what embodies the robot while it learns.
+        backend: what embodies the robot in experiments that let it be chosen.
         trials: how many times it learns from zero, or runs each program; ``None`` for as many as
             the backend is fast enough for, see ``trial_runner``.
         folder: where trials and episodes are kept, episode by episode, and gone on with.
@@ -101,6 +101,7 @@ class Experiment:
             that ``run`` needs, which then reads it from the folder.
         keeps: whether it keeps episodes in the folder of the settings without learning from them;
             ``trials`` then says how often it runs each program.
+        backend: where it runs unless another one is chosen; empty where that is no choice.
     """
 
     name: str
@@ -109,6 +110,7 @@ class Experiment:
     module: str
     learns: bool = False
     keeps: bool = False
+    backend: str = ""
 
     def imported(self) -> ModuleType:
         """Its module; see ``load`` for what that may take."""

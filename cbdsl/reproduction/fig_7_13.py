@@ -42,14 +42,12 @@ def run(settings: RunSettings) -> Result:
     """Feel the six pairs."""
     count = settings.trials or (_QUICK_TRIALS if settings.quick else _TRIALS)
     seeds = range(settings.seed, settings.seed + count)
-    # Without physics nothing is stiff.
-    engine = "mujoco" if settings.backend == "kinematic" else settings.backend
     trials = kept_trials(
-        settings.folder / f"{engine}_{settings.cameras}.jsonl",
+        settings.folder / f"{settings.backend}_{settings.cameras}.jsonl",
         dict.fromkeys(PAIRS, seeds),
         impedance_digest,
         ImpedanceTrial.from_data,
-        partial(run_trials, engine=engine, cameras=settings.cameras),
+        partial(run_trials, engine=settings.backend, cameras=settings.cameras),
         settings.progress,
     )
     profiles = {

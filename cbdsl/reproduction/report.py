@@ -92,23 +92,23 @@ def picture_file(picture: Picture, experiment: Experiment, settings: RunSettings
 
 
 def heading(experiment: Experiment, settings: RunSettings) -> str:
-    """Whose section it is: an experiment has one for each backend on which it learned."""
+    """Whose section it is: an experiment has one for each backend on which it ran."""
     backend = _other_backend(experiment, settings)
     return f"{experiment.name} on {backend}" if backend else experiment.name
 
 
 def _other_backend(experiment: Experiment, settings: RunSettings) -> str:
-    """The backend on which an experiment learned, if that is not the usual one."""
-    if not experiment.learns:
+    """The backend on which an experiment ran, if that is not the usual one."""
+    if not experiment.backend:
         return ""
-    own = "" if settings.backend == RunSettings.backend else settings.backend
+    own = "" if settings.backend == experiment.backend else settings.backend
     eyes = "" if settings.cameras is None else f"{settings.cameras} cameras"
     return " with ".join(filter(None, (own or (eyes and settings.backend), eyes)))
 
 
 def _command(experiment: Experiment, settings: RunSettings) -> str:
     words = ["cb", "reproduce", experiment.name, "--seed", str(settings.seed)]
-    if experiment.learns:
+    if experiment.backend:
         words += ["--backend", settings.backend]
         words += ["--cameras", settings.cameras] if settings.cameras is not None else []
     if settings.trials is not None and (experiment.learns or experiment.keeps):

@@ -49,14 +49,12 @@ _NOTES = (
 
 def run(settings: RunSettings) -> Result:
     """Build all stacks."""
-    # Without physics nothing falls.
-    engine = "mujoco" if settings.backend == "kinematic" else settings.backend
     trials = kept_trials(
-        settings.folder / f"{engine}_{settings.cameras}.jsonl",
+        settings.folder / f"{settings.backend}_{settings.cameras}.jsonl",
         {name: _seeds(name, settings) for name in STACKS},
         stack_digest,
         StackTrial.from_data,
-        partial(run_stacks, engine=engine, cameras=settings.cameras),
+        partial(run_stacks, engine=settings.backend, cameras=settings.cameras),
         settings.progress,
     )
     return Result(tuple(_quantities(trials)), notes=_NOTES)

@@ -23,7 +23,9 @@ from tests.cli import test_main
 TOY = Experiment("toy-1", "A toy", "Section 0", "toy")
 OTHER = Experiment("toy-2", "Another toy", "Section 0.1", "toy")
 KEPT = Experiment("toy-4", "A toy that keeps its episodes", "Section 0.3", "toy", keeps=True)
-LEARNED = Experiment("toy-3", "A toy that learns", "Section 0.2", "learned_toy", learns=True)
+LEARNED = Experiment(
+    "toy-3", "A toy that learns", "Section 0.2", "learned_toy", learns=True, backend="kinematic"
+)
 
 
 def cb(monkeypatch: pytest.MonkeyPatch, *arguments: str) -> int:
@@ -183,7 +185,8 @@ def test_options_of_learning_are_for_what_learns(
 ) -> None:
     monkeypatch.chdir(tmp_path)
     assert cb(monkeypatch, "toy-1", *option) == 2
-    assert f"{option[0]} is for experiments that learn" in capsys.readouterr().err
+    word = "run on a backend of choice" if option[0] == "--backend" else "learn"
+    assert f"{option[0]} is for experiments that {word}, which toy-1" in capsys.readouterr().err
     assert not learning and not list(tmp_path.iterdir())
 
 
