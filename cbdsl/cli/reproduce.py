@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -105,14 +105,13 @@ def reproduce(
     chosen = _chosen(name)
     if out is not None:
         _require_writable(out)
-    if not any(each.backend for each in chosen):
-        own = {"--backend": backend, "--cameras": cameras}
-        _require_unused(own, f"run on a backend of choice, which {name} does not")
-    if not any(each.learns for each in chosen):
-        learns = f"learn, which {name} is not"
-        _require_unused({"--workers": workers}, learns)
-        if not any(each.keeps for each in chosen):
-            _require_unused({"--trials": trials, "--keep": keep}, learns)
+    _require_meaning(
+        name,
+        chosen,
+        where={"--backend": backend, "--cameras": cameras},
+        often={"--trials": trials, "--keep": keep},
+        workers={"--workers": workers},
+    )
     results: list[dict[str, object]] = []
     with _kept(keep) as folder:
         for experiment in chosen:
@@ -135,8 +134,25 @@ def reproduce(
         print_json(results)
 
 
+def _require_meaning(
+    name: str,
+    chosen: Sequence[Experiment],
+    *,
+    where: Mapping[str, object],
+    often: Mapping[str, object],
+    workers: Mapping[str, object],
+) -> None:
+    """Say so rather than ignore options that have no meaning for any of the experiments."""
+    learns = f"learn, which {name} is not"
+    if not any(each.backend for each in chosen):
+        _require_unused(where, f"run on a backend of choice, which {name} does not")
+    if not any(each.learns for each in chosen):
+        _require_unused(workers, learns)
+    if not any(each.learns or each.keeps for each in chosen):
+        _require_unused(often, learns)
+
+
 def _require_unused(options: Mapping[str, object], whose: str) -> None:
-    """Say so rather than ignore an option that has no meaning."""
     from cbdsl.errors.errors import UsageError
 
     given = [option for option, value in options.items() if value is not None]
