@@ -80,9 +80,7 @@ def touch_digest(source: str) -> str:
 
 
 @contextmanager
-def toucher(
-    source: str, engine: str, cameras: str | None
-) -> Iterator[Callable[[int], TouchTrial]]:
+def toucher(source: str, engine: str, cameras: str | None) -> Iterator[Callable[[int], TouchTrial]]:
     """Runs episodes of one source, each by its seed.
 
     Raises:

@@ -66,6 +66,7 @@ from cbdsl.types.resource import (
     Tip,
     UniformSample,
 )
+from cbdsl.types.resource_type import POSITION
 
 Floats = NDArray[np.float64]
 Integers = NDArray[np.int64]
@@ -476,6 +477,8 @@ class Signals:
         assert isinstance(source, (UniformSample, GaussianSample, KernelSample))
         own = self.joints.of(source.effector)
         limits = self.kinematics.lower[own], self.kinematics.upper[own]
+        if resource.type == POSITION:
+            limits = np.full(3, -np.inf), np.full(3, np.inf)
         if isinstance(source, UniformSample):
             return UniformSampler(*limits, rng)
         return DensitySampler(source, *limits, rng)

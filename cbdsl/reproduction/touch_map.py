@@ -1,0 +1,165 @@
+"""Touch map: where the world affords touch (Figure 5.6).
+
+Fifty places: 20 on the surface of a table, 20 at an object on it, and 10 where the second hand
+touches what the first one brings (Section 5.2.2). Each is where fingertips felt contact when an
+episode was rewarded, by load cells and kinematics.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from itertools import count
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cbdsl.documents.model import Kernel, ModelDocument
+from cbdsl.documents.stage import BoxForm, StageDocument
+from cbdsl.reproduction.claim import at_least, below, between, near
+from cbdsl.reproduction.cross_sections import CrossSections
+from cbdsl.reproduction.estimate import mean_of
+from cbdsl.reproduction.experiment import Result, RunSettings
+from cbdsl.reproduction.kept_trials import KeptTrials
+from cbdsl.reproduction.percentage import percentage
+from cbdsl.reproduction.quantity import Quantity, computed
+from cbdsl.reproduction.shipped import shipped_file
+from cbdsl.reproduction.touch_trials import SOURCES, TouchTrial, touch_digest, toucher
+from cbdsl.yaml_text.library import Library, shipped
+from cbdsl.yaml_text.writer import write
+
+Floats = NDArray[np.float64]
+
+# Samples of each source that are wanted: five of them give the source's fifty.
+_WANTED, _QUICK = 10, 2
+# A source is given up after so many times as many episodes as samples are wanted of it.
+_PATIENCE = 3
+_KINDS = ("table", "object", "bimanual")
+# Standard deviation of the kernels, m; what the source says of heights, m.
+_BANDWIDTH, _TABLE, _WITHIN = 0.03, -0.42, 0.01
+
+_NOTES = (
+    "Programs touch_table and reachtouch, with the right arm and with the left, and bimanualtouch. "
+    "A sample is the mean of the places at which fingertips felt contact when the episode was "
+    "rewarded: where the line of force and torque leaves the round tip. Episodes without reward "
+    "have none.",
+    "The origin is in Dexter's chest. --keep FOLDER has the map as a document, touch_map.yaml.",
+)
+
+
+def run(settings: RunSettings) -> Result:
+    """Touch, and map where."""
+    trials = gather(settings)
+    samples = by_kind(trials)
+    file = settings.folder / "touch_map.yaml"
+    if sum(map(len, samples.values())):
+        write(document(samples, "right_arm"), file)
+    picture = CrossSections(
+        "touch_map", "Where touch is afforded (Figure 5.6)", samples, _BANDWIDTH, _table()
+    )
+    return Result(tuple(quantities(trials, picture, settings.seed)), (picture,), _NOTES)
+
+
+def gather(settings: RunSettings) -> dict[str, list[TouchTrial]]:
+    """Episodes of every source, until it has given as many samples as are wanted."""
+    wanted = _QUICK if settings.quick else settings.trials or _WANTED
+    trials: dict[str, list[TouchTrial]] = {}
+    done, total = 0, wanted * len(SOURCES)
+    path = settings.folder / f"touch_{settings.backend}_{settings.cameras}.jsonl"
+    for name in SOURCES:
+        kept = KeptTrials(path, touch_digest(name), TouchTrial.from_data)
+        own = trials[name] = []
+        with toucher(name, settings.backend, settings.cameras) as touch:
+            for seed in count(settings.seed):
+                hits = sum(1 for each in own if each.place)
+                settings.progress(done + hits, total)
+                if hits == wanted or len(own) == _PATIENCE * wanted:
+                    break
+                trial = kept.get(name, seed)
+                if trial is None:
+                    trial = touch(seed)
+                    kept.add(trial)
+                own.append(trial)
+        done += wanted
+    return trials
+
+
+def by_kind(trials: Mapping[str, Sequence[TouchTrial]]) -> dict[str, Floats]:
+    """Places on the table, at an object and of both hands, m, shape (k, 3)."""
+    return {
+        kind: np.array(
+            [each.place for name in trials if name.startswith(kind) for each in trials[name]
+             if each.place]
+        ).reshape(-1, 3)
+        for kind in _KINDS
+    }  # fmt: skip
+
+
+def document(samples: Mapping[str, Floats], effector: str) -> ModelDocument:
+    """The map as a model that references of an effector's position are drawn from."""
+    places = np.concatenate(list(samples.values())).tolist()
+    return ModelDocument(
+        cbdsl=1,
+        kind="model",
+        name="touch_map",
+        description="Where fingertips felt something when TOUCH was rewarded.",
+        robot="dexter",
+        effector=effector,
+        space="position",
+        density=Kernel(
+            form="kernel",
+            samples=tuple(tuple(place) for place in places),
+            bandwidth=(_BANDWIDTH,) * 3,
+        ),
+    )
+
+
+def quantities(
+    trials: Mapping[str, Sequence[TouchTrial]], picture: CrossSections, seed: int
+) -> Iterator[Quantity]:
+    """Where the samples lie, beside the source's words."""
+    samples = picture.samples
+    for kind in _KINDS:
+        own = [each for name in trials if name.startswith(kind) for each in trials[name]]
+        hits = sum(1 for each in own if each.place)
+        yield percentage(f"{kind}: rewarded", "no number", hits, len(own), None, of="episodes")
+    table, thing, both = (samples[kind][:, 2] for kind in _KINDS)
+    source = "about -0.42"
+    claim = near(_TABLE, _WITHIN)
+    yield mean_of("table: height of touches", "m", source, table.tolist(), claim, seed=seed)
+    top = float(table.mean()) if len(table) else float("nan")
+    name = "object: height of touches above those of the table"
+    claim = between(0.0, 0.2, "above 0, up to 0.2")
+    yield mean_of(name, "m", "slightly above it", (thing - top).tolist(), claim, seed=seed)
+    claim = between(-0.1, 0.0, "-0.1 to 0")
+    yield mean_of(
+        "bimanual: height of touches", "m", "slightly below 0", both.tolist(), claim, seed=seed
+    )
+    yield _over_the_table(picture)
+    yield _peak(picture)
+
+
+def _over_the_table(picture: CrossSections) -> Quantity:
+    places, (low, high) = picture.positions, picture.outline
+    over = np.all((places[:, :2] >= low[:2]) & (places[:, :2] <= high[:2]), axis=1)
+    name = "on the table or above it"
+    return percentage(name, "all", int(over.sum()), len(over), at_least(90), of="samples")
+
+
+def _peak(picture: CrossSections) -> Quantity:
+    """How far the highest peak from above is from where both hands touch."""
+    both, name = picture.samples["bimanual"], "from the highest peak to the bimanual touches"
+    apart = float("nan")
+    if len(both):
+        apart = float(np.linalg.norm(picture.peak() - both[:, :2].mean(axis=0)))
+    return computed(name, "m", "the large peak is theirs", apart, below(0.05))
+
+
+def _table() -> Floats:
+    """Corners of the table that all stages share, m, shape (2, 3)."""
+    library = Library(shipped())
+    path = shipped_file(library, StageDocument, "bare_table")
+    table = library.read(path, StageDocument).document.fixtures["table"]
+    assert isinstance(table.form, BoxForm)
+    middle = np.array([first for first, _ in table.position])
+    half = np.array([first for first, _ in table.form.size]) / 2
+    return np.array((middle - half, middle + half))
