@@ -34,15 +34,17 @@ _WANTED, _QUICK = 10, 2
 # A source is given up after so many times as many episodes as samples are wanted of it.
 _PATIENCE = 3
 _KINDS = ("table", "object", "bimanual")
-# Standard deviation of the kernels, m; what the source says of heights, m.
-_BANDWIDTH, _TABLE, _WITHIN = 0.03, -0.42, 0.01
+# Standard deviations of the kernels on the level and upright, m: heights are alike, places are not.
+_BANDWIDTH, _UPRIGHT = 0.03, 0.01
+# What the source says of the table's height, m.
+_TABLE, _WITHIN = -0.42, 0.01
 
 _NOTES = (
     "Programs touch_table and reachtouch, with the right arm and with the left, and bimanualtouch. "
     "A sample is the mean of the places at which fingertips felt contact when the episode was "
     "rewarded: where the line of force and torque leaves the round tip. Episodes without reward "
     "have none.",
-    "The origin is in Dexter's chest. --keep FOLDER has the map as a document, touch_map.yaml.",
+    "The origin is in Dexter's chest. --keep FOLDER has the map of each program and arm as a model.",
 )
 
 
@@ -50,9 +52,10 @@ def run(settings: RunSettings) -> Result:
     """Touch, and map where."""
     trials = gather(settings)
     samples = by_kind(trials)
-    file = settings.folder / "touch_map.yaml"
-    if sum(map(len, samples.values())):
-        write(document(samples, "right_arm"), file)
+    for source, own in trials.items():
+        places = _places(own)
+        if len(places):
+            write(document(source, places), settings.folder / f"touch_map_{source}.yaml")
     picture = CrossSections(
         "touch_map", "Where touch is afforded (Figure 5.6)", samples, _BANDWIDTH, _table()
     )
@@ -85,30 +88,32 @@ def gather(settings: RunSettings) -> dict[str, list[TouchTrial]]:
 
 def by_kind(trials: Mapping[str, Sequence[TouchTrial]]) -> dict[str, Floats]:
     """Places on the table, at an object and of both hands, m, shape (k, 3)."""
-    return {
-        kind: np.array(
-            [each.place for name in trials if name.startswith(kind) for each in trials[name]
-             if each.place]
-        ).reshape(-1, 3)
-        for kind in _KINDS
-    }  # fmt: skip
+    return {kind: _places(_of(kind, trials)) for kind in _KINDS}
 
 
-def document(samples: Mapping[str, Floats], effector: str) -> ModelDocument:
-    """The map as a model that references of an effector's position are drawn from."""
-    places = np.concatenate(list(samples.values())).tolist()
+def _of(kind: str, trials: Mapping[str, Sequence[TouchTrial]]) -> list[TouchTrial]:
+    return [trial for name in trials if name.startswith(kind) for trial in trials[name]]
+
+
+def _places(trials: Sequence[TouchTrial]) -> Floats:
+    return np.array([trial.place for trial in trials if trial.place]).reshape(-1, 3)
+
+
+def document(source: str, places: Floats) -> ModelDocument:
+    """The map of one source as a model that references of a position are drawn from."""
+    own = SOURCES[source]
     return ModelDocument(
         cbdsl=1,
         kind="model",
-        name="touch_map",
-        description="Where fingertips felt something when TOUCH was rewarded.",
+        name=f"touch_map_{source}",
+        description=f"Where {own.program} on {own.stage} was rewarded for touch (fig-5.6).",
         robot="dexter",
-        effector=effector,
+        effector=own.arm,
         space="position",
         density=Kernel(
             form="kernel",
-            samples=tuple(tuple(place) for place in places),
-            bandwidth=(_BANDWIDTH,) * 3,
+            samples=tuple(tuple(place) for place in places.tolist()),
+            bandwidth=(_BANDWIDTH, _BANDWIDTH, _UPRIGHT),
         ),
     )
 
@@ -119,7 +124,7 @@ def quantities(
     """Where the samples lie, beside the source's words."""
     samples = picture.samples
     for kind in _KINDS:
-        own = [each for name in trials if name.startswith(kind) for each in trials[name]]
+        own = _of(kind, trials)
         hits = sum(1 for each in own if each.place)
         yield percentage(f"{kind}: rewarded", "no number", hits, len(own), None, of="episodes")
     table, thing, both = (samples[kind][:, 2] for kind in _KINDS)

@@ -14,6 +14,8 @@ from cbdsl.sensing.contact_place import contact_places
 # Of Dexter's fingertips, m.
 _RADIUS = 0.012
 
+_HANDS = {"left_arm": "left_hand", "right_arm": "right_hand"}
+
 Place = tuple[float, ...]
 
 
@@ -24,23 +26,28 @@ class TouchSource(NamedTuple):
         program: that is run.
         stage: where.
         values: of its parameters.
-        hand: whose touch is rewarded.
+        arm: whose hand's touch is rewarded.
     """
 
     program: str
     stage: str
     values: Mapping[str, str]
-    hand: str
+    arm: str
+
+    @property
+    def hand(self) -> str:
+        """The hand of the arm."""
+        return _HANDS[self.arm]
 
 
 _LEFT = {"arm": "left_arm", "hand": "left_hand"}
 #: Either arm touches the table and an object on it; both touch what one of them brings up.
 SOURCES: Mapping[str, TouchSource] = {
-    "table_right": TouchSource("touch_table", "bare_table", {}, "right_hand"),
-    "table_left": TouchSource("touch_table", "bare_table", _LEFT, "left_hand"),
-    "object_right": TouchSource("reachtouch", "table_right", {}, "right_hand"),
-    "object_left": TouchSource("reachtouch", "table_left", _LEFT, "left_hand"),
-    "bimanual": TouchSource("bimanualtouch", "table_right", {}, "left_hand"),
+    "table_right": TouchSource("touch_table", "bare_table", {}, "right_arm"),
+    "table_left": TouchSource("touch_table", "bare_table", _LEFT, "left_arm"),
+    "object_right": TouchSource("reachtouch", "table_right", {}, "right_arm"),
+    "object_left": TouchSource("reachtouch", "table_left", _LEFT, "left_arm"),
+    "bimanual": TouchSource("bimanualtouch", "table_right", {}, "left_arm"),
 }
 
 
