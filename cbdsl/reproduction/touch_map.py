@@ -34,8 +34,8 @@ _WANTED, _QUICK = 10, 2
 # A source is given up after so many times as many episodes as samples are wanted of it.
 _PATIENCE = 3
 _KINDS = ("table", "object", "bimanual")
-# Standard deviations of the kernels on the level and upright, m: heights are alike, places are not.
-_BANDWIDTH, _UPRIGHT = 0.03, 0.01
+# Standard deviation of the kernels in the picture, and the least of those in models, m.
+_BANDWIDTH, _LEAST = 0.03, 0.003
 # What the source says of the table's height, m.
 _TABLE, _WITHIN = -0.42, 0.01
 
@@ -99,6 +99,13 @@ def _places(trials: Sequence[TouchTrial]) -> Floats:
     return np.array([trial.place for trial in trials if trial.place]).reshape(-1, 3)
 
 
+def bandwidth(places: Floats) -> Floats:
+    """Standard deviations of kernels by Scott's rule (1992), m, shape (3,)."""
+    count, axes = places.shape
+    wide: Floats = places.std(axis=0) * count ** (-1 / (axes + 4))
+    return np.maximum(wide.round(3), _LEAST)
+
+
 def document(source: str, places: Floats) -> ModelDocument:
     """The map of one source as a model that references of a position are drawn from."""
     own = SOURCES[source]
@@ -113,7 +120,7 @@ def document(source: str, places: Floats) -> ModelDocument:
         density=Kernel(
             form="kernel",
             samples=tuple(tuple(place) for place in places.tolist()),
-            bandwidth=(_BANDWIDTH, _BANDWIDTH, _UPRIGHT),
+            bandwidth=tuple(bandwidth(places).tolist()),
         ),
     )
 
