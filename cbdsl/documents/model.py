@@ -1,8 +1,8 @@
 """The model document: a density over configurations or positions, to draw references from."""
 
-from typing import Annotated, Literal, Self
+from typing import Annotated, Literal
 
-from pydantic import Field, model_validator
+from pydantic import Field
 
 from cbdsl.documents.document import Coordinate, Document, Extent, Name, NonNegative, Section
 from cbdsl.documents.kind import Kind
@@ -48,12 +48,6 @@ class ModelDocument(Document):
     reach for, in the world frame."""
     density: Annotated[Gaussian | Kernel, Field(discriminator="form")]
     """How likely configurations are, or positions; draws keep within the joint limits."""
-
-    @model_validator(mode="after")
-    def _is_uniform_within_limits(self) -> Self:
-        if self.space == "position" and self.density.uniform:
-            raise ValueError("positions have no limits that draws could be `uniform` between")
-        return self
 
 
 MODEL = Kind(

@@ -71,9 +71,9 @@ class CrossSections:
     def svg(self) -> str:
         """The picture, as the text of an SVG file."""
         lower, upper = self._corners()
-        panels, left = [], float(_GAP)
+        left, panels = float(_GAP), list[str]()
         for title, across, up in _VIEWS:
-            frame = _Panel(left, lower[[across, up]], upper[[across, up]])
+            frame = _Section(left, lower[[across, up]], upper[[across, up]])
             panels.extend(self._panel(frame, title, across, up))
             left += frame.width + _GAP
         heights = [upper[up] - lower[up] for _, _, up in _VIEWS]
@@ -90,7 +90,7 @@ class CrossSections:
         shown = np.concatenate([self.positions, self.outline])
         return shown.min(axis=0) - _MARGIN, shown.max(axis=0) + _MARGIN
 
-    def _panel(self, frame: _Panel, title: str, across: int, up: int) -> Iterator[str]:
+    def _panel(self, frame: _Section, title: str, across: int, up: int) -> Iterator[str]:
         axes = "xyz"
         yield f'<text x="{frame.left:.1f}" y="{_TOP - 8}">{title}: {axes[across]} to the right, '
         yield f"{axes[up]} upwards, m</text>"
@@ -104,7 +104,7 @@ class CrossSections:
         yield frame.box(frame.lower, frame.upper, 'fill="none" stroke="#888888"')
         yield from frame.labels()
 
-    def _cells(self, frame: _Panel, across: int, up: int) -> Iterator[str]:
+    def _cells(self, frame: _Section, across: int, up: int) -> Iterator[str]:
         grid = [
             np.arange(low, high, _CELL) for low, high in zip(frame.lower, frame.upper, strict=True)
         ]
@@ -126,7 +126,7 @@ class CrossSections:
 
 
 @dataclass(frozen=True)
-class _Panel:
+class _Section:
     """A part of a plane in the picture: its left edge, px, and its corners, m, shape (2,)."""
 
     left: float

@@ -7,8 +7,8 @@ episode was rewarded, by load cells and kinematics.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
-from itertools import count
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import ExitStack
 
 import numpy as np
 from numpy.typing import NDArray
@@ -44,7 +44,7 @@ _NOTES = (
     "A sample is the mean of the places at which fingertips felt contact when the episode was "
     "rewarded: where the line of force and torque leaves the round tip. Episodes without reward "
     "have none.",
-    "The origin is in Dexter's chest. --keep FOLDER has the map of each program and arm as a model.",
+    "The origin is in Dexter's chest. --keep FOLDER has each map as a model.",
 )
 
 
@@ -66,24 +66,43 @@ def gather(settings: RunSettings) -> dict[str, list[TouchTrial]]:
     """Episodes of every source, until it has given as many samples as are wanted."""
     wanted = _QUICK if settings.quick else settings.trials or _WANTED
     trials: dict[str, list[TouchTrial]] = {}
-    done, total = 0, wanted * len(SOURCES)
+    total = wanted * len(SOURCES)
     path = settings.folder / f"touch_{settings.backend}_{settings.cameras}.jsonl"
     for name in SOURCES:
         kept = KeptTrials(path, touch_digest(name), TouchTrial.from_data)
-        own = trials[name] = []
-        with toucher(name, settings.backend, settings.cameras) as touch:
-            for seed in count(settings.seed):
-                hits = sum(1 for each in own if each.place)
-                settings.progress(done + hits, total)
-                if hits == wanted or len(own) == _PATIENCE * wanted:
-                    break
-                trial = kept.get(name, seed)
-                if trial is None:
-                    trial = touch(seed)
-                    kept.add(trial)
-                own.append(trial)
-        done += wanted
+
+        def tell(hits: int, before: int = wanted * len(trials)) -> None:
+            settings.progress(before + hits, total)
+
+        trials[name] = _gathered(name, settings, kept, wanted, tell)
     return trials
+
+
+def _gathered(
+    name: str,
+    settings: RunSettings,
+    kept: KeptTrials[TouchTrial],
+    wanted: int,
+    tell: Callable[[int], None],
+) -> list[TouchTrial]:
+    """Episodes of one source in the order of their seeds, those that are kept and new ones."""
+    own: list[TouchTrial] = []
+    hits, touch = 0, None
+    with ExitStack() as stack:
+        for seed in range(settings.seed, settings.seed + _PATIENCE * wanted):
+            tell(hits)
+            if hits == wanted:
+                break
+            trial = kept.get(name, seed)
+            if trial is None:
+                if touch is None:
+                    opened = toucher(name, settings.backend, settings.cameras)
+                    touch = stack.enter_context(opened)
+                trial = touch(seed)
+                kept.add(trial)
+            own.append(trial)
+            hits += bool(trial.place)
+    return own
 
 
 def by_kind(trials: Mapping[str, Sequence[TouchTrial]]) -> dict[str, Floats]:

@@ -54,6 +54,9 @@ def _fits(loaded: Loaded[ModelDocument], body: CheckedRobot, findings: Findings)
         place = source.place("effector")
         findings.add("CB670", place, names=tipped, name=document.effector)
         return False
+    if is_place and document.density.uniform:
+        findings.add("CB671", source.place("density", "uniform"), share=document.density.uniform)
+        return False
     wanted = 3 if is_place else len(robot.joints(document.effector))
     number = "coordinate" if is_place else "angle"
     wrong = [(steps, length) for steps, length in _lengths(document) if length != wanted]
