@@ -46,6 +46,9 @@ class ModelDocument(Document):
     space: Literal["configuration", "position"] = "configuration"
     """Whether it is a density over the effector's joint angles, or over positions of what it may
     reach for, in the world frame."""
+    channel: Name | None = None
+    """Channel that was tracked in these configurations of what moves the cameras: its background.
+    A program that names the model has `novel.<channel>`, the heading to what is elsewhere."""
     density: Annotated[Gaussian | Kernel, Field(discriminator="form")]
     """How likely configurations are, or positions; draws keep within the joint limits."""
 

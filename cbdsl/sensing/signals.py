@@ -19,6 +19,7 @@ from cbdsl.sensing.blob_signals import BlobSignals
 from cbdsl.sensing.chain import require_executed
 from cbdsl.sensing.density import DensitySampler, Sampler
 from cbdsl.sensing.kinematics import Kinematics
+from cbdsl.sensing.novelty import Novelty
 from cbdsl.sensing.observation import Observation
 from cbdsl.sensing.reading import Reading, shaped
 from cbdsl.sensing.refresh import (
@@ -56,6 +57,7 @@ from cbdsl.types.resource import (
     KernelSample,
     NetForces,
     NetLoad,
+    NovelHeading,
     Posture,
     Resource,
     SensorSignal,
@@ -131,6 +133,7 @@ class Signals:
         self.sight = VisualSignals(robot, kinematics, self.vision, self.tips, self.touch)
         self.surfaces = Surfaces(robot, kinematics, self.vision, resources)
         self.blobs = BlobSignals(robot, self.vision, self.sight, resources)
+        self.novelty = Novelty(robot, kinematics, self.vision, resources)
         self._binders: dict[type, Callable[[Any], int]] = {
             EffectorConfiguration: self._bind_configuration,
             Posture: self._bind_posture,
@@ -145,6 +148,7 @@ class Signals:
             FingerForces: self.touch.finger_forces,
             BlobSignal: self.blobs.blob,
             StereoSignal: self.blobs.feature,
+            NovelHeading: self.novelty.heading,
             InstanceCount: self.blobs.count,
             AffordanceProbability: self._affordance,
         }
@@ -175,6 +179,7 @@ class Signals:
         self.sight.reset()
         self.blobs.reset()
         self.surfaces.reset()
+        self.novelty.reset()
         self.clock[0] = 0
 
     def update(self, observation: Observation) -> None:
@@ -196,6 +201,7 @@ class Signals:
             self.vision.update(observation)
             self.blobs.update(observation)
             self.surfaces.update(observation)
+            self.novelty.update(observation)
             if self.touch.touching_anything():
                 self.vision.touched()
             else:

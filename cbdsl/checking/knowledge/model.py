@@ -10,8 +10,10 @@ from cbdsl.documents.model import Gaussian, ModelDocument
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.errors.counting import count
 from cbdsl.program.binding import density_source
-from cbdsl.types.resource import Origin, Resource
-from cbdsl.types.resource_type import POSITION, configuration
+from cbdsl.robot.channel_names import channel_names
+from cbdsl.robot.resources import NOVEL
+from cbdsl.types.resource import NovelHeading, Origin, Resource
+from cbdsl.types.resource_type import HEADING, POSITION, configuration
 from cbdsl.yaml_text.loaded import Loaded
 from cbdsl.yaml_text.source_map import Step
 
@@ -27,17 +29,29 @@ def examine_model(loaded: Loaded[ModelDocument], session: Session, findings: Fin
         _fits(loaded, body, findings)
 
 
-def model_resource(
+def model_resources(
     alias: str, loaded: Loaded[ModelDocument], body: CheckedRobot, findings: Findings
-) -> Resource | None:
-    """Resource ``<effector>.<alias>`` of a program, or ``None`` where the model does not fit."""
+) -> tuple[Resource, ...]:
+    """Resources of a program, none where the model does not fit.
+
+    ``<effector>.<alias>``, and of the background of a channel ``novel.<channel>``, under the other
+    names of the channel, too.
+    """
     if not _fits(loaded, body, findings):
-        return None
+        return ()
     document, effector = loaded.document, loaded.document.effector
     is_place = document.space == "position"
     kind = POSITION if is_place else configuration(len(body.document.joints(effector)))
     source = density_source(effector, document.density)
-    return Resource(f"{effector}.{alias}", kind, Origin.MODEL, source)
+    drawn = Resource(f"{effector}.{alias}", kind, Origin.MODEL, source)
+    if document.channel is None:
+        return (drawn,)
+    aliases = body.document.vision.channels.aliases
+    channel = aliases.get(document.channel, document.channel)
+    names = [channel, *(name for name, meant in aliases.items() if meant == channel)]
+    heading = NovelHeading(channel, effector, source)
+    novel = [Resource(f"{NOVEL}.{name}", HEADING, Origin.ENVIRONMENT, heading) for name in names]
+    return (drawn, *novel)
 
 
 def _fits(loaded: Loaded[ModelDocument], body: CheckedRobot, findings: Findings) -> bool:
@@ -57,6 +71,8 @@ def _fits(loaded: Loaded[ModelDocument], body: CheckedRobot, findings: Findings)
     if is_place and document.density.uniform:
         findings.add("CB671", source.place("density", "uniform"), share=document.density.uniform)
         return False
+    if document.channel is not None and not _is_background(loaded, body, findings):
+        return False
     wanted = 3 if is_place else len(robot.joints(document.effector))
     number = "coordinate" if is_place else "angle"
     wrong = [(steps, length) for steps, length in _lengths(document) if length != wanted]
@@ -65,6 +81,30 @@ def _fits(loaded: Loaded[ModelDocument], body: CheckedRobot, findings: Findings)
         details = {"found": count(length, number), "wanted": has}
         findings.add("CB631", source.place(*steps), name=document.effector, **details)
     return not wrong
+
+
+def _is_background(loaded: Loaded[ModelDocument], body: CheckedRobot, findings: Findings) -> bool:
+    """Whether a channel is one of the robot's, and the effector what moves its cameras."""
+    document, robot = loaded.document, body.document
+    channels = robot.vision.channels
+    # What moves is seen by cameras that rest, and is in no direction that could be expected.
+    known = [name for name in (*channel_names(channels), *channels.aliases) if name != "motion"]
+    if not robot.cameras or document.channel not in known:
+        place = loaded.source.place("channel")
+        names = known if robot.cameras else []
+        findings.add("CB672", place, names=names, name=document.channel, robot=robot.name)
+        return False
+    links = [camera.link for camera in robot.cameras.values()]
+    moving = [
+        name
+        for name in (*robot.effectors, *robot.groups)
+        if any(body.moves(name, link) for link in links)
+    ]
+    if document.space == "position" or document.effector not in moving:
+        place = loaded.source.place("effector" if document.space != "position" else "space")
+        findings.add("CB673", place, names=moving, name=document.effector)
+        return False
+    return True
 
 
 def _has_a_tip(name: str, robot: RobotDocument) -> bool:
