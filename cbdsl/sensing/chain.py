@@ -15,6 +15,7 @@ from cbdsl.types.resource import (
     Headings,
     NetForces,
     NetLoad,
+    NovelHeading,
     Posture,
     Resource,
     SensorSignal,
@@ -45,6 +46,7 @@ EXECUTED: Mapping[type, frozenset[tuple[str, ...]]] = {
     Heading: frozenset({(CAMERA.name,), (SIGHTING.name, *_HELD)}),
     Headings: frozenset({(CAMERA.name,), (TRIANGULATION.name, *_HELD)}),
     StereoPosition: frozenset({_HELD}),
+    NovelHeading: frozenset({(CAMERA.name,)}),
 }
 
 

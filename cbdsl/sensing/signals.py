@@ -16,6 +16,7 @@ from cbdsl.sensing.chain import require_executed
 from cbdsl.sensing.declared_sensor import sensor_reader
 from cbdsl.sensing.density import DensitySampler, Sampler
 from cbdsl.sensing.kinematics import Kinematics
+from cbdsl.sensing.novelty import Novelty
 from cbdsl.sensing.observation import Observation
 from cbdsl.sensing.reading import Reading, shaped
 from cbdsl.sensing.refresh import (
@@ -54,6 +55,7 @@ from cbdsl.types.resource import (
     KernelSample,
     NetForces,
     NetLoad,
+    NovelHeading,
     Posture,
     Resource,
     SensorSignal,
@@ -64,6 +66,7 @@ from cbdsl.types.resource import (
     Tip,
     UniformSample,
 )
+from cbdsl.types.resource_type import POSITION
 
 Floats = NDArray[np.float64]
 Integers = NDArray[np.int64]
@@ -124,6 +127,7 @@ class Signals:
         self.sight = VisualSignals(robot, kinematics, self.vision, self.tips, self.touch)
         self.surfaces = Surfaces(robot, kinematics, self.vision, resources)
         self.blobs = BlobSignals(robot, self.vision, self.sight, resources)
+        self.novelty = Novelty(robot, kinematics, self.vision, resources)
         self._binders: dict[type, Callable[[Any], int]] = {
             EffectorConfiguration: self._bind_configuration,
             Posture: self._bind_posture,
@@ -138,6 +142,7 @@ class Signals:
             FingerForces: self.touch.finger_forces,
             BlobSignal: self.blobs.blob,
             StereoSignal: self.blobs.feature,
+            NovelHeading: self.novelty.heading,
             InstanceCount: self.blobs.count,
             AffordanceProbability: self._affordance,
         }
@@ -168,6 +173,7 @@ class Signals:
         self.sight.reset()
         self.blobs.reset()
         self.surfaces.reset()
+        self.novelty.reset()
         self.clock[0] = 0
 
     def update(self, observation: Observation) -> None:
@@ -189,6 +195,7 @@ class Signals:
             self.vision.update(observation)
             self.blobs.update(observation)
             self.surfaces.update(observation)
+            self.novelty.update(observation)
             if self.touch.touching_anything():
                 self.vision.touched()
             else:
@@ -449,6 +456,8 @@ class Signals:
         assert isinstance(source, (UniformSample, GaussianSample, KernelSample))
         own = self.joints.of(source.effector)
         limits = self.kinematics.lower[own], self.kinematics.upper[own]
+        if resource.type == POSITION:
+            limits = np.full(3, -np.inf), np.full(3, np.inf)
         if isinstance(source, UniformSample):
             return UniformSampler(*limits, rng)
         return DensitySampler(source, *limits, rng)

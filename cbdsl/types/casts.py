@@ -11,7 +11,7 @@ from collections.abc import Mapping
 from functools import cache
 from typing import NamedTuple
 
-from cbdsl.types.resource import Heading, Headings, Resource, StereoPosition
+from cbdsl.types.resource import Heading, Headings, NovelHeading, Resource, StereoPosition
 from cbdsl.types.resource_type import POSITION, ResourceType, configuration
 
 
@@ -89,6 +89,8 @@ def chains_of(resource: Resource) -> tuple[Chain, ...]:
     held = (RIGID_HOLD, *chains(POSITION, joints)[0])
     if isinstance(source, Heading):
         return (CAMERA,), (SIGHTING, *held)
+    if isinstance(source, NovelHeading):
+        return ((CAMERA,),)
     if isinstance(source, Headings):
         return (CAMERA,), (TRIANGULATION, *held)
     if isinstance(source, StereoPosition):

@@ -208,6 +208,20 @@ class KernelSample(NamedTuple):
     uniform: float = 0.0
 
 
+class NovelHeading(NamedTuple):
+    """Where the cameras see something of a channel that its background model does not expect.
+
+    Attributes:
+        channel: its name.
+        effector: moves the cameras.
+        expected: density of its configurations in which the channel was tracked.
+    """
+
+    channel: str
+    effector: str
+    expected: GaussianSample | KernelSample
+
+
 class AffordanceProbability(NamedTuple):
     """The probability that an action is rewarded, Pr(reward | f, a), as a catalog has it (6.1).
 
@@ -239,6 +253,7 @@ Source = (
     | BlobSignal
     | StereoSignal
     | InstanceCount
+    | NovelHeading
     | AffordanceProbability
     | SurfacePoint
     | SensorSignal
@@ -251,7 +266,10 @@ Source = (
 
 _DRAWN = frozenset({Origin.MODEL, Origin.SURFACE})
 #: Sources of what cameras see of a channel.
-VISUAL = (Heading, Headings, StereoPosition, BlobSignal, StereoSignal, InstanceCount, SurfacePoint)
+VISUAL = (
+    Heading, Headings, StereoPosition, BlobSignal, StereoSignal, InstanceCount, SurfacePoint,
+    NovelHeading,
+)  # fmt: skip
 
 
 class Resource(NamedTuple):

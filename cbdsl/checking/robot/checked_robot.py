@@ -25,6 +25,7 @@ from cbdsl.types.resource import (
     KernelSample,
     NetForces,
     NetLoad,
+    NovelHeading,
     Posture,
     Resource,
     SensorSignal,
@@ -84,7 +85,7 @@ class CheckedRobot(NamedTuple):
                 camera in self.document.cameras
             ):
                 return ("cameras", camera)
-            case Heading() | Headings() | StereoPosition():
+            case Heading() | Headings() | StereoPosition() | NovelHeading():
                 return ("cameras",)
             case (
                 BlobSignal()
@@ -201,6 +202,8 @@ class CheckedRobot(NamedTuple):
                 return self._cell_links(robot.members(name))
             case Heading() | Headings() | BlobSignal():
                 return self._camera_links(source) + self._holding_links()
+            case NovelHeading():
+                return self._camera_links(source)
             case StereoPosition() | StereoSignal():
                 return self._holding_links()
             case SensorSignal(links=links):
