@@ -27,6 +27,7 @@ from cbdsl.sensing.kinematics import Kinematics
 from cbdsl.training.action_runner import ActionRunner
 from cbdsl.training.catalog_writing import catalog_document
 from cbdsl.training.explorable import Explorable
+from cbdsl.training.exploration_watcher import ExplorationWatcher
 from cbdsl.training.provenance import versions
 from cbdsl.yaml_text.writer import remove_leftovers, write
 
@@ -104,8 +105,15 @@ class ExplorationTask:
         body: Backend,
         kinematics: Kinematics,
         observer: ExplorationObserver = lambda number, step, outcome, seconds: None,
+        watcher: ExplorationWatcher | None = None,
     ) -> CatalogDocument:
         """Carry out the remaining actions on a body, and write the catalog.
+
+        Args:
+            body: of the robot.
+            kinematics: of the robot.
+            observer: is told each action when it is over.
+            watcher: is told everything, its episodes too, if there is one.
 
         Raises:
             JournalError: the journal is of something else.
@@ -119,6 +127,7 @@ class ExplorationTask:
             self.actions,
             self.between,
             self.constants.longest,
+            watcher,
         )
         exploration = self.exploration()
         outcomes: list[ActionOutcome] = []
@@ -126,17 +135,19 @@ class ExplorationTask:
         with LineJournal(self.journal, identity, "exploration") as journal:
             for row in journal.rows[: self.count]:
                 outcomes.append(_outcome(row, journal.path))
-                self._note(exploration, outcomes[-1], runner)
+                self._note(exploration, outcomes[-1], runner, watcher)
             while len(outcomes) < self.count:
                 if self.until_habituated and exploration.is_over:
                     break
                 began, seed = time.perf_counter(), self._seed(len(outcomes))
                 name = exploration.choose(np.random.default_rng([seed, _CHOICE]))
+                if watcher is not None:
+                    watcher.note_choice(name)
                 outcome = runner.run(name, list(exploration.affordances), seed)
                 seconds = time.perf_counter() - began
                 journal.append_row({**outcome._asdict(), "wall_seconds": round(seconds, 3)})
                 outcomes.append(outcome)
-                step = self._note(exploration, outcome, runner)
+                step = self._note(exploration, outcome, runner, watcher)
                 observer(len(outcomes), step, outcome, seconds)
             provenance = self._provenance(body.renderer, runner, exploration)
             known = runner.known(list(exploration.affordances))
@@ -154,11 +165,18 @@ class ExplorationTask:
         return made
 
     def _note(
-        self, exploration: Exploration, outcome: ActionOutcome, runner: ActionRunner
+        self,
+        exploration: Exploration,
+        outcome: ActionOutcome,
+        runner: ActionRunner,
+        watcher: ExplorationWatcher | None,
     ) -> ExplorationStep:
         new = runner.known([outcome.action, *outcome.opened])
         exploration.add({name: each.forms for name, each in new.items()})
-        return exploration.note(outcome)
+        step = exploration.note(outcome)
+        if watcher is not None:
+            watcher.note_step(exploration)
+        return step
 
     def _seed(self, number: int) -> int:
         entropy = np.random.SeedSequence([self.seed, self.number, number])
