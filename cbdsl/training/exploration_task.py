@@ -22,7 +22,7 @@ from cbdsl.learning.exploration import Exploration, ExplorationStep
 from cbdsl.learning.exploration_constants import ExplorationConstants
 from cbdsl.learning.explorations import EXPLORATIONS
 from cbdsl.program.checked import CheckedProgram
-from cbdsl.runtime.line_journal import JournalError, LineJournal
+from cbdsl.runtime.line_journal import JournalError, LineJournal, damaged
 from cbdsl.sensing.kinematics import Kinematics
 from cbdsl.training.action_runner import ActionRunner
 from cbdsl.training.catalog_writing import catalog_document
@@ -133,8 +133,8 @@ class ExplorationTask:
         outcomes: list[ActionOutcome] = []
         identity = self._identity(body.renderer)
         with LineJournal(self.journal, identity, "exploration") as journal:
-            for row in journal.rows[: self.count]:
-                outcomes.append(_outcome(row, journal.path))
+            for line, row in enumerate(journal.rows[: self.count], 2):
+                outcomes.append(outcome_of(row, journal.path, line))
                 self._note(exploration, outcomes[-1], runner, watcher)
             while len(outcomes) < self.count:
                 if self.until_habituated and exploration.is_over:
@@ -217,8 +217,13 @@ def _identity(document: Document) -> Identity:
     return Identity(name=document.name, sha256=digest(document))
 
 
-def _outcome(row: Mapping[str, Any], path: Path) -> ActionOutcome:
-    """Outcome in a row of a journal.
+def outcome_of(row: Mapping[str, Any], path: Path, line: int) -> ActionOutcome:
+    """Outcome in a line of a journal.
+
+    Args:
+        row: the line.
+        path: of the journal, for messages.
+        line: its number.
 
     Raises:
         JournalError: there is none.
@@ -235,8 +240,10 @@ def _outcome(row: Mapping[str, Any], path: Path) -> ActionOutcome:
             failed=bool(row["failed"]),
             sim_seconds=float(row["sim_seconds"]),
         )
-    except (KeyError, TypeError, ValueError, AttributeError) as error:
-        raise JournalError(f"{path} is damaged: a row is no action ({error})") from error
+    except KeyError as error:
+        raise damaged(path, line, f"it lacks {error}", "exploration") from error
+    except (TypeError, ValueError, AttributeError) as error:
+        raise damaged(path, line, f"it is no action ({error})", "exploration") from error
 
 
 def _tuples(values: Mapping[str, Sequence[float]]) -> dict[str, tuple[float, ...]]:
