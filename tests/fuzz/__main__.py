@@ -3,7 +3,7 @@
 Each entry point runs for so long from its seeds and from the kept corpus. Inputs that reach new
 branches go to ``build/fuzz/NAME``; with ``--keep`` the smallest set of them that reaches what they
 reach together is kept in ``tests/fuzz/corpus``. What raises an error is written to
-``build/fuzz/NAME-crash-...`` and ends the entry point's run.
+``build/fuzz/NAME-crash-...`` (or ``-timeout-``, ``-oom-``) and ends the entry point's run.
 """
 
 from __future__ import annotations
@@ -43,15 +43,15 @@ def fuzz(name: str, seconds: int, seed: int) -> Run:
     """Fuzz an entry point for so long."""
     work = WORK / name
     work.mkdir(parents=True, exist_ok=True)
-    before = set(WORK.glob(f"{name}-crash-*"))
+    before = set(WORK.glob(f"{name}-*-*"))
     _write(work, [*entry_point(name).seeds(), *kept(name)])
     options = [
         *(f"-max_total_time={seconds}", f"-seed={seed}", f"-dict={_dictionary()}"),
-        *(f"-artifact_prefix={WORK}/{name}-crash-", "-print_final_stats=1", *LIMITS),
+        *(f"-artifact_prefix={WORK}/{name}-", "-print_final_stats=1", *LIMITS),
     ]
     told = _libfuzzer(name, [work], options)
     (WORK / f"{name}.log").write_text(told, encoding="utf-8")
-    found = sorted(set(WORK.glob(f"{name}-crash-*")) - before)
+    found = sorted(set(WORK.glob(f"{name}-*-*")) - before)
     counts = [_last(rf"{key}:\s+(\d+)", told) for key in ("number_of_executed_units", "cov")]
     return Run(*counts, seconds, tuple(found))
 

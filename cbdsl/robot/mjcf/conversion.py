@@ -59,7 +59,13 @@ def convert_mjcf(path: Path, name: str) -> MjcfConversion:
     except ValueError as error:
         reason = " ".join(str(error).split())
         raise UrdfError(f"{path}: MuJoCo cannot compile it: {reason}") from None
-    model = MjcfModel(path, compiled)
+    try:
+        return _converted(MjcfModel(path, compiled), name)
+    except UnicodeDecodeError as error:
+        raise UrdfError(f"{path}: one of its names is not UTF-8 ({error})") from None
+
+
+def _converted(model: MjcfModel, name: str) -> MjcfConversion:
     writer = _Writer(model, name)
     meshes = {file: model.stl(mesh) for file, mesh in writer.meshes.items()}
     indent(writer.robot)
