@@ -80,8 +80,8 @@ def _links(root: ElementTree.Element, path: Path) -> list[UrdfLink]:
     Raises:
         UrdfError: a link has something else where numbers should be.
     """
-    colors = {each.get("name", ""): _color(each) for each in root.findall("material")}
     try:
+        colors = {each.get("name", ""): _color(each) for each in root.findall("material")}
         return [_link(element, colors) for element in root.findall("link")]
     except ValueError as error:
         raise UrdfError(f"{path}: {error}") from None
@@ -222,7 +222,13 @@ def _origin(element: ElementTree.Element) -> UrdfOrigin:
 
 def _color(material: ElementTree.Element) -> Numbers | None:
     color = material.find("color")
-    return None if color is None else _numbers(color.get("rgba", "0.7 0.7 0.7 1"))[:3]
+    if color is None:
+        return None
+    text = color.get("rgba", "0.7 0.7 0.7 1")
+    if not (_are_numbers(text, 4) or _are_numbers(text, 3)):
+        name = material.get("name", "")
+        raise ValueError(f"material '{name}' has rgba=\"{text}\", which should be four numbers")
+    return _numbers(text)[:3]
 
 
 def _link(element: ElementTree.Element, colors: Mapping[str, Numbers | None]) -> UrdfLink:

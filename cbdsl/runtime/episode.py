@@ -234,6 +234,11 @@ class Runner:
         return result
 
     @property
+    def program(self) -> CheckedProgram:
+        """Program that it runs."""
+        return self._program
+
+    @property
     def predicate(self) -> str:
         """The program's, as an action: 0 running, 1 achieved, - ended without, X idle."""
         return self._run.predicate

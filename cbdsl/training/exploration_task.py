@@ -22,11 +22,12 @@ from cbdsl.learning.exploration import Exploration, ExplorationStep
 from cbdsl.learning.exploration_constants import ExplorationConstants
 from cbdsl.learning.explorations import EXPLORATIONS
 from cbdsl.program.checked import CheckedProgram
-from cbdsl.runtime.line_journal import JournalError, LineJournal
+from cbdsl.runtime.line_journal import JournalError, LineJournal, damaged
 from cbdsl.sensing.kinematics import Kinematics
 from cbdsl.training.action_runner import ActionRunner
 from cbdsl.training.catalog_writing import catalog_document
 from cbdsl.training.explorable import Explorable
+from cbdsl.training.exploration_watcher import ExplorationWatcher
 from cbdsl.training.provenance import versions
 from cbdsl.yaml_text.writer import remove_leftovers, write
 
@@ -104,8 +105,15 @@ class ExplorationTask:
         body: Backend,
         kinematics: Kinematics,
         observer: ExplorationObserver = lambda number, step, outcome, seconds: None,
+        watcher: ExplorationWatcher | None = None,
     ) -> CatalogDocument:
         """Carry out the remaining actions on a body, and write the catalog.
+
+        Args:
+            body: of the robot.
+            kinematics: of the robot.
+            observer: is told each action when it is over.
+            watcher: is told everything, its episodes too, if there is one.
 
         Raises:
             JournalError: the journal is of something else.
@@ -119,24 +127,27 @@ class ExplorationTask:
             self.actions,
             self.between,
             self.constants.longest,
+            watcher,
         )
         exploration = self.exploration()
         outcomes: list[ActionOutcome] = []
         identity = self._identity(body.renderer)
         with LineJournal(self.journal, identity, "exploration") as journal:
-            for row in journal.rows[: self.count]:
-                outcomes.append(_outcome(row, journal.path))
-                self._note(exploration, outcomes[-1], runner)
+            for line, row in enumerate(journal.rows[: self.count], 2):
+                outcomes.append(outcome_of(row, journal.path, line))
+                self._note(exploration, outcomes[-1], runner, watcher)
             while len(outcomes) < self.count:
                 if self.until_habituated and exploration.is_over:
                     break
                 began, seed = time.perf_counter(), self._seed(len(outcomes))
                 name = exploration.choose(np.random.default_rng([seed, _CHOICE]))
+                if watcher is not None:
+                    watcher.note_choice(name)
                 outcome = runner.run(name, list(exploration.affordances), seed)
                 seconds = time.perf_counter() - began
                 journal.append_row({**outcome._asdict(), "wall_seconds": round(seconds, 3)})
                 outcomes.append(outcome)
-                step = self._note(exploration, outcome, runner)
+                step = self._note(exploration, outcome, runner, watcher)
                 observer(len(outcomes), step, outcome, seconds)
             provenance = self._provenance(body.renderer, runner, exploration)
             known = runner.known(list(exploration.affordances))
@@ -154,11 +165,18 @@ class ExplorationTask:
         return made
 
     def _note(
-        self, exploration: Exploration, outcome: ActionOutcome, runner: ActionRunner
+        self,
+        exploration: Exploration,
+        outcome: ActionOutcome,
+        runner: ActionRunner,
+        watcher: ExplorationWatcher | None,
     ) -> ExplorationStep:
         new = runner.known([outcome.action, *outcome.opened])
         exploration.add({name: each.forms for name, each in new.items()})
-        return exploration.note(outcome)
+        step = exploration.note(outcome)
+        if watcher is not None:
+            watcher.note_step(exploration)
+        return step
 
     def _seed(self, number: int) -> int:
         entropy = np.random.SeedSequence([self.seed, self.number, number])
@@ -199,8 +217,13 @@ def _identity(document: Document) -> Identity:
     return Identity(name=document.name, sha256=digest(document))
 
 
-def _outcome(row: Mapping[str, Any], path: Path) -> ActionOutcome:
-    """Outcome in a row of a journal.
+def outcome_of(row: Mapping[str, Any], path: Path, line: int) -> ActionOutcome:
+    """Outcome in a line of a journal.
+
+    Args:
+        row: the line.
+        path: of the journal, for messages.
+        line: its number.
 
     Raises:
         JournalError: there is none.
@@ -217,8 +240,10 @@ def _outcome(row: Mapping[str, Any], path: Path) -> ActionOutcome:
             failed=bool(row["failed"]),
             sim_seconds=float(row["sim_seconds"]),
         )
-    except (KeyError, TypeError, ValueError, AttributeError) as error:
-        raise JournalError(f"{path} is damaged: a row is no action ({error})") from error
+    except KeyError as error:
+        raise damaged(path, line, f"it lacks {error}", "exploration") from error
+    except (TypeError, ValueError, AttributeError) as error:
+        raise damaged(path, line, f"it is no action ({error})", "exploration") from error
 
 
 def _tuples(values: Mapping[str, Sequence[float]]) -> dict[str, tuple[float, ...]]:

@@ -164,6 +164,25 @@ def test_predictions_are_beside_what_happened(
     assert told["brier"] == pytest.approx(sum(errors) / 3)
 
 
+def test_a_damaged_journal_names_its_line(
+    here: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    words = [*LOOK, "--out", "ball.yaml"]
+    assert cb(monkeypatch, *words, "--actions", "2") == 0
+    journal = here / "ball.actions.jsonl"
+    whole = journal.read_text("utf-8")
+    changes = {
+        "it lacks 'ahead'": ('"ahead"', '"behind"'),
+        "it is no action": ('"sim_seconds": ', '"sim_seconds": "x", "t": '),
+    }
+    for named, change in changes.items():
+        first, second, third = whole.splitlines(keepends=True)
+        journal.write_text(first + second + third.replace(*change), encoding="utf-8")
+        assert cb(monkeypatch, *words, "--actions", "3", "--resume") == 2
+        told = "".join(capsys.readouterr())
+        assert "ball.actions.jsonl, line 3: " in told and named in told
+
+
 def ended(process: subprocess.Popen[bytes], done: Callable[[], bool]) -> None:
     """Kill a process once something is done."""
     deadline = time.monotonic() + 120
