@@ -5,9 +5,10 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from typing import Any
 
-from cbdsl.types.casts import CAMERA, RIGID_HOLD, SIGHTING, TRIANGULATION, Chain
+from cbdsl.types.casts import CAMERA, CAMERA_TURN, RIGID_HOLD, SIGHTING, TRIANGULATION, Chain
 from cbdsl.types.resource import (
     Centroid,
+    ConstellationSignal,
     EffectorConfiguration,
     FingerForces,
     FingerLoad,
@@ -45,6 +46,7 @@ EXECUTED: Mapping[type, frozenset[tuple[str, ...]]] = {
     Heading: frozenset({(CAMERA.name,), (SIGHTING.name, *_HELD)}),
     Headings: frozenset({(CAMERA.name,), (TRIANGULATION.name, *_HELD)}),
     StereoPosition: frozenset({_HELD}),
+    ConstellationSignal: frozenset({(CAMERA_TURN.name,)}),
 }
 
 

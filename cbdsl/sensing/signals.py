@@ -42,10 +42,12 @@ from cbdsl.sensing.vision import Vision
 from cbdsl.sensing.visual_signals import VisualSignals
 from cbdsl.types.casts import Chain, chains_of
 from cbdsl.types.resource import (
+    RELATIVE,
     VISUAL,
     AffordanceProbability,
     BlobSignal,
     Centroid,
+    ConstellationSignal,
     EffectorConfiguration,
     FingerForces,
     FingerLoad,
@@ -60,6 +62,7 @@ from cbdsl.types.resource import (
     Resource,
     SensorSignal,
     Separation,
+    StereoOffset,
     StereoPosition,
     StereoSignal,
     SurfacePoint,
@@ -119,9 +122,7 @@ class Signals:
         self._readers: dict[int, Reader] = {}
         self._made_of: dict[int, tuple[int, ...]] = {}
         resources = tuple(_with_features(resources))
-        channels = [
-            resource.source.channel for resource in resources if isinstance(resource.source, VISUAL)
-        ]
+        channels = [channel for resource in resources for channel in _channels_of(resource)]
         self.vision = Vision(robot, kinematics, channels)
         self.tips = Tips(robot, kinematics)
         self.clock = self.tips.clock
@@ -144,6 +145,8 @@ class Signals:
             FingerForces: self.touch.finger_forces,
             BlobSignal: self.blobs.blob,
             StereoSignal: self.blobs.feature,
+            ConstellationSignal: self.blobs.constellation,
+            StereoOffset: self.sight.offset,
             InstanceCount: self.blobs.count,
             AffordanceProbability: self._affordance,
         }
@@ -532,6 +535,14 @@ def _square(numbers: Floats) -> float:
     for number in numbers:
         total += number * number
     return total
+
+
+def _channels_of(resource: Resource) -> tuple[str, ...]:
+    """Channels that the cameras have to look for, of a resource."""
+    source = resource.source
+    if isinstance(source, RELATIVE):
+        return source.channel, source.other
+    return (source.channel,) if isinstance(source, VISUAL) else ()
 
 
 def _with_features(resources: Iterable[Resource]) -> Iterator[Resource]:

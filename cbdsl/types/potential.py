@@ -98,6 +98,7 @@ _BUILT_IN = (
                 "force",
                 "torque",
                 "wrench",
+                "constellation",
             }
         ),
         reference=True,

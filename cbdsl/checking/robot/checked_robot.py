@@ -15,6 +15,7 @@ from cbdsl.types.resource import (
     AffordanceProbability,
     BlobSignal,
     Centroid,
+    ConstellationSignal,
     EffectorConfiguration,
     FingerForces,
     FingerLoad,
@@ -30,6 +31,7 @@ from cbdsl.types.resource import (
     SensorSignal,
     Separation,
     Source,
+    StereoOffset,
     StereoPosition,
     StereoSignal,
     SurfacePoint,
@@ -80,15 +82,19 @@ class CheckedRobot(NamedTuple):
                 return ("sensors", sensor)
             case Centroid(group=name) | Separation(group=name) | NetForces(group=name):
                 return ("groups", name)
-            case Heading(camera=camera) | BlobSignal(camera=camera) if (
-                camera in self.document.cameras
-            ):
+            case (
+                Heading(camera=camera)
+                | BlobSignal(camera=camera)
+                | ConstellationSignal(camera=camera)
+            ) if camera in self.document.cameras:
                 return ("cameras", camera)
             case Heading() | Headings() | StereoPosition():
                 return ("cameras",)
             case (
                 BlobSignal()
+                | ConstellationSignal()
                 | StereoSignal()
+                | StereoOffset()
                 | InstanceCount()
                 | SurfacePoint()
                 | AffordanceProbability()
@@ -201,7 +207,9 @@ class CheckedRobot(NamedTuple):
                 return self._cell_links(robot.members(name))
             case Heading() | Headings() | BlobSignal():
                 return self._camera_links(source) + self._holding_links()
-            case StereoPosition() | StereoSignal():
+            case ConstellationSignal():
+                return self._camera_links(source)
+            case StereoPosition() | StereoSignal() | StereoOffset():
                 return self._holding_links()
             case SensorSignal(links=links):
                 return list(links)
@@ -209,7 +217,8 @@ class CheckedRobot(NamedTuple):
 
     def _camera_links(self, source: Source) -> list[str]:
         cameras = self.document.cameras
-        if isinstance(source, (Heading, BlobSignal)) and source.camera != CYCLOPEAN:
+        of_one = isinstance(source, (Heading, BlobSignal, ConstellationSignal))
+        if of_one and source.camera != CYCLOPEAN:
             return [cameras[source.camera].link]
         return [camera.link for camera in cameras.values()]
 

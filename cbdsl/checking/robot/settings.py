@@ -18,6 +18,7 @@ _TOLERANCES = {
     "force": ("force",),
     "torque": ("torque",),
     "wrench": ("force", "torque"),
+    "constellation": ("number",),
 }
 
 
