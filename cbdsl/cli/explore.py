@@ -40,6 +40,18 @@ Algorithm = Annotated[
     str,
     typer.Option("--algorithm", help="explore_catalog (Algorithm 3) or explore_models (6.3)."),
 ]
+Thing = Annotated[
+    list[str],
+    typer.Option(
+        "--thing",
+        metavar="NAME=CHANNEL",
+        help="A thing, and how it is known: with two or more of them, explore which of them the "
+        "one PROGRAM brings to which, and write a meta-catalog.",
+    ),
+]
+Relation = Annotated[
+    str, typer.Option("--relation", help="What PROGRAM brings about, with --thing: on or in.")
+]
 Json = Annotated[bool, typer.Option("--json", help="Print one JSON object per action.")]
 
 
@@ -57,6 +69,8 @@ def explore(
     cameras: Cameras = None,
     between: Between = "let_go",
     algorithm: Algorithm = "explore_catalog",
+    thing: Thing = [],  # noqa: B006 (typer)
+    relation: Relation = "on",
     set_: Set = [],  # noqa: B006 (typer)
     resume: Resume = False,
     as_json: Json = False,
@@ -64,7 +78,7 @@ def explore(
     """Explore what can be done with an object, until its models change no more (Chapter 6).
 
     Each action that is rewarded teaches with which features it is; what changes its model most is
-    worth most. The catalog in --out says how often each action was rewarded, and with what. Beside
+    worth most. With --thing, things are brought to each other instead. The catalog in --out says how often each action was rewarded, and with what. Beside
     it, a file that ends in .actions.jsonl holds each action as soon as it is over: whatever
     interrupts it, it goes on with --resume, in a world that is set up anew.
 
@@ -81,6 +95,11 @@ def explore(
 
     if out.suffix != ".yaml":
         raise UsageError(f"--out {out}: a catalog is <name>.yaml")
+    if thing:
+        from cbdsl.cli.explore_pairs import explore_pairs
+
+        explore_pairs(context, _command(context))
+        return
     with needing_simulation():
         from cbdsl.learning.constants import read_constants
         from cbdsl.learning.explorations import EXPLORATIONS

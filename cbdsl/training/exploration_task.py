@@ -125,7 +125,7 @@ class ExplorationTask:
         identity = self._identity(body.renderer)
         with LineJournal(self.journal, identity, "exploration") as journal:
             for row in journal.rows[: self.count]:
-                outcomes.append(_outcome(row, journal.path))
+                outcomes.append(read_outcome(row, journal.path))
                 self._note(exploration, outcomes[-1], runner)
             while len(outcomes) < self.count:
                 if self.until_habituated and exploration.is_over:
@@ -199,7 +199,7 @@ def _identity(document: Document) -> Identity:
     return Identity(name=document.name, sha256=digest(document))
 
 
-def _outcome(row: Mapping[str, Any], path: Path) -> ActionOutcome:
+def read_outcome(row: Mapping[str, Any], path: Path) -> ActionOutcome:
     """Outcome in a row of a journal.
 
     Raises:
