@@ -21,6 +21,7 @@ from cbdsl.types.resource import (
     ConstellationSignal,
     InstanceCount,
     Resource,
+    StereoOffset,
     StereoSignal,
 )
 
@@ -107,6 +108,11 @@ class BlobSignals:
                 return None
             blobs.append(blob_of(self._robot.cameras[source.camera], region))
         return self._reading(constellation_of(*blobs).value)
+
+    def offset(self, source: StereoOffset) -> Reading | None:
+        """Where the centre of one silhouette is from that of another one, m, world axes."""
+        first, second = (self._vision.meeting(each) for each in (source.channel, source.other))
+        return None if first is None or second is None else self._reading(first - second)
 
     def feature(self, source: StereoSignal) -> Reading | None:
         """The velocity of what stereo sees, m/s, or its volume, m^3.

@@ -146,7 +146,7 @@ class Signals:
             BlobSignal: self.blobs.blob,
             StereoSignal: self.blobs.feature,
             ConstellationSignal: self.blobs.constellation,
-            StereoOffset: self.sight.offset,
+            StereoOffset: self.blobs.offset,
             InstanceCount: self.blobs.count,
             AffordanceProbability: self._affordance,
         }

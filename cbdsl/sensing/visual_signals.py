@@ -28,7 +28,7 @@ from cbdsl.sensing.tips import Tips
 from cbdsl.sensing.touch import Touch
 from cbdsl.sensing.vision import SeenHeading, Vision
 from cbdsl.types.casts import CAMERA, RIGID_HOLD, SIGHTING, TRIANGULATION, Chain
-from cbdsl.types.resource import Heading, Headings, StereoOffset, StereoPosition
+from cbdsl.types.resource import Heading, Headings, StereoPosition
 
 Floats = NDArray[np.float64]
 Step = Callable[[Any], Any]
@@ -164,14 +164,6 @@ class VisualSignals:
             steps = self._hold_steps(memory.position)
             jacobian = sum([carry(chain, steps) for chain in chains], jacobian)
         return Reading(memory.position, jacobian, self._vision.images, memory.radius)
-
-    def offset(self, source: StereoOffset) -> Reading | None:
-        """The remembered position of one thing relative to that of another, m, world axes."""
-        places = [self._vision.memory(each) for each in (source.channel, source.other)]
-        found = [each.position for each in places if each is not None and each.position is not None]
-        if len(found) < len(places):
-            return None
-        return Reading(found[0] - found[1], None, self._vision.images)
 
     def cameras(self) -> tuple[Frame, ...]:
         """The cameras' frames in that of the first, which moves with them."""

@@ -183,7 +183,8 @@ class PairTask:
         seen = {key: runner.signals.read(each) for key, each in pair.features.items()}
         return ActionOutcome(
             action=name,
-            rewarded=result.outcome == "success",
+            # What came to rest far from its reference did not come where it was to be.
+            rewarded=result.outcome == "success" and not result.far,
             features={
                 key: tuple(reading.value.ravel().tolist())
                 for key, reading in seen.items()

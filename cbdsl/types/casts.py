@@ -44,8 +44,10 @@ Chain = tuple[Cast, ...]
 _KINEMATICS = {"position": "Eq 3.11", "orientation": "Eq 3.12", "pose": "Eq 3.11, 3.12"}
 
 CAMERA = Cast("inverse camera Jacobian", "heading", "configuration", "section 3.2.2", value=False)
-CAMERA_TURN = Cast(
-    "turn of a camera", "constellation", "configuration", "Fig 7.15", value=False
+#: No turn of a camera displaces how two things are to each other: these are watched.
+CAMERA_TURNS = tuple(
+    Cast("turn of a camera", kind, "configuration", "Fig 7.15", value=False)
+    for kind in ("constellation", "offset")
 )
 TRIANGULATION = Cast("stereo triangulation", "heading", "position", "Eq 3.14", factors=2)
 
@@ -59,7 +61,7 @@ CASTS: tuple[Cast, ...] = (
         for part, equation in _KINEMATICS.items()
     ),
     CAMERA,
-    CAMERA_TURN,
+    *CAMERA_TURNS,
     TRIANGULATION,
     Cast("oculomotor Jacobian", "position", "heading", "section 3.2.2", value=False),
     *(
@@ -76,7 +78,6 @@ FEATURES: Mapping[str, str] = {
     "probability": "no joint moves what is expected",
     "heading_rate": "joints displace what they move, and a rate is no displacement",
     "extent": "how a thing's outline changes as it turns depends on its shape, which is not known",
-    "offset": "a hand displaces what it holds, and no hand the other thing with it",
     "axis": "how a thing's outline changes as it turns depends on its shape, which is not known",
 }
 

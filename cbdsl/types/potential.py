@@ -99,6 +99,7 @@ _BUILT_IN = (
                 "torque",
                 "wrench",
                 "constellation",
+                "offset",
             }
         ),
         reference=True,

@@ -207,9 +207,9 @@ class CheckedRobot(NamedTuple):
                 return self._cell_links(robot.members(name))
             case Heading() | Headings() | BlobSignal():
                 return self._camera_links(source) + self._holding_links()
-            case ConstellationSignal():
+            case ConstellationSignal() | StereoOffset():
                 return self._camera_links(source)
-            case StereoPosition() | StereoSignal() | StereoOffset():
+            case StereoPosition() | StereoSignal():
                 return self._holding_links()
             case SensorSignal(links=links):
                 return list(links)

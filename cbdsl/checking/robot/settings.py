@@ -19,6 +19,7 @@ _TOLERANCES = {
     "torque": ("torque",),
     "wrench": ("force", "torque"),
     "constellation": ("number",),
+    "offset": ("length",),
 }
 
 
