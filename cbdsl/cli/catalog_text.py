@@ -14,9 +14,7 @@ def catalog_text(catalog: CatalogDocument) -> str:
     if catalog.provenance is not None:
         origin = catalog.provenance
         head += f", after {origin.actions} actions on {origin.stage.name}"
-    rows = [
-        (name, *count_cells(each)) for name, each in catalog.affordances.items()
-    ]
+    rows = [(name, *count_cells(each)) for name, each in catalog.affordances.items()]
     titles = ("action", "rewarded", "95 % interval", "value", "model")
     widths = [max(len(row[i]) for row in (titles, *rows)) for i in range(len(titles))]
     lines = [head, ""]

@@ -78,9 +78,10 @@ def explore(
     """Explore what can be done with an object, until its models change no more (Chapter 6).
 
     Each action that is rewarded teaches with which features it is; what changes its model most is
-    worth most. With --thing, things are brought to each other instead. The catalog in --out says how often each action was rewarded, and with what. Beside
+    worth most. The catalog in --out says how often each action was rewarded, and with what. Beside
     it, a file that ends in .actions.jsonl holds each action as soon as it is over: whatever
-    interrupts it, it goes on with --resume, in a world that is set up anew.
+    interrupts it, it goes on with --resume, in a world that is set up anew. With --thing, things
+    are brought to each other, and --out is a meta-catalog.
 
     Exit 0 when all actions were taken, 1 when a document has errors, 2 when it could not act, 130
     when it was interrupted.

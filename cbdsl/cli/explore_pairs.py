@@ -41,9 +41,7 @@ def explore_pairs(context: typer.Context, command: str) -> None:
         from cbdsl.learning.constants import read_constants
         from cbdsl.training.pair_task import PairTask
 
-        request, pairs = read_pairs(
-            given["programs"][0], things, given["relation"], given["stage"]
-        )
+        request, pairs = read_pairs(given["programs"][0], things, given["relation"], given["stage"])
         constants = read_constants(
             CatalogConstants, read_assignments(given["set_"], "--set"), "explore_pairs"
         )
@@ -82,7 +80,7 @@ def _run(task: PairTask, request: RunRequest, cameras: str | None, *, as_json: b
     from cbdsl.sensing.kinematics import Kinematics
 
     with simulation(request, task.backend, cameras=cameras) as (body, _):
-        progress = ExplorationProgress(task.count, as_json=as_json)
+        progress = ExplorationProgress(task.count, as_json=as_json, looks_ahead=False)
         document = task.run(body, lambda: Kinematics(request.robot, request.urdf), progress.note)
     if not as_json:
         from cbdsl.cli.meta_catalog_text import meta_catalog_text

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from cbdsl.api.run_request import RunRequest
-    from cbdsl.training.pair_task import ThingPair
+    from cbdsl.training.thing_pair import ThingPair
     from cbdsl.types.resource import Resource
 
 # Parameters of a program that brings one thing to another.
@@ -102,7 +102,7 @@ def _require_ends(program: str) -> None:
 
 def _pair(upper: str, lower: str, context: str, request: RunRequest) -> ThingPair:
     from cbdsl.checking.knowledge.digest import program_digest
-    from cbdsl.training.pair_task import ThingPair
+    from cbdsl.training.thing_pair import ThingPair
 
     digest = program_digest(request.program_file, request.library)
     return ThingPair(upper, lower, context, request.program, digest, _features(request))

@@ -1,12 +1,15 @@
-"""Plans of stacks: the surest path through what is known to stand on what (Figure 7.17)."""
+"""Plans of stacks: the surest paths through what is known to stand on what (Figure 7.17)."""
 
 from __future__ import annotations
 
 from collections.abc import Collection, Iterator, Mapping
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
+
+if TYPE_CHECKING:
+    from cbdsl.documents.meta_catalog import MetaCatalogDocument
 
 Support = Mapping[tuple[str, str], float]
-"""Probabilities that a thing stands on another one, by upper and lower."""
+"""Probabilities that a thing stands on another one, by upper and lower; 0 where it never did."""
 
 
 class StackPlan(NamedTuple):
@@ -21,6 +24,15 @@ class StackPlan(NamedTuple):
     probability: float
 
 
+def support_of(catalog: MetaCatalogDocument) -> dict[tuple[str, str], float]:
+    """What stands on what, as a meta-catalog has it: means by Laplace's rule."""
+    return {
+        (pair.upper, pair.lower): (pair.rewarded + 1) / (pair.tried + 2) if pair.rewarded else 0.0
+        for pair in catalog.pairs.values()
+        if pair.relation == "on"
+    }
+
+
 def plan_stack(support: Support, height: int, things: Collection[str] | None = None) -> StackPlan:
     """The surest stack of some height.
 
@@ -32,16 +44,26 @@ def plan_stack(support: Support, height: int, things: Collection[str] | None = N
     Raises:
         ValueError: nothing that stood on another one makes such a stack.
     """
-    there = things if things is not None else {name for pair in support for name in pair}
+    plans = plan_stacks(support, height, things)
+    if not plans:
+        known = {name for pair in support for name in pair} if things is None else set(things)
+        given = ", ".join(sorted(known)) or "nothing"
+        raise ValueError(f"no stack of {height} is known of {given}")
+    return plans[0]
+
+
+def plan_stacks(
+    support: Support, height: int, things: Collection[str] | None = None
+) -> list[StackPlan]:
+    """All stacks of some height that can be made, the surest first."""
     edges = {
-        (upper, lower): probability
-        for (upper, lower), probability in support.items()
-        if probability > 0.0 and upper in there and lower in there
+        pair: probability
+        for pair, probability in support.items()
+        if probability > 0.0 and (things is None or set(pair) <= set(things))
     }
-    plans = [plan for lowest in sorted(there) for plan in _stacks((lowest,), 1.0, edges, height)]
-    if height < 2 or not plans:
-        raise ValueError(f"no stack of {height} is known of {', '.join(sorted(there)) or 'nothing'}")
-    return max(plans, key=lambda plan: (plan.probability, plan.order))
+    lowest = sorted({lower for _, lower in edges})
+    plans = [plan for low in lowest for plan in _stacks((low,), 1.0, edges, height)]
+    return sorted(plans, key=lambda plan: (-plan.probability, plan.order))
 
 
 def _stacks(
@@ -54,8 +76,3 @@ def _stacks(
     for (upper, lower), own in edges.items():
         if lower == order[-1] and upper not in order:
             yield from _stacks((*order, upper), probability * own, edges, height)
-
-
-def mean_of(rewarded: int, tried: int) -> float:
-    """Mean of the probability of a reward, by Laplace's rule; 0 where it was never rewarded."""
-    return (rewarded + 1) / (tried + 2) if rewarded else 0.0

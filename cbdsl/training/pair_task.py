@@ -6,61 +6,36 @@ import time
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
 from cbdsl.backends.backend import Backend, BackendError
 from cbdsl.documents.catalog import CatalogProvenance
-from cbdsl.documents.digest import ProgramDigest, digest
-from cbdsl.documents.document import Document
 from cbdsl.documents.meta_catalog import MetaCatalogDocument
 from cbdsl.documents.policy import Identity
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.documents.stage import StageDocument
-from cbdsl.learning.action_outcome import NOOP, ActionOutcome, FeatureForm
+from cbdsl.learning.action_outcome import NOOP, ActionOutcome
 from cbdsl.learning.catalog_exploration import CatalogConstants
 from cbdsl.learning.exploration import ExplorationStep
 from cbdsl.learning.pair_exploration import PairExploration
-from cbdsl.program.checked import CheckedProgram
 from cbdsl.runtime.episode import EpisodeError, Runner
-from cbdsl.runtime.line_journal import JournalError, LineJournal
+from cbdsl.runtime.line_journal import LineJournal
 from cbdsl.sensing.kinematics import Kinematics
-from cbdsl.training.exploration_task import ExplorationObserver, read_outcome
+from cbdsl.training.exploration_task import (
+    ExplorationObserver,
+    identity_of,
+    read_outcome,
+    require_writable,
+)
 from cbdsl.training.meta_catalog_writing import meta_catalog_document
 from cbdsl.training.provenance import versions
-from cbdsl.types.resource import Resource
+from cbdsl.training.thing_pair import ThingPair
 from cbdsl.yaml_text.writer import remove_leftovers, write
 
 #: What an action's seed is used for besides the episode.
 _CHOICE = 2
-
-
-class ThingPair(NamedTuple):
-    """Two things, one of which can be brought to the other.
-
-    Attributes:
-        upper, lower: names of the things.
-        context: of the stage that shows them.
-        program: bound to their channels.
-        digest: of its text.
-        features: signals of both, by name.
-    """
-
-    upper: str
-    lower: str
-    context: str
-    program: CheckedProgram
-    digest: ProgramDigest
-    features: Mapping[str, Resource]
-
-    @property
-    def forms(self) -> tuple[FeatureForm, ...]:
-        """The features as a model sees them."""
-        return tuple(
-            FeatureForm(name, resource.type.unit, resource.type.size)
-            for name, resource in self.features.items()
-        )
 
 
 @dataclass(frozen=True)
@@ -110,15 +85,7 @@ class PairTask:
             JournalError: something is in the way.
             OSError: nothing can be written there.
         """
-        self.path.parent.mkdir(parents=True, exist_ok=True)
-        if self.journal.exists() and not resume:
-            raise JournalError(
-                f"{self.journal} is there already: go on with --resume, or choose another --out"
-            )
-        if self.path.is_dir() or (self.path.exists() and not self.journal.exists()):
-            raise JournalError(
-                f"{self.path} is there already, and was not explored here: choose another"
-            )
+        require_writable(self.path, self.journal, resume=resume)
 
     def run(
         self,
@@ -161,7 +128,12 @@ class PairTask:
                 step: ExplorationStep = exploration.note(outcome)
                 observer(len(outcomes), step, outcome, seconds)
             document = meta_catalog_document(
-                self.path.stem, self, exploration, self._provenance(body.renderer, len(outcomes))
+                self.path.stem,
+                self.things,
+                self.relation,
+                self.pairs,
+                exploration,
+                self._provenance(body.renderer, len(outcomes)),
             )
             remove_leftovers(self.path)
             write(document, self.path)
@@ -199,15 +171,17 @@ class PairTask:
 
     def _provenance(self, renderer: str, actions: int) -> CatalogProvenance:
         constants: dict[str, Any] = self.constants.model_dump()
+        digests = [each.digest for each in self.pairs.values()]
+        policies = {name: sha for each in digests for name, sha in each.policies.items()}
         return CatalogProvenance(
             command=self.command,
             programs={
                 name: Identity(name=each.program.name, sha256=each.digest.sha256)
                 for name, each in self.pairs.items()
             },
-            policies={k: v for each in self.pairs.values() for k, v in each.digest.policies.items()},
-            robot=_identity(self.robot),
-            stage=_identity(self.stage),
+            policies=policies,
+            robot=identity_of(self.robot),
+            stage=identity_of(self.stage),
             algorithm="explore_pairs",
             constants={name: value for name, value in constants.items() if value is not None},
             seed=self.seed,
@@ -216,7 +190,3 @@ class PairTask:
             renderer=renderer,
             versions=versions(),
         )
-
-
-def _identity(document: Document) -> Identity:
-    return Identity(name=document.name, sha256=digest(document))

@@ -17,8 +17,8 @@ from cbdsl.robot.pair_names import pair_resource
 from cbdsl.yaml_text.loaded import Loaded
 from cbdsl.yaml_text.source_map import SourceMap, Step
 
-# Of the largest element: what rounding may take from a covariance.
-_ROUNDING = 1e-9
+# Of the largest element: what rounding to nine digits may take from each element.
+_ROUNDING = 5e-9
 
 
 def examine_catalog(loaded: Loaded[CatalogDocument], session: Session, findings: Findings) -> None:
@@ -126,7 +126,7 @@ def _check_model(
         findings.add("CB653", source.place(*steps, "mean"), **details)
         return
     covariance = np.array(model.covariance)
-    bound = _ROUNDING * max(float(np.abs(covariance).max()), 1e-12)
+    bound = _ROUNDING * len(covariance) * max(float(np.abs(covariance).max()), 1e-12)
     fault = ""
     if np.abs(covariance - covariance.T).max() > bound:
         fault = "symmetric"

@@ -8,7 +8,7 @@ from cbdsl.checking.lookup.documents import find_document
 from cbdsl.checking.robot.checked_robot import CheckedRobot
 from cbdsl.checking.session import Session
 from cbdsl.documents.catalog import CatalogDocument
-from cbdsl.documents.meta_catalog import MetaCatalogDocument, KnownThing
+from cbdsl.documents.meta_catalog import KnownThing, MetaCatalogDocument
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.robot.channel_names import channel_names
 from cbdsl.yaml_text.loaded import Loaded

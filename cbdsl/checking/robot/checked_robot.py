@@ -217,8 +217,8 @@ class CheckedRobot(NamedTuple):
 
     def _camera_links(self, source: Source) -> list[str]:
         cameras = self.document.cameras
-        of_one = isinstance(source, (Heading, BlobSignal, ConstellationSignal))
-        if of_one and source.camera != CYCLOPEAN:
+        one = (Heading, BlobSignal, ConstellationSignal)
+        if isinstance(source, one) and source.camera != CYCLOPEAN:
             return [cameras[source.camera].link]
         return [camera.link for camera in cameras.values()]
 
