@@ -17,7 +17,7 @@ Measure = Literal["sum", "trace", "determinant"]
 
 # Deviations of a prior that counts for something in a robot's workspace, by unit.
 _WORKSPACE: Mapping[str, float] = {
-    "m": 0.03, "rad": 0.1, "m/s": 0.1, "rad/s": 0.1, "m^3": 1e-3,
+    "m": 0.03, "rad": 0.1, "1": 0.1, "m/s": 0.1, "rad/s": 0.1, "m^3": 1e-3,
 }  # fmt: skip
 
 # Of the variance of the prior, in which densities that predict are spread at least.

@@ -59,7 +59,7 @@ EXTENT = ResourceType("extent", "R+^2", 2, "rad")
 # An axis has no direction: its angle is the same after half a turn.
 AXIS = ResourceType("axis", "RP^1", 1, "rad")
 # Ratios of two blobs' axes and the angle between them (Fig 7.15); all are numbers.
-CONSTELLATION = ResourceType("constellation", "R+^2 x RP^1", 3, "")
+CONSTELLATION = ResourceType("constellation", "R+^2 x RP^1", 3, "1")
 # From one thing to another, in world axes.
 OFFSET = ResourceType("offset", "R^3", 3, "m")
 
