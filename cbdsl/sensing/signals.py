@@ -41,10 +41,12 @@ from cbdsl.sensing.vision import Vision
 from cbdsl.sensing.visual_signals import VisualSignals
 from cbdsl.types.casts import Chain, chains_of
 from cbdsl.types.resource import (
+    RELATIVE,
     VISUAL,
     AffordanceProbability,
     BlobSignal,
     Centroid,
+    ConstellationSignal,
     EffectorConfiguration,
     FingerForces,
     FingerLoad,
@@ -60,6 +62,7 @@ from cbdsl.types.resource import (
     Resource,
     SensorSignal,
     Separation,
+    StereoOffset,
     StereoPosition,
     StereoSignal,
     SurfacePoint,
@@ -116,9 +119,7 @@ class Signals:
         self._readers: dict[int, Reader] = {}
         self._made_of: dict[int, tuple[int, ...]] = {}
         resources = tuple(_with_features(resources))
-        channels = [
-            resource.source.channel for resource in resources if isinstance(resource.source, VISUAL)
-        ]
+        channels = [channel for resource in resources for channel in _channels_of(resource)]
         self.vision = Vision(robot, kinematics, channels)
         self.tips = Tips(robot, kinematics)
         self.clock = self.tips.clock
@@ -143,6 +144,8 @@ class Signals:
             BlobSignal: self.blobs.blob,
             StereoSignal: self.blobs.feature,
             NovelHeading: self.novelty.heading,
+            ConstellationSignal: self.blobs.constellation,
+            StereoOffset: self.blobs.offset,
             InstanceCount: self.blobs.count,
             AffordanceProbability: self._affordance,
         }
@@ -461,6 +464,14 @@ class Signals:
         if isinstance(source, UniformSample):
             return UniformSampler(*limits, rng)
         return DensitySampler(source, *limits, rng)
+
+
+def _channels_of(resource: Resource) -> tuple[str, ...]:
+    """Channels that the cameras have to look for, of a resource."""
+    source = resource.source
+    if isinstance(source, RELATIVE):
+        return source.channel, source.other
+    return (source.channel,) if isinstance(source, VISUAL) else ()
 
 
 def _with_features(resources: Iterable[Resource]) -> Iterator[Resource]:

@@ -90,15 +90,7 @@ class ExplorationTask:
             JournalError: something is in the way.
             OSError: nothing can be written there.
         """
-        self.path.parent.mkdir(parents=True, exist_ok=True)
-        if self.journal.exists() and not resume:
-            raise JournalError(
-                f"{self.journal} is there already: go on with --resume, or choose another --out"
-            )
-        if self.path.is_dir() or (self.path.exists() and not self.journal.exists()):
-            raise JournalError(
-                f"{self.path} is there already, and was not explored here: choose another"
-            )
+        require_writable(self.path, self.journal, resume=resume)
 
     def run(
         self,
@@ -200,8 +192,8 @@ class ExplorationTask:
                 for each in self.actions
             },
             policies=policies,
-            robot=_identity(self.robot),
-            stage=_identity(self.stage),
+            robot=identity_of(self.robot),
+            stage=identity_of(self.stage),
             algorithm=self.algorithm,
             constants={name: value for name, value in constants.items() if value is not None},
             seed=self.seed,
@@ -213,7 +205,29 @@ class ExplorationTask:
         )
 
 
-def _identity(document: Document) -> Identity:
+def require_writable(path: Path, journal: Path, *, resume: bool) -> None:
+    """Check that a catalog and the journal of its actions can be written.
+
+    Args:
+        path: of the catalog, whose folder is made.
+        journal: of its actions.
+        resume: whether that may be there, and is gone on with.
+
+    Raises:
+        JournalError: something is in the way.
+        OSError: nothing can be written there.
+    """
+    path.parent.mkdir(parents=True, exist_ok=True)
+    if journal.exists() and not resume:
+        raise JournalError(
+            f"{journal} is there already: go on with --resume, or choose another --out"
+        )
+    if path.is_dir() or (path.exists() and not journal.exists()):
+        raise JournalError(f"{path} is there already, and was not explored here: choose another")
+
+
+def identity_of(document: Document) -> Identity:
+    """Name and digest of a document."""
     return Identity(name=document.name, sha256=digest(document))
 
 
