@@ -61,6 +61,12 @@ Thing = Annotated[
 Relation = Annotated[
     str, typer.Option("--relation", help="What PROGRAM brings about, with --thing: on or in.")
 ]
+Join = Annotated[
+    bool,
+    typer.Option(
+        "--join", help="Go on, and let programs join that were not there, and this --stage follow."
+    ),
+]
 Json = Annotated[bool, typer.Option("--json", help="Print one JSON object per action.")]
 
 
@@ -82,6 +88,7 @@ def explore(
     relation: Relation = "on",
     set_: Set = [],  # noqa: B006 (typer)
     resume: Resume = False,
+    join: Join = False,
     as_json: Json = False,
     live: Live = False,
     live_port: LivePort = None,
@@ -147,8 +154,9 @@ def explore(
             command=_command(context),
             path=out.absolute(),
             cameras=cameras,
+            joins=join,
         )
-        task.require_ready(resume=resume)
+        task.require_ready(resume=resume or join)
     with shown_on_failure(), termination_interrupts():
         _run(task, request, shown, as_json=as_json)
 

@@ -12,7 +12,8 @@ if TYPE_CHECKING:
 
 # What means something for the actions of one thing alone.
 _OF_ONE = (
-    "feature", "between", "algorithm", "live", "live_port", "live_wait", "live_close", "fast",
+    "feature", "between", "algorithm", "join", "live", "live_port", "live_wait", "live_close",
+    "fast",
 )  # fmt: skip
 
 
