@@ -18,8 +18,25 @@ from cbdsl.yaml_text.library import Library
 from tests.conftest import ROOT
 
 CATALOGS = sorted((ROOT / CATALOG.folder).glob("*.yaml"))
-# Section 6.2.2: what each object was found to afford.
+# Section 6.2.2: what each object was found to afford; with a pad, PICKANDPLACE joined (7.1).
 AFFORDED = {
+    "table_and_pad": {"searchtrack", "reachtouch", "visualinspect_blue"},
+    "basketball_and_pad": {
+        "searchtrack",
+        "reachtouch",
+        "bimanualtouch",
+        "pick_and_place",
+        "visualinspect_green",
+    },
+    "red_ball_and_pad": {
+        "searchtrack",
+        "reachtouch",
+        "bimanualtouch",
+        "visualinspect_blue",
+        "visualinspect_yellow",
+        "pick_and_place",
+        "visualinspect_green",
+    },
     "table": {"searchtrack", "reachtouch"},
     "basketball": {"searchtrack", "reachtouch", "bimanualtouch"},
     "red_ball": {
@@ -72,3 +89,17 @@ def test_its_command_explores_it_again(catalog: CatalogDocument, path: Path) -> 
     assert options["--out"] == path.name
     assert options["--stage"] == catalog.provenance.stage.name
     assert int(options["--actions"]) == catalog.provenance.actions == len(catalog.steps.action)
+
+
+@pytest.mark.parametrize("name", [name for name in AFFORDED if name.endswith("_and_pad")])
+def test_what_joined_is_attended_to(name: str, library: Library) -> None:
+    catalog = library.read(library.locate(CatalogDocument, name), CatalogDocument).document
+    assert catalog.provenance is not None and catalog.steps is not None
+    (joined,) = catalog.provenance.joined
+    assert (joined.after, joined.programs) == (100, ("pick_and_place",))
+    before, after = catalog.steps.action[:100], catalog.steps.action[100:]
+    assert "pick_and_place" not in before
+    assert after.count("pick_and_place") >= 5
+    # The world that came with it changed, too: a pad is to be seen.
+    known = library.read(library.locate(CatalogDocument, name[:-8]), CatalogDocument).document
+    assert catalog.affordances.keys() > known.affordances.keys()
