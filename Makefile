@@ -11,7 +11,11 @@ USERS = sim,editor,formats,learn,mujoco,gym,trees,mcap
 SAMPLE ?= 100
 REACH ?= all
 
-.PHONY: check format lint types layers spelling documents pages tests properties mutants site dist sbom fix
+# How long each entry point is fuzzed, s, and which: all.
+SECONDS ?= 60
+TARGET ?=
+
+.PHONY: check format lint types layers spelling documents pages tests properties mutants fuzz site dist sbom fix
 
 check: format lint types layers spelling documents pages tests
 
@@ -40,7 +44,7 @@ pages:
 
 # The slow ones run episodes on the simulator.
 tests:
-	$(BIN)pytest -n auto -m "$(MARK)"
+	$(BIN)pytest -n auto --durations=12 --durations-min=5 -m "$(MARK)"
 
 # Every single fault that can be put into a shipped document, which the tests sample: a quarter of an
 # hour.
@@ -50,6 +54,11 @@ properties:
 # Small faults in control, sensing, runtime and learning that the fast tests have to notice.
 mutants:
 	$(BIN)python -m tests.mutants --sample $(SAMPLE) --reach $(REACH)
+
+# Everything that reads text, fed with what reaches new branches: 22 entry points of SECONDS each.
+fuzz:
+	$(BIN)pip install --quiet --disable-pip-version-check -e ".[fuzz]"
+	$(BIN)python -m tests.fuzz --seconds $(SECONDS) $(TARGET)
 
 # The documentation with replays of shipped programs, in site/.
 site:

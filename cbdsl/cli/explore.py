@@ -8,12 +8,21 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from cbdsl.cli.learn import Cameras, Resume, Seed, Set
+from cbdsl.cli.live import Fast, Live, LiveClose, LivePort, LiveWait
 from cbdsl.cli.simulation import BackendName
 
 if TYPE_CHECKING:
     from cbdsl.api.run_request import RunRequest
+    from cbdsl.cli.live import LiveOptions
     from cbdsl.documents.stage import StageDocument
     from cbdsl.training.exploration_task import ExplorationTask
+
+# The programs stand without an option, how an exploration gets to its end does not matter to it,
+# and the number of its actions is told last.
+_NEVER = (
+    "programs", "actions", "resume", "as_json", "live", "live_port", "live_wait", "live_close",
+    "fast",
+)  # fmt: skip
 
 Programs = Annotated[
     list[str],
@@ -40,6 +49,24 @@ Algorithm = Annotated[
     str,
     typer.Option("--algorithm", help="explore_catalog (Algorithm 3) or explore_models (6.3)."),
 ]
+Thing = Annotated[
+    list[str],
+    typer.Option(
+        "--thing",
+        metavar="NAME=CHANNEL",
+        help="A thing, and how it is known: with two or more of them, explore which of them the "
+        "one PROGRAM brings to which, and write a meta-catalog.",
+    ),
+]
+Relation = Annotated[
+    str, typer.Option("--relation", help="What PROGRAM brings about, with --thing: on or in.")
+]
+Join = Annotated[
+    bool,
+    typer.Option(
+        "--join", help="Go on, and let programs join that were not there, and this --stage follow."
+    ),
+]
 Json = Annotated[bool, typer.Option("--json", help="Print one JSON object per action.")]
 
 
@@ -57,16 +84,25 @@ def explore(
     cameras: Cameras = None,
     between: Between = "let_go",
     algorithm: Algorithm = "explore_catalog",
+    thing: Thing = [],  # noqa: B006 (typer)
+    relation: Relation = "on",
     set_: Set = [],  # noqa: B006 (typer)
     resume: Resume = False,
+    join: Join = False,
     as_json: Json = False,
+    live: Live = False,
+    live_port: LivePort = None,
+    live_wait: LiveWait = False,
+    live_close: LiveClose = False,
+    fast: Fast = False,
 ) -> None:
     """Explore what can be done with an object, until its models change no more (Chapter 6).
 
     Each action that is rewarded teaches with which features it is; what changes its model most is
     worth most. The catalog in --out says how often each action was rewarded, and with what. Beside
     it, a file that ends in .actions.jsonl holds each action as soon as it is over: whatever
-    interrupts it, it goes on with --resume, in a world that is set up anew.
+    interrupts it, it goes on with --resume, in a world that is set up anew. With --thing, things
+    are brought to each other, and --out is a meta-catalog.
 
     Exit 0 when all actions were taken, 1 when a document has errors, 2 when it could not act, 130
     when it was interrupted.
@@ -74,6 +110,7 @@ def explore(
     from cbdsl.api.run_request import read_request
     from cbdsl.cli.assignments import read_assignments
     from cbdsl.cli.explored_actions import read_actions
+    from cbdsl.cli.live import live_options
     from cbdsl.cli.quiet import shown_on_failure
     from cbdsl.cli.simulation import needing_simulation
     from cbdsl.cli.termination import termination_interrupts
@@ -81,6 +118,12 @@ def explore(
 
     if out.suffix != ".yaml":
         raise UsageError(f"--out {out}: a catalog is <name>.yaml")
+    shown = live_options(live, live_port, fast=fast, waits=live_wait, closes=live_close)
+    if thing:
+        from cbdsl.cli.explore_pairs import explore_pairs
+
+        explore_pairs(context, _command(context))
+        return
     with needing_simulation():
         from cbdsl.learning.constants import read_constants
         from cbdsl.learning.explorations import EXPLORATIONS
@@ -111,10 +154,11 @@ def explore(
             command=_command(context),
             path=out.absolute(),
             cameras=cameras,
+            joins=join,
         )
-        task.require_ready(resume=resume)
+        task.require_ready(resume=resume or join)
     with shown_on_failure(), termination_interrupts():
-        _run(task, request, as_json=as_json)
+        _run(task, request, shown, as_json=as_json)
 
 
 def require_persistent(stage: StageDocument) -> None:
@@ -132,18 +176,26 @@ def require_persistent(stage: StageDocument) -> None:
         )
 
 
-def _run(task: ExplorationTask, request: RunRequest, *, as_json: bool) -> None:
+def _run(
+    task: ExplorationTask, request: RunRequest, live: LiveOptions | None, *, as_json: bool
+) -> None:
+    from cbdsl.cli.catalog_text import catalog_text
     from cbdsl.cli.exploration_progress import ExplorationProgress
+    from cbdsl.cli.live import live_page
     from cbdsl.cli.simulation import simulation
+    from cbdsl.reporting.live.exploration_view import ExplorationView
 
-    with simulation(request, task.backend, cameras=task.cameras) as (body, kinematics):
+    with (
+        simulation(request, task.backend, cameras=task.cameras) as (body, kinematics),
+        live_page(live, request, body, tells=not as_json) as page,
+    ):
         progress = ExplorationProgress(task.count, as_json=as_json)
-        document = task.run(body, kinematics, progress.note)
-    if not as_json:
-        from cbdsl.cli.catalog_text import catalog_text
-
-        print(catalog_text(document), end="")
-        print(f"wrote {task.path}")
+        name, feature = task.path.stem, task.feature
+        view = None if page is None else ExplorationView(page, name, feature, task.count)
+        document = task.run(body, kinematics, progress.note, view)
+        if not as_json:
+            print(catalog_text(document), end="")
+            print(f"wrote {task.path}", flush=True)
 
 
 def _command(context: typer.Context) -> str:
@@ -154,7 +206,7 @@ def _command(context: typer.Context) -> str:
     words = ["cb", "explore", *given["programs"]]
     for parameter in context.command.params:
         name, value = str(parameter.name), given[str(parameter.name)]
-        if name in ("programs", "resume", "as_json", "actions"):
+        if name in _NEVER:
             continue
         if value == parameter.default and name not in ("seed", "backend"):
             continue

@@ -79,6 +79,13 @@ class Affordance:
         seen = self.vector(self.ahead) if self.model is not None and self.ahead else None
         return 0.0 if seen is None or self.model is None else self.model.distance(seen)
 
+    def reward_probability(self) -> float:
+        """Pr(reward | f, a) by what is seen ahead; Pr(reward | a) where that tells nothing."""
+        if self.model is None:
+            return (self.successes + 1) / (self.tried + 2)
+        seen = self.vector(self.ahead)
+        return self.model.reward_probability if seen is None else self.model.reward_given(seen)
+
     def vector(self, features: Mapping[str, tuple[float, ...]]) -> Floats | None:
         """Components of the model's features, ``None`` where one is undefined."""
         if not all(name in features for name in self.features):

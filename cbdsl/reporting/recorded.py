@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import json
 import zipfile
-from collections.abc import Mapping
+import zlib
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -14,6 +15,7 @@ from numpy.typing import NDArray
 
 from cbdsl.errors.errors import UsageError
 from cbdsl.errors.reason import reason
+from cbdsl.reporting.recorded_form import array_faults, summary_faults
 from cbdsl.runtime.recording import VERSION
 
 _NEEDED = (
@@ -24,6 +26,12 @@ _NEEDED = (
 _TOLD = (
     "result", "joints", "controllers", "load_cells", "predicates", "transitions", "members",
     "triples", "signals", "scene", "robot",
+)  # fmt: skip
+
+# Archives whose sizes, compression or encryption are damaged, too.
+_UNREADABLE = (
+    OSError, ValueError, EOFError, RuntimeError, MemoryError, OverflowError, zipfile.BadZipFile,
+    zlib.error,
 )  # fmt: skip
 
 _MAKING = "cb run PROGRAM --record FOLDER writes one when an episode ends"
@@ -86,6 +94,7 @@ def read_recording(file: Path) -> Recorded:
     absent = [key for key in _TOLD if key not in summary]
     if absent:
         raise UsageError(f"{file}: lacks {', '.join(absent)}")
+    _require_sound(file, summary_faults(summary))
     arrays = _arrays(file.with_suffix(".npz"))
     missing = [key for key in _NEEDED if key not in arrays]
     missing += [f"signal_{name}" for name in summary["signals"] if f"signal_{name}" not in arrays]
@@ -96,7 +105,14 @@ def read_recording(file: Path) -> Recorded:
     ticks -= {0} if not len(arrays["scene"]) else set()
     if len(ticks) != 1:
         raise UsageError(f"{file}: the two files of this recording are not of the same episode")
+    _require_sound(file.with_suffix(".npz"), array_faults(summary, arrays))
     return Recorded(file, summary, arrays)
+
+
+def _require_sound(file: Path, faults: Iterator[str]) -> None:
+    fault = next(faults, None)
+    if fault is not None:
+        raise UsageError(f"{file}: damaged ({fault}); record the episode again")
 
 
 def _summary(file: Path) -> Mapping[str, Any]:
@@ -110,7 +126,7 @@ def _summary(file: Path) -> Mapping[str, Any]:
         summary = json.loads(file.read_text("utf-8"))
     except OSError as error:
         raise UsageError(f"{file}: {reason(error)}") from error
-    except ValueError as error:
+    except (ValueError, RecursionError) as error:
         raise UsageError(f"{file}: no recording, or one cut short; {_MAKING}") from error
     if isinstance(summary, dict) and summary.get("kind") == "recording":
         if summary.get("version") == VERSION:
@@ -132,5 +148,5 @@ def _arrays(file: Path) -> Mapping[str, NDArray[Any]]:
     try:
         with np.load(file, allow_pickle=False) as loaded:
             return {key: loaded[key] for key in loaded}
-    except (OSError, ValueError, EOFError, zipfile.BadZipFile) as error:
+    except _UNREADABLE as error:
         raise UsageError(f"{file}: damaged, or cut short; record the episode again") from error

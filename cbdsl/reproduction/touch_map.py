@@ -13,8 +13,9 @@ from contextlib import ExitStack
 import numpy as np
 from numpy.typing import NDArray
 
+from cbdsl.documents.form import BoxForm
 from cbdsl.documents.model import Kernel, ModelDocument
-from cbdsl.documents.stage import BoxForm, StageDocument
+from cbdsl.documents.stage import StageDocument
 from cbdsl.reproduction.claim import at_least, below, between, near
 from cbdsl.reproduction.cross_sections import CrossSections
 from cbdsl.reproduction.estimate import mean_of

@@ -5,7 +5,7 @@ from collections.abc import Iterable, Iterator, Mapping
 from pathlib import Path
 from xml.etree import ElementTree
 
-from cbdsl.documents.contents import contents
+from cbdsl.robot.robot_xml import require_robot, robot_text, xml_root
 from cbdsl.robot.urdf import (
     Mimic,
     Numbers,
@@ -19,9 +19,6 @@ from cbdsl.robot.urdf import (
     way_to_root,
 )
 
-# The largest public models, of humanoids, have a tenth of it; meshes have files of their own.
-_MOST_BYTES = 16_000_000
-
 
 def read_urdf(path: Path) -> UrdfModel:
     """Read a model; its meshes are left to those who draw them.
@@ -29,10 +26,7 @@ def read_urdf(path: Path) -> UrdfModel:
     Raises:
         UrdfError: there is no such file, or it is no URDF.
     """
-    try:
-        return parse_urdf(contents(path, _MOST_BYTES), path)
-    except OSError as error:
-        raise UrdfError(f"{path}: {error.strerror}") from None
+    return parse_urdf(robot_text(path), path)
 
 
 def parse_urdf(text: bytes | str, path: Path) -> UrdfModel:
@@ -45,10 +39,7 @@ def parse_urdf(text: bytes | str, path: Path) -> UrdfModel:
     Raises:
         UrdfError: it is no URDF.
     """
-    try:
-        root = ElementTree.fromstring(text)
-    except (ElementTree.ParseError, ValueError, LookupError) as error:
-        raise UrdfError(f"{path}: it is no XML, of which URDF is made: {error}") from None
+    root = xml_root(text, path, "URDF")
     is_xacro = any("xacro" in element.tag for element in root.iter())
     if is_xacro or root.tag == "mujoco":
         kind = "xacro" if is_xacro else "MJCF"
@@ -56,8 +47,7 @@ def parse_urdf(text: bytes | str, path: Path) -> UrdfModel:
             f"{path}: it is {kind}; cb new robot NAME --urdf {path.name} makes URDF of it, with "
             "the extra formats: pip install 'cbdsl[formats]'"
         )
-    if root.tag != "robot":
-        raise UrdfError(f"{path}: its root is <{root.tag}>, not <robot>")
+    require_robot(root, path)
     links = frozenset(link.get("name", "") for link in root.findall("link"))
     try:
         _require_distinct(root)
@@ -90,8 +80,8 @@ def _links(root: ElementTree.Element, path: Path) -> list[UrdfLink]:
     Raises:
         UrdfError: a link has something else where numbers should be.
     """
-    colors = {each.get("name", ""): _color(each) for each in root.findall("material")}
     try:
+        colors = {each.get("name", ""): _color(each) for each in root.findall("material")}
         return [_link(element, colors) for element in root.findall("link")]
     except ValueError as error:
         raise UrdfError(f"{path}: {error}") from None
@@ -232,7 +222,13 @@ def _origin(element: ElementTree.Element) -> UrdfOrigin:
 
 def _color(material: ElementTree.Element) -> Numbers | None:
     color = material.find("color")
-    return None if color is None else _numbers(color.get("rgba", "0.7 0.7 0.7 1"))[:3]
+    if color is None:
+        return None
+    text = color.get("rgba", "0.7 0.7 0.7 1")
+    if not (_are_numbers(text, 4) or _are_numbers(text, 3)):
+        name = material.get("name", "")
+        raise ValueError(f"material '{name}' has rgba=\"{text}\", which should be four numbers")
+    return _numbers(text)[:3]
 
 
 def _link(element: ElementTree.Element, colors: Mapping[str, Numbers | None]) -> UrdfLink:

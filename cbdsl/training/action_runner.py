@@ -9,7 +9,8 @@ from cbdsl.documents.robot import RobotDocument
 from cbdsl.documents.stage import StageDocument
 from cbdsl.learning.action_outcome import NOOP, ActionOutcome
 from cbdsl.program.checked import CheckedProgram
-from cbdsl.runtime.episode import EpisodeError, EpisodeResult, Runner
+from cbdsl.runtime.episode import EpisodeError, EpisodeResult, Runner, Tick
+from cbdsl.runtime.episode_watcher import EpisodeWatcher
 from cbdsl.runtime.feature_reader import FeatureReader
 from cbdsl.sensing.kinematics import Kinematics
 from cbdsl.training.explorable import Explorable
@@ -35,6 +36,7 @@ class ActionRunner:
         actions: what can be done.
         between: what the robot does after each of them, which makes it ready for the next.
         longest: time of an action, s.
+        watcher: is told everything of the episodes, if there is one.
     """
 
     def __init__(
@@ -46,11 +48,12 @@ class ActionRunner:
         actions: Sequence[Explorable],
         between: CheckedProgram,
         longest: float,
+        watcher: EpisodeWatcher | None = None,
     ) -> None:
         self._robot, self._kinematics = robot, kinematics
         self._backend, self._stage = backend, stage
         self._actions = {each.name: each for each in actions}
-        self._between, self._longest = between, longest
+        self._between, self._longest, self._watcher = between, longest, watcher
         self._runners: dict[str, Runner] = {}
         self._last: Runner | None = None
         self._turns = 0
@@ -160,14 +163,34 @@ class ActionRunner:
     ) -> EpisodeResult:
         if self._last is not None:
             runner.take_over(self._last)
-        result = runner.run(
-            self._stage,
-            seed,
-            on_tick=None if reader is None else reader.note_tick,
-            undisturbed=undisturbed,
-        )
+        result = self._watched(runner, seed, reader, undisturbed=undisturbed)
         self._last = runner
         return result
+
+    def _watched(
+        self, runner: Runner, seed: int, reader: FeatureReader | None, *, undisturbed: bool
+    ) -> EpisodeResult:
+        """Run an episode, of which reader and watcher are told."""
+        stage, watcher = self._stage, self._watcher
+        note_tick = None if reader is None else reader.note_tick
+        if watcher is None:
+            return runner.run(stage, seed, on_tick=note_tick, undisturbed=undisturbed)
+        watched = watcher
+
+        def on_tick(tick: Tick) -> None:
+            if note_tick is not None:
+                note_tick(tick)
+            watched.note_tick(tick)
+
+        watcher.begin(runner.program, stage.name, seed)
+        return runner.run(
+            stage,
+            seed,
+            on_transition=watcher.note_transition,
+            on_tick=on_tick,
+            on_end=watcher.note_end,
+            undisturbed=undisturbed,
+        )
 
 
 def _value(runner: Runner, resource: Resource) -> tuple[float, ...] | None:

@@ -143,6 +143,27 @@ class StereoSignal(NamedTuple):
     instance: str = ""
 
 
+class ConstellationSignal(NamedTuple):
+    """The constellation of two channels' blobs in a camera's image (Fig 7.15).
+
+    Attributes:
+        camera: its name.
+        channel: whose blob is compared.
+        other: whose blob it is compared with.
+    """
+
+    camera: str
+    channel: str
+    other: str
+
+
+class StereoOffset(NamedTuple):
+    """The position of what is seen of a channel relative to that of another one."""
+
+    channel: str
+    other: str
+
+
 class InstanceCount(NamedTuple):
     """How many things of a channel are remembered."""
 
@@ -252,6 +273,8 @@ Source = (
     | StereoPosition
     | BlobSignal
     | StereoSignal
+    | ConstellationSignal
+    | StereoOffset
     | InstanceCount
     | NovelHeading
     | AffordanceProbability
@@ -270,6 +293,8 @@ VISUAL = (
     Heading, Headings, StereoPosition, BlobSignal, StereoSignal, InstanceCount, SurfacePoint,
     NovelHeading,
 )  # fmt: skip
+#: Sources of what cameras see of two channels.
+RELATIVE = (ConstellationSignal, StereoOffset)
 
 
 class Resource(NamedTuple):

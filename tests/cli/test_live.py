@@ -16,6 +16,8 @@ from pathlib import Path
 import pytest
 
 from cbdsl.cli import live as module
+from cbdsl.reporting.live.live_view import LiveView
+from cbdsl.reporting.live.message import Message
 from tests.cli.test_main import cb
 
 REACH = ("run", "sixaxis_reach", "--backend", "kinematic", "--seed", "25", "--json")
@@ -55,12 +57,49 @@ def test_learning_with_a_page_learns_the_same(
     assert shown.read_text("utf-8") == alone.read_text("utf-8")
 
 
+def test_exploring_with_a_page_explores_the_same(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    words = ("explore", "searchtrack", "--stage", "exploring_basketball", "--feature", "yellow",
+             "--backend", "kinematic", "--actions", "3", "--seed", "25")  # fmt: skip
+    assert cb(monkeypatch, *words, "--out", "alone/ball.yaml") == 0
+    capsys.readouterr()
+    assert cb(monkeypatch, *words, "--out", "shown/ball.yaml", "--json", *LIVE) == 0
+    printed = capsys.readouterr()
+    assert "live at http://127.0.0.1:" in printed.err, "the standard output is for scripts"
+    assert [json.loads(line)["number"] for line in printed.out.splitlines()] == [1, 2, 3]
+    alone, shown = (tmp_path / each / "ball.yaml" for each in ("alone", "shown"))
+    assert shown.read_text("utf-8") == alone.read_text("utf-8")
+
+
+def test_the_page_of_an_exploration_is_told_what_each_action_teaches(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    kept: list[Message] = []
+    monkeypatch.setattr(LiveView, "keep", lambda self, message: kept.append(message))
+    words = ("explore", "searchtrack", "--stage", "exploring_basketball", "--feature", "yellow",
+             "--backend", "kinematic", "--seed", "25", "--out", "ball.yaml", *LIVE)  # fmt: skip
+    assert cb(monkeypatch, *words, "--actions", "2") == 0
+    assert cb(monkeypatch, *words, "--actions", "3", "--resume") == 0
+    catalogs = [json.loads(each.event.split(b"data: ", 1)[1]) for each in kept]
+    assert [each["over"] for each in catalogs] == [0, 1, 1, 2, 1, 2, 2, 3]
+    assert bool(catalogs[0]["chosen"]) and catalogs[-1]["chosen"] == ""
+    rows = [json.loads(r) for r in Path("ball.actions.jsonl").read_text("utf-8").splitlines()[1:]]
+    assert catalogs[-1]["course"]["action"] == [row["action"] for row in rows]
+
+
 @pytest.mark.parametrize(
     ("words", "message"),
     [
         (("run", "posture", "--fast"), "--fast is about the page of a run: give --live"),
         (("run", "posture", "--live-port", "0"), "--live-port is about the page"),
         (("learn", "searchtrack", "--out", "a.yaml", "--live-close"), "--live-close is about"),
+        (
+            ("explore", "searchtrack", "--stage", "x", "--out", "a.yaml", "--live-wait"),
+            "--live-wait is about",
+        ),
         (("learn", "searchtrack", "--out", "a.yaml", "--live", "--workers", "2"), "--workers 2"),
         (
             ("learn", "searchtrack", "--out", "a.yaml", "--live", "--scheduler", "tcp://x:1"),

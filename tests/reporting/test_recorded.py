@@ -29,6 +29,31 @@ def without(file: Path, *keys: str, ticks: int | None = None) -> None:
     np.savez_compressed(file, **arrays)
 
 
+def changed(file: Path, **changes: Callable[[Any], Any]) -> None:
+    """Change arrays of the NPZ file."""
+    with np.load(file) as loaded:
+        arrays = {key: loaded[key] for key in loaded}
+    arrays |= {key: change(arrays[key]) for key, change in changes.items()}
+    np.savez_compressed(file, **arrays)
+
+
+def spoil_bytes(file: Path) -> None:
+    """Change bytes in the middle of what is compressed."""
+    data = bytearray(file.read_bytes())
+    data[60:160] = bytes(100)
+    file.write_bytes(data)
+
+
+def with_mesh(corners: list[Any], triangles: list[Any]) -> Callable[[dict[str, Any]], None]:
+    """Give the scene a thing of this mesh."""
+
+    def add(summary: dict[str, Any]) -> None:
+        mesh = {"corners": corners, "triangles": triangles}
+        summary["scene"]["odd"] = [{"shape": "mesh", "mesh": mesh}]
+
+    return add
+
+
 def old(summary: dict[str, Any]) -> None:
     for key in ("cbdsl", "kind", "version", "members", "triples"):
         del summary[key]
@@ -53,6 +78,51 @@ SPOILED: dict[str, tuple[Callable[[Path], object], str]] = {
     "older": (lambda file: rewrite(file, old), "older cb"),
     "newer": (lambda file: rewrite(file, lambda s: s.update(version=99)), "version 99"),
     "no robot": (lambda file: rewrite(file, lambda s: s.pop("robot")), "lacks robot"),
+    "a robot that is none": (
+        lambda file: rewrite(file, lambda s: s["robot"].update(urdf="<robot></link>")),
+        "damaged .*no XML",
+    ),
+    "a coupling to nothing": (
+        lambda file: rewrite(file, lambda s: s["robot"]["couplings"].update(wing=["tail", 1])),
+        r"damaged \(robot.couplings.wing",
+    ),
+    "another kind of seed": (
+        lambda file: rewrite(file, lambda s: s["result"].update(seed=[3])),
+        r"damaged \(result.seed: input should be a valid integer",
+    ),
+    "a letter too few": (
+        lambda file: rewrite(file, lambda s: s["predicates"].__setitem__(0, "0")),
+        "one letter for each controller",
+    ),
+    "triples of others": (
+        lambda file: rewrite(file, lambda s: s["triples"].clear()),
+        "triples: are not those",
+    ),
+    "a triangle without a corner": (
+        lambda file: rewrite(file, with_mesh([[0, 0, 0]], [[0, 0, 1]])),
+        "a triangle without a corner",
+    ),
+    "a flat mesh": (
+        lambda file: rewrite(file, with_mesh([[0, 0]], [[0, 0, 0]])),
+        "other than three numbers",
+    ),
+    "a joint too many": (
+        lambda file: rewrite(file, lambda s: s["joints"].append("tail")),
+        r"damaged \((positions|at_limits): has the shape",
+    ),
+    "held by nobody": (
+        lambda file: changed(file.with_suffix(".npz"), level_held_by=lambda a: a + 99),
+        "level_held_by: names a controller",
+    ),
+    "words for numbers": (
+        lambda file: changed(file.with_suffix(".npz"), time=lambda a: a.astype(str)),
+        r"damaged \(time: is of <U",
+    ),
+    "a byte of an archive": (lambda file: spoil_bytes(file.with_suffix(".npz")), "damaged"),
+    "deeply nested": (
+        lambda file: file.write_text("[" * 100_000, encoding="utf-8"),
+        "no recording",
+    ),
     "no levels": (
         lambda file: without(file.with_suffix(".npz"), "level_share"),
         "lacks level_share",

@@ -80,6 +80,13 @@ def test_a_shape_without_numbers_says_which(tmp_path: Path) -> None:
         assert read_urdf(path).bodies
 
 
+@pytest.mark.parametrize("rgba", ["1.~ 0 0 1", "red", "1 0", ""])
+def test_a_color_without_numbers_says_which(rgba: str, tmp_path: Path) -> None:
+    path = write(tmp_path, f'<material name="m"><color rgba="{rgba}"/></material><link name="a"/>')
+    with pytest.raises(UrdfError, match=rf"material 'm' has rgba=\"{rgba}\", which should be"):
+        assert read_urdf(path).bodies
+
+
 def test_a_loop_of_links_ends(tmp_path: Path) -> None:
     model = read_urdf(
         write(

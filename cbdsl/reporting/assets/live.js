@@ -53,7 +53,7 @@ function tellEnding(ending) {
 }
 
 function episodeLine(past) {
-  return lineOf(`seed ${past.seed}, ${past.context}: ${past.ending}`, past.rewarded ? "rewarded" : "");
+  return lineOf(`${past.program}, seed ${past.seed}, ${past.context}: ${past.ending}`, past.rewarded ? "rewarded" : "");
 }
 
 // What happens when a transition is told, in the order of time, the newest on top.
@@ -92,7 +92,7 @@ function makeTransport(askFor) {
 async function main() {
   const { token, links, composes } = await readData();
   const askFor = makeAsking(token), transport = makeTransport(askFor), stack = makeLiveStack(askFor, composes);
-  const composer = composes ? makeComposer(askFor) : null;
+  const composer = composes ? makeComposer(askFor) : null, catalog = makeLiveCatalog();
   let world = null, targets = null;
   try {
     world = makeLiveWorld(links, byId("view"));
@@ -142,6 +142,7 @@ async function main() {
       newest = told;
     },
     images: showImages,
+    catalog: catalog.show,
     ending: tellEnding,
     closed() {
       isOver = true;

@@ -49,6 +49,7 @@ class LiveView:
         self._feed, self._transport = feed, transport
         self._scenery, self._composer, self._clock = scenery, composer, clock
         self._past: list[dict[str, object]] = []
+        self._kept: dict[str, Message] = {}
         self._number = 0
         self._places: list[Resource] = []
         self._names: list[str] = []
@@ -73,7 +74,14 @@ class LiveView:
             "past": self._past[-_KEPT:],
         }
         self._feed.begin(message("episode", header))
+        for each in self._kept.values():
+            self._feed.renew(each)
         self._transport.begin()
+
+    def keep(self, lasting: Message) -> None:
+        """Publish what holds over the episodes, until the next message of its kind."""
+        self._kept[lasting.kind] = lasting
+        self._feed.renew(lasting)
 
     def note_transition(self, transition: Transition) -> None:
         """See ``EpisodeWatcher.note_transition``."""
@@ -106,6 +114,7 @@ class LiveView:
         """See ``EpisodeWatcher.note_end``."""
         self._show()
         content = {
+            "program": result.program,
             "seed": result.seed,
             "context": result.context,
             "rewarded": result.rewarded,

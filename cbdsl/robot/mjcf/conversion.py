@@ -28,6 +28,8 @@ Floats = NDArray[np.float64]
 LEAST_MASS, LEAST_INERTIA = 1e-6, 1e-9
 # Geoms of the groups from this one on are not shown by MuJoCo's viewer, unless asked to.
 _HIDDEN_GROUP = 3
+# MuJoCo reads names with these in them, and XML, of which URDF is, knows no way to write them.
+_UNWRITABLE = re.compile(r"[^\t\n\r\x20-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
 
 
 class MjcfConversion(NamedTuple):
@@ -59,7 +61,17 @@ def convert_mjcf(path: Path, name: str) -> MjcfConversion:
     except ValueError as error:
         reason = " ".join(str(error).split())
         raise UrdfError(f"{path}: MuJoCo cannot compile it: {reason}") from None
-    model = MjcfModel(path, compiled)
+    try:
+        converted = _converted(MjcfModel(path, compiled), name)
+    except UnicodeDecodeError as error:
+        raise UrdfError(f"{path}: one of its names is not UTF-8 ({error})") from None
+    unwritable = _UNWRITABLE.search(converted.urdf)
+    if unwritable is not None:
+        raise UrdfError(f"{path}: one of its names has the control character {unwritable[0]!r}")
+    return converted
+
+
+def _converted(model: MjcfModel, name: str) -> MjcfConversion:
     writer = _Writer(model, name)
     meshes = {file: model.stl(mesh) for file, mesh in writer.meshes.items()}
     indent(writer.robot)

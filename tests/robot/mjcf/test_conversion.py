@@ -182,6 +182,9 @@ def test_another_gravity_is_told() -> None:
     assert not any("gravity" in each for each in convert_mjcf(ASSETS / "ant.xml", "r").remarks)
 
 
+_NAMED = '<mujoco><worldbody><body name="{}"><geom size="1"/></body></worldbody></mujoco>'
+
+
 @pytest.mark.parametrize(
     ("text", "words"),
     [
@@ -191,10 +194,14 @@ def test_another_gravity_is_told() -> None:
             "joint 's' of body 'b' is a ball joint",
         ),
         ("<mujoco><worldbody><bdy/></worldbody></mujoco>", "MuJoCo cannot compile it"),
+        (_NAMED.format("a\x05"), r"the control character '\\x05'"),
+        (_NAMED.format("\u00e9").encode("latin-1"), "one of its names is not UTF-8"),
     ],
 )
-def test_models_that_cannot_be_converted_say_why(text: str, words: str, tmp_path: Path) -> None:
+def test_models_that_cannot_be_converted_say_why(
+    text: str | bytes, words: str, tmp_path: Path
+) -> None:
     path = tmp_path / "m.xml"
-    path.write_text(text)
+    path.write_bytes(text.encode() if isinstance(text, str) else text)
     with pytest.raises(UrdfError, match=words):
         convert_mjcf(path, "m")

@@ -1,0 +1,149 @@
+"""The form of a recording: what its two files hold, as ``Recording`` writes them."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+from typing import Any
+
+from numpy.typing import NDArray
+from pydantic import BaseModel, ValidationError
+
+from cbdsl.robot.urdf import UrdfError
+from cbdsl.robot.urdf_reader import parse_urdf
+
+
+class _Result(BaseModel, strict=True):
+    program: str
+    stage: str
+    context: str
+    seed: int
+    rewarded: bool
+    sim_seconds: float
+    ending: str
+
+
+class _RecordedTriple(BaseModel, strict=True):
+    feedback: str
+    reference: str
+
+
+class _Signal(BaseModel, strict=True):
+    place: bool
+
+
+class _Robot(BaseModel, strict=True):
+    urdf: str
+    folder: str
+    singular_value: float
+    couplings: dict[str, list[str | float]]
+
+
+class _Mesh(BaseModel, strict=True):
+    corners: list[list[float]]
+    triangles: list[list[int]]
+
+
+class _Part(BaseModel, strict=True):
+    shape: str
+    mesh: _Mesh = _Mesh(corners=[], triangles=[])
+
+
+class _Summary(BaseModel, strict=True):
+    result: _Result
+    joints: list[str]
+    controllers: list[str]
+    load_cells: list[Any]
+    guards: list[str] = []
+    predicates: list[str]
+    transitions: list[dict[str, Any]]
+    members: dict[str, list[str]]
+    triples: dict[str, _RecordedTriple]
+    signals: dict[str, _Signal]
+    scene: dict[str, list[_Part]]
+    robot: _Robot
+
+
+def summary_faults(summary: Mapping[str, Any]) -> Iterator[str]:
+    """Faults in what the JSON file of a recording holds, as clauses; the first is the cause."""
+    try:
+        _Summary.model_validate(summary)
+    except ValidationError as error:
+        first = error.errors(include_url=False, include_input=False)[0]
+        where = ".".join(map(str, first["loc"]))
+        yield f"{where}: {first['msg'][:1].lower()}{first['msg'][1:]}"
+        return
+    yield from _robot_faults(summary)
+    controllers = summary["controllers"]
+    if set(summary["triples"]) != set(controllers):
+        yield "triples: are not those of the controllers"
+    if not summary["predicates"]:
+        yield "predicates: there are none"
+    if any(len(each) != len(controllers) for each in summary["predicates"]):
+        yield "predicates: have not one letter for each controller"
+    for parts in summary["scene"].values():
+        yield from (fault for part in parts for fault in _mesh_faults(part))
+
+
+def _robot_faults(summary: Mapping[str, Any]) -> Iterator[str]:
+    robot = summary["robot"]
+    for name, pair in robot["couplings"].items():
+        is_pair = len(pair) == 2 and isinstance(pair[1], int | float)
+        if not is_pair or pair[0] not in summary["joints"]:
+            yield f"robot.couplings.{name}: is no recorded joint with a ratio"
+    try:
+        len(parse_urdf(robot["urdf"], Path("robot.urdf")).bodies)
+    except UrdfError as error:
+        yield f"{error}"
+
+
+def _mesh_faults(part: Mapping[str, Any]) -> Iterator[str]:
+    if "mesh" not in part:
+        return
+    corners, triangles = part["mesh"]["corners"], part["mesh"]["triangles"]
+    if any(len(each) != 3 for each in (*corners, *triangles)):
+        yield "scene: a mesh has corners or triangles of other than three numbers"
+    elif any(not 0 <= index < len(corners) for each in triangles for index in each):
+        yield "scene: a mesh has a triangle without a corner"
+
+
+def array_faults(summary: Mapping[str, Any], arrays: Mapping[str, NDArray[Any]]) -> Iterator[str]:
+    """Faults in the arrays of a recording whose summary is sound, as clauses."""
+    for name, array in arrays.items():
+        wanted = _shape(name, summary, arrays)
+        if wanted is None:
+            continue
+        own = array.shape
+        if len(own) != len(wanted) or any(
+            b not in (-1, a) for a, b in zip(own, wanted, strict=True)
+        ):
+            yield f"{name}: has the shape {own}"
+        elif array.dtype.kind not in (
+            "u" if name.startswith("image_") and len(own) == 4 else "fiub"
+        ):
+            yield f"{name}: is of {array.dtype}"
+    count = len(summary["controllers"])
+    if arrays["level_held_by"].max(initial=-1) > count:
+        yield "level_held_by: names a controller that is not there"
+
+
+def _shape(
+    name: str, summary: Mapping[str, Any], arrays: Mapping[str, NDArray[Any]]
+) -> tuple[int, ...] | None:
+    """Shape of an array, -1 for any length; ``None`` where nothing is known of it."""
+    joints, controllers = len(summary["joints"]), len(summary["controllers"])
+    if name == "image_time":
+        return (-1,)
+    if name.startswith("image_"):
+        return (arrays["image_time"].size, -1, -1, 3)
+    if name.startswith("level_") or name in ("potentials", "errors"):
+        return (-1, controllers)
+    cells = len(summary["load_cells"])
+    return {
+        "time": (-1,),
+        "positions": (-1, joints),
+        "at_limits": (-1, joints),
+        "scene": (-1, len(summary["scene"]), 7),
+        "loads": (-1, cells, 6) if cells else (-1, 0),
+        "guard_held": (-1, len(summary.get("guards", []))),
+    }.get(name)

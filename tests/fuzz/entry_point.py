@@ -1,0 +1,39 @@
+"""Entry points: the functions of cbdsl that read text which anybody may have written."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping
+from importlib import import_module
+from typing import NamedTuple
+
+
+class EntryPoint(NamedTuple):
+    """An entry point, as a fuzzer and the tests call it.
+
+    Attributes:
+        read: reads bytes; whatever it raises is a fault.
+        seeds: what is well or nearly well formed, to begin with.
+    """
+
+    read: Callable[[bytes], None]
+    seeds: Callable[[], Iterator[bytes]]
+
+
+#: Modules of entry points by their names; each has a mapping ``ENTRY_POINTS``.
+MODULES: Mapping[str, str] = {
+    **dict.fromkeys(
+        ("program", "stage", "robot", "policy", "schema", "catalog", "model", "calibration"),
+        "documents",
+    ),
+    **dict.fromkeys(("composition", "quantity", "scalar", "pattern", "layout"), "language"),
+    **dict.fromkeys(("urdf", "srdf", "xacro", "mjcf"), "robot_models"),
+    **dict.fromkeys(("journal", "exploration_journal", "recording", "arrays"), "kept_files"),
+    **dict.fromkeys(("edits", "page_request", "command_line"), "clients"),
+}
+
+
+def entry_point(name: str) -> EntryPoint:
+    """The entry point of a name; what it reads with is imported now."""
+    module = import_module(f"tests.fuzz.{MODULES[name]}")
+    found: EntryPoint = module.ENTRY_POINTS[name]
+    return found
