@@ -133,8 +133,10 @@ class Novelty:
         """The posture in which a camera has a line of sight, in its own axes, in the middle."""
         kinematics, columns = self._kinematics, self._kinematics.joints.of(effector)
         posture: Floats = kinematics.positions[columns].copy()
-        support = kinematics.link(link).support.tolist()
-        places = [k for joint in support for k in np.flatnonzero(columns == joint).tolist()]
+        # Joints that move the camera, from the root outwards.
+        moving = kinematics.tree["column"][kinematics.link(link).support].tolist()
+        own = columns.tolist()
+        places = [own.index(column) for column in dict.fromkeys(moving) if column in own]
         axes = kinematics.own_turning(link)[:, columns[places]]
         posture[places] += centring(axes, line)
         return posture
