@@ -131,11 +131,11 @@ class Dependencies:
         if model is None:
             return ()
         self.is_for_the_robot(model.document.robot, name, steps)
-        found = model_resources(alias, model, body, self._findings)
+        resources = model_resources(alias, model, body, self._findings)
         before = [each for each in self._models.values() if isinstance(each, tuple)]
         taken = {*body.resources, *(each.name for some in before for each in some)}
-        twice = next((each.name for each in found if each.name in taken), None)
+        twice = next((each.name for each in resources if each.name in taken), None)
         if twice is not None:
             place = self._source.key(*steps)
             self._findings.add("CB633", place, name=twice, robot=self._document.robot)
-        return found
+        return resources

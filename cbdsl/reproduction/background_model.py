@@ -14,6 +14,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from cbdsl.reproduction.background_documents import write_backgrounds
 from cbdsl.reproduction.claim import above
 from cbdsl.reproduction.experiment import Result, RunSettings
 from cbdsl.reproduction.kept_rows import KeptRows
@@ -101,6 +102,8 @@ def run(settings: RunSettings) -> Result:
             searches = (kept.get(channel, seed, look) for seed in range(first, first + wanted))
             channels.append(tracked_postures(channel, searches))
     settings.progress(len(names), len(names))
+    tracked = {each.channel: each.postures for each in channels}
+    write_backgrounds(settings.folder, lab.robot.name, _EFFECTOR, _STAGE, tracked)
     return Result(tuple(quantities(channels)), tuple(_pictures(channels, limits)), _notes(channels))
 
 

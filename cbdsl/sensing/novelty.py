@@ -30,7 +30,7 @@ _FAR = 3.0
 _STEPS = 4
 
 
-class _Sight(NamedTuple):
+class _WholeRegion(NamedTuple):
     """A region that a camera sees whole.
 
     Attributes:
@@ -42,7 +42,7 @@ class _Sight(NamedTuple):
     posture: Floats
 
 
-class _Found(NamedTuple):
+class _NovelRegion(NamedTuple):
     """Lines of sight to what is novel, by camera, the image that shows it, and its time, s."""
 
     lines: dict[str, Floats]
@@ -76,7 +76,7 @@ class Novelty:
 
     def reset(self) -> None:
         """Forget the episode before."""
-        self._found: dict[NovelHeading, _Found] = {}
+        self._novel: dict[NovelHeading, _NovelRegion] = {}
 
     def update(self, observation: Observation) -> None:
         """Look at the newest images; vision and kinematics must be up to date."""
@@ -86,10 +86,10 @@ class Novelty:
 
     def heading(self, source: NovelHeading) -> Reading | None:
         """The mean heading over the cameras that see it, ``None`` while nothing is novel."""
-        found = self._found.get(source)
-        if found is None:
+        shown = self._novel.get(source)
+        if shown is None:
             return None
-        return mean([self._reading(name, line, found.image) for name, line in found.lines.items()])
+        return mean([self._reading(name, line, shown.image) for name, line in shown.lines.items()])
 
     def _reading(self, camera: str, line: Floats, image: int) -> Reading:
         """The heading to a line of sight, as the cameras move it."""
@@ -104,7 +104,9 @@ class Novelty:
         first: Floats | None = None
         for camera in self._robot.cameras:
             novel = [
-                each for each in self._sights(camera, source) if is_novel(source, each.posture)
+                each
+                for each in self._whole_regions(camera, source)
+                if is_novel(source, each.posture)
             ]
             if not novel:
                 continue
@@ -113,28 +115,30 @@ class Novelty:
             first = chosen.posture if first is None else first
             lines[camera] = chosen.line
         if lines:
-            self._found[source] = _Found(lines, self._vision.images, time)
+            self._novel[source] = _NovelRegion(lines, self._vision.images, time)
             return
-        before = self._found.get(source)
+        before = self._novel.get(source)
         if before is not None and time - before.time > self._robot.vision.regions.linger:
-            del self._found[source]
+            del self._novel[source]
 
-    def _sights(self, name: str, source: NovelHeading) -> Iterator[_Sight]:
-        """What a camera sees whole of a channel, the largest first."""
+    def _whole_regions(self, name: str, source: NovelHeading) -> Iterator[_WholeRegion]:
+        """Regions of a channel that a camera sees whole, the largest first."""
         camera = self._robot.cameras[name]
         frame = self._kinematics.frame(camera.link)
         for region in self._vision.seen.get(name, {}).get(source.channel, ()):
             if not region.clipped:
                 line = sight(camera, region.column, region.row)
                 posture = self._tracking(source.effector, camera.link, line)
-                yield _Sight(frame.rotation.dot(line), posture)
+                yield _WholeRegion(frame.rotation.dot(line), posture)
 
     def _tracking(self, effector: str, link: str, line: Floats) -> Floats:
         """The posture in which a camera has a line of sight, in its own axes, in the middle."""
         kinematics, columns = self._kinematics, self._kinematics.joints.of(effector)
         posture: Floats = kinematics.positions[columns].copy()
-        support = kinematics.link(link).support.tolist()
-        places = [k for joint in support for k in np.flatnonzero(columns == joint).tolist()]
+        # Joints that move the camera, from the root outwards.
+        moving = kinematics.tree["column"][kinematics.link(link).support].tolist()
+        own = columns.tolist()
+        places = [own.index(column) for column in dict.fromkeys(moving) if column in own]
         axes = kinematics.own_turning(link)[:, columns[places]]
         posture[places] += centring(axes, line)
         return posture
@@ -178,5 +182,5 @@ def is_novel(source: NovelHeading, posture: Floats) -> bool:
     return bool(squares.min() > _FAR**2)
 
 
-def _apart(posture: Floats, seen: _Sight) -> float:
+def _apart(posture: Floats, seen: _WholeRegion) -> float:
     return float(np.linalg.norm(seen.posture - posture))

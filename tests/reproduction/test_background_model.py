@@ -8,6 +8,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from cbdsl.checking.document import check_document
+from cbdsl.checking.session import Session
+from cbdsl.documents.model import ModelDocument
+from cbdsl.reproduction.background_documents import write_backgrounds
 from cbdsl.reproduction.background_model import (
     ChannelSearch,
     KeptSearches,
@@ -20,6 +24,8 @@ from cbdsl.reproduction.background_model import (
 from cbdsl.reproduction.posture_panels import PosturePanels
 from cbdsl.reproduction.quantity import Verdict
 from cbdsl.reproduction.simulation_fixture import simulation_fixture
+from cbdsl.yaml_text.library import Library
+from tests.conftest import ROOT
 
 HERE: Posture = (0.1, 0.3)
 
@@ -75,3 +81,14 @@ def test_a_window_is_tracked_in_rendered_images_and_pink_is_not(
     if is_there:
         pans = [posture[0] for posture in found]
         assert max(pans) - min(pans) < 0.1, "the window stays where it is"
+
+
+def test_backgrounds_are_models_of_the_channels_that_were_tracked(tmp_path: Path) -> None:
+    tracked = {"hue_7": (HERE, (1.3, 0.2)), "hue_9": ()}
+    write_backgrounds(tmp_path, "dexter", "head", "furnished", tracked)
+    (path,) = tmp_path.iterdir()
+    library = Library(ROOT)
+    assert path.name == "furnished_hue_7.yaml" and not check_document(path, Session(library))
+    model = library.read(path, ModelDocument).document
+    assert (model.channel, model.effector) == ("hue_7", "head")
+    assert model.density.form == "kernel" and model.density.samples == tracked["hue_7"]

@@ -48,7 +48,7 @@ def model_resources(
         return (drawn,)
     aliases = body.document.vision.channels.aliases
     channel = aliases.get(document.channel, document.channel)
-    names = [channel, *(name for name, meant in aliases.items() if meant == channel)]
+    names = [channel, *(name for name, own in aliases.items() if own == channel)]
     heading = NovelHeading(channel, effector, source)
     novel = [Resource(f"{NOVEL}.{name}", HEADING, Origin.ENVIRONMENT, heading) for name in names]
     return (drawn, *novel)

@@ -1,0 +1,52 @@
+"""Background models as documents: where each channel is expected (Section 5.2.1)."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from pathlib import Path
+
+from cbdsl.documents.model import Kernel, ModelDocument
+from cbdsl.yaml_text.writer import write
+
+# How far from where a thing was tracked its like is expected, rad: a head at rest is within 5 deg
+# of what it tracks.
+_BANDWIDTH = 0.05
+
+Postures = Sequence[tuple[float, ...]]
+
+
+def background_documents(
+    robot: str, effector: str, stage: str, tracked: Mapping[str, Postures]
+) -> Iterator[ModelDocument]:
+    """A model for each channel that was tracked at all.
+
+    Args:
+        robot: its name.
+        effector: that moves its cameras.
+        stage: where.
+        tracked: configurations in which a channel was tracked, rad, by its name.
+    """
+    for channel, postures in tracked.items():
+        if postures:
+            yield ModelDocument(
+                cbdsl=1,
+                kind="model",
+                name=f"{stage}_{channel}",
+                description=f"Where {channel} was tracked on {stage} (fig-5.3-5.5).",
+                robot=robot,
+                effector=effector,
+                channel=channel,
+                density=Kernel(
+                    form="kernel",
+                    samples=tuple(postures),
+                    bandwidth=(_BANDWIDTH,) * len(postures[0]),
+                ),
+            )
+
+
+def write_backgrounds(
+    folder: Path, robot: str, effector: str, stage: str, tracked: Mapping[str, Postures]
+) -> None:
+    """Write those models to a folder, each to a file of its name."""
+    for document in background_documents(robot, effector, stage, tracked):
+        write(document, folder / f"{document.name}.yaml")

@@ -1,0 +1,49 @@
+"""A thing before a window of its own colour is not noticed, and anywhere else it is."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from cbdsl.reproduction.simulation_fixture import SimulationFixture, simulation_fixture
+from cbdsl.runtime.episode import Tick
+from cbdsl.sensing.camera import heading
+
+SEEDS = (7640000, 7640001)
+
+
+def noticed(lab: SimulationFixture, seed: int, context: str) -> bool:
+    """Whether something was tracked."""
+    return lab.runner().run(lab.stage, seed, context).rewarded
+
+
+def off_the_ball(lab: SimulationFixture, seed: int) -> float:
+    """How far the left camera looks past the ball in the end, deg; 180 where nothing is noticed."""
+    last: list[Tick] = []
+
+    def note(tick: Tick) -> None:
+        last[:] = [tick]
+
+    if not lab.runner().run(lab.stage, seed, "elsewhere", on_tick=note).rewarded:
+        return 180.0
+    frame = last[0].signals.kinematics.frame("left_camera")
+    ball = lab.backend.truth.pose("ball").position
+    angles = heading(frame.rotation.T @ (ball - frame.position))
+    return float(np.degrees(np.abs(angles)).max())
+
+
+@pytest.mark.parametrize(
+    ("engine", "cameras"),
+    [("mujoco", "ideal"), pytest.param("bullet", None, marks=pytest.mark.slow)],
+)
+def test_the_window_is_expected_and_a_ball_elsewhere_is_not(
+    engine: str, cameras: str | None
+) -> None:
+    with simulation_fixture("notice", None, None, engine, cameras) as lab:
+        for seed in SEEDS:
+            assert off_the_ball(lab, seed) < 8.0
+            assert not noticed(lab, seed, "before_the_window")
+            assert not noticed(lab, seed, "nobody")
+    searching = {"feature": "blue"}
+    with simulation_fixture("searchtrack", searching, "something_new", engine, cameras) as lab:
+        assert noticed(lab, SEEDS[0], "before_the_window"), "what is blue is there to be seen"
