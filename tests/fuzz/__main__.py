@@ -14,6 +14,7 @@ import re
 import subprocess
 import sys
 import tempfile
+from collections import Counter
 from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import NamedTuple
@@ -28,6 +29,8 @@ WORK = ROOT / "build" / "fuzz"
 LIMITS = ("-timeout=20", "-rss_limit_mb=2500", "-max_len=16384")
 #: Inputs of an entry point that are kept, and bytes of each.
 MOST, LARGEST = 150, 1200
+#: Words of the seeds that are put together anew: keys, tags, attributes, names.
+_WORD, _WORDS = re.compile(rb"[A-Za-z_][\w.]{2,30}"), 300
 
 
 class Run(NamedTuple):
@@ -46,7 +49,7 @@ def fuzz(name: str, seconds: int, seed: int) -> Run:
     before = set(WORK.glob(f"{name}-*-*"))
     _write(work, [*entry_point(name).seeds(), *kept(name)])
     options = [
-        *(f"-max_total_time={seconds}", f"-seed={seed}", f"-dict={_dictionary()}"),
+        *(f"-max_total_time={seconds}", f"-seed={seed}", f"-dict={_dictionary(name)}"),
         *(f"-artifact_prefix={WORK}/{name}-", "-print_final_stats=1", *LIMITS),
     ]
     told = _libfuzzer(name, [work], options)
@@ -86,10 +89,14 @@ def _write(folder: Path, inputs: Iterable[bytes]) -> None:
         (folder / hashlib.sha1(each).hexdigest()).write_bytes(each)
 
 
-def _dictionary() -> Path:
-    """What a reader might stumble over, as libFuzzer reads it."""
-    file = WORK / "dictionary.txt"
-    lines = ["".join(f"\\x{byte:02x}" for byte in spike) for spike in SPIKES]
+def _dictionary(name: str) -> Path:
+    """What a reader might stumble over, and the commonest words of the seeds, for libFuzzer."""
+    common = Counter(
+        word for seed in entry_point(name).seeds() for word in set(_WORD.findall(seed))
+    )
+    words = [*SPIKES, *(word for word, _ in common.most_common(_WORDS))]
+    file = WORK / f"{name}.dictionary"
+    lines = ["".join(f"\\x{byte:02x}" for byte in word) for word in words]
     file.write_text("".join(f'"{line}"\n' for line in lines), encoding="ascii")
     return file
 
