@@ -44,7 +44,7 @@ pages:
 
 # The slow ones run episodes on the simulator.
 tests:
-	$(BIN)pytest -n auto -m "$(MARK)"
+	$(BIN)pytest -n auto --durations=12 --durations-min=5 -m "$(MARK)"
 
 # Every single fault that can be put into a shipped document, which the tests sample: a quarter of an
 # hour.

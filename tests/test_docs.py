@@ -19,6 +19,7 @@ Commands within sentences run, too. Those with a WORD in capitals are patterns; 
 from __future__ import annotations
 
 import importlib.util
+import itertools
 import re
 import runpy
 import shlex
@@ -67,9 +68,12 @@ GENERIC: list[Callable[..., None]] = [
 #: What is left to fill in, or to choose.
 PATTERN = re.compile(r"[A-Z]{3,}(?!\d)|\.\.\.|[|<>]")
 #: Commands that move a robot, or show how one moved.
-LONG = {"run", "replay", "learn", "reproduce"}
+LONG = {"run", "replay", "learn", "reproduce", "explore"}
 #: Commands that take hours as the docs name them; they have tests of their own.
 ENDLESS = {"learn", "lsp", "reproduce"}
+#: Options that say how often something is done; where that is often, a command measures.
+COUNTS = {"--episodes", "--actions", "--scenes", "--trials"}
+OFTEN = 50
 
 
 class Block(NamedTuple):
@@ -142,7 +146,9 @@ class Session:
             if block.runs:
                 getattr(self, f"_{block.language}")(block, slow, follows)
         for words in in_sentences(self._page):
-            if is_concrete(words) and words[0] not in ENDLESS and (slow or is_quick(words)):
+            if not is_concrete(words) or words[0] in ENDLESS or measures(words):
+                continue
+            if slow or is_quick(words):
                 assert self._type(words) == 0, words
 
     def _yaml(self, block: Block, slow: bool, follows: Block | None) -> None:
@@ -195,6 +201,13 @@ class Session:
         return cb(self._monkeypatch, *words)
 
 
+def measures(words: list[str]) -> bool:
+    """Whether a command does something so often that it takes minutes."""
+    return any(
+        option in COUNTS and int(value) >= OFTEN for option, value in itertools.pairwise(words)
+    )
+
+
 def is_quick(words: list[str]) -> bool:
     return words[0] not in LONG or "--backend" in words
 
@@ -237,7 +250,7 @@ def is_long(page: Path) -> bool:
     """Whether a page has commands that the test above leaves out."""
     typed = [shlex.split(line)[1:] for b in blocks(page) if b.language == "sh" and b.runs
              for line in b.text.splitlines()]  # fmt: skip
-    told = [words for words in in_sentences(page) if is_concrete(words)]
+    told = [words for words in in_sentences(page) if is_concrete(words) and not measures(words)]
     return not all(map(is_quick, [*typed, *(w for w in told if w[0] not in ENDLESS)]))
 
 

@@ -19,6 +19,7 @@ from cbdsl.robot.instance_names import (
     is_meant_as_instance,
     parse_instance,
 )
+from cbdsl.robot.pair_names import PairName, parse_pair
 from cbdsl.types.resource import Resource
 from cbdsl.yaml_text.loaded import Loaded
 from cbdsl.yaml_text.source_map import SourceMap, Step
@@ -112,11 +113,21 @@ class ProgramContext:
         resource = self.body.resources.get(name)
         if resource is not None or self._is_unknown(name):
             return resource
+        pair = parse_pair(name, self.body.resources)
+        if pair is not None:
+            return self._pair(name, pair, steps)
         instance = parse_instance(name, self.body.resources)
         if instance is None or not is_meant_as_instance(instance.instance):
             self._missing.report(text, name, steps, scope)
             return None
         return self._instance(name, instance, steps)
+
+    def _pair(self, name: str, pair: PairName, steps: Steps) -> Resource | None:
+        """The resource of two channels, if it compares two."""
+        if pair.is_of_one:
+            self.add("CB566", self.source.place(*steps), name=name)
+            return None
+        return pair.resource(name)
 
     def _instance(self, name: str, parsed: InstanceName, steps: Steps) -> Resource | None:
         """The resource of an instance of a channel, if there can be such an instance."""

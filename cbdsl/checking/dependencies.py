@@ -7,7 +7,7 @@ from pathlib import Path
 
 from cbdsl.checking.context import Steps
 from cbdsl.checking.findings import Findings
-from cbdsl.checking.knowledge.model import model_resource
+from cbdsl.checking.knowledge.model import model_resources
 from cbdsl.checking.lookup.documents import find_document, first_stage, for_robot
 from cbdsl.checking.robot.checked_robot import CheckedRobot
 from cbdsl.checking.session import Session
@@ -16,6 +16,7 @@ from cbdsl.documents.model import ModelDocument
 from cbdsl.documents.program import ProgramDocument
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.documents.stage import StageDocument
+from cbdsl.robot.resources import NOVEL
 from cbdsl.types.resource import Resource
 from cbdsl.yaml_text.loaded import Loaded
 from cbdsl.yaml_text.unknown import UNKNOWN, Unknown
@@ -45,7 +46,7 @@ class Dependencies:
         self._loaded, self._document, self._source = loaded, loaded.document, loaded.source
         self._session, self._findings = session, findings
         self._others: set[str] = set()
-        self._models: dict[str, Resource | Unknown] = {}
+        self._models: dict[str, tuple[Resource, ...] | Unknown] = {}
         self._body: CheckedRobot | None = None
         self.robot = self._find_robot()
 
@@ -102,6 +103,7 @@ class Dependencies:
         models = self._source.declared(self._models, "models")
         return (
             models.get(last) is UNKNOWN
+            or (first == NOVEL and any(each is UNKNOWN for each in self._models.values()))
             or (self._body is not None and not self._body.missed.isdisjoint((first, last)))
             or any(name in self._resources(other) for other in self._others)
         )
@@ -118,19 +120,22 @@ class Dependencies:
             return None
         for alias, name in self._document.models.items():
             self._models[alias] = self._model(alias, name, body) or UNKNOWN
-        drawn = [model for model in self._models.values() if isinstance(model, Resource)]
-        named = {resource.name: resource for resource in drawn}
+        known = [each for each in self._models.values() if isinstance(each, tuple)]
+        named = {resource.name: resource for each in known for resource in each}
         return body._replace(resources={**body.resources, **named}) if named else body
 
-    def _model(self, alias: str, name: str, body: CheckedRobot) -> Resource | None:
+    def _model(self, alias: str, name: str, body: CheckedRobot) -> tuple[Resource, ...]:
         steps: Steps = ("models", alias)
         path = self.find(ModelDocument, name, steps)
         model = self._session.read(path, ModelDocument, self._findings)
         if model is None:
-            return None
+            return ()
         self.is_for_the_robot(model.document.robot, name, steps)
-        resource = model_resource(alias, model, body, self._findings)
-        if resource is not None and resource.name in body.resources:
+        found = model_resources(alias, model, body, self._findings)
+        before = [each for each in self._models.values() if isinstance(each, tuple)]
+        taken = {*body.resources, *(each.name for some in before for each in some)}
+        twice = next((each.name for each in found if each.name in taken), None)
+        if twice is not None:
             place = self._source.key(*steps)
-            self._findings.add("CB633", place, name=resource.name, robot=self._document.robot)
-        return resource
+            self._findings.add("CB633", place, name=twice, robot=self._document.robot)
+        return found

@@ -13,7 +13,7 @@ from cbdsl.program.checked import Action, CheckedProgram
 from cbdsl.program.controller import AlongNormals, Controller, Literal, Relative
 from cbdsl.program.dry_run import StackLevel, levels
 from cbdsl.types.potential import POTENTIALS
-from cbdsl.types.resource import VISUAL, Resource
+from cbdsl.types.resource import RELATIVE, VISUAL, Resource
 from cbdsl.types.state import ANY
 
 
@@ -91,7 +91,7 @@ class _ControllerCheck:
             check_gain(controller.gain, robot, source, self._steps, context.findings)
         window = controller.quiescence.window
         if self._document.quiescence is not None:
-            seen = isinstance(controller.feedback.source, VISUAL)
+            seen = isinstance(controller.feedback.source, (*VISUAL, *RELATIVE))
             seen = seen and bool(robot.cameras)
             check_window(window, seen, robot, source, self._steps, context.findings)
 

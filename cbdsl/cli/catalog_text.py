@@ -14,9 +14,7 @@ def catalog_text(catalog: CatalogDocument) -> str:
     if catalog.provenance is not None:
         origin = catalog.provenance
         head += f", after {origin.actions} actions on {origin.stage.name}"
-    rows = [
-        (name, *_counts(each), _habituation(each)) for name, each in catalog.affordances.items()
-    ]
+    rows = [(name, *count_cells(each)) for name, each in catalog.affordances.items()]
     titles = ("action", "rewarded", "95 % interval", "value", "model")
     widths = [max(len(row[i]) for row in (titles, *rows)) for i in range(len(titles))]
     lines = [head, ""]
@@ -25,17 +23,18 @@ def catalog_text(catalog: CatalogDocument) -> str:
             "  ".join(f"{cell:{w}s}" for cell, w in zip(row, widths, strict=True)).rstrip()
         )
     for name, each in catalog.affordances.items():
-        lines += _models(name, each)
+        lines += feature_lines(name, each)
     return "\n".join(lines) + "\n"
 
 
-def _counts(affordance: AffordanceSection) -> tuple[str, str, str]:
+def count_cells(affordance: AffordanceSection) -> tuple[str, str, str, str]:
+    """Counts, interval, value, and how sure the model is, as text."""
     counts = f"{affordance.rewarded} of {affordance.tried}"
     interval = "-"
     if affordance.interval is not None:
         low, high = affordance.interval
         interval = f"{low:.2f} to {high:.2f}"
-    return counts, interval, f"{affordance.value:+.3f}"
+    return counts, interval, f"{affordance.value:+.3f}", _habituation(affordance)
 
 
 def _habituation(affordance: AffordanceSection) -> str:
@@ -47,7 +46,7 @@ def _habituation(affordance: AffordanceSection) -> str:
     return f"{'habituated' if own.habituated else 'changing'}, by {own.change:.3f}"
 
 
-def _models(name: str, affordance: AffordanceSection) -> list[str]:
+def feature_lines(name: str, affordance: AffordanceSection) -> list[str]:
     """Mean and deviation of each component with reward."""
     model = affordance.with_reward
     if model is None:

@@ -19,10 +19,12 @@ class ExplorationProgress:
     Args:
         total: how many there are at most.
         as_json: whether scripts are told, instead of people.
+        looks_ahead: whether outcomes say what is seen after them.
     """
 
-    def __init__(self, total: int, *, as_json: bool = False) -> None:
+    def __init__(self, total: int, *, as_json: bool = False, looks_ahead: bool = True) -> None:
         self._total, self._as_json = total, as_json
+        self._looks_ahead = looks_ahead
         self._unseen = 0
         self._seconds: deque[float] = deque(maxlen=_RECENT)
 
@@ -49,7 +51,7 @@ class ExplorationProgress:
 
     def _tell_of_absence(self, outcome: ActionOutcome) -> None:
         self._unseen = 0 if outcome.ahead else self._unseen + 1
-        if self._unseen == _GONE:
+        if self._looks_ahead and self._unseen == _GONE:
             print(f"  nothing that can be acted on was seen after the last {_GONE} actions")
 
     def _print_json(self, number: int, step: ExplorationStep, outcome: ActionOutcome) -> None:

@@ -49,6 +49,24 @@ Algorithm = Annotated[
     str,
     typer.Option("--algorithm", help="explore_catalog (Algorithm 3) or explore_models (6.3)."),
 ]
+Thing = Annotated[
+    list[str],
+    typer.Option(
+        "--thing",
+        metavar="NAME=CHANNEL",
+        help="A thing, and how it is known: with two or more of them, explore which of them the "
+        "one PROGRAM brings to which, and write a meta-catalog.",
+    ),
+]
+Relation = Annotated[
+    str, typer.Option("--relation", help="What PROGRAM brings about, with --thing: on or in.")
+]
+Join = Annotated[
+    bool,
+    typer.Option(
+        "--join", help="Go on, and let programs join that were not there, and this --stage follow."
+    ),
+]
 Json = Annotated[bool, typer.Option("--json", help="Print one JSON object per action.")]
 
 
@@ -66,8 +84,11 @@ def explore(
     cameras: Cameras = None,
     between: Between = "let_go",
     algorithm: Algorithm = "explore_catalog",
+    thing: Thing = [],  # noqa: B006 (typer)
+    relation: Relation = "on",
     set_: Set = [],  # noqa: B006 (typer)
     resume: Resume = False,
+    join: Join = False,
     as_json: Json = False,
     live: Live = False,
     live_port: LivePort = None,
@@ -80,7 +101,8 @@ def explore(
     Each action that is rewarded teaches with which features it is; what changes its model most is
     worth most. The catalog in --out says how often each action was rewarded, and with what. Beside
     it, a file that ends in .actions.jsonl holds each action as soon as it is over: whatever
-    interrupts it, it goes on with --resume, in a world that is set up anew.
+    interrupts it, it goes on with --resume, in a world that is set up anew. With --thing, things
+    are brought to each other, and --out is a meta-catalog.
 
     Exit 0 when all actions were taken, 1 when a document has errors, 2 when it could not act, 130
     when it was interrupted.
@@ -97,6 +119,11 @@ def explore(
     if out.suffix != ".yaml":
         raise UsageError(f"--out {out}: a catalog is <name>.yaml")
     shown = live_options(live, live_port, fast=fast, waits=live_wait, closes=live_close)
+    if thing:
+        from cbdsl.cli.explore_pairs import explore_pairs
+
+        explore_pairs(context, _command(context))
+        return
     with needing_simulation():
         from cbdsl.learning.constants import read_constants
         from cbdsl.learning.explorations import EXPLORATIONS
@@ -127,8 +154,9 @@ def explore(
             command=_command(context),
             path=out.absolute(),
             cameras=cameras,
+            joins=join,
         )
-        task.require_ready(resume=resume)
+        task.require_ready(resume=resume or join)
     with shown_on_failure(), termination_interrupts():
         _run(task, request, shown, as_json=as_json)
 

@@ -194,7 +194,7 @@ class _Template:
         from cbdsl.cli.terminal import print_problem
         from cbdsl.errors.errors import UsageError
         from cbdsl.errors.reason import reason
-        from cbdsl.yaml_text.writer import write_text
+        from cbdsl.yaml_text.writer import write_bytes, write_text
 
         file = self._folder / f"{self._name}.yaml"
         there = next((each for each in (file, *files) if each.exists() and not force), None)
@@ -207,7 +207,7 @@ class _Template:
             self._folder.mkdir(parents=True, exist_ok=True)
             for path, contents in files.items():
                 path.parent.mkdir(parents=True, exist_ok=True)
-                path.write_bytes(contents)
+                write_bytes(contents, path)
             write_text(text.substitute(values, name=self._name, schema=schema), file)
         except OSError as error:
             raise UsageError(f"{file}: {reason(error)}") from error

@@ -9,6 +9,7 @@ import typer
 from cbdsl.cli.show_allocations import show_allocations
 from cbdsl.cli.show_catalog import show_catalog
 from cbdsl.cli.show_mesh import show_mesh
+from cbdsl.cli.show_meta_catalog import show_meta_catalog
 from cbdsl.cli.show_plugins import (
     show_backends,
     show_kinds,
@@ -120,6 +121,7 @@ show.command("policy")(show_policy)
 show.command("mesh")(show_mesh)
 show.command("schema")(show_schema)
 show.command("catalog")(show_catalog)
+show.command("meta-catalog")(show_meta_catalog)
 
 
 def _signature(potential: PotentialType) -> dict[str, object]:

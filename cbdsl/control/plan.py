@@ -34,6 +34,7 @@ class SlotForm(NamedTuple):
         offset: number of the row by which it is displaced.
         turned: whether that is a rotation.
         onset: the change of a load before which it is undefined, or ``None``.
+        watches: whether it is defined although no joint displaces its feedback.
     """
 
     potential: Potential
@@ -48,6 +49,7 @@ class SlotForm(NamedTuple):
     offset: int = -1
     turned: bool = False
     onset: OnsetForm | None = None
+    watches: bool = False
 
     @property
     def carrier(self) -> int:
@@ -121,6 +123,7 @@ class ControllerPlan:
         slot["closing"] = search.closing
         slot["requires"] = form.requires
         slot["anchor"], slot["offset"] = form.anchor, form.offset
+        slot["watches"] = form.watches
         slot["turned"], slot["onset"] = form.turned, self._wait(form.onset)
         self.slots = np.concatenate((self.slots, slot))
         self.parameters = np.concatenate((self.parameters, potential.parameters))

@@ -2,7 +2,8 @@
 
 phi = e . e / 2 with e the difference between reference and feedback in the feedback's type.
 Configurations, positions, headings, forces, torques and wrenches subtract. Orientations differ by a
-rotation vector in the world frame; poses by translation above rotation. Where the tip may turn
+rotation vector in the world frame; poses by translation above rotation; constellations by two
+ratios and an angle modulo half a turn. Where the tip may turn
 about one of its axes, the residual is in the tip's two other axes. Positions, forces and torques
 may be compared along some axes of the world frame alone, which leaves the others to other
 controllers.
@@ -46,7 +47,11 @@ def spring(kind: str, size: int, free_axis: str | None = None) -> Potential:
             the tip may turn about it; ``None`` for none.
     """
     if free_axis is None:
-        function = {"orientation": rotation_difference, "pose": pose_difference}.get(kind)
+        function = {
+            "orientation": rotation_difference,
+            "pose": pose_difference,
+            "constellation": constellation_difference,
+        }.get(kind)
         return Potential(function or difference, size, identity=True)
     function = axis_difference if kind == "orientation" else pose_axis_difference
     return Potential(function, size - 1, parameters=np.array([float("xyz".index(free_axis))]))
@@ -98,6 +103,17 @@ def pose_difference(
     for i in range(3):
         residual[i] = reference[i] - value[i]
     log_between(value[3:], reference[3:], residual[3:])
+    return _half_square(residual)
+
+
+@potential
+def constellation_difference(
+    value: Floats, reference: Floats, parameters: Floats, residual: Floats, slope: Floats
+) -> float:
+    """Half the squares of the differences of two ratios, and of an angle modulo half a turn."""
+    for i in range(3):
+        residual[i] = reference[i] - value[i]
+    residual[2] -= np.pi * np.round(residual[2] / np.pi)
     return _half_square(residual)
 
 

@@ -84,6 +84,8 @@ SLOT = np.dtype(
         ("turned", np.bool_),
         ("onset", np.int64),
         ("anchored", np.bool_),
+        # Whether it watches a feedback that no joint displaces.
+        ("watches", np.bool_),
     ]
 )
 
@@ -254,7 +256,8 @@ def _decide(
         slot.engaged = False
         return
     feedback = table[slot.feedback]
-    if feedback.defined == DEFINED and _responds(feedback, jacobian, columns):
+    responds = slot.watches or _responds(feedback, jacobian, columns)
+    if feedback.defined == DEFINED and responds:
         slot.mode = TRACK
         slot.seeking = slot.exhausted = False
         slot.engaged = True

@@ -114,6 +114,17 @@ class StepColumns(Section):
         return self
 
 
+class JoinedActions(Section):
+    """Actions that joined an exploration when it had begun."""
+
+    after: Count
+    """How many actions had been taken."""
+    programs: tuple[Name, ...]
+    """Actions that joined, none where the world alone changed."""
+    stage: Identity
+    """World that it went on in."""
+
+
 class CatalogProvenance(Section):
     """Everything that the catalog depends on."""
 
@@ -137,6 +148,8 @@ class CatalogProvenance(Section):
     """Which of several trials with this seed."""
     actions: Count
     """How many actions were taken."""
+    joined: tuple[JoinedActions, ...] = ()
+    """What joined later, in its order."""
     backend: str
     """Backend that embodied the robot."""
     renderer: str

@@ -54,6 +54,7 @@ KINDS: Registry[Kind] = Registry(
         "model": "cbdsl.documents.model:MODEL",
         "schema": "cbdsl.documents.schema:SCHEMA",
         "catalog": "cbdsl.documents.catalog:CATALOG",
+        "meta_catalog": "cbdsl.documents.meta_catalog:META_CATALOG",
         "calibration": "cbdsl.documents.calibration:CALIBRATION",
     },
     _record,

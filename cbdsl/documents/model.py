@@ -1,4 +1,4 @@
-"""The model document: a density over configurations, which programs draw references from."""
+"""The model document: a density over configurations or positions, to draw references from."""
 
 from typing import Annotated, Literal
 
@@ -9,29 +9,29 @@ from cbdsl.documents.kind import Kind
 
 
 class Gaussian(Section):
-    """Independent normal distributions, one a joint."""
+    """Independent normal distributions, one a joint or axis."""
 
     form: Literal["gaussian"]
     """Says that the density is Gaussian."""
     mean: Annotated[tuple[Coordinate, ...], Field(min_length=1)]
-    """Mean angle of each joint."""
+    """Mean angle of each joint, or the mean position."""
     deviation: Annotated[tuple[Extent, ...], Field(min_length=1)]
-    """Standard deviation of each joint."""
+    """Standard deviation of each joint, or along each axis."""
     uniform: NonNegative = 0.0
-    """Share of the draws that are uniform between the joint limits instead."""
+    """Share of the draws that are uniform between the joint limits instead; positions have none."""
 
 
 class Kernel(Section):
-    """A Gaussian kernel around each of the configurations that were found good."""
+    """A Gaussian kernel around each of the samples that were found good."""
 
     form: Literal["kernel"]
     """Says that the density is a sum of kernels."""
     samples: Annotated[tuple[tuple[Coordinate, ...], ...], Field(min_length=1)]
-    """The configurations, each with one angle a joint."""
+    """The configurations, each with one angle a joint; or the positions."""
     bandwidth: Annotated[tuple[Extent, ...], Field(min_length=1)]
-    """Standard deviation of the kernels along each joint."""
+    """Standard deviation of the kernels along each joint or axis."""
     uniform: NonNegative = 0.0
-    """Share of the draws that are uniform between the joint limits instead."""
+    """Share of the draws that are uniform between the joint limits instead; positions have none."""
 
 
 class ModelDocument(Document):
@@ -42,9 +42,15 @@ class ModelDocument(Document):
     robot: Name
     """Robot whose configurations it is about."""
     effector: Name
-    """Effector or group whose joints it has angles for, in their order."""
+    """Effector or group whose joints it has angles for, in their order; or whose tip goes there."""
+    space: Literal["configuration", "position"] = "configuration"
+    """Whether it is a density over the effector's joint angles, or over positions of what it may
+    reach for, in the world frame."""
+    channel: Name | None = None
+    """Channel that was tracked in these configurations of what moves the cameras: its background.
+    A program that names the model has `novel.<channel>`, the heading to what is elsewhere."""
     density: Annotated[Gaussian | Kernel, Field(discriminator="form")]
-    """How likely configurations are; draws keep within the joint limits."""
+    """How likely configurations are, or positions; draws keep within the joint limits."""
 
 
 MODEL = Kind(

@@ -20,6 +20,7 @@ _SCHEMA = (
 )
 
 _CATALOG = _HEAD.format("catalog") + "robot: dexter\nfeature: red\n"
+_META_CATALOG = _HEAD.format("meta_catalog") + "robot: dexter\n"
 
 #: Frames of examples: ``$name`` is the file's, ``$body`` what the catalogue has.
 _FRAMES = {
@@ -31,6 +32,7 @@ _FRAMES = {
     "model": f"{_HEAD.format('model')}$body\n",
     "schema": f"{_SCHEMA}$body\n",
     "catalog": f"{_CATALOG}$body\n",
+    "meta_catalog": f"{_META_CATALOG}$body\n",
     "afforded": _SCHEMA.replace("features: {", "catalog: ball\nfeatures: {sure: $body, ")
     + "choose: {if: sure > 0.5, then: left, else: right}\notherwise: [right]\n",
     "tracking": f"{_DEXTER}{_TRACK}\n$body\n",

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Literal
 
@@ -17,7 +17,7 @@ Measure = Literal["sum", "trace", "determinant"]
 
 # Deviations of a prior that counts for something in a robot's workspace, by unit.
 _WORKSPACE: Mapping[str, float] = {
-    "m": 0.03, "rad": 0.1, "m/s": 0.1, "rad/s": 0.1, "m^3": 1e-3,
+    "m": 0.03, "rad": 0.1, "1": 0.1, "m/s": 0.1, "rad/s": 0.1, "m^3": 1e-3,
 }  # fmt: skip
 
 # Of the variance of the prior, in which densities that predict are spread at least.
@@ -126,6 +126,22 @@ class AffordanceModel:
         apart = features - known.mean
         return math.sqrt(float(apart @ np.linalg.solve(known.covariance, apart)))
 
+    def log_density(self, features: Floats) -> float:
+        """Logarithm of Pr(f | reward, a) per unit of the features; -inf without samples."""
+        if self.rewarded.weight == 0:
+            return -math.inf
+        return self._predictive(self.rewarded).log_density(features)
+
+    def over(self, components: Sequence[int]) -> AffordanceModel:
+        """The model of some of the features' components."""
+        chosen = np.array(components, dtype=np.int64)
+        return replace(
+            self,
+            scale=self.scale[chosen],
+            rewarded=_part(self.rewarded, chosen),
+            unrewarded=_part(self.unrewarded, chosen),
+        )
+
     def density(self, features: Floats) -> float:
         """Pr(f | a) per unit of the features: the mixture over reward and none."""
         prior = self.reward_probability
@@ -152,6 +168,12 @@ class AffordanceModel:
 
 def _prior(size: int, weight: float) -> SampleStatistics:
     return SampleStatistics.of(weight, np.zeros(size), np.eye(size))
+
+
+def _part(samples: SampleStatistics, chosen: NDArray[np.int64]) -> SampleStatistics:
+    """Gaussian of some components of the samples."""
+    scatter = samples.scatter[np.ix_(chosen, chosen)]
+    return SampleStatistics(samples.weight, samples.mean[chosen], scatter)
 
 
 def _scaled(samples: SampleStatistics, scale: Floats) -> SampleStatistics:

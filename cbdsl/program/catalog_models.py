@@ -7,6 +7,7 @@ from collections.abc import Mapping
 import numpy as np
 
 from cbdsl.documents.catalog import AffordanceSection, CatalogDocument, SampleModel
+from cbdsl.documents.meta_catalog import MetaCatalogDocument
 from cbdsl.numeric.affordance import AffordanceModel, deviation_of
 from cbdsl.numeric.sample_statistics import SampleStatistics
 from cbdsl.types.resource import AFFORDS, AffordanceProbability, Origin, Resource
@@ -40,7 +41,14 @@ def models_of(catalog: CatalogDocument) -> dict[str, AffordanceModel]:
     return {name: model_of(each, catalog) for name, each in catalog.affordances.items()}
 
 
-def model_of(affordance: AffordanceSection, catalog: CatalogDocument) -> AffordanceModel:
+def pair_models(catalog: MetaCatalogDocument) -> dict[str, AffordanceModel]:
+    """Models of a meta-catalog's pairs by name."""
+    return {name: model_of(each, catalog) for name, each in catalog.pairs.items()}
+
+
+def model_of(
+    affordance: AffordanceSection, catalog: CatalogDocument | MetaCatalogDocument
+) -> AffordanceModel:
     """Model of one action of a catalog, with the prior that it was explored with."""
     constants = {} if catalog.provenance is None else catalog.provenance.constants
     in_si = constants.get("units") == "si"

@@ -178,6 +178,8 @@ def _model(library: Library, file: Path, name: str | None, document: str) -> Int
     if path is None:
         raise UsageError(f"there is no model '{document}'")
     model = library.read(path, ModelDocument).document
+    if model.space == "position":
+        raise UsageError("it is over positions, which have no limits to draw it between")
     place = library.find(RobotDocument, model.robot, path)
     if place is None:
         raise UsageError(f"there is no robot '{model.robot}', whose joint limits it keeps")

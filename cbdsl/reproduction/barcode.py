@@ -6,7 +6,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from cbdsl.documents.stage import BoxForm, StageDocument
+from cbdsl.documents.form import BoxForm
+from cbdsl.documents.stage import StageDocument
 from cbdsl.reproduction import code39
 
 #: Edge of every pattern, m.

@@ -11,7 +11,7 @@ import numpy as np
 
 from cbdsl.control.localizability import seen_by
 from cbdsl.control.signal import Floats
-from cbdsl.documents.stage import BoxForm
+from cbdsl.documents.form import BoxForm
 from cbdsl.reproduction.barcode import Barcode
 from cbdsl.reproduction.simulation_fixture import SimulationFixture, simulation_fixture
 from cbdsl.runtime.episode import Tick

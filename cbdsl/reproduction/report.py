@@ -87,7 +87,8 @@ def section(experiment: Experiment, settings: RunSettings, outcome: Result, pict
 
 def picture_file(picture: Picture, experiment: Experiment, settings: RunSettings) -> str:
     """Name of the file of a picture: no two sections share one."""
-    backend = _other_backend(experiment, settings)
+    # A link has no spaces.
+    backend = _other_backend(experiment, settings).replace(" ", "-")
     return f"{picture.name}-{backend}.svg" if backend else f"{picture.name}.svg"
 
 

@@ -6,14 +6,15 @@ asked about what is seen at the first choice of episodes that they did not learn
 
 from __future__ import annotations
 
-import json
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any, NamedTuple
+from functools import partial
+from typing import Any, NamedTuple, Self
 
 from cbdsl.backends.backend import embody
 from cbdsl.checking.assimilation import program_to_assimilate
 from cbdsl.checking.session import Session
+from cbdsl.documents.digest import digest_of_text
 from cbdsl.documents.policy import PolicyDocument
 from cbdsl.documents.program import ProgramDocument
 from cbdsl.documents.schema import SchemaDocument
@@ -29,9 +30,11 @@ from cbdsl.reporting.drawing.svg import svg
 from cbdsl.reproduction.claim import above
 from cbdsl.reproduction.estimate import mean_of
 from cbdsl.reproduction.experiment import Result, RunSettings
+from cbdsl.reproduction.kept_trials import kept_trials
 from cbdsl.reproduction.percentage import percentage
 from cbdsl.reproduction.quantity import Quantity
 from cbdsl.reproduction.shipped import shipped_file, shipped_robot
+from cbdsl.reproduction.trial_digest import trial_digest
 from cbdsl.sensing.kinematics import Kinematics
 from cbdsl.training.episode_runner import BackendEpisodeRunner
 from cbdsl.training.trial import Trial
@@ -57,6 +60,35 @@ class Question(NamedTuple):
 
     context: str
     features: Features
+
+
+class AssimilationTrial(NamedTuple):
+    """Trial of ASSIMILATE.
+
+    Attributes:
+        things: the program.
+        seed: the trial's number.
+        tried: contexts, with what was tried in them.
+    """
+
+    things: str
+    seed: int
+    tried: tuple[TriedContext, ...]
+
+    def as_data(self) -> dict[str, Any]:
+        """Plain data, for JSON."""
+        return {**self._asdict(), "tried": [each._asdict() for each in self.tried]}
+
+    @classmethod
+    def from_data(cls, data: Mapping[str, Any]) -> Self:
+        """Trial that ``as_data`` wrote.
+
+        Raises:
+            ValueError: it is none.
+        """
+        if set(data) != set(cls._fields):
+            raise ValueError("no trial of ASSIMILATE")
+        return cls(**{**data, "tried": tuple(TriedContext(**each) for each in data["tried"])})
 
 
 class Trees(NamedTuple):
@@ -91,26 +123,23 @@ class SchemaPicture:
 
 def run(settings: RunSettings) -> Result:
     """Learn several times, and ask the trees."""
-    trials, episodes, asked = _QUICK if settings.quick else (_TRIALS, _EPISODES, _ASKED)
-    trials = settings.trials or trials
+    usual, episodes, asked = _QUICK if settings.quick else (_TRIALS, _EPISODES, _ASKED)
+    count = settings.trials or usual
     program, runner = _prepared()
     first = settings.seed  # trials draw seeds of their own
     known = list(questions(program, runner, range(first, first + asked)))
-    trees: list[Trees] = []
-    pictures: list[SchemaPicture] = []
-    for number in range(trials):
-        settings.progress(number, trials)
-        file = settings.folder / f"assimilation_{settings.seed}_{number}_{episodes}.json"
-        if not file.exists():
-            file.write_text(json.dumps(_tried(program, runner, settings.seed, number, episodes)))
-        learner = Assimilate([], AssimilateConstants())
-        learner.adopt(program)
-        learner.recall(TriedContext(*each) for each in json.loads(file.read_text()))
-        trees.append(Trees(learner.choice(), learner.reward()))
-        if not pictures:
-            schema = learner.document(_PROGRAM, program)
-            pictures.append(SchemaPicture("schema_trees", "The trees of the first trial", schema))
-    settings.progress(trials, trials)
+    trials = kept_trials(
+        settings.folder / "assimilations.jsonl",
+        {_PROGRAM: range(count)},
+        partial(_digest, settings.seed, episodes),
+        AssimilationTrial.from_data,
+        partial(_run_trials, program, runner, settings.seed, episodes),
+        settings.progress,
+    )
+    learners = [_learner(program, each.tried) for each in trials[_PROGRAM]]
+    trees = [Trees(each.choice(), each.reward()) for each in learners]
+    schema = learners[0].document(_PROGRAM, program)
+    pictures = [SchemaPicture("schema_trees", "The trees of the first trial", schema)]
     return Result(tuple(quantities(trees, known, settings.seed)), tuple(pictures), _NOTES)
 
 
@@ -122,15 +151,35 @@ _NOTES = (
 )
 
 
-def _tried(
-    program: CheckedProgram, runner: BackendEpisodeRunner, seed: int, number: int, episodes: int
-) -> tuple[TriedContext, ...]:
-    """Contexts of a trial, with what was tried in them."""
-    trial = Trial(program, AssimilateConstants(), seed, number, ASSIMILATE)
-    for _ in range(episodes):
-        trial.run(runner)
-    assert isinstance(trial.learner, Assimilate)
-    return trial.learner.contexts
+def _run_trials(
+    program: CheckedProgram,
+    runner: BackendEpisodeRunner,
+    seed: int,
+    episodes: int,
+    things: str,
+    numbers: Iterable[int],
+) -> Iterator[AssimilationTrial]:
+    for number in numbers:
+        trial = Trial(program, AssimilateConstants(), seed, number, ASSIMILATE)
+        for _ in range(episodes):
+            trial.run(runner)
+        assert isinstance(trial.learner, Assimilate)
+        yield AssimilationTrial(things, number, trial.learner.contexts)
+
+
+def _learner(program: CheckedProgram, tried: Iterable[TriedContext]) -> Assimilate:
+    """A learner that has seen some contexts."""
+    learner = Assimilate([], AssimilateConstants())
+    learner.adopt(program)
+    learner.recall(tried)
+    return learner
+
+
+def _digest(seed: int, episodes: int, program: str) -> str:
+    """Digest of all that decides a trial beside its number."""
+    library = Library(shipped())
+    policy = shipped_file(library, PolicyDocument, program).read_text(encoding="utf-8")
+    return digest_of_text(f"{trial_digest(program, {}, _STAGE)} {seed} {episodes}\n{policy}")
 
 
 def _prepared() -> tuple[CheckedProgram, BackendEpisodeRunner]:

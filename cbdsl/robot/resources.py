@@ -52,6 +52,8 @@ CAMERAS = "cameras"
 STEREO = "stereo"
 SURFACE = "surface"
 COUNTED = "count"
+#: Beginning of the names of headings to what a background model does not expect.
+NOVEL = "novel"
 
 _TIP_PARTS = {"position": POSITION, "orientation": ORIENTATION, "pose": POSE}
 _BLOB_PARTS = {"velocity": HEADING_RATE, "extent": EXTENT, "orientation": AXIS}

@@ -7,10 +7,8 @@ from pathlib import Path
 from typing import NamedTuple
 from xml.etree import ElementTree
 
-from cbdsl.documents.contents import contents
+from cbdsl.robot.robot_xml import require_robot, robot_text, xml_root
 from cbdsl.robot.urdf import UrdfError
-
-_MOST_BYTES = 16_000_000
 
 
 class SrdfGroup(NamedTuple):
@@ -83,10 +81,7 @@ def read_srdf(path: Path) -> SrdfModel:
     Raises:
         UrdfError: there is no such file, or it is no SRDF.
     """
-    try:
-        return parse_srdf(contents(path, _MOST_BYTES), path)
-    except OSError as error:
-        raise UrdfError(f"{path}: {error.strerror}") from None
+    return parse_srdf(robot_text(path), path)
 
 
 def parse_srdf(text: bytes | str, path: Path) -> SrdfModel:
@@ -95,12 +90,8 @@ def parse_srdf(text: bytes | str, path: Path) -> SrdfModel:
     Raises:
         UrdfError: it is no SRDF.
     """
-    try:
-        root = ElementTree.fromstring(text)
-    except (ElementTree.ParseError, ValueError, LookupError) as error:
-        raise UrdfError(f"{path}: it is no XML, of which SRDF is made: {error}") from None
-    if root.tag != "robot":
-        raise UrdfError(f"{path}: its root is <{root.tag}>, not <robot>")
+    root = xml_root(text, path, "SRDF")
+    require_robot(root, path)
     groups = [_group(element) for element in root.findall("group")]
     twice = next((g.name for g in groups if [h.name for h in groups].count(g.name) > 1), None)
     if twice is not None:

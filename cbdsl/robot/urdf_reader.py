@@ -5,7 +5,7 @@ from collections.abc import Iterable, Iterator, Mapping
 from pathlib import Path
 from xml.etree import ElementTree
 
-from cbdsl.documents.contents import contents
+from cbdsl.robot.robot_xml import require_robot, robot_text, xml_root
 from cbdsl.robot.urdf import (
     Mimic,
     Numbers,
@@ -19,9 +19,6 @@ from cbdsl.robot.urdf import (
     way_to_root,
 )
 
-# The largest public models, of humanoids, have a tenth of it; meshes have files of their own.
-_MOST_BYTES = 16_000_000
-
 
 def read_urdf(path: Path) -> UrdfModel:
     """Read a model; its meshes are left to those who draw them.
@@ -29,10 +26,7 @@ def read_urdf(path: Path) -> UrdfModel:
     Raises:
         UrdfError: there is no such file, or it is no URDF.
     """
-    try:
-        return parse_urdf(contents(path, _MOST_BYTES), path)
-    except OSError as error:
-        raise UrdfError(f"{path}: {error.strerror}") from None
+    return parse_urdf(robot_text(path), path)
 
 
 def parse_urdf(text: bytes | str, path: Path) -> UrdfModel:
@@ -45,10 +39,7 @@ def parse_urdf(text: bytes | str, path: Path) -> UrdfModel:
     Raises:
         UrdfError: it is no URDF.
     """
-    try:
-        root = ElementTree.fromstring(text)
-    except (ElementTree.ParseError, ValueError, LookupError) as error:
-        raise UrdfError(f"{path}: it is no XML, of which URDF is made: {error}") from None
+    root = xml_root(text, path, "URDF")
     is_xacro = any("xacro" in element.tag for element in root.iter())
     if is_xacro or root.tag == "mujoco":
         kind = "xacro" if is_xacro else "MJCF"
@@ -56,8 +47,7 @@ def parse_urdf(text: bytes | str, path: Path) -> UrdfModel:
             f"{path}: it is {kind}; cb new robot NAME --urdf {path.name} makes URDF of it, with "
             "the extra formats: pip install 'cbdsl[formats]'"
         )
-    if root.tag != "robot":
-        raise UrdfError(f"{path}: its root is <{root.tag}>, not <robot>")
+    require_robot(root, path)
     links = frozenset(link.get("name", "") for link in root.findall("link"))
     try:
         _require_distinct(root)

@@ -22,6 +22,7 @@ from cbdsl.runtime.slot_setting import SlotSetting, modified
 from cbdsl.sensing.reading import Reading
 from cbdsl.sensing.signals import Signals
 from cbdsl.types.resource import (
+    RELATIVE,
     Headings,
 )
 from cbdsl.types.state import Predicate
@@ -82,6 +83,7 @@ class ControllerRun:
             settings_of(quiescence.rate, quiescence.window, period),
             rows.feedback,
             rows.reference,
+            watches=isinstance(controller.feedback.source, RELATIVE),
         )._replace(**anchor_of(controller, signals, rows)._asdict())
         form = modified(plain, SlotSetting(controller, signals, period))
         self.rows = rows._replace(feedback=form.feedback, reference=form.reference)

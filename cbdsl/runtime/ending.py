@@ -14,6 +14,7 @@ from cbdsl.types.resource import Origin
 # How errors of these types are told: factor from SI, and unit.
 _UNITS = {
     "position": (100.0, "cm"),
+    "offset": (100.0, "cm"),
     "force": (1.0, "N"),
     "heading": (180 / math.pi, "deg"),
     "orientation": (180 / math.pi, "deg"),
@@ -160,7 +161,7 @@ def _clause(lead: ControllerRun) -> str:
     # The residual of a field is bounded: far from the goal the goal is farther away than that.
     is_field = POTENTIALS[controller.potential].field
     at_least = "at least " if is_field and lead.phi > _NEAR else ""
-    distance = f"{at_least}{factor * lead.error:.1f} {unit}"
+    distance = f"{at_least}{factor * lead.error:.{1 if unit else 3}f} {unit}".rstrip()
     return f"{controller.name} {verb} {distance} from {_goal(controller)}"
 
 

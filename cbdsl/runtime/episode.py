@@ -25,7 +25,8 @@ from cbdsl.runtime.ending import describe, describe_lateness, describe_stop, sta
 from cbdsl.runtime.program_run import ProgramRun
 from cbdsl.sensing.kinematics import Kinematics
 from cbdsl.sensing.observation import Observation
-from cbdsl.sensing.signals import SensorError, Signals
+from cbdsl.sensing.sensor_faults import SensorError
+from cbdsl.sensing.signals import Signals
 from cbdsl.types.policy import Policy
 from cbdsl.types.resource import Resource
 

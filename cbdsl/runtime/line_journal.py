@@ -165,6 +165,8 @@ def _differences(known: Mapping[str, Any], wanted: Mapping[str, Any]) -> Iterato
 def _shown(value: object) -> str:
     if value is None:
         return "nothing"
+    if isinstance(value, dict):
+        return str(value.get("name", value))
     return ", ".join(map(str, value)) if isinstance(value, (list, tuple)) else str(value)
 
 

@@ -3,19 +3,19 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import NamedTuple
 
 import numpy as np
 
 from cbdsl.control.plan import ControllerPlan
 from cbdsl.program.checked import Action, CheckedProgram
-from cbdsl.program.controller import Composition, Controller, Primitive
 from cbdsl.program.own_policy import own_policy
 from cbdsl.program.schema_policy import ContextPolicy
 from cbdsl.program.transition import Transition
 from cbdsl.runtime.context import ContextReader
 from cbdsl.runtime.controller_run import ControllerRun
+from cbdsl.runtime.controller_runs import ControllerRuns
 from cbdsl.sensing.signals import Signals
 from cbdsl.types.policy import DeferredPolicy, Policy, ReasonedPolicy
 from cbdsl.types.state import matches
@@ -28,39 +28,6 @@ class Active(NamedTuple):
 
     run: ControllerRun
     peers: Mapping[str, ControllerRun]
-
-
-class _Lead(NamedTuple):
-    """The controller that leads a member, and what the member optimises below it.
-
-    Attributes:
-        place: the member's place in the state.
-        run: the controller with the highest priority.
-        awaited: its other controllers that it is not at rest before: those that have no reference,
-            and no goal but their rest, and those that are rewarded.
-        earners: its controllers that all have to be at rest for a reward; empty for no reward.
-    """
-
-    place: int
-    run: ControllerRun
-    awaited: tuple[ControllerRun, ...]
-    earners: tuple[ControllerRun, ...]
-
-    @property
-    def predicate(self) -> str:
-        """The leading controller's; at rest only when what is awaited below it is, too."""
-        leading = self.run.predicate
-        for run in self.awaited:
-            if leading == "1" and run.predicate == "0":
-                return "0"
-        return leading
-
-    @property
-    def is_earned(self) -> bool:
-        """Whether all that is rewarded in it is at rest where it should be."""
-        if not self.earners:
-            return False
-        return all([run.predicate == "1" and run.settled for run in self.earners])
 
 
 class ProgramRun:
@@ -93,7 +60,7 @@ class ProgramRun:
         self._written = own_policy(program)
         self._actions = {action.name: action for action in program.actions}
         first = len(plan.slots)
-        make = _ControllerRuns(signals, plan, period)
+        make = ControllerRuns(signals, plan, period)
         self._stacks = {
             action.name: make.stack(action.composition)
             for action in program.actions
@@ -454,49 +421,3 @@ class ProgramRun:
     def _end(self, predicate: str, ending: str) -> None:
         self.predicate = predicate
         self.ending = ending
-
-
-class _ControllerRuns:
-    """Makes one run per controller, however many actions share it."""
-
-    def __init__(self, signals: Signals, plan: ControllerPlan, period: float) -> None:
-        self._context = signals, plan, period
-        self._runs: dict[Controller, ControllerRun] = {}
-
-    def run(self, controller: Controller) -> ControllerRun:
-        if controller not in self._runs:
-            self._runs[controller] = ControllerRun(controller, *self._context)
-        return self._runs[controller]
-
-    def stack(self, composition: Composition) -> tuple[ControllerRun, ...]:
-        """The runs of a composition's controllers, highest priority first."""
-        return tuple(map(self.run, reversed(composition.controllers)))
-
-    def waiting(
-        self, composition: Composition
-    ) -> Iterator[tuple[ControllerRun, Sequence[ControllerRun]]]:
-        """Controllers that seek once another has arrived, and those that wait meanwhile.
-
-        That is the whole primitive that the other is a part of. Whether it has come to rest is
-        judged from the end of the search, since what is found may set it in motion again.
-        """
-        for seeker in self.stack(composition):
-            seek = seeker.controller.seek
-            for primitive in composition.primitives:
-                if seek and seek.once in [each.name for each in primitive.controllers]:
-                    yield seeker, [self.run(each) for each in primitive.controllers]
-
-    def lead(self, primitive: Primitive, place: int) -> _Lead:
-        """Controllers that give the predicate of a primitive at this place of the state."""
-        optimising = [each for each in primitive.controllers[:-1] if each.reference is None]
-        awaited = dict.fromkeys((*optimising, *primitive.earners))
-        awaited.pop(primitive.lead, None)
-        others, earners = (
-            tuple(self.run(controller) for controller in some)
-            for some in (awaited, primitive.earners)
-        )
-        return _Lead(place, self.run(primitive.lead), others, earners)
-
-    @property
-    def all(self) -> tuple[ControllerRun, ...]:
-        return tuple(self._runs.values())

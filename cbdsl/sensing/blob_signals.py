@@ -11,11 +11,19 @@ from numpy.typing import NDArray
 
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.sensing.blob import blob_of
+from cbdsl.sensing.constellation import constellation_of
 from cbdsl.sensing.observation import Observation
 from cbdsl.sensing.reading import Reading
 from cbdsl.sensing.vision import Vision
 from cbdsl.sensing.visual_signals import VisualSignals
-from cbdsl.types.resource import BlobSignal, InstanceCount, Resource, StereoSignal
+from cbdsl.types.resource import (
+    BlobSignal,
+    ConstellationSignal,
+    InstanceCount,
+    Resource,
+    StereoOffset,
+    StereoSignal,
+)
 
 Floats = NDArray[np.float64]
 
@@ -90,6 +98,21 @@ class BlobSignals:
         if source.part == "extent":
             return self._reading(blob.extent)
         return self._reading(None if blob.orientation is None else np.array([blob.orientation]))
+
+    def constellation(self, source: ConstellationSignal) -> Reading | None:
+        """How two channels' blobs look beside each other, or ``None`` unless both are whole."""
+        blobs = []
+        for channel in (source.channel, source.other):
+            region = self._vision.region(source.camera, channel)
+            if region is None or region.clipped:
+                return None
+            blobs.append(blob_of(self._robot.cameras[source.camera], region))
+        return self._reading(constellation_of(*blobs).value)
+
+    def offset(self, source: StereoOffset) -> Reading | None:
+        """Where the centre of one silhouette is from that of another one, m, world axes."""
+        first, second = (self._vision.meeting(each) for each in (source.channel, source.other))
+        return None if first is None or second is None else self._reading(first - second)
 
     def feature(self, source: StereoSignal) -> Reading | None:
         """The velocity of what stereo sees, m/s, or its volume, m^3.

@@ -5,9 +5,10 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from typing import Any
 
-from cbdsl.types.casts import CAMERA, RIGID_HOLD, SIGHTING, TRIANGULATION, Chain
+from cbdsl.types.casts import CAMERA, CAMERA_TURNS, RIGID_HOLD, SIGHTING, TRIANGULATION, Chain
 from cbdsl.types.resource import (
     Centroid,
+    ConstellationSignal,
     EffectorConfiguration,
     FingerForces,
     FingerLoad,
@@ -15,10 +16,12 @@ from cbdsl.types.resource import (
     Headings,
     NetForces,
     NetLoad,
+    NovelHeading,
     Posture,
     Resource,
     SensorSignal,
     Separation,
+    StereoOffset,
     StereoPosition,
     Tip,
 )
@@ -29,6 +32,7 @@ _COMPLIANCE = "compliance"
 _JOINTS: frozenset[tuple[str, ...]] = frozenset({()})
 _ARMS = frozenset({(MANIPULATOR,)})
 _LOADS = frozenset({(_COMPLIANCE,)})
+_TURNS = frozenset({(each.name,) for each in CAMERA_TURNS})
 _HELD = RIGID_HOLD.name, MANIPULATOR
 
 #: By kind of source, the chains whose Jacobians its rows can be compiled from: names of casts.
@@ -45,6 +49,9 @@ EXECUTED: Mapping[type, frozenset[tuple[str, ...]]] = {
     Heading: frozenset({(CAMERA.name,), (SIGHTING.name, *_HELD)}),
     Headings: frozenset({(CAMERA.name,), (TRIANGULATION.name, *_HELD)}),
     StereoPosition: frozenset({_HELD}),
+    NovelHeading: frozenset({(CAMERA.name,)}),
+    ConstellationSignal: _TURNS,
+    StereoOffset: _TURNS,
 }
 
 

@@ -25,6 +25,8 @@ _MOTION_STEP = 24
 FILLING = 1 / 16
 #: Distance of the pixels of an extent, px.
 GRID = 16
+# Largest area of a fragment of a region, as a share of the region's.
+_FRAGMENT = 0.01
 # Largest distance of an outline's pixels from its segments, and the shortest segment, px.
 _STRAIGHT, _LEAST_SEGMENT = 1.0, 6.0
 
@@ -169,6 +171,8 @@ def connected_regions(mask: Image, least_area: int) -> Regions:
     left, top, width, height = cv2.boundingRect(mask)
     window = mask[top : top + height, left : left + width]
     count, labels, statistics, centroids = cv2.connectedComponentsWithStats(window, connectivity=8)
+    if count > 2:
+        _add_fragments(labels, statistics, centroids)
     areas = statistics[1:, cv2.CC_STAT_AREA]
     # A mask has one region, or specks by the hundred.
     order = np.argsort(-areas, kind="stable")[:MOST_REGIONS] if count > 2 else (0,)
@@ -178,6 +182,31 @@ def connected_regions(mask: Image, least_area: int) -> Regions:
         for label in order
         if areas[label] >= least_area
     )
+
+
+def _add_fragments(labels: Any, statistics: Any, centroids: Any) -> None:
+    """Make fragments that the largest region encloses a part of it.
+
+    Between fine bars that are printed on a thing, an image has specks of its colour.
+    """
+    areas = statistics[:, cv2.CC_STAT_AREA]
+    largest = 1 + int(np.argmax(areas[1:]))
+    x, y, width, height, area = statistics[largest].tolist()
+    lefts, tops, widths, heights, _ = statistics.T
+    inner = (lefts > x) & (tops > y) & (lefts + widths < x + width) & (tops + heights < y + height)
+    fragments = np.flatnonzero(inner & (areas <= _FRAGMENT * area))
+    if not fragments.size:
+        return
+    own = (labels[y : y + height, x : x + width] == largest).astype(np.uint8)
+    contours, _ = cv2.findContours(own, cv2.RETR_EXTERNAL, cv2.CHAIN_APPROX_NONE)
+    filled = cv2.drawContours(np.zeros_like(own), contours, -1, 1, cv2.FILLED)
+    columns, rows = np.rint(centroids[fragments] - (x, y)).astype(int).T
+    enclosed = fragments[filled[rows, columns] == 1]
+    parts = np.array([largest, *enclosed])
+    centroids[largest] = areas[parts] @ centroids[parts] / areas[parts].sum()
+    areas[largest] = areas[parts].sum()
+    areas[enclosed] = 0
+    labels[np.isin(labels, enclosed)] = largest
 
 
 class _Window(NamedTuple):

@@ -31,7 +31,7 @@ class DensitySampler:
 
     Args:
         source: the density.
-        lower, upper: joint limits, rad, shape (n,).
+        lower, upper: joint limits, rad, or infinite for positions, shape (n,).
         rng: gives the draws.
     """
 
@@ -52,7 +52,7 @@ class DensitySampler:
         self._uniform = source.uniform
 
     def draw(self) -> Floats:
-        """The next sample, rad, shape (n,)."""
+        """The next sample, rad or m, shape (n,)."""
         if self._anywhere is not None and self._rng.random() < self._uniform:
             return self._anywhere.draw()
         for _ in range(_MOST_DRAWS):

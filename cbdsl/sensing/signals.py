@@ -2,23 +2,21 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from functools import partial
-from importlib import import_module
 from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from cbdsl.documents.robot import RobotDocument
-from cbdsl.numeric.compiled import compiled, compiled_once
 from cbdsl.program.controller import Standoff
-from cbdsl.robot.source_kind import SOURCES
 from cbdsl.sensing.blob_signals import BlobSignals
 from cbdsl.sensing.chain import require_executed
+from cbdsl.sensing.declared_sensor import sensor_reader
 from cbdsl.sensing.density import DensitySampler, Sampler
 from cbdsl.sensing.kinematics import Kinematics
+from cbdsl.sensing.novelty import Novelty
 from cbdsl.sensing.observation import Observation
 from cbdsl.sensing.reading import Reading, shaped
 from cbdsl.sensing.refresh import (
@@ -31,6 +29,7 @@ from cbdsl.sensing.refresh import (
     WRITTEN,
     refresh,
 )
+from cbdsl.sensing.sensor_faults import require_finite
 from cbdsl.sensing.strain import Strain
 from cbdsl.sensing.surface import SurfaceSampler
 from cbdsl.sensing.surfaces import Surfaces
@@ -42,10 +41,12 @@ from cbdsl.sensing.vision import Vision
 from cbdsl.sensing.visual_signals import VisualSignals
 from cbdsl.types.casts import Chain, chains_of
 from cbdsl.types.resource import (
+    RELATIVE,
     VISUAL,
     AffordanceProbability,
     BlobSignal,
     Centroid,
+    ConstellationSignal,
     EffectorConfiguration,
     FingerForces,
     FingerLoad,
@@ -56,24 +57,23 @@ from cbdsl.types.resource import (
     KernelSample,
     NetForces,
     NetLoad,
+    NovelHeading,
     Posture,
     Resource,
     SensorSignal,
     Separation,
+    StereoOffset,
     StereoPosition,
     StereoSignal,
     SurfacePoint,
     Tip,
     UniformSample,
 )
+from cbdsl.types.resource_type import POSITION
 
 Floats = NDArray[np.float64]
 Integers = NDArray[np.int64]
 Reader = Callable[[], Reading | None]
-
-
-class SensorError(Exception):
-    """A sensor gave NaN or infinity; the message names it."""
 
 
 class Selection(NamedTuple):
@@ -119,9 +119,7 @@ class Signals:
         self._readers: dict[int, Reader] = {}
         self._made_of: dict[int, tuple[int, ...]] = {}
         resources = tuple(_with_features(resources))
-        channels = [
-            resource.source.channel for resource in resources if isinstance(resource.source, VISUAL)
-        ]
+        channels = [channel for resource in resources for channel in _channels_of(resource)]
         self.vision = Vision(robot, kinematics, channels)
         self.tips = Tips(robot, kinematics)
         self.clock = self.tips.clock
@@ -130,6 +128,7 @@ class Signals:
         self.sight = VisualSignals(robot, kinematics, self.vision, self.tips, self.touch)
         self.surfaces = Surfaces(robot, kinematics, self.vision, resources)
         self.blobs = BlobSignals(robot, self.vision, self.sight, resources)
+        self.novelty = Novelty(robot, kinematics, self.vision, resources)
         self._binders: dict[type, Callable[[Any], int]] = {
             EffectorConfiguration: self._bind_configuration,
             Posture: self._bind_posture,
@@ -144,6 +143,9 @@ class Signals:
             FingerForces: self.touch.finger_forces,
             BlobSignal: self.blobs.blob,
             StereoSignal: self.blobs.feature,
+            NovelHeading: self.novelty.heading,
+            ConstellationSignal: self.blobs.constellation,
+            StereoOffset: self.blobs.offset,
             InstanceCount: self.blobs.count,
             AffordanceProbability: self._affordance,
         }
@@ -174,6 +176,7 @@ class Signals:
         self.sight.reset()
         self.blobs.reset()
         self.surfaces.reset()
+        self.novelty.reset()
         self.clock[0] = 0
 
     def update(self, observation: Observation) -> None:
@@ -183,7 +186,7 @@ class Signals:
             SensorError: a joint or load cell is not finite.
         """
         wrenches = self.touch.gathered(observation.loads)
-        self._require_finite(observation, wrenches)
+        require_finite(observation, wrenches, self.robot, self.joints.names)
         self.clock[0] += 1
         self.time = observation.time
         self.kinematics.update(observation.positions)
@@ -195,6 +198,7 @@ class Signals:
             self.vision.update(observation)
             self.blobs.update(observation)
             self.surfaces.update(observation)
+            self.novelty.update(observation)
             if self.touch.touching_anything():
                 self.vision.touched()
             else:
@@ -356,7 +360,7 @@ class Signals:
         require_executed(resource, chains)
         if isinstance(source, SensorSignal):
             size = resource.type.size
-            return self._bind_read(size, self._sensor_reader(source, size))
+            return self._bind_read(size, sensor_reader(source, size, len(self.joints), self))
         binder = self._binders.get(type(source))
         if binder is not None:
             return binder(source)
@@ -381,27 +385,6 @@ class Signals:
         number = self.bind_written(size)
         self._readers[number] = reader
         return number
-
-    def _sensor_reader(self, signal: SensorSignal, size: int) -> Reader:
-        """The reader of a sensor of another package's kind, whose faults are the package's."""
-        module, function = SOURCES.get(signal.kind).reader.split(":")
-        failed = partial(SOURCES.fault, signal.kind)
-        try:
-            reader: Reader = getattr(import_module(module), function)(signal, self)
-        except Exception as error:
-            raise failed(f"{type(error).__name__}: {error}") from error
-
-        def read() -> Reading | None:
-            try:
-                reading = reader()
-                _require_shape(reading, size, len(self.joints))
-            except Exception as error:
-                raise failed(f"{type(error).__name__}: {error}") from error
-            if reading is not None and not np.isfinite(reading.value).all():
-                raise SensorError(f"the sensor {signal.sensor} is not finite")
-            return reading
-
-        return read
 
     def _bind_configuration(self, source: EffectorConfiguration) -> int:
         columns = self.joints.of(source.effector).tolist()
@@ -476,62 +459,19 @@ class Signals:
         assert isinstance(source, (UniformSample, GaussianSample, KernelSample))
         own = self.joints.of(source.effector)
         limits = self.kinematics.lower[own], self.kinematics.upper[own]
+        if resource.type == POSITION:
+            limits = np.full(3, -np.inf), np.full(3, np.inf)
         if isinstance(source, UniformSample):
             return UniformSampler(*limits, rng)
         return DensitySampler(source, *limits, rng)
 
-    def _require_finite(self, observation: Observation, wrenches: Floats) -> None:
-        if not _have_squares(observation.positions, observation.velocities, wrenches):
-            self._refuse(observation)
 
-    def _refuse(self, observation: Observation) -> None:
-        """Say which sensor gave a number that is not finite, or too large to compute with."""
-        measured = {"position": observation.positions, "velocity": observation.velocities}
-        for what, values in measured.items():
-            if not math.isfinite(values.dot(values)):
-                joint = self.joints.names[int(np.argmax(np.abs(values)))]
-                raise SensorError(f"the {what} of {self._owner(joint)} is not finite")
-        for (hand, finger), load in observation.loads.items():
-            if not math.isfinite(load.dot(load)):
-                raise SensorError(f"the load cell {hand}.{finger} is not finite")
-        raise SensorError("the sensors' numbers are too large to compute with")
-
-    def _owner(self, joint: str) -> str:
-        """A joint, and the resource that it belongs to."""
-        effectors = self.robot.effectors.items()
-        return next(f"joint {joint} of {name}" for name, each in effectors if joint in each.joints)
-
-
-def _require_shape(reading: Reading | None, size: int, joints: int) -> None:
-    """Refuse a reading of another package that does not fit its row.
-
-    Raises:
-        ValueError: its value or its Jacobian has another shape.
-    """
-    if reading is None:
-        return
-    if reading.value.shape != (size,):
-        raise ValueError(f"its value has shape {reading.value.shape}, not {(size,)}")
-    if reading.jacobian is not None and reading.jacobian.shape != (size, joints):
-        shape = reading.jacobian.shape
-        raise ValueError(f"its Jacobian has shape {shape}, not {(size, joints)}")
-
-
-@compiled_once
-def _have_squares(positions: Floats, velocities: Floats, wrenches: Floats) -> bool:
-    """Whether all numbers are finite, and small enough to compute with."""
-    squares = _square(positions) + _square(velocities)
-    for wrench in wrenches:
-        squares += _square(wrench)
-    return math.isfinite(squares)
-
-
-@compiled
-def _square(numbers: Floats) -> float:
-    total = 0.0
-    for number in numbers:
-        total += number * number
-    return total
+def _channels_of(resource: Resource) -> tuple[str, ...]:
+    """Channels that the cameras have to look for, of a resource."""
+    source = resource.source
+    if isinstance(source, RELATIVE):
+        return source.channel, source.other
+    return (source.channel,) if isinstance(source, VISUAL) else ()
 
 
 def _with_features(resources: Iterable[Resource]) -> Iterator[Resource]:

@@ -17,7 +17,7 @@ from cbdsl.sensing.kinematics import Frame, Kinematics
 from cbdsl.sensing.memory import PositionMemory
 from cbdsl.sensing.observation import Observation
 from cbdsl.sensing.sighting import Sighting
-from cbdsl.sensing.stereo import Ray
+from cbdsl.sensing.stereo import Ray, triangulate
 
 Floats = NDArray[np.float64]
 
@@ -113,6 +113,21 @@ class Vision:
         seen = instances.sightings[self._rows[camera]]
         sighting = seen.get(instances.attended if number is None else number)
         return None if sighting is None else sighting.region
+
+    def meeting(self, channel: str) -> Floats | None:
+        """Where the lines of sight to a channel's thing meet in the newest images, m, world frame.
+
+        Unlike what is remembered, it is undefined where a camera does not see the thing, and off
+        where a part of it is hidden. ``None``, too, where the lines miss each other.
+        """
+        instances = self.instances[channel]
+        seen = [each.get(instances.attended) for each in instances.sightings]
+        rays = [each.ray for each in seen if each is not None]
+        if len(rays) != 2 or len(seen) != 2:
+            return None
+        crossing = triangulate(*rays)
+        near = crossing is not None and crossing.gap <= self._settings.ray_gap
+        return crossing.position if crossing is not None and near else None
 
     def update(self, observation: Observation) -> None:
         """Take in what the cameras saw, if they saw anything; the kinematics must be up to date."""

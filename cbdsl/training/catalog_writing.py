@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from typing import Any
 
 from cbdsl.documents.catalog import (
     AffordanceSection,
@@ -18,7 +19,9 @@ from cbdsl.learning.affordance import Affordance
 from cbdsl.learning.exploration import Exploration
 from cbdsl.numeric.proportion import exact_interval
 from cbdsl.numeric.sample_statistics import SampleStatistics
+from cbdsl.program.checked import CheckedProgram
 from cbdsl.training.explorable import Explorable
+from cbdsl.types.resource import Resource
 
 
 def catalog_document(
@@ -41,7 +44,6 @@ def catalog_document(
     """
     robot = next(iter(actions.values())).program.robot
     failures = {each.action: each.ending for each in outcomes if each.failed}
-    steps = exploration.steps
     return CatalogDocument(
         cbdsl=1,
         kind="catalog",
@@ -52,45 +54,72 @@ def catalog_document(
             key: _section(key, exploration, actions[key], failures.get(key, ""))
             for key in exploration.affordances
         },
-        steps=StepColumns(
-            action=tuple(step.action for step in steps),
-            rewarded=tuple(step.rewarded for step in steps),
-            change=tuple(_rounded(step.change) for step in steps),
-            reward=tuple(_rounded(step.reward) for step in steps),
-        )
-        if steps
-        else None,
+        steps=step_columns(exploration),
         provenance=provenance,
+    )
+
+
+def step_columns(exploration: Exploration) -> StepColumns | None:
+    """What an exploration did, where it did anything."""
+    steps = exploration.steps
+    if not steps:
+        return None
+    return StepColumns(
+        action=tuple(step.action for step in steps),
+        rewarded=tuple(step.rewarded for step in steps),
+        change=tuple(_rounded(step.change) for step in steps),
+        reward=tuple(_rounded(step.reward) for step in steps),
     )
 
 
 def _section(
     name: str, exploration: Exploration, action: Explorable, failure: str
 ) -> AffordanceSection:
+    return AffordanceSection(
+        **affordance_values(name, exploration, action.program, action.features, failure)
+    )
+
+
+def affordance_values(
+    name: str,
+    exploration: Exploration,
+    program: CheckedProgram,
+    signals: Mapping[str, Resource],
+    failure: str = "",
+) -> dict[str, Any]:
+    """What is known of an action, as an ``AffordanceSection`` has it.
+
+    Args:
+        name: of the action.
+        exploration: at its end.
+        program: that runs.
+        signals: that its model is over, by name of the feature.
+        failure: why it can no longer be run, if it cannot.
+    """
     affordance = exploration.affordances[name]
-    program, model = action.program, affordance.model
+    model = affordance.model
     tried, rewarded = affordance.tried, affordance.successes
     values: Mapping[str, float] = getattr(exploration, "values", {})
-    return AffordanceSection(
-        program=program.name,
-        **{"with": dict(program.parameters)},
-        tried=tried,
-        rewarded=rewarded,
-        interval=_interval(rewarded, tried) if tried else None,
-        features={
+    return {
+        "program": program.name,
+        "with": dict(program.parameters),
+        "tried": tried,
+        "rewarded": rewarded,
+        "interval": _interval(rewarded, tried) if tried else None,
+        "features": {
             key: FeatureSection(
-                signal=action.features[key].name,
-                unit=action.features[key].type.unit,
-                components=action.features[key].type.size,
+                signal=signals[key].name,
+                unit=signals[key].type.unit,
+                components=signals[key].type.size,
             )
             for key in affordance.features
         },
-        with_reward=None if model is None else _samples(model.rewarded),
-        without_reward=None if model is None else _samples(model.unrewarded),
-        habituation=_habituation(name, exploration, affordance),
-        value=_rounded(values.get(name, 0.0)),
-        failed=failure if affordance.failed else "",
-    )
+        "with_reward": None if model is None else _samples(model.rewarded),
+        "without_reward": None if model is None else _samples(model.unrewarded),
+        "habituation": _habituation(name, exploration, affordance),
+        "value": _rounded(values.get(name, 0.0)),
+        "failed": failure if affordance.failed else "",
+    }
 
 
 def _interval(rewarded: int, tried: int) -> tuple[float, float]:

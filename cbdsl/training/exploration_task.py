@@ -3,15 +3,16 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from cbdsl.backends.backend import Backend
-from cbdsl.documents.catalog import CatalogDocument, CatalogProvenance
+from cbdsl.documents.catalog import CatalogDocument, CatalogProvenance, JoinedActions
 from cbdsl.documents.digest import digest
 from cbdsl.documents.document import Document
 from cbdsl.documents.policy import Identity
@@ -22,11 +23,12 @@ from cbdsl.learning.exploration import Exploration, ExplorationStep
 from cbdsl.learning.exploration_constants import ExplorationConstants
 from cbdsl.learning.explorations import EXPLORATIONS
 from cbdsl.program.checked import CheckedProgram
-from cbdsl.runtime.line_journal import JournalError, LineJournal, damaged
+from cbdsl.runtime.line_journal import JournalError, damaged
 from cbdsl.sensing.kinematics import Kinematics
 from cbdsl.training.action_runner import ActionRunner
 from cbdsl.training.catalog_writing import catalog_document
 from cbdsl.training.explorable import Explorable
+from cbdsl.training.exploration_journal import ExplorationJournal, Phase
 from cbdsl.training.exploration_watcher import ExplorationWatcher
 from cbdsl.training.provenance import versions
 from cbdsl.yaml_text.writer import remove_leftovers, write
@@ -59,6 +61,7 @@ class ExplorationTask:
         command: what explores it again.
         path: the catalog's file.
         cameras: kind of the backend's cameras, its own choice when ``None``.
+        joins: whether some of the actions may join an exploration that has begun without them.
     """
 
     actions: tuple[Explorable, ...]
@@ -77,6 +80,7 @@ class ExplorationTask:
     command: str
     path: Path
     cameras: str | None = None
+    joins: bool = False
 
     @property
     def journal(self) -> Path:
@@ -90,15 +94,7 @@ class ExplorationTask:
             JournalError: something is in the way.
             OSError: nothing can be written there.
         """
-        self.path.parent.mkdir(parents=True, exist_ok=True)
-        if self.journal.exists() and not resume:
-            raise JournalError(
-                f"{self.journal} is there already: go on with --resume, or choose another --out"
-            )
-        if self.path.is_dir() or (self.path.exists() and not self.journal.exists()):
-            raise JournalError(
-                f"{self.path} is there already, and was not explored here: choose another"
-            )
+        require_writable(self.path, self.journal, resume=resume)
 
     def run(
         self,
@@ -129,13 +125,15 @@ class ExplorationTask:
             self.constants.longest,
             watcher,
         )
-        exploration = self.exploration()
         outcomes: list[ActionOutcome] = []
         identity = self._identity(body.renderer)
-        with LineJournal(self.journal, identity, "exploration") as journal:
-            for line, row in enumerate(journal.rows[: self.count], 2):
+        with ExplorationJournal(self.journal, identity, joins=self.joins) as journal:
+            exploration = self._exploration(journal.phases[0])
+            for line, row in journal.rows[: self.count]:
+                self._admit(exploration, journal.phases, len(outcomes))
                 outcomes.append(outcome_of(row, journal.path, line))
                 self._note(exploration, outcomes[-1], runner, watcher)
+            self._admit(exploration, journal.phases, len(outcomes))
             while len(outcomes) < self.count:
                 if self.until_habituated and exploration.is_over:
                     break
@@ -149,7 +147,7 @@ class ExplorationTask:
                 outcomes.append(outcome)
                 step = self._note(exploration, outcome, runner, watcher)
                 observer(len(outcomes), step, outcome, seconds)
-            provenance = self._provenance(body.renderer, runner, exploration)
+            provenance = self._provenance(body.renderer, len(outcomes), journal.phases)
             known = runner.known(list(exploration.affordances))
             document = catalog_document(
                 self.path.stem, self.feature, exploration, outcomes, known, provenance
@@ -158,11 +156,19 @@ class ExplorationTask:
             write(document, self.path)
         return document
 
-    def exploration(self) -> Exploration:
+    def _exploration(self, phase: Phase) -> Exploration:
         """The exploration before its first action."""
-        forms: Mapping[str, Sequence[FeatureForm]] = {e.name: e.forms for e in self.actions}
-        made: Exploration = EXPLORATIONS[self.algorithm](forms, self.constants)
+        made: Exploration = EXPLORATIONS[self.algorithm](self._forms(phase), self.constants)
         return made
+
+    def _admit(self, exploration: Exploration, phases: Iterable[Phase], done: int) -> None:
+        """Add the actions that join after so many."""
+        for phase in phases:
+            if phase.after == done:
+                exploration.add(self._forms(phase))
+
+    def _forms(self, phase: Phase) -> dict[str, Sequence[FeatureForm]]:
+        return {each.name: each.forms for each in self.actions if each.name in phase.programs}
 
     def _note(
         self,
@@ -184,13 +190,11 @@ class ExplorationTask:
 
     def _identity(self, renderer: str) -> dict[str, Any]:
         """All that the actions depend on, as JSON; how many are asked for matters to none."""
-        leave_out = {"command", "actions"}
-        provenance = self._provenance(renderer, None, None)
+        leave_out = {"command", "actions", "joined"}
+        provenance = self._provenance(renderer, 0, ())
         return provenance.model_dump(mode="json", exclude=leave_out)
 
-    def _provenance(
-        self, renderer: str, runner: ActionRunner | None, exploration: Exploration | None
-    ) -> CatalogProvenance:
+    def _provenance(self, renderer: str, count: int, phases: Sequence[Phase]) -> CatalogProvenance:
         constants = self.constants.model_dump()
         policies = {k: v for each in self.actions for k, v in each.digest.policies.items()}
         return CatalogProvenance(
@@ -200,20 +204,50 @@ class ExplorationTask:
                 for each in self.actions
             },
             policies=policies,
-            robot=_identity(self.robot),
-            stage=_identity(self.stage),
+            robot=identity_of(self.robot),
+            stage=identity_of(self.stage),
             algorithm=self.algorithm,
             constants={name: value for name, value in constants.items() if value is not None},
             seed=self.seed,
             trial=self.number,
-            actions=0 if exploration is None else len(exploration.steps),
+            actions=count,
+            joined=tuple(_joined(before, phase) for before, phase in pairwise(phases)),
             backend=self.backend,
             renderer=renderer,
             versions=versions(),
         )
 
 
-def _identity(document: Document) -> Identity:
+def require_writable(path: Path, journal: Path, *, resume: bool) -> None:
+    """Check that a catalog and the journal of its actions can be written.
+
+    Args:
+        path: of the catalog, whose folder is made.
+        journal: of its actions.
+        resume: whether that may be there, and is gone on with.
+
+    Raises:
+        JournalError: something is in the way.
+        OSError: nothing can be written there.
+    """
+    path.parent.mkdir(parents=True, exist_ok=True)
+    if journal.exists() and not resume:
+        raise JournalError(
+            f"{journal} is there already: go on with --resume, or choose another --out"
+        )
+    if path.is_dir() or (path.exists() and not journal.exists()):
+        raise JournalError(f"{path} is there already, and was not explored here: choose another")
+
+
+def _joined(before: Phase, phase: Phase) -> JoinedActions:
+    new = tuple(name for name in phase.programs if name not in before.programs)
+    return JoinedActions(
+        after=phase.after, programs=new, stage=Identity.model_validate(phase.stage)
+    )
+
+
+def identity_of(document: Document) -> Identity:
+    """Name and digest of a document."""
     return Identity(name=document.name, sha256=digest(document))
 
 

@@ -11,7 +11,7 @@ from collections.abc import Mapping
 from functools import cache
 from typing import NamedTuple
 
-from cbdsl.types.resource import Heading, Headings, Resource, StereoPosition
+from cbdsl.types.resource import Heading, Headings, NovelHeading, Resource, StereoPosition
 from cbdsl.types.resource_type import POSITION, ResourceType, configuration
 
 
@@ -44,6 +44,11 @@ Chain = tuple[Cast, ...]
 _KINEMATICS = {"position": "Eq 3.11", "orientation": "Eq 3.12", "pose": "Eq 3.11, 3.12"}
 
 CAMERA = Cast("inverse camera Jacobian", "heading", "configuration", "section 3.2.2", value=False)
+#: No turn of a camera displaces how two things are to each other: these are watched.
+CAMERA_TURNS = tuple(
+    Cast("turn of a camera", kind, "configuration", "Fig 7.15", value=False)
+    for kind in ("constellation", "offset")
+)
 TRIANGULATION = Cast("stereo triangulation", "heading", "position", "Eq 3.14", factors=2)
 
 CASTS: tuple[Cast, ...] = (
@@ -56,6 +61,7 @@ CASTS: tuple[Cast, ...] = (
         for part, equation in _KINEMATICS.items()
     ),
     CAMERA,
+    *CAMERA_TURNS,
     TRIANGULATION,
     Cast("oculomotor Jacobian", "position", "heading", "section 3.2.2", value=False),
     *(
@@ -89,6 +95,8 @@ def chains_of(resource: Resource) -> tuple[Chain, ...]:
     held = (RIGID_HOLD, *chains(POSITION, joints)[0])
     if isinstance(source, Heading):
         return (CAMERA,), (SIGHTING, *held)
+    if isinstance(source, NovelHeading):
+        return ((CAMERA,),)
     if isinstance(source, Headings):
         return (CAMERA,), (TRIANGULATION, *held)
     if isinstance(source, StereoPosition):

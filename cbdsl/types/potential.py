@@ -98,6 +98,8 @@ _BUILT_IN = (
                 "force",
                 "torque",
                 "wrench",
+                "constellation",
+                "offset",
             }
         ),
         reference=True,

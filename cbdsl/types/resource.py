@@ -143,6 +143,27 @@ class StereoSignal(NamedTuple):
     instance: str = ""
 
 
+class ConstellationSignal(NamedTuple):
+    """The constellation of two channels' blobs in a camera's image (Fig 7.15).
+
+    Attributes:
+        camera: its name.
+        channel: whose blob is compared.
+        other: whose blob it is compared with.
+    """
+
+    camera: str
+    channel: str
+    other: str
+
+
+class StereoOffset(NamedTuple):
+    """The position of what is seen of a channel relative to that of another one."""
+
+    channel: str
+    other: str
+
+
 class InstanceCount(NamedTuple):
     """How many things of a channel are remembered."""
 
@@ -208,6 +229,20 @@ class KernelSample(NamedTuple):
     uniform: float = 0.0
 
 
+class NovelHeading(NamedTuple):
+    """Where the cameras see something of a channel that its background model does not expect.
+
+    Attributes:
+        channel: its name.
+        effector: moves the cameras.
+        expected: density of its configurations in which the channel was tracked.
+    """
+
+    channel: str
+    effector: str
+    expected: GaussianSample | KernelSample
+
+
 class AffordanceProbability(NamedTuple):
     """The probability that an action is rewarded, Pr(reward | f, a), as a catalog has it (6.1).
 
@@ -238,7 +273,10 @@ Source = (
     | StereoPosition
     | BlobSignal
     | StereoSignal
+    | ConstellationSignal
+    | StereoOffset
     | InstanceCount
+    | NovelHeading
     | AffordanceProbability
     | SurfacePoint
     | SensorSignal
@@ -251,7 +289,12 @@ Source = (
 
 _DRAWN = frozenset({Origin.MODEL, Origin.SURFACE})
 #: Sources of what cameras see of a channel.
-VISUAL = (Heading, Headings, StereoPosition, BlobSignal, StereoSignal, InstanceCount, SurfacePoint)
+VISUAL = (
+    Heading, Headings, StereoPosition, BlobSignal, StereoSignal, InstanceCount, SurfacePoint,
+    NovelHeading,
+)  # fmt: skip
+#: Sources of what cameras see of two channels.
+RELATIVE = (ConstellationSignal, StereoOffset)
 
 
 class Resource(NamedTuple):

@@ -58,6 +58,10 @@ HEADING_RATE = ResourceType("heading_rate", "R^2", 2, "rad/s")
 EXTENT = ResourceType("extent", "R+^2", 2, "rad")
 # An axis has no direction: its angle is the same after half a turn.
 AXIS = ResourceType("axis", "RP^1", 1, "rad")
+# Ratios of two blobs' axes and the angle between them (Fig 7.15); all are numbers.
+CONSTELLATION = ResourceType("constellation", "R+^2 x RP^1", 3, "1")
+# From one thing to another, in world axes.
+OFFSET = ResourceType("offset", "R^3", 3, "m")
 
 #: All types, by name: those of Table 3.1, where ``configuration`` stands for every C_n, and those
 #: of features that are derived from what is seen (Section 5.3, Fig 7.15).
@@ -79,5 +83,7 @@ TYPES: dict[str, ResourceType] = {
         HEADING_RATE,
         EXTENT,
         AXIS,
+        CONSTELLATION,
+        OFFSET,
     )
 }

@@ -95,11 +95,20 @@ def write_text(text: str, path: Path) -> None:
     Raises:
         OSError: the file cannot be written.
     """
+    write_bytes(text.encode("utf-8"), path)
+
+
+def write_bytes(contents: bytes, path: Path) -> None:
+    """Write a file in one step; see ``write_text``.
+
+    Raises:
+        OSError: the file cannot be written.
+    """
     _require_replaceable(path)
     handle, temporary = tempfile.mkstemp(dir=path.parent, prefix=_prefix(path))
     try:
-        with os.fdopen(handle, "w", encoding="utf-8") as file:
-            file.write(text)
+        with os.fdopen(handle, "wb") as file:
+            file.write(contents)
         os.chmod(temporary, 0o644)
         os.replace(temporary, path)
     except BaseException:

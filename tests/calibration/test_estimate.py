@@ -79,6 +79,7 @@ def test_a_ball_that_is_taken_anew_may_lie_otherwise(
     assert error(0) > 2 * error(3), "as if it had lain still"
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("noise", "lasting"), [(0.2, 0.0), (0.1, 0.3)])
 def test_stated_deviations_are_those_of_many_estimates(
     dexter: RobotDocument, showing: Showing, noise: float, lasting: float

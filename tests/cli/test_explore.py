@@ -119,6 +119,36 @@ def test_a_catalog_is_explored_resumed_and_shown(
     assert "alpha was 0.3, is 0.9" in "".join(capsys.readouterr())
 
 
+def test_actions_join_an_exploration_that_has_begun(
+    here: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    to = [*ON, "--seed", "4", "--out", "ball.yaml"]
+    assert cb(monkeypatch, "explore", "searchtrack", *to, "--actions", "5") == 0
+    before = rows(here / "ball.actions.jsonl")
+    both = ["explore", "searchtrack", "reachtouch", *to, "--actions", "9"]
+    capsys.readouterr()
+    assert cb(monkeypatch, *both, "--resume") == 2
+    assert "reachtouch was nothing" in (told := capsys.readouterr().err) and "--join" in told
+    assert cb(monkeypatch, *both, "--join") == 0
+    later = rows(here / "ball.actions.jsonl")
+    assert later[:5] == before and list(later[5]) == ["joined"]
+    assert {each["action"] for each in later[:5]} <= {"searchtrack", "noop"}
+    # What is new is what is attended to.
+    assert "reachtouch" in [each["action"] for each in later[6:]]
+    grown = catalog(here / "ball.yaml")
+    assert grown.provenance is not None and grown.provenance.actions == 9
+    (joined,) = grown.provenance.joined
+    assert (joined.after, joined.programs) == (5, ("reachtouch",))
+    assert joined.stage == grown.provenance.stage
+    # It goes on as any other, and nothing leaves it.
+    assert cb(monkeypatch, *both[:-1], "10", "--resume") == 0
+    assert len(rows(here / "ball.actions.jsonl")) == 11
+    capsys.readouterr()
+    left = ["explore", "reachtouch", *to, "--actions", "11", "--join"]
+    assert cb(monkeypatch, *left) == 2
+    assert "what was there has to stay" in capsys.readouterr().err
+
+
 def test_an_action_that_cannot_run_is_left_out_and_the_rest_goes_on(
     here: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -10,7 +10,8 @@ import pytest
 from pydantic import ValidationError
 
 from cbdsl.documents.digest import digest
-from cbdsl.documents.stage import BallForm, BoxForm, MeshForm, StageDocument
+from cbdsl.documents.form import BallForm, BoxForm, MeshForm
+from cbdsl.documents.stage import StageDocument
 from cbdsl.yaml_text.library import Library
 
 

@@ -8,8 +8,10 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
+from cbdsl.documents.context import PlaceSection
+from cbdsl.documents.form import BoxForm
 from cbdsl.documents.model import Gaussian, Kernel
-from cbdsl.documents.stage import BoxForm, PlaceSection, StageDocument
+from cbdsl.documents.stage import StageDocument
 from cbdsl.reproduction.experiment import RunSettings
 from cbdsl.reproduction.internal_models import (
     Expectation,

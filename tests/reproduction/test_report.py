@@ -16,3 +16,10 @@ def test_each_section_has_pictures_of_its_own() -> None:
     assert picture_file(chart, learns, bullet) == "fig-4.4-bullet.svg"
     assert picture_file(chart, other, bullet) == "fig-4.4.svg"
     assert "(page/fig-4.4-bullet.svg)" in section(learns, bullet, Result((), (chart,)), "page")
+
+
+def test_links_have_no_spaces() -> None:
+    chart = Chart("fig-6.2", "Some", "x", "y", ())
+    settings = RunSettings(backend="mujoco", cameras="ideal")
+    text = section(EXPERIMENTS["fig-6.2"], settings, Result((), (chart,)), "page")
+    assert "(page/fig-6.2-mujoco-with-ideal-cameras.svg)" in text

@@ -10,7 +10,6 @@ from cbdsl.robot.resources import resources
 from cbdsl.sensing.chain import CastError, carry, require_executed
 from cbdsl.sensing.signals import Signals
 from cbdsl.types.casts import CAMERA, CASTS, SIGHTING, Chain, chains_of
-from cbdsl.types.resource import DRAWN
 from cbdsl.yaml_text.library import Library
 from tests.sensing.test_visual_signals import (
     CHANNEL,
@@ -30,7 +29,7 @@ HEADINGS = [f"{camera}.{CHANNEL}" for camera in ("left", "cyclopean", "cameras")
 def test_rows_execute_every_chain_of_every_resource(library: Library, name: str) -> None:
     robot = library.read(library.locate(RobotDocument, name), RobotDocument).document
     for resource in resources(robot).values():
-        if resource.origin not in DRAWN:
+        if not resource.is_drawn:
             require_executed(resource, chains_of(resource))
 
 

@@ -116,3 +116,35 @@ def test_regions_are_those_of_the_whole_image(seed: int) -> None:
     seen = [region[:4] for region in connected_regions(mask, 1)]
     for region, right in zip(sorted(seen), sorted(expected), strict=True):
         assert region == pytest.approx(right)
+
+
+def barcode() -> np.ndarray:
+    """A white side with bars that leave specks of white between them, in one piece with it."""
+    mask = np.zeros((120, 160), np.uint8)
+    mask[20:100, 30:130] = 255
+    mask[40:80, 50:110] = 0
+    mask[50:70:6, 60:100:9] = 255
+    return mask
+
+
+def test_specks_between_bars_are_a_part_of_the_side() -> None:
+    mask = barcode()
+    (region,) = connected_regions(mask, 1)
+    rows, columns = np.nonzero(mask)
+    assert region.area == len(rows)
+    assert (region.column, region.row) == pytest.approx((columns.mean() + 0.5, rows.mean() + 0.5))
+    assert region.moments.columns == pytest.approx(columns.var() + 1 / 12)
+
+
+def test_what_is_beside_or_large_is_no_fragment() -> None:
+    mask = barcode()
+    mask[5, 5] = 255  # out of it
+    mask[50:62, 60:80] = 255  # a twentieth of it
+    inner, speck = connected_regions(mask, 1)[1:]
+    assert inner.area >= 12 * 20 and speck.area == 1
+
+
+def test_a_notch_encloses_nothing() -> None:
+    mask = barcode()
+    mask[40:80, 110:130] = 0
+    assert len(connected_regions(mask, 1)) > 2

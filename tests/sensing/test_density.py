@@ -5,8 +5,12 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from cbdsl.documents.robot import RobotDocument
 from cbdsl.sensing.density import DensitySampler
-from cbdsl.types.resource import GaussianSample, KernelSample
+from cbdsl.sensing.kinematics import Kinematics
+from cbdsl.sensing.signals import Signals
+from cbdsl.types.resource import GaussianSample, KernelSample, Origin, Resource
+from cbdsl.types.resource_type import POSITION
 
 LOWER, UPPER = np.array([-1.0, -0.5]), np.array([1.0, 0.5])
 SAMPLES = ((0.5, 0.2), (-0.6, -0.1), (-0.6, -0.1))
@@ -55,3 +59,13 @@ def test_a_share_of_the_draws_is_uniform(share: float) -> None:
 
 def test_the_same_seed_gives_the_same_draws() -> None:
     assert draws(SOURCES[2], seed=4) == pytest.approx(draws(SOURCES[2], seed=4), abs=0)
+
+
+def test_positions_have_no_limits(dexter: RobotDocument, kinematics: Kinematics) -> None:
+    """What lies beyond a joint's limits, as a number, is a position like any other."""
+    source = KernelSample("right_arm", ((9.0, -9.0, 0.5),), (0.1, 0.01, 0.001))
+    places = Resource("right_arm.touched", POSITION, Origin.MODEL, source)
+    sampler = Signals(dexter, kinematics, [places]).sampler(places, np.random.default_rng(0))
+    found = np.array([sampler.draw() for _ in range(500)])
+    assert found.mean(axis=0) == pytest.approx([9.0, -9.0, 0.5], abs=0.02)
+    assert found.std(axis=0) == pytest.approx([0.1, 0.01, 0.001], rel=0.1)

@@ -12,7 +12,6 @@ from cbdsl.sensing.kinematics import Kinematics
 from cbdsl.sensing.observation import Observation
 from cbdsl.sensing.reading import Reading
 from cbdsl.sensing.signals import Signals
-from cbdsl.types.resource import Origin
 from cbdsl.yaml_text.library import Library
 from tests.conftest import ROOT
 
@@ -40,14 +39,13 @@ def _observe(robot: RobotDocument, time: float, positions: np.ndarray, force: fl
 
 
 # Drawn when a controller begins, from what is seen or known then.
-DRAWN = (Origin.MODEL, Origin.SURFACE)
 
 
 @pytest.mark.parametrize("name", (*LIBRARY.names(RobotDocument), *SOURCES.usable_names()))
 def test_every_resource_is_bound_read_and_refreshed(name: str) -> None:
     robot = _robot(name)
     kinematics = Kinematics(robot, ROOT / "robots" / robot.model)
-    known = {key: each for key, each in resources(robot).items() if each.origin not in DRAWN}
+    known = {key: each for key, each in resources(robot).items() if not each.is_drawn}
     assert name not in SOURCES or any(key.startswith("added.") for key in known)
     signals = Signals(robot, kinematics, resources(robot).values())
     rows = {key: signals.bind(resource) for key, resource in known.items()}

@@ -6,7 +6,8 @@ from cbdsl.robot.resources import resources
 from cbdsl.sensing.kinematics import Kinematics
 from cbdsl.sensing.observation import Observation
 from cbdsl.sensing.reading import Reading
-from cbdsl.sensing.signals import SensorError, Signals
+from cbdsl.sensing.sensor_faults import SensorError
+from cbdsl.sensing.signals import Signals
 from cbdsl.types.resource import NetForces, Origin, Tip
 
 STEP = 1e-6

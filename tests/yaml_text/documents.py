@@ -9,6 +9,7 @@ from hypothesis import strategies as st
 from cbdsl.documents.calibration import CalibrationDocument
 from cbdsl.documents.catalog import CatalogDocument
 from cbdsl.documents.document import Document
+from cbdsl.documents.meta_catalog import MetaCatalogDocument
 from cbdsl.documents.model import ModelDocument
 from cbdsl.documents.policy import PolicyDocument
 from cbdsl.documents.program import ProgramDocument
@@ -242,6 +243,17 @@ CATALOG = data(
     {**head("catalog"), "robot": NAME, "feature": TEXT, "affordances": many(AFFORDANCE, least=1)},
     {"over": st.lists(NAME, max_size=2)},
 )
+META_CATALOG = data(
+    {
+        **head("meta_catalog"),
+        "robot": NAME,
+        "things": many(data({"feature": TEXT}, {"catalog": NAME}), least=1),
+    },
+    {
+        "pairs": many(AFFORDANCE.map(lambda own: {**own, "upper": "a", "lower": "b"})),
+        "over": st.lists(NAME, max_size=2),
+    },
+)
 
 #: Documents of each kind.
 DOCUMENTS: dict[str, st.SearchStrategy[Document]] = {
@@ -253,4 +265,5 @@ DOCUMENTS: dict[str, st.SearchStrategy[Document]] = {
     "schema": SCHEMA.map(SchemaDocument.model_validate),
     "calibration": CALIBRATION.map(CalibrationDocument.model_validate),
     "catalog": CATALOG.map(CatalogDocument.model_validate),
+    "meta_catalog": META_CATALOG.map(MetaCatalogDocument.model_validate),
 }

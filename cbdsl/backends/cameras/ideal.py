@@ -21,8 +21,9 @@ from cbdsl.backends.staging.pose import Pose
 from cbdsl.backends.staging.scenario import SceneObject
 from cbdsl.backends.staging.shape import SolidShape
 from cbdsl.backends.staging.solids import POSITION, Walls
+from cbdsl.documents.form import Spot
 from cbdsl.documents.robot import RobotDocument
-from cbdsl.documents.stage import Disturbance, Spot
+from cbdsl.documents.stage import Disturbance
 from cbdsl.numeric.compiled import compiled_once
 from cbdsl.robot.channel_names import channel_names
 from cbdsl.robot.urdf import UrdfModel

@@ -10,7 +10,7 @@ import numpy as np
 from cbdsl.backends.staging.scenario import SceneObject
 from cbdsl.backends.staging.shape import SolidShape
 from cbdsl.backends.staging.world_state import Part
-from cbdsl.documents.stage import Pattern, Spot
+from cbdsl.documents.form import Pattern, Spot
 from cbdsl.robot.urdf import UrdfOrigin
 
 # How far a print stands out of its side, so that what is in front of what stays clear, m.

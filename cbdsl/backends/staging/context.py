@@ -7,8 +7,9 @@ from numpy.typing import NDArray
 
 from cbdsl.backends.backend import BackendError
 from cbdsl.backends.staging.span import draw
+from cbdsl.documents.context import Context
 from cbdsl.documents.robot import RobotDocument
-from cbdsl.documents.stage import Context, StageDocument
+from cbdsl.documents.stage import StageDocument
 from cbdsl.robot.joints import Joints
 
 Floats = NDArray[np.float64]

@@ -19,7 +19,8 @@ from cbdsl.backends.staging.scripted_action import (
     ScriptedAction,
     ThrowAction,
 )
-from cbdsl.documents.stage import Context, WorldSection
+from cbdsl.documents.context import Context
+from cbdsl.documents.stage import WorldSection
 
 # What is this far from where it was put has moved, m.
 _MOVED = 0.02

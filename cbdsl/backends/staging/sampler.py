@@ -17,8 +17,9 @@ from cbdsl.backends.staging.pose import Pose
 from cbdsl.backends.staging.scenario import Movement, PlacedThing, Scenario, SceneObject
 from cbdsl.backends.staging.shape import SolidShape
 from cbdsl.backends.staging.span import draw
+from cbdsl.documents.context import Context, Motion, PlaceSection, Presentation
 from cbdsl.documents.robot import RobotDocument
-from cbdsl.documents.stage import Context, Motion, PlaceSection, Presentation, StageDocument
+from cbdsl.documents.stage import StageDocument
 
 Floats = NDArray[np.float64]
 _Entry = TypeVar("_Entry")

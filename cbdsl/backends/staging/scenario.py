@@ -11,7 +11,8 @@ from numpy.typing import NDArray
 
 from cbdsl.backends.staging.pose import Pose
 from cbdsl.backends.staging.shape import SolidShape
-from cbdsl.documents.stage import Displacement, Scatter, Surface
+from cbdsl.documents.context import Displacement, Scatter
+from cbdsl.documents.stage import Surface
 
 Floats = NDArray[np.float64]
 

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from cbdsl.backends.staging.pose import Pose
 from cbdsl.backends.staging.span import draw
-from cbdsl.documents.stage import (
+from cbdsl.documents.form import (
     MOST_PIECES,
     BallForm,
     BoxForm,

@@ -17,7 +17,7 @@ from cbdsl.types.resource import Centroid, Resource, Separation
 AXES = "xyz"
 
 #: Types whose components are those of a vector in the world frame.
-SPATIAL = ("position", "force", "torque")
+SPATIAL = ("position", "force", "torque", "offset")
 # Types of which a controller that states no axes takes all three from those below it.
 _WHOLE = ("position", "force")
 

@@ -34,6 +34,8 @@ _DIMENSIONS: dict[str, tuple[str, ...]] = {
     "heading_rate": ("angular speed",),
     "extent": ("angle",),
     "axis": ("angle",),
+    "constellation": ("number",),
+    "offset": ("length",),
 }
 
 

@@ -9,14 +9,16 @@ from cbdsl.checking.lookup.documents import find_document
 from cbdsl.checking.robot.checked_robot import CheckedRobot
 from cbdsl.checking.session import Session
 from cbdsl.documents.catalog import AffordanceSection, CatalogDocument, SampleModel
+from cbdsl.documents.meta_catalog import MetaCatalogDocument
 from cbdsl.documents.program import ProgramDocument
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.errors.counting import count
+from cbdsl.robot.pair_names import pair_resource
 from cbdsl.yaml_text.loaded import Loaded
-from cbdsl.yaml_text.source_map import Step
+from cbdsl.yaml_text.source_map import SourceMap, Step
 
-# Of the largest element: what rounding may take from a covariance.
-_ROUNDING = 1e-9
+# Of the largest element: what rounding to nine digits may take from each element.
+_ROUNDING = 5e-9
 
 
 def examine_catalog(loaded: Loaded[CatalogDocument], session: Session, findings: Findings) -> None:
@@ -30,52 +32,72 @@ def examine_catalog(loaded: Loaded[CatalogDocument], session: Session, findings:
         place = source.place("over", index)
         find_document(CatalogDocument, name, place, library, findings, own=document.name)
     for name, affordance in document.affordances.items():
-        _check_program(loaded, name, affordance, session, findings)
-        if body is not None:
-            _check_signals(loaded, name, affordance, body, findings)
-        for key, model in (
-            ("with_reward", affordance.with_reward),
-            ("without_reward", affordance.without_reward),
-        ):
-            if model is not None:
-                steps = ("affordances", name, key)
-                _check_model(loaded, steps, affordance, model, findings)
+        check_affordance(loaded, ("affordances", name), affordance, session, body, findings)
+
+
+def check_affordance(
+    loaded: Loaded[CatalogDocument] | Loaded[MetaCatalogDocument],
+    steps: tuple[Step, ...],
+    affordance: AffordanceSection,
+    session: Session,
+    body: CheckedRobot | None,
+    findings: Findings,
+) -> None:
+    """Check what is known of one action: its program, its signals, its models.
+
+    Args:
+        loaded: document that it stands in.
+        steps: its path there.
+        affordance: what is known.
+        session: finds programs.
+        body: the robot, if that can be used.
+        findings: where findings go.
+    """
+    _check_program(loaded.source, steps, affordance, session, findings)
+    if body is not None:
+        _check_signals(loaded, steps, affordance, body, findings)
+    for key, model in (
+        ("with_reward", affordance.with_reward),
+        ("without_reward", affordance.without_reward),
+    ):
+        if model is not None:
+            _check_model(loaded.source, (*steps, key), affordance, model, findings)
 
 
 def _check_program(
-    loaded: Loaded[CatalogDocument],
-    name: str,
+    source: SourceMap,
+    steps: tuple[Step, ...],
     affordance: AffordanceSection,
     session: Session,
     findings: Findings,
 ) -> None:
     """The program of an action is there, and has the parameters that it is given."""
-    source, library = loaded.source, session.library
-    place = source.place("affordances", name, "program")
-    path = find_document(ProgramDocument, affordance.program, place, library, findings)
+    place = source.place(*steps, "program")
+    path = find_document(ProgramDocument, affordance.program, place, session.library, findings)
     read = session.read(path, ProgramDocument, findings)
     if read is None:
         return
     known = read.document.parameters
     for key in affordance.with_:
         if key not in known:
-            at = source.key("affordances", name, "with", key)
+            at = source.key(*steps, "with", key)
             findings.add("CB606", at, names=list(known), name=key, program=affordance.program)
 
 
 def _check_signals(
-    loaded: Loaded[CatalogDocument],
-    name: str,
+    loaded: Loaded[CatalogDocument] | Loaded[MetaCatalogDocument],
+    at: tuple[Step, ...],
     affordance: AffordanceSection,
     body: CheckedRobot,
     findings: Findings,
 ) -> None:
     """The features are signals of the robot, of their units and sizes."""
     for key, feature in affordance.features.items():
-        steps = ("affordances", name, "features", key)
-        resource = body.resources.get(feature.signal)
+        steps = (*at, "features", key)
+        named = body.resources
+        resource = named.get(feature.signal) or pair_resource(feature.signal, named)
         if resource is None:
-            names, robot = list(body.resources), loaded.document.robot
+            names, robot = list(named), loaded.document.robot
             place = loaded.source.place(*steps, "signal")
             findings.add("CB654", place, names=names, name=feature.signal, robot=robot)
             continue
@@ -91,7 +113,7 @@ def _described(size: int, unit: str) -> str:
 
 
 def _check_model(
-    loaded: Loaded[CatalogDocument],
+    source: SourceMap,
     steps: tuple[Step, ...],
     affordance: AffordanceSection,
     model: SampleModel,
@@ -101,15 +123,15 @@ def _check_model(
     wanted = sum(feature.components for feature in affordance.features.values())
     if wanted != len(model.mean):
         details = {"wanted": count(wanted, "component"), "found": f"{len(model.mean)}"}
-        findings.add("CB653", loaded.source.place(*steps, "mean"), **details)
+        findings.add("CB653", source.place(*steps, "mean"), **details)
         return
     covariance = np.array(model.covariance)
-    bound = _ROUNDING * max(float(np.abs(covariance).max()), 1e-12)
+    bound = _ROUNDING * len(covariance) * max(float(np.abs(covariance).max()), 1e-12)
     fault = ""
     if np.abs(covariance - covariance.T).max() > bound:
         fault = "symmetric"
     elif np.linalg.eigvalsh(covariance).min() < -bound:
         fault = "positive"
     if fault:
-        place = loaded.source.place(*steps, "covariance")
-        findings.add("CB651", place, what=f"'{steps[1]}' {steps[2]}", fault=fault)
+        place = source.place(*steps, "covariance")
+        findings.add("CB651", place, what=f"'{steps[-2]}' {steps[-1]}", fault=fault)

@@ -17,6 +17,7 @@ from cbdsl.language.parser import CompositionError, parse
 from cbdsl.program.binding import bind, density_source, internal_models
 from cbdsl.program.checked import CheckedProgram
 from cbdsl.types.resource import Resource
+from cbdsl.types.resource_type import POSITION
 from cbdsl.yaml_text.library import Library
 from cbdsl.yaml_text.loaded import Loaded
 from cbdsl.yaml_text.source_map import Step
@@ -152,7 +153,10 @@ class _PolicyCheck:
         if loaded is None:
             return
         examine_model(loaded, self._session, self._findings)
-        effector = name.partition(".")[0]
-        if loaded.document.effector != effector:
-            details = {"model": model, "other": loaded.document.effector, "name": name}
+        document, effector = loaded.document, name.partition(".")[0]
+        is_place, draws_place = document.space == "position", known[name].type == POSITION
+        if document.effector != effector or is_place != draws_place:
+            other = f"{document.effector}.position" if is_place else document.effector
+            effector = f"{effector}.position" if draws_place else effector
+            details = {"model": model, "other": other, "name": name}
             self._findings.add("CB624", place, effector=effector, **details)

@@ -10,8 +10,10 @@ from cbdsl.documents.model import Gaussian, ModelDocument
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.errors.counting import count
 from cbdsl.program.binding import density_source
-from cbdsl.types.resource import Origin, Resource
-from cbdsl.types.resource_type import configuration
+from cbdsl.robot.channel_names import channel_names
+from cbdsl.robot.resources import NOVEL
+from cbdsl.types.resource import NovelHeading, Origin, Resource
+from cbdsl.types.resource_type import HEADING, POSITION, configuration
 from cbdsl.yaml_text.loaded import Loaded
 from cbdsl.yaml_text.source_map import Step
 
@@ -27,32 +29,88 @@ def examine_model(loaded: Loaded[ModelDocument], session: Session, findings: Fin
         _fits(loaded, body, findings)
 
 
-def model_resource(
+def model_resources(
     alias: str, loaded: Loaded[ModelDocument], body: CheckedRobot, findings: Findings
-) -> Resource | None:
-    """Resource ``<effector>.<alias>`` of a program, or ``None`` where the model does not fit."""
+) -> tuple[Resource, ...]:
+    """Resources of a program, none where the model does not fit.
+
+    ``<effector>.<alias>``, and of the background of a channel ``novel.<channel>``, under the other
+    names of the channel, too.
+    """
     if not _fits(loaded, body, findings):
-        return None
-    effector = loaded.document.effector
-    kind = configuration(len(body.document.joints(effector)))
-    source = density_source(effector, loaded.document.density)
-    return Resource(f"{effector}.{alias}", kind, Origin.MODEL, source)
+        return ()
+    document, effector = loaded.document, loaded.document.effector
+    is_place = document.space == "position"
+    kind = POSITION if is_place else configuration(len(body.document.joints(effector)))
+    source = density_source(effector, document.density)
+    drawn = Resource(f"{effector}.{alias}", kind, Origin.MODEL, source)
+    if document.channel is None:
+        return (drawn,)
+    aliases = body.document.vision.channels.aliases
+    channel = aliases.get(document.channel, document.channel)
+    names = [channel, *(name for name, meant in aliases.items() if meant == channel)]
+    heading = NovelHeading(channel, effector, source)
+    novel = [Resource(f"{NOVEL}.{name}", HEADING, Origin.ENVIRONMENT, heading) for name in names]
+    return (drawn, *novel)
 
 
 def _fits(loaded: Loaded[ModelDocument], body: CheckedRobot, findings: Findings) -> bool:
-    """Whether a model's effector is there, and has as many joints as the model has angles."""
+    """Whether a model's effector is there, and has what the model has numbers for."""
     document, source, robot = loaded.document, loaded.source, body.document
     names = [*robot.effectors, *robot.groups]
     if document.effector not in names:
         place = source.place("effector")
         findings.add("CB308", place, names=names, name=document.effector, what="effector")
         return False
-    wanted = len(robot.joints(document.effector))
+    is_place = document.space == "position"
+    if is_place and not _has_a_tip(document.effector, robot):
+        tipped = [name for name in names if _has_a_tip(name, robot)]
+        place = source.place("effector")
+        findings.add("CB670", place, names=tipped, name=document.effector)
+        return False
+    if is_place and document.density.uniform:
+        findings.add("CB671", source.place("density", "uniform"), share=document.density.uniform)
+        return False
+    if document.channel is not None and not _is_background(loaded, body, findings):
+        return False
+    wanted = 3 if is_place else len(robot.joints(document.effector))
+    number = "coordinate" if is_place else "angle"
     wrong = [(steps, length) for steps, length in _lengths(document) if length != wanted]
     for steps, length in wrong:
-        details = {"found": count(length, "angle"), "wanted": count(wanted, "joint")}
+        has = "3 axes" if is_place else count(wanted, "joint")
+        details = {"found": count(length, number), "wanted": has}
         findings.add("CB631", source.place(*steps), name=document.effector, **details)
     return not wrong
+
+
+def _is_background(loaded: Loaded[ModelDocument], body: CheckedRobot, findings: Findings) -> bool:
+    """Whether a channel is one of the robot's, and the effector what moves its cameras."""
+    document, robot = loaded.document, body.document
+    channels = robot.vision.channels
+    # What moves is seen by cameras that rest, and is in no direction that could be expected.
+    known = [name for name in (*channel_names(channels), *channels.aliases) if name != "motion"]
+    if not robot.cameras or document.channel not in known:
+        place = loaded.source.place("channel")
+        names = known if robot.cameras else []
+        findings.add("CB672", place, names=names, name=document.channel, robot=robot.name)
+        return False
+    links = [camera.link for camera in robot.cameras.values()]
+    moving = [
+        name
+        for name in (*robot.effectors, *robot.groups)
+        if any(body.moves(name, link) for link in links)
+    ]
+    if document.space == "position" or document.effector not in moving:
+        place = loaded.source.place("effector" if document.space != "position" else "space")
+        findings.add("CB673", place, names=moving, name=document.effector)
+        return False
+    return True
+
+
+def _has_a_tip(name: str, robot: RobotDocument) -> bool:
+    """Whether a name is that of an effector with one tip, which has a position."""
+    effector = robot.effectors.get(name)
+    return effector is not None and effector.tip is not None
 
 
 def _lengths(document: ModelDocument) -> list[tuple[tuple[Step, ...], int]]:

@@ -10,6 +10,7 @@ from cbdsl.checking.findings import Findings
 from cbdsl.checking.lookup.scope import Scope, parameters_in
 from cbdsl.errors.diagnostic import Place
 from cbdsl.errors.nearest import nearest_name
+from cbdsl.robot.resources import CYCLOPEAN, NOVEL
 from cbdsl.yaml_text.source_map import SourceMap, Step
 
 Steps = tuple[Step, ...]
@@ -85,6 +86,10 @@ class MissingResources:
         place, details = self._source.place(*steps), {"name": name, "robot": self._robot}
         first = name.split(".")[0]
         siblings = [known for known in self._known if known.split(".")[0] == first]
+        channel = name.partition(".")[2]
+        if first == NOVEL and f"{CYCLOPEAN}.{channel}" in self._known:
+            self._findings.add("CB674", place, names=siblings, name=name, channel=channel)
+            return
         if siblings and _is_load(name) and not any(map(_is_load, siblings)):
             loads = list(dict.fromkeys(k.split(".")[0] for k in self._known if _is_load(k)))
             self._findings.add("CB586", place, effector=first, name=name, names=loads, given="")

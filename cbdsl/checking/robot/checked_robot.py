@@ -15,6 +15,7 @@ from cbdsl.types.resource import (
     AffordanceProbability,
     BlobSignal,
     Centroid,
+    ConstellationSignal,
     EffectorConfiguration,
     FingerForces,
     FingerLoad,
@@ -25,11 +26,13 @@ from cbdsl.types.resource import (
     KernelSample,
     NetForces,
     NetLoad,
+    NovelHeading,
     Posture,
     Resource,
     SensorSignal,
     Separation,
     Source,
+    StereoOffset,
     StereoPosition,
     StereoSignal,
     SurfacePoint,
@@ -80,15 +83,19 @@ class CheckedRobot(NamedTuple):
                 return ("sensors", sensor)
             case Centroid(group=name) | Separation(group=name) | NetForces(group=name):
                 return ("groups", name)
-            case Heading(camera=camera) | BlobSignal(camera=camera) if (
-                camera in self.document.cameras
-            ):
+            case (
+                Heading(camera=camera)
+                | BlobSignal(camera=camera)
+                | ConstellationSignal(camera=camera)
+            ) if camera in self.document.cameras:
                 return ("cameras", camera)
-            case Heading() | Headings() | StereoPosition():
+            case Heading() | Headings() | StereoPosition() | NovelHeading():
                 return ("cameras",)
             case (
                 BlobSignal()
+                | ConstellationSignal()
                 | StereoSignal()
+                | StereoOffset()
                 | InstanceCount()
                 | SurfacePoint()
                 | AffordanceProbability()
@@ -201,6 +208,8 @@ class CheckedRobot(NamedTuple):
                 return self._cell_links(robot.members(name))
             case Heading() | Headings() | BlobSignal():
                 return self._camera_links(source) + self._holding_links()
+            case NovelHeading() | ConstellationSignal() | StereoOffset():
+                return self._camera_links(source)
             case StereoPosition() | StereoSignal():
                 return self._holding_links()
             case SensorSignal(links=links):
@@ -209,7 +218,8 @@ class CheckedRobot(NamedTuple):
 
     def _camera_links(self, source: Source) -> list[str]:
         cameras = self.document.cameras
-        if isinstance(source, (Heading, BlobSignal)) and source.camera != CYCLOPEAN:
+        one = (Heading, BlobSignal, ConstellationSignal)
+        if isinstance(source, one) and source.camera != CYCLOPEAN:
             return [cameras[source.camera].link]
         return [camera.link for camera in cameras.values()]
 

@@ -18,6 +18,8 @@ _TOLERANCES = {
     "force": ("force",),
     "torque": ("torque",),
     "wrench": ("force", "torque"),
+    "constellation": ("number",),
+    "offset": ("length",),
 }
 
 

@@ -9,17 +9,9 @@ from graphlib import CycleError, TopologicalSorter
 from cbdsl.checking.findings import Findings
 from cbdsl.checking.robot.checked_robot import CheckedRobot
 from cbdsl.checking.stage.mesh import extents_of
-from cbdsl.documents.stage import (
-    BoxForm,
-    ComposedForm,
-    Context,
-    Fixture,
-    MeshForm,
-    OpenBoxForm,
-    PlaceSection,
-    Presentation,
-    StageDocument,
-)
+from cbdsl.documents.context import Context, PlaceSection, Presentation
+from cbdsl.documents.form import BoxForm, ComposedForm, MeshForm, OpenBoxForm
+from cbdsl.documents.stage import Fixture, StageDocument
 from cbdsl.yaml_text.loaded import Loaded
 from cbdsl.yaml_text.source_map import Step
 

@@ -14,20 +14,17 @@ from typing import Literal, NamedTuple
 
 from cbdsl.checking.findings import Findings
 from cbdsl.checking.robot.checked_robot import CheckedRobot
-from cbdsl.documents.stage import (
+from cbdsl.documents.context import Context, PlaceSection, Presentation
+from cbdsl.documents.form import (
     BallForm,
     BoxForm,
     ComposedForm,
-    Context,
-    Fixture,
     Form,
     MeshForm,
     OpenBoxForm,
-    PlaceSection,
-    Presentation,
-    StageDocument,
     TubeForm,
 )
+from cbdsl.documents.stage import Fixture, StageDocument
 from cbdsl.robot.urdf import UrdfError, UrdfModel, UrdfOrigin, UrdfShape
 from cbdsl.yaml_text.loaded import Loaded
 from cbdsl.yaml_text.source_map import Step

@@ -9,7 +9,8 @@ import pytest
 
 from cbdsl.backends.bullet.backend import BulletBackend
 from cbdsl.backends.staging.world_state import GroundTruthProvider
-from cbdsl.documents.stage import BoxForm, StageDocument
+from cbdsl.documents.form import BoxForm
+from cbdsl.documents.stage import StageDocument
 
 
 def test_a_fixture_has_its_form_and_color(

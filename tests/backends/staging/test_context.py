@@ -7,8 +7,9 @@ import pytest
 
 from cbdsl.backends.backend import BackendError
 from cbdsl.backends.staging.context import choose_context, starting_posture
+from cbdsl.documents.context import Context
 from cbdsl.documents.robot import RobotDocument
-from cbdsl.documents.stage import Context, StageDocument
+from cbdsl.documents.stage import StageDocument
 from cbdsl.robot.joints import Joints
 from tests.backends.conftest import Simulated, made_stage
 

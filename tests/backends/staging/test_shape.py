@@ -8,7 +8,7 @@ from pydantic import TypeAdapter
 
 from cbdsl.backends.staging.pose import Pose
 from cbdsl.backends.staging.shape import SolidShape
-from cbdsl.documents.stage import BallForm, BoxForm, CylinderForm
+from cbdsl.documents.form import BallForm, BoxForm, CylinderForm
 
 FORMS = {
     "ball": {"shape": "ball", "radius": [0.04, 0.06]},

@@ -8,19 +8,18 @@ from typing import Any
 import pytest
 from pydantic import BaseModel
 
-from cbdsl.documents.kinds import models
-from cbdsl.documents.program import ControllerSection, ProgramDocument
-from cbdsl.documents.stage import (
+from cbdsl.documents.form import (
     BallForm,
     BoxForm,
     ComposedForm,
     CylinderForm,
     MeshForm,
     OpenBoxForm,
-    StageDocument,
-    ThingSection,
     TubeForm,
 )
+from cbdsl.documents.kinds import models
+from cbdsl.documents.program import ControllerSection, ProgramDocument
+from cbdsl.documents.stage import StageDocument, ThingSection
 from cbdsl.yaml_text.repair.shape import SchemaShape
 
 KINDS = models()

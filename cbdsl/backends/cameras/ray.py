@@ -1,0 +1,98 @@
+"""Rays and convex solids: where a line of sight enters one."""
+
+from __future__ import annotations
+
+import math
+
+from cbdsl.backends.staging.solids import BALL, CYLINDER
+from cbdsl.numeric.compiled import compiled
+
+Triple = tuple[float, float, float]
+
+
+@compiled
+def _slab(origin: float, direction: float, half: float) -> tuple[float, float]:
+    """Interval of a ray between two planes."""
+    if direction == 0.0:
+        return (-math.inf, math.inf) if abs(origin) <= half else (math.inf, -math.inf)
+    near, far = (-half - origin) / direction, (half - origin) / direction
+    return (near, far) if near <= far else (far, near)
+
+
+@compiled
+def _round(a: float, b: float, c: float) -> tuple[float, float]:
+    """Interval in which a t^2 + 2 b t + c is not positive."""
+    root = b * b - a * c
+    if root < 0.0 or a == 0.0:
+        return (-math.inf, math.inf) if a == 0.0 and c <= 0.0 else (math.inf, -math.inf)
+    root = math.sqrt(root)
+    return (-b - root) / a, (-b + root) / a
+
+
+@compiled
+def entered(kind: float, halves: Triple, origin: Triple, direction: Triple) -> float:
+    """Distance along a ray, in a solid's frame, to its entry; infinite if there is none."""
+    x, y, z = origin
+    u, v, w = direction
+    if kind == BALL:
+        square = x * x + y * y + z * z - halves[0] * halves[0]
+        near, far = _round(u * u + v * v + w * w, u * x + v * y + w * z, square)
+    else:
+        near, far = _slab(z, w, halves[2])
+        if near > far or far <= 0.0:
+            return math.inf
+        if kind == CYLINDER:
+            square = x * x + y * y - halves[0] * halves[0]
+            enter, leave = _round(u * u + v * v, u * x + v * y, square)
+            near, far = max(near, enter), min(far, leave)
+        else:
+            enter, leave = _slab(x, u, halves[0])
+            near, far = max(near, enter), min(far, leave)
+            if near > far or far <= 0.0:
+                return math.inf
+            enter, leave = _slab(y, v, halves[1])
+            near, far = max(near, enter), min(far, leave)
+    return near if 0.0 < near <= far else math.inf
+
+
+@compiled
+def direction_at(level: Triple, slope: Triple, z: float) -> Triple:
+    """Direction of a line of sight of slope ``z``, see ``met_rows``."""
+    return level[0] + slope[0] * z, level[1] + slope[1] * z, level[2] + slope[2] * z
+
+
+@compiled
+def met_rows(
+    kind: float,
+    halves: Triple,
+    origin: Triple,
+    level: Triple,
+    slope: Triple,
+    bottom: float,
+    up: float,
+    samples: int,
+) -> tuple[int, int]:
+    """The first line of sight of a column that meets a solid, and the one after the last.
+
+    Solids are convex: lines that meet one are next to each other. Without any the two are the same.
+
+    Args:
+        kind, halves, origin: as of ``entered``.
+        level: the direction of the line of slope 0, in the solid's frame.
+        slope: by how much directions change with the slope.
+        bottom: slope at which the column begins.
+        up: distance of the lines, in slopes.
+        samples: how many there are.
+    """
+    start, end = 0, samples
+    while start < end:
+        z = bottom + (start + 0.5) * up
+        if entered(kind, halves, origin, direction_at(level, slope, z)) < math.inf:
+            break
+        start += 1
+    while start < end - 1:
+        z = bottom + (end - 0.5) * up
+        if entered(kind, halves, origin, direction_at(level, slope, z)) < math.inf:
+            break
+        end -= 1
+    return start, end

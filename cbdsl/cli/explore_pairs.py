@@ -1,0 +1,92 @@
+"""``cb explore --thing``: find out by acting which thing stays on which."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, get_args
+
+if TYPE_CHECKING:
+    import typer
+
+    from cbdsl.api.run_request import RunRequest
+    from cbdsl.training.pair_task import PairTask
+
+# What means something for the actions of one thing alone.
+_OF_ONE = (
+    "feature", "between", "algorithm", "join", "live", "live_port", "live_wait", "live_close",
+    "fast",
+)  # fmt: skip
+
+
+def explore_pairs(context: typer.Context, command: str) -> None:
+    """Explore pairs with what was given to ``cb explore``.
+
+    Raises:
+        DiagnosticsError: a document has errors.
+        UsageError: something that was given cannot be used.
+    """
+    from cbdsl.cli.assignments import read_assignments
+    from cbdsl.cli.explored_pairs import read_pairs, read_things
+    from cbdsl.cli.quiet import shown_on_failure
+    from cbdsl.cli.simulation import needing_simulation
+    from cbdsl.cli.termination import termination_interrupts
+    from cbdsl.documents.meta_catalog import Relation
+    from cbdsl.errors.errors import UsageError
+
+    given = context.params
+    _refuse_options_of_one(context)
+    if given["relation"] not in get_args(Relation):
+        raise UsageError.unknown("relation", given["relation"], get_args(Relation))
+    if len(given["programs"]) != 1:
+        raise UsageError("--thing: one PROGRAM brings things to each other")
+    things = read_things(given["thing"])
+    with needing_simulation():
+        from cbdsl.learning.catalog_exploration import CatalogConstants
+        from cbdsl.learning.constants import read_constants
+        from cbdsl.training.pair_task import PairTask
+
+        request, pairs = read_pairs(given["programs"][0], things, given["relation"], given["stage"])
+        constants = read_constants(
+            CatalogConstants, read_assignments(given["set_"], "--set"), "explore_pairs"
+        )
+        assert isinstance(constants, CatalogConstants)
+        task = PairTask(
+            pairs=pairs,
+            things=things,
+            relation=given["relation"],
+            robot=request.robot,
+            stage=request.stage,
+            backend=given["backend"],
+            constants=constants,
+            seed=given["seed"],
+            count=given["actions"],
+            until_habituated=given["until_habituated"],
+            command=command,
+            path=given["out"].absolute(),
+        )
+        task.require_ready(resume=given["resume"])
+    with shown_on_failure(), termination_interrupts():
+        _run(task, request, given["cameras"], as_json=given["as_json"])
+
+
+def _refuse_options_of_one(context: typer.Context) -> None:
+    from cbdsl.errors.errors import UsageError
+
+    for parameter in context.command.params:
+        name = str(parameter.name)
+        if name in _OF_ONE and context.params[name] != parameter.default:
+            raise UsageError(f"{parameter.opts[0]} means nothing with --thing")
+
+
+def _run(task: PairTask, request: RunRequest, cameras: str | None, *, as_json: bool) -> None:
+    from cbdsl.cli.exploration_progress import ExplorationProgress
+    from cbdsl.cli.simulation import simulation
+    from cbdsl.sensing.kinematics import Kinematics
+
+    with simulation(request, task.backend, cameras=cameras) as (body, _):
+        progress = ExplorationProgress(task.count, as_json=as_json, looks_ahead=False)
+        document = task.run(body, lambda: Kinematics(request.robot, request.urdf), progress.note)
+    if not as_json:
+        from cbdsl.cli.meta_catalog_text import meta_catalog_text
+
+        print(meta_catalog_text(document), end="")
+        print(f"wrote {task.path}")

@@ -1,0 +1,120 @@
+"""Pairs of things of ``cb explore --thing``, read from what is typed."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from itertools import permutations
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from cbdsl.api.run_request import RunRequest
+    from cbdsl.training.thing_pair import ThingPair
+    from cbdsl.types.resource import Resource
+
+# Parameters of a program that brings one thing to another.
+_ENDS = ("feature", "goal")
+
+
+def read_things(texts: Sequence[str]) -> dict[str, str]:
+    """Channels of things by name, from ``NAME=CHANNEL``.
+
+    Raises:
+        UsageError: one of them is none, is there twice, or is known by another one's channel.
+    """
+    import re
+
+    from cbdsl.documents.document import NAME_PATTERN
+    from cbdsl.errors.errors import UsageError
+
+    things: dict[str, str] = {}
+    for text in texts:
+        name, _, channel = text.partition("=")
+        if not channel or not re.match(NAME_PATTERN, name):
+            raise UsageError(f"--thing {text}: a thing is NAME=CHANNEL, such as ball=red")
+        if name in things:
+            raise UsageError(f"--thing {text}: '{name}' is there twice")
+        if channel in things.values():
+            raise UsageError(f"--thing {text}: another thing is known by '{channel}' already")
+        things[name] = channel
+    if len(things) < 2:
+        raise UsageError("--thing: pairs are of two things at least")
+    return things
+
+
+def read_pairs(
+    program: str, things: Mapping[str, str], relation: str, stage: str | None
+) -> tuple[RunRequest, dict[str, ThingPair]]:
+    """The pairs of things that a stage shows, each with the program bound to both.
+
+    Args:
+        program: a file or a name, perhaps with values as in ``NAME:key=value``.
+        things: channels by name.
+        relation: ``on`` or ``in``: what stands between the things in a context's name.
+        stage: a file or a name.
+
+    Raises:
+        DiagnosticsError: a document has errors.
+        UsageError: the program brings nothing to anything, or no pair is shown.
+    """
+    from cbdsl.cli.explored_actions import read_action
+    from cbdsl.errors.errors import UsageError
+
+    text = read_action(program)
+    requests: dict[str, RunRequest] = {}
+    pairs: dict[str, ThingPair] = {}
+    for upper, lower in permutations(things, 2):
+        name = f"{upper}_{relation}_{lower}"
+        values = {**text.values, **dict(zip(_ENDS, (things[upper], things[lower]), strict=True))}
+        if not requests:
+            _require_ends(text.program)
+            requests[name] = _request(text.program, stage, values)
+        shown = next(iter(requests.values())).stage
+        if name in shown.contexts:
+            request = requests.get(name) or _request(text.program, stage, values)
+            requests[name] = request
+            pairs[name] = _pair(upper, lower, name, request)
+    if not pairs:
+        raise UsageError(
+            f"stage '{shown.name}' shows no pair of {', '.join(things)}: "
+            f"a context such as '{name}' would"
+        )
+    return next(iter(requests.values())), pairs
+
+
+def _request(program: str, stage: str | None, values: Mapping[str, str]) -> RunRequest:
+    from cbdsl.api.run_request import read_request
+
+    return read_request(program, stage, None, values)
+
+
+def _require_ends(program: str) -> None:
+    from cbdsl.documents.program import ProgramDocument
+    from cbdsl.errors.errors import UsageError
+    from cbdsl.yaml_text.library import Library
+
+    library = Library()
+    document = library.read(library.locate(ProgramDocument, program), ProgramDocument).document
+    missing = [key for key in _ENDS if key not in document.parameters]
+    if missing or not document.success:
+        lacks = f"parameter '{missing[0]}'" if missing else "'success'"
+        raise UsageError(f"'{program}' brings no thing to another one: it has no {lacks}")
+
+
+def _pair(upper: str, lower: str, context: str, request: RunRequest) -> ThingPair:
+    from cbdsl.checking.knowledge.digest import program_digest
+    from cbdsl.training.thing_pair import ThingPair
+
+    digest = program_digest(request.program_file, request.library)
+    return ThingPair(upper, lower, context, request.program, digest, _features(request))
+
+
+def _features(request: RunRequest) -> dict[str, Resource]:
+    """The constellation of both things in the first camera, and where one is from the other."""
+    from cbdsl.robot.pair_names import pair_resource
+    from cbdsl.robot.resources import STEREO, resources
+
+    known, given = resources(request.robot), request.program.parameters
+    ends = f"{given['feature']}.to.{given['goal']}"
+    cameras = {"constellation": next(iter(request.robot.cameras), ""), "offset": STEREO}
+    named = {key: pair_resource(f"{of}.{ends}", known) for key, of in cameras.items()}
+    return {key: resource for key, resource in named.items() if resource is not None}

@@ -1,0 +1,34 @@
+"""Meta-catalogs as text."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from cbdsl.cli.catalog_text import count_cells, feature_lines
+
+if TYPE_CHECKING:
+    from cbdsl.documents.meta_catalog import MetaCatalogDocument
+
+_TITLES = ("pair", "stayed", "95 % interval", "value", "model")
+
+
+def meta_catalog_text(catalog: MetaCatalogDocument) -> str:
+    """A meta-catalog as lines for people: its things, its pairs, and how both then look."""
+    head = f"{catalog.name}: which things {catalog.robot} brings to which"
+    if catalog.provenance is not None:
+        origin = catalog.provenance
+        head += f", after {origin.actions} actions on {origin.stage.name}"
+    things = ", ".join(f"{name} ({thing.feature})" for name, thing in catalog.things.items())
+    rows = [
+        (f"{pair.upper} {pair.relation} {pair.lower}", *count_cells(pair))
+        for pair in catalog.pairs.values()
+    ]
+    widths = [max(len(row[i]) for row in (_TITLES, *rows)) for i in range(len(_TITLES))]
+    lines = [head, f"things: {things}", ""]
+    for row in (_TITLES, *rows):
+        lines.append(
+            "  ".join(f"{cell:{width}s}" for cell, width in zip(row, widths, strict=True)).rstrip()
+        )
+    for name, pair in catalog.pairs.items():
+        lines += feature_lines(name, pair)
+    return "\n".join(lines) + "\n"

@@ -1,0 +1,97 @@
+"""``cb show meta-catalog``: which things stay on which, as text, data or a graph, and plans."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from cbdsl.cli.show_program import Json
+
+if TYPE_CHECKING:
+    from cbdsl.documents.meta_catalog import MetaCatalogDocument
+    from cbdsl.learning.stack_plan import StackPlan
+
+MetaCatalog = Annotated[str, typer.Argument(metavar="FILE|NAME", help="A meta-catalog.")]
+Graph = Annotated[bool, typer.Option("--svg", help="Print the graph as SVG.")]
+Stack = Annotated[
+    int | None, typer.Option("--stack", min=2, help="Plan a stack of so many things.")
+]
+Of = Annotated[
+    str | None,
+    typer.Option("--of", metavar="THING,...", help="Things that are there, with --stack."),
+]
+
+
+def show_meta_catalog(
+    name: MetaCatalog,
+    *,
+    svg: Graph = False,
+    stack: Stack = None,
+    of: Of = None,
+    as_json: Json = False,
+) -> None:
+    """Show which things stay on which, how often that was so, and how both look then.
+
+    With --stack, the surest stack of some height that is known, from below.
+    """
+    from cbdsl.cli.meta_catalog_text import meta_catalog_text
+    from cbdsl.cli.terminal import print_json
+    from cbdsl.errors.errors import UsageError
+    from cbdsl.reporting.drawing.meta_catalog_graph import meta_catalog_graph
+
+    if of is not None and stack is None:
+        raise UsageError("--of means nothing without --stack")
+    catalog = _read(name)
+    if stack is not None:
+        _print_plan(catalog, plan(catalog, stack, of), as_json=as_json)
+    elif svg:
+        print(meta_catalog_graph(catalog), end="")
+    elif as_json:
+        print_json(catalog.model_dump(mode="json", by_alias=True, exclude_none=True))
+    else:
+        print(meta_catalog_text(catalog), end="")
+
+
+def plan(catalog: MetaCatalogDocument, height: int, of: str | None) -> StackPlan:
+    """The surest stack of some height.
+
+    Raises:
+        UsageError: a thing is not known, or no such stack is.
+    """
+    from cbdsl.errors.errors import UsageError
+    from cbdsl.learning.stack_plan import plan_stack, support_of
+
+    things = None if of is None else of.split(",")
+    for thing in things or ():
+        if thing not in catalog.things:
+            raise UsageError.unknown("thing", thing, catalog.things)
+    try:
+        return plan_stack(support_of(catalog), height, things)
+    except ValueError as error:
+        raise UsageError(f"{catalog.name}: {error}") from error
+
+
+def _print_plan(catalog: MetaCatalogDocument, known: StackPlan, *, as_json: bool) -> None:
+    from cbdsl.cli.terminal import print_json
+
+    channels = [catalog.things[name].feature for name in known.order]
+    if as_json:
+        print_json({**known._asdict(), "features": channels})
+        return
+    print(f"{' < '.join(known.order)}: stands with {known.probability:.2f}")
+    words = {2: ("goal", "feature"), 3: ("goal", "middle", "feature")}.get(len(channels))
+    if words:
+        given = " ".join(f"--with {k}={c}" for k, c in zip(words, channels, strict=True))
+        print(f"cb run {'stand' if len(words) == 2 else 'stack_three'} {given}")
+
+
+def _read(name: str) -> MetaCatalogDocument:
+    from cbdsl.api.clean import require_clean
+    from cbdsl.documents.meta_catalog import MetaCatalogDocument
+    from cbdsl.yaml_text.library import Library
+
+    library = Library()
+    file = library.locate(MetaCatalogDocument, name)
+    require_clean(file, library)
+    return library.read(file, MetaCatalogDocument).document

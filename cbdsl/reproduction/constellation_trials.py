@@ -1,0 +1,115 @@
+"""Trials of constellations: what a robot sees of two things before and after it stacked them."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Mapping
+from typing import Any, NamedTuple, Self
+
+from cbdsl.reproduction.simulation_fixture import simulation_fixture
+from cbdsl.reproduction.stack_trials import StackJudge
+from cbdsl.robot.pair_names import pair_resource
+from cbdsl.robot.resources import resources
+from cbdsl.runtime.episode import Runner, Tick
+from cbdsl.runtime.feature_reader import FeatureReader
+from cbdsl.sensing.kinematics import Kinematics
+from cbdsl.types.resource import Resource
+
+PROGRAM, STAGE = "stand", "stacking"
+#: Channels by which the things of the stage are known.
+CHANNELS: Mapping[str, str] = {
+    "blue_box": "blue",
+    "purple_box": "hue_9",
+    "basketball": "red",
+    "football": "green",
+}
+
+Features = Mapping[str, tuple[float, ...]]
+
+
+class ConstellationTrial(NamedTuple):
+    """One episode.
+
+    Attributes:
+        things: its context, such as ``football_on_blue_box``.
+        seed: of the episode.
+        judged: whether the robot takes them to stand, by its own signals.
+        stands: whether they do, by the simulator's truth.
+        before: features of both as they lie beside each other.
+        after: the same once the hand has gone; what was undefined is left out.
+        ending: of the program.
+    """
+
+    things: str
+    seed: int
+    judged: bool
+    stands: bool
+    before: Features
+    after: Features
+    ending: str
+
+    def as_data(self) -> dict[str, Any]:
+        """Plain data, for JSON."""
+        return self._asdict()
+
+    @classmethod
+    def from_data(cls, data: Mapping[str, Any]) -> Self:
+        """Trial that ``as_data`` wrote.
+
+        Raises:
+            ValueError: it is none.
+        """
+        if set(data) != set(cls._fields):
+            raise ValueError("no trial of a constellation")
+        read = {key: {name: tuple(own) for name, own in data[key].items()} for key in _SEEN}
+        return cls(**{**data, **read})
+
+
+_SEEN = ("before", "after")
+
+
+def run_constellations(
+    things: str, seeds: Iterable[int], engine: str, cameras: str | None
+) -> Iterator[ConstellationTrial]:
+    """Stack two things, once for each seed, and look at them.
+
+    Args:
+        things: a context of the stage ``stacking``, of two things.
+        seeds: of the episodes.
+        engine, cameras: of the simulation.
+
+    Raises:
+        BackendError, EpisodeError: the simulator cannot run it.
+        ImportError: it is not installed.
+    """
+    upper, _, lower = things.partition("_on_")
+    values = {"feature": CHANNELS[upper], "goal": CHANNELS[lower]}
+    with simulation_fixture(PROGRAM, values, STAGE, engine, cameras) as lab:
+        features = _features(values, resources(lab.robot))
+        kinematics, observed = Kinematics(lab.robot, lab.urdf), tuple(features.values())
+        runner = Runner(lab.robot, kinematics, lab.program, lab.backend, observed=observed)
+        for seed in seeds:
+            judge, reader = StackJudge(lab.backend.truth, ("base", "top")), FeatureReader(features)
+
+            def note(tick: Tick, judge: StackJudge = judge, reader: FeatureReader = reader) -> None:
+                judge.note(tick)
+                reader.note_tick(tick)
+
+            result = runner.run(lab.stage, seed, things, on_tick=note)
+            after = {key: runner.signals.read(each) for key, each in features.items()}
+            yield ConstellationTrial(
+                things,
+                seed,
+                result.outcome == "success" and not result.far,
+                judge.conclude(things, seed, result.ending).stands,
+                reader.values,
+                {k: tuple(each.value.tolist()) for k, each in after.items() if each is not None},
+                result.ending,
+            )
+
+
+def _features(values: Mapping[str, str], known: Mapping[str, Resource]) -> dict[str, Resource]:
+    """Signals of both things, as ``cb explore --thing`` has them."""
+    ends = f"{values['feature']}.to.{values['goal']}"
+    named = {"constellation": f"left.{ends}", "offset": f"stereo.{ends}"}
+    found = {key: pair_resource(name, known) for key, name in named.items()}
+    return {key: each for key, each in found.items() if each is not None}

@@ -1,0 +1,85 @@
+"""Stacks of three whose order a meta-catalog gives, on the stage ``stacking``."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+from contextlib import ExitStack
+from typing import NamedTuple
+
+import numpy as np
+
+from cbdsl.documents.meta_catalog import MetaCatalogDocument
+from cbdsl.documents.stage import StageDocument
+from cbdsl.learning.stack_plan import StackPlan, plan_stack, support_of
+from cbdsl.reproduction.constellation_trials import STAGE
+from cbdsl.reproduction.shipped import shipped_file
+from cbdsl.reproduction.simulation_fixture import SimulationFixture, simulation_fixture
+from cbdsl.reproduction.stack_trials import StackJudge
+from cbdsl.yaml_text.library import Library, shipped
+
+_PROGRAM = "stack_three"
+# What the things of a plan are to the program, from below.
+_ROLES = ("goal", "middle", "feature")
+
+
+class PlannedStack(NamedTuple):
+    """One trial.
+
+    Attributes:
+        seed: of the episode, and of the order in which the things lie.
+        things: as they lie, from left to right.
+        order: that was planned, from below.
+        expected: probability that the plan has.
+        stands: whether each thing rests on the one below it alone, by the simulator's truth.
+        ending: of the program.
+    """
+
+    seed: int
+    things: str
+    order: tuple[str, ...]
+    expected: float
+    stands: bool
+    ending: str
+
+
+def run_planned(
+    catalog: MetaCatalogDocument, seeds: Iterable[int], engine: str, cameras: str | None
+) -> Iterator[PlannedStack]:
+    """Plan and build a stack of three, once for each seed.
+
+    Args:
+        catalog: has the things, and what stands on what.
+        seeds: of the trials.
+        engine, cameras: of the simulation.
+
+    Raises:
+        BackendError, EpisodeError: the simulator cannot run it.
+        ImportError: it is not installed.
+        ValueError: the meta-catalog knows no stack of the things that lie there.
+    """
+    library = Library(shipped())
+    stage = library.read(shipped_file(library, StageDocument, STAGE), StageDocument).document
+    shown = {
+        name: tuple(context.placed)
+        for name, context in stage.contexts.items()
+        if len(context.placed) == len(_ROLES)
+    }
+    support, names = support_of(catalog), sorted(shown)
+    labs: dict[tuple[str, ...], SimulationFixture] = {}
+    with ExitStack() as open_labs:
+        for seed in seeds:
+            things = names[int(np.random.default_rng(seed).integers(len(names)))]
+            plan = plan_stack(support, len(_ROLES), shown[things])
+            if plan.order not in labs:
+                channels = [catalog.things[name].feature for name in plan.order]
+                values = dict(zip(_ROLES, channels, strict=True))
+                lab = simulation_fixture(_PROGRAM, values, STAGE, engine, cameras)
+                labs[plan.order] = open_labs.enter_context(lab)
+            yield _build(labs[plan.order], plan, things, seed)
+
+
+def _build(lab: SimulationFixture, plan: StackPlan, things: str, seed: int) -> PlannedStack:
+    judge = StackJudge(lab.backend.truth, plan.order)
+    result = lab.runner().run(lab.stage, seed, things, on_tick=judge.note)
+    stands = judge.conclude(things, seed, result.ending).stands
+    return PlannedStack(seed, things, plan.order, plan.probability, stands, result.ending)

@@ -1,0 +1,77 @@
+"""Names of signals of two channels: ``left.red.to.blue`` compares red with blue."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import NamedTuple
+
+from cbdsl.types.resource import (
+    ConstellationSignal,
+    Heading,
+    Origin,
+    Resource,
+    StereoOffset,
+    StereoPosition,
+)
+from cbdsl.types.resource_type import CONSTELLATION, OFFSET
+
+#: Stands between the two channels.
+_TO = "to"
+#: Mean heading of all cameras, which has no image and no blobs.
+_CYCLOPEAN = "cyclopean"
+
+
+class PairName(NamedTuple):
+    """Two signals of the same kind, whose channels are compared.
+
+    Attributes:
+        first: heading or position of the channel that is compared.
+        second: the same of the channel that it is compared with.
+    """
+
+    first: Resource
+    second: Resource
+
+    @property
+    def is_of_one(self) -> bool:
+        """Whether a channel is compared with itself, perhaps by another name."""
+        return self.first.source == self.second.source
+
+    def resource(self, name: str) -> Resource:
+        """The signal of both, by its whole name."""
+        first, second = self.first.source, self.second.source
+        if isinstance(first, StereoPosition) and isinstance(second, StereoPosition):
+            offset = StereoOffset(first.channel, second.channel)
+            return Resource(name, OFFSET, Origin.TRIANGULATION, offset)
+        assert isinstance(first, Heading) and isinstance(second, Heading)
+        seen = ConstellationSignal(first.camera, first.channel, second.channel)
+        return Resource(name, CONSTELLATION, Origin.ENVIRONMENT, seen)
+
+
+def parse_pair(name: str, named: Mapping[str, Resource]) -> PairName | None:
+    """The parts of a name such as ``left.red.to.blue``; ``None`` where it names no two channels.
+
+    Args:
+        name: of a resource.
+        named: the robot's resources by name.
+    """
+    parts = name.split(".")
+    if len(parts) != 4 or parts[2] != _TO:
+        return None
+    first, second = named.get(f"{parts[0]}.{parts[1]}"), named.get(f"{parts[0]}.{parts[3]}")
+    if first is None or second is None or not _has_blobs(first):
+        return None
+    return PairName(first, second)
+
+
+def pair_resource(name: str, named: Mapping[str, Resource]) -> Resource | None:
+    """The signal of two channels that a name stands for, ``None`` where it stands for none."""
+    pair = parse_pair(name, named)
+    return None if pair is None or pair.is_of_one else pair.resource(name)
+
+
+def _has_blobs(resource: Resource) -> bool:
+    source = resource.source
+    if isinstance(source, Heading):
+        return source.camera != _CYCLOPEAN
+    return isinstance(source, StereoPosition)

@@ -1,0 +1,40 @@
+"""The controller that leads a member of a state, and those that it waits for."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+from cbdsl.runtime.controller_run import ControllerRun
+
+
+class MemberLead(NamedTuple):
+    """The controller that leads a member, and what the member optimises below it.
+
+    Attributes:
+        place: the member's place in the state.
+        run: the controller with the highest priority.
+        awaited: its other controllers that it is not at rest before: those that have no reference,
+            and no goal but their rest, and those that are rewarded.
+        earners: its controllers that all have to be at rest for a reward; empty for no reward.
+    """
+
+    place: int
+    run: ControllerRun
+    awaited: tuple[ControllerRun, ...]
+    earners: tuple[ControllerRun, ...]
+
+    @property
+    def predicate(self) -> str:
+        """The leading controller's; at rest only when what is awaited below it is, too."""
+        leading = self.run.predicate
+        for run in self.awaited:
+            if leading == "1" and run.predicate == "0":
+                return "0"
+        return leading
+
+    @property
+    def is_earned(self) -> bool:
+        """Whether all that is rewarded in it is at rest where it should be."""
+        if not self.earners:
+            return False
+        return all([run.predicate == "1" and run.settled for run in self.earners])

@@ -1,0 +1,67 @@
+"""Sensors of other packages' kinds, whose faults are named with their package."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import partial
+from importlib import import_module
+from typing import Any
+
+import numpy as np
+
+from cbdsl.robot.source_kind import SOURCES
+from cbdsl.sensing.reading import Reading
+from cbdsl.sensing.sensor_faults import SensorError
+from cbdsl.types.resource import SensorSignal
+
+
+def sensor_reader(
+    signal: SensorSignal, size: int, joints: int, signals: Any
+) -> Callable[[], Reading | None]:
+    """The reader of a sensor of another package's kind.
+
+    Args:
+        signal: what is read.
+        size: of its value.
+        joints: how many columns its Jacobian has, if it has one.
+        signals: handed to the package's function.
+
+    Raises:
+        PluginError: the package's function raises. The reader raises it, too, or SensorError where
+            a value is not finite.
+    """
+    module, function = SOURCES.get(signal.kind).reader.split(":")
+    failed = partial(SOURCES.fault, signal.kind)
+    try:
+        reader: Callable[[], Reading | None] = getattr(import_module(module), function)(
+            signal, signals
+        )
+    except Exception as error:
+        raise failed(f"{type(error).__name__}: {error}") from error
+
+    def read() -> Reading | None:
+        try:
+            reading = reader()
+            _require_shape(reading, size, joints)
+        except Exception as error:
+            raise failed(f"{type(error).__name__}: {error}") from error
+        if reading is not None and not np.isfinite(reading.value).all():
+            raise SensorError(f"the sensor {signal.sensor} is not finite")
+        return reading
+
+    return read
+
+
+def _require_shape(reading: Reading | None, size: int, joints: int) -> None:
+    """Refuse a reading of another package that does not fit its row.
+
+    Raises:
+        ValueError: its value or its Jacobian has another shape.
+    """
+    if reading is None:
+        return
+    if reading.value.shape != (size,):
+        raise ValueError(f"its value has shape {reading.value.shape}, not {(size,)}")
+    if reading.jacobian is not None and reading.jacobian.shape != (size, joints):
+        shape = reading.jacobian.shape
+        raise ValueError(f"its Jacobian has shape {shape}, not {(size, joints)}")

@@ -1,0 +1,182 @@
+"""Novelty: headings to what the background model of a channel does not expect (Section 5.2.1).
+
+A background model has the postures of the head in which a channel was tracked. A region is novel
+where the posture that would track it is far from all of them.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+from functools import partial
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cbdsl.documents.robot import RobotDocument
+from cbdsl.sensing.camera import heading, heading_jacobian, sight
+from cbdsl.sensing.forward import rotation_of
+from cbdsl.sensing.kinematics import Kinematics
+from cbdsl.sensing.observation import Observation
+from cbdsl.sensing.reading import Reading, mean
+from cbdsl.sensing.vision import Vision
+from cbdsl.types.resource import GaussianSample, NovelHeading, Resource
+
+Floats = NDArray[np.float64]
+
+# Standard deviations of the background's density beyond which next to nothing of it lies.
+_FAR = 3.0
+# Newton's steps from anywhere in an image to its middle: after three the rest is below 1e-6 rad.
+_STEPS = 4
+
+
+class _Sight(NamedTuple):
+    """A region that a camera sees whole.
+
+    Attributes:
+        line: of sight, world frame, shape (3,).
+        posture: of the background's effector that would track it, rad, shape (n,).
+    """
+
+    line: Floats
+    posture: Floats
+
+
+class _Found(NamedTuple):
+    """Lines of sight to what is novel, by camera, the image that shows it, and its time, s."""
+
+    lines: dict[str, Floats]
+    image: int
+    time: float
+
+
+class Novelty:
+    """Finds the largest region of a channel that its background model does not expect.
+
+    What is at an image's border has its middle nobody knows where, and is not judged.
+
+    Args:
+        robot: whose cameras look.
+        kinematics: of the same robot.
+        vision: what they see.
+        resources: that are read.
+    """
+
+    def __init__(
+        self,
+        robot: RobotDocument,
+        kinematics: Kinematics,
+        vision: Vision,
+        resources: Iterable[Resource],
+    ) -> None:
+        self._robot, self._kinematics, self._vision = robot, kinematics, vision
+        sources = dict.fromkeys(each.source for each in resources)
+        self._sources = [each for each in sources if isinstance(each, NovelHeading)]
+        self.reset()
+
+    def reset(self) -> None:
+        """Forget the episode before."""
+        self._found: dict[NovelHeading, _Found] = {}
+
+    def update(self, observation: Observation) -> None:
+        """Look at the newest images; vision and kinematics must be up to date."""
+        if observation.images or observation.regions:
+            for source in self._sources:
+                self._look(source, observation.time)
+
+    def heading(self, source: NovelHeading) -> Reading | None:
+        """The mean heading over the cameras that see it, ``None`` while nothing is novel."""
+        found = self._found.get(source)
+        if found is None:
+            return None
+        return mean([self._reading(name, line, found.image) for name, line in found.lines.items()])
+
+    def _reading(self, camera: str, line: Floats, image: int) -> Reading:
+        """The heading to a line of sight, as the cameras move it."""
+        link = self._robot.cameras[camera].link
+        angles = heading(self._kinematics.frame(link).rotation.T.dot(line))
+        jacobian = heading_jacobian(angles).dot(self._kinematics.own_turning(link))
+        return Reading(angles, jacobian, image)
+
+    def _look(self, source: NovelHeading, time: float) -> None:
+        """Take in the newest images; what was novel a moment ago still is, see ``Vision``."""
+        lines: dict[str, Floats] = {}
+        first: Floats | None = None
+        for camera in self._robot.cameras:
+            novel = [
+                each for each in self._sights(camera, source) if is_novel(source, each.posture)
+            ]
+            if not novel:
+                continue
+            # Both cameras look at the same thing.
+            chosen = novel[0] if first is None else min(novel, key=partial(_apart, first))
+            first = chosen.posture if first is None else first
+            lines[camera] = chosen.line
+        if lines:
+            self._found[source] = _Found(lines, self._vision.images, time)
+            return
+        before = self._found.get(source)
+        if before is not None and time - before.time > self._robot.vision.regions.linger:
+            del self._found[source]
+
+    def _sights(self, name: str, source: NovelHeading) -> Iterator[_Sight]:
+        """What a camera sees whole of a channel, the largest first."""
+        camera = self._robot.cameras[name]
+        frame = self._kinematics.frame(camera.link)
+        for region in self._vision.seen.get(name, {}).get(source.channel, ()):
+            if not region.clipped:
+                line = sight(camera, region.column, region.row)
+                posture = self._tracking(source.effector, camera.link, line)
+                yield _Sight(frame.rotation.dot(line), posture)
+
+    def _tracking(self, effector: str, link: str, line: Floats) -> Floats:
+        """The posture in which a camera has a line of sight, in its own axes, in the middle."""
+        kinematics, columns = self._kinematics, self._kinematics.joints.of(effector)
+        posture: Floats = kinematics.positions[columns].copy()
+        support = kinematics.link(link).support.tolist()
+        places = [k for joint in support for k in np.flatnonzero(columns == joint).tolist()]
+        axes = kinematics.own_turning(link)[:, columns[places]]
+        posture[places] += centring(axes, line)
+        return posture
+
+
+def centring(axes: Floats, line: Floats) -> Floats:
+    """Turns of joints that bring a line of sight to the middle of the image.
+
+    Args:
+        axes: of the joints from the root outwards, in the camera's axes, of unit length, shape
+            (3, n).
+        line: of sight, in the camera's axes, shape (3,).
+
+    Returns:
+        Turns, rad, shape (n,).
+    """
+    turns = np.zeros(axes.shape[1])
+    for _ in range(_STEPS):
+        after, columns = np.eye(3), np.empty_like(axes)
+        for joint in reversed(range(len(turns))):
+            columns[:, joint] = after.T.dot(axes[:, joint])
+            after = rotation_of(axes[:, joint] * turns[joint]).dot(after)
+        angles = heading(after.T.dot(line))
+        turns -= np.linalg.pinv(heading_jacobian(angles).dot(columns)).dot(angles)
+    return turns
+
+
+def is_novel(source: NovelHeading, posture: Floats) -> bool:
+    """Whether the background's density at a posture is next to nothing.
+
+    Args:
+        source: with the density.
+        posture: rad, shape (n,).
+    """
+    density = source.expected
+    if isinstance(density, GaussianSample):
+        centres, spread = np.array([density.mean]), np.array(density.deviation)
+    else:
+        centres, spread = np.array(density.samples), np.array(density.bandwidth)
+    squares = (((posture - centres) / spread) ** 2).sum(axis=1)
+    return bool(squares.min() > _FAR**2)
+
+
+def _apart(posture: Floats, seen: _Sight) -> float:
+    return float(np.linalg.norm(seen.posture - posture))

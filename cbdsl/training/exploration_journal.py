@@ -1,0 +1,128 @@
+"""Journal of an exploration: the actions that were taken, and those that joined it."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from pathlib import Path
+from types import TracebackType
+from typing import Any, NamedTuple, Self
+
+from cbdsl.runtime.line_journal import JournalError, LineJournal, require_same
+
+# What may be otherwise from when actions join: with them, and with the world that they need.
+_JOINABLE = ("programs", "policies", "stage")
+
+
+class Phase(NamedTuple):
+    """A part of an exploration with the same actions in the same world.
+
+    Attributes:
+        after: how many actions were taken before.
+        programs: names of the actions.
+        stage: name and digest of the world, as JSON has them.
+    """
+
+    after: int
+    programs: tuple[str, ...]
+    stage: Mapping[str, Any]
+
+
+class ExplorationJournal:
+    """Actions, each as soon as it is over.
+
+    Args:
+        path: the file; where it is there, the exploration goes on.
+        identity: all that the actions depend on, as JSON has it.
+        joins: whether other actions may join those that are there, or another world follow.
+
+    Attributes:
+        path: the file.
+        rows: the actions that the file held, with the numbers of their lines.
+        phases: in their order; the last one is that which goes on.
+
+    Raises:
+        JournalError: the file belongs to another exploration, or is none, or is being written.
+        OSError: it cannot be read or written.
+    """
+
+    def __init__(self, path: Path, identity: Mapping[str, Any], *, joins: bool = False) -> None:
+        begun = {**identity, **{key: _first(path).get(key, identity[key]) for key in _JOINABLE}}
+        self._lines = LineJournal(path, begun, "exploration")
+        try:
+            self.path, self.rows = path, list[tuple[int, dict[str, Any]]]()
+            self.phases = [_phase(0, begun)]
+            wanted = {key: identity[key] for key in _JOINABLE}
+            now = self._take_up({key: begun[key] for key in _JOINABLE})
+            if now != wanted:
+                _require_joinable(path, {**begun, **now}, identity, joins=joins)
+                self._lines.append_row({"joined": wanted})
+                self.phases.append(_phase(len(self.rows), wanted))
+        except BaseException:
+            self._lines.__exit__(None, None, None)
+            raise
+
+    def _take_up(self, now: Mapping[str, Any]) -> Mapping[str, Any]:
+        """Sort what the file held; the last phase's actions and world."""
+        for line, row in enumerate(self._lines.rows, 2):
+            if "joined" in row:
+                now = row["joined"]
+                self.phases.append(_phase(len(self.rows), now))
+            else:
+                self.rows.append((line, row))
+        return now
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        traceback: TracebackType | None,
+    ) -> None:
+        self._lines.__exit__(kind, error, traceback)
+
+    def append_row(self, row: Mapping[str, Any]) -> None:
+        """Append an action and flush it to disk.
+
+        Raises:
+            OSError: it cannot be written.
+        """
+        self._lines.append_row(row)
+
+
+def _phase(after: int, known: Mapping[str, Any]) -> Phase:
+    return Phase(after, tuple(known["programs"]), known["stage"])
+
+
+def _first(path: Path) -> Mapping[str, Any]:
+    """What the exploration in a file began with; nothing where there is none that can be read."""
+    if not path.is_file():
+        return {}
+    with path.open("rb") as file:
+        line = file.readline()
+    try:
+        row = json.loads(line) if line.endswith(b"\n") else {}
+    except ValueError:
+        return {}
+    return row if isinstance(row, dict) else {}
+
+
+def _require_joinable(
+    path: Path, known: Mapping[str, Any], wanted: Mapping[str, Any], *, joins: bool
+) -> None:
+    """Check that what is wanted joins what is there, and takes nothing of it away.
+
+    Raises:
+        JournalError: it does not.
+    """
+    try:
+        kept = {name: wanted["programs"].get(name) for name in known["programs"]}
+        if joins:
+            require_same(path, {"programs": known["programs"]}, {"programs": kept}, "exploration")
+        else:
+            require_same(path, known, wanted, "exploration")
+    except JournalError as error:
+        hint = "what was there has to stay" if joins else "with --join others join it"
+        raise JournalError(f"{error}; {hint}") from None

@@ -1,0 +1,46 @@
+"""Meta-catalogs as they are written: what an exploration of pairs knows."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from cbdsl.documents.catalog import CatalogProvenance
+from cbdsl.documents.meta_catalog import KnownThing, MetaCatalogDocument, PairSection
+from cbdsl.learning.exploration import Exploration
+from cbdsl.training.catalog_writing import affordance_values, step_columns
+from cbdsl.training.thing_pair import ThingPair
+
+
+def meta_catalog_document(
+    name: str,
+    things: Mapping[str, str],
+    relation: str,
+    pairs: Mapping[str, ThingPair],
+    exploration: Exploration,
+    provenance: CatalogProvenance,
+) -> MetaCatalogDocument:
+    """Meta-catalog of an exploration.
+
+    Args:
+        name: of the document.
+        things: channels of the things, by name.
+        relation: that the program of the pairs brings about.
+        pairs: by name.
+        exploration: at its end.
+        provenance: where it comes from.
+    """
+    sections = {}
+    for key, pair in pairs.items():
+        known = affordance_values(key, exploration, pair.program, pair.features)
+        ends = {"upper": pair.upper, "lower": pair.lower, "relation": relation}
+        sections[key] = PairSection(**ends, **known)
+    return MetaCatalogDocument(
+        cbdsl=1,
+        kind="meta_catalog",
+        name=name,
+        robot=next(iter(pairs.values())).program.robot,
+        things={key: KnownThing(feature=channel) for key, channel in things.items()},
+        pairs=sections,
+        steps=step_columns(exploration),
+        provenance=provenance,
+    )

@@ -1,0 +1,119 @@
+"""``cb explore --thing`` and ``cb show meta-catalog``: which things stay on which."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import pytest
+
+from cbdsl.checking.document import check_document
+from cbdsl.documents.meta_catalog import MetaCatalogDocument
+from cbdsl.yaml_text.library import Library
+from tests.cli.test_learn import cb
+
+BOXES = ["--thing", "blue_box=blue", "--thing", "purple_box=hue_9"]
+ON = ["--stage", "stacking", "--seed", "4"]
+WORDS = ["explore", "stand", *BOXES, *ON, "--out", "boxes.yaml"]
+NOWHERE = ["--backend", "kinematic", "--set", "least=1"]
+
+MISTAKES = [
+    (["stand", "--thing", "blue_box"], ["NAME=CHANNEL"]),
+    (["stand", "--thing", "blue_box=blue"], ["two things at least"]),
+    (["stand", *BOXES, "--thing", "slab=blue"], ["'blue' already"]),
+    (["stand", *BOXES, "--thing", "blue_box=red"], ["'blue_box' is there twice"]),
+    (["stand", "stack", *BOXES], ["one PROGRAM"]),
+    (["stand", *BOXES, "--relation", "under"], ["under", "on, in"]),
+    (["stand", *BOXES, "--relation", "in"], ["shows no pair", "_in_"]),
+    (["stand", *BOXES, "--feature", "red"], ["--feature means nothing with --thing"]),
+    (["stand", *BOXES, "--set", "alfa=1"], ["did you mean 'alpha'"]),
+    (["reachtouch", *BOXES], ["reachtouch", "'goal'"]),
+    (["stand", "--thing", "blue_box=blu", "--thing", "purple_box=hue_9"], ["blu"]),
+]
+
+
+@pytest.fixture
+def here(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
+@pytest.mark.parametrize(("words", "named"), MISTAKES, ids=lambda each: str(each)[-60:])
+def test_mistakes_are_named(
+    words: list[str],
+    named: list[str],
+    here: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    assert cb(monkeypatch, "explore", *words, *ON, "--out", "a.yaml") in (1, 2)
+    told = "".join(capsys.readouterr())
+    assert all(each in told for each in named), told
+    assert "internal error" not in told
+    assert not (here / "a.yaml").exists()
+
+
+def read(path: Path) -> MetaCatalogDocument:
+    assert not check_document(path)
+    return Library().read(path, MetaCatalogDocument).document
+
+
+def test_what_was_done_is_not_done_again(
+    here: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Without physics nothing is lifted, and nothing is taken to stand."""
+    assert cb(monkeypatch, *WORDS, *NOWHERE, "--actions", "1") == 0
+    first = read(here / "boxes.yaml")
+    kept = (here / "boxes.actions.jsonl").read_text("utf-8")
+    assert cb(monkeypatch, *WORDS, *NOWHERE, "--actions", "2", "--resume") == 0
+    assert (here / "boxes.actions.jsonl").read_text("utf-8").startswith(kept)
+    whole = read(here / "boxes.yaml")
+    assert whole.steps is not None and first.steps is not None
+    assert whole.steps.action[:1] == first.steps.action
+    # Pairs that were not tried come first.
+    assert {each.tried for each in whole.pairs.values()} == {1}
+    assert {each.rewarded for each in whole.pairs.values()} == {0}
+    capsys.readouterr()
+    assert cb(monkeypatch, *WORDS, *NOWHERE, "--actions", "2") == 2
+    assert "--resume" in "".join(capsys.readouterr())
+    assert cb(monkeypatch, "show", "meta-catalog", "boxes.yaml", "--stack", "2") == 2
+    assert "no stack of 2 is known of blue_box, purple_box" in "".join(capsys.readouterr())
+
+
+@pytest.mark.slow
+def test_a_box_stands_on_a_larger_one_and_that_on_no_smaller_one(
+    here: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    engine = ["--backend", "mujoco", "--cameras", "ideal"]
+    assert cb(monkeypatch, *WORDS, *engine, "--actions", "6") == 0
+    pairs = read(here / "boxes.yaml").pairs
+    assert pairs["purple_box_on_blue_box"].rewarded >= 2
+    assert pairs["blue_box_on_purple_box"].rewarded == 0
+    seen = pairs["purple_box_on_blue_box"].with_reward
+    assert seen is not None
+    # Half as large, above it, and not beside it.
+    assert seen.mean[0] == pytest.approx(0.5, abs=0.15)
+    assert max(map(abs, seen.mean[3:5])) < 0.06 < seen.mean[5]
+
+
+def test_it_is_shown_drawn_and_planned_from(
+    here: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    show = ["show", "meta-catalog", "four_things"]
+    assert cb(monkeypatch, *show) == 0
+    told = capsys.readouterr().out
+    assert "purple_box on blue_box" in told and "stereo.hue_9.to.blue" in told
+    assert cb(monkeypatch, *show, "--svg") == 0
+    assert capsys.readouterr().out.startswith("<svg")
+    assert cb(monkeypatch, *show, "--json") == 0
+    assert json.loads(capsys.readouterr().out)["kind"] == "meta_catalog"
+    assert cb(monkeypatch, *show, "--stack", "3", "--of", "football,purple_box,blue_box") == 0
+    planned = capsys.readouterr().out
+    assert planned.startswith("blue_box < purple_box < football")
+    command = "cb run stack_three --with goal=blue --with middle=hue_9 --with feature=green"
+    assert planned.splitlines()[1].startswith(command)
+    assert cb(monkeypatch, *show, "--stack", "2", "--json") == 0
+    assert json.loads(capsys.readouterr().out)["order"][0] == "blue_box"
+    assert cb(monkeypatch, *show, "--of", "football") == 2
+    assert cb(monkeypatch, *show, "--stack", "3", "--of", "footbal") == 2
+    assert "football" in "".join(capsys.readouterr())
