@@ -112,7 +112,7 @@ def rows_of(
 def _row(line: bytes, path: Path, number: int, what: str) -> dict[str, Any]:
     try:
         row = json.loads(line)
-    except ValueError as error:
+    except (ValueError, RecursionError) as error:
         raise damaged(path, number, f"it is no JSON ({error})", what) from error
     if not isinstance(row, dict):
         raise damaged(path, number, "it is no JSON object", what)

@@ -6,9 +6,9 @@ import json
 from collections.abc import Mapping
 from pathlib import Path
 from types import TracebackType
-from typing import Any, NamedTuple, Self
+from typing import Any, NamedTuple, Self, TypeGuard
 
-from cbdsl.runtime.line_journal import JournalError, LineJournal, require_same
+from cbdsl.runtime.line_journal import JournalError, LineJournal, damaged, require_same
 
 # What may be otherwise from when actions join: with them, and with the world that they need.
 _JOINABLE = ("programs", "policies", "stage")
@@ -67,6 +67,8 @@ class ExplorationJournal:
         for line, row in enumerate(self._lines.rows, 2):
             if "joined" in row:
                 now = row["joined"]
+                if not _is_joinable(now):
+                    raise damaged(self.path, line, "it says not what joined", "exploration")
                 self.phases.append(_phase(len(self.rows), now))
             else:
                 self.rows.append((line, row))
@@ -104,9 +106,14 @@ def _first(path: Path) -> Mapping[str, Any]:
         line = file.readline()
     try:
         row = json.loads(line) if line.endswith(b"\n") else {}
-    except ValueError:
+    except (ValueError, RecursionError):
         return {}
-    return row if isinstance(row, dict) else {}
+    return row if _is_joinable(row) else {}
+
+
+def _is_joinable(row: object) -> TypeGuard[Mapping[str, Any]]:
+    """Whether a row of a file says which actions, policies and world there are."""
+    return isinstance(row, dict) and all(isinstance(row.get(key), dict) for key in _JOINABLE)
 
 
 def _require_joinable(

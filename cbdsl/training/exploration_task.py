@@ -18,7 +18,7 @@ from cbdsl.documents.document import Document
 from cbdsl.documents.policy import Identity
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.documents.stage import StageDocument
-from cbdsl.learning.action_outcome import ActionOutcome, FeatureForm
+from cbdsl.learning.action_outcome import NOOP, ActionOutcome, FeatureForm
 from cbdsl.learning.exploration import Exploration, ExplorationStep
 from cbdsl.learning.exploration_constants import ExplorationConstants
 from cbdsl.learning.explorations import EXPLORATIONS
@@ -132,6 +132,7 @@ class ExplorationTask:
             for line, row in journal.rows[: self.count]:
                 self._admit(exploration, journal.phases, len(outcomes))
                 outcomes.append(outcome_of(row, journal.path, line))
+                self._require_known(outcomes[-1], exploration, runner, journal.path, line)
                 self._note(exploration, outcomes[-1], runner, watcher)
             self._admit(exploration, journal.phases, len(outcomes))
             while len(outcomes) < self.count:
@@ -169,6 +170,19 @@ class ExplorationTask:
 
     def _forms(self, phase: Phase) -> dict[str, Sequence[FeatureForm]]:
         return {each.name: each.forms for each in self.actions if each.name in phase.programs}
+
+    def _require_known(
+        self,
+        outcome: ActionOutcome,
+        exploration: Exploration,
+        runner: ActionRunner,
+        path: Path,
+        line: int,
+    ) -> None:
+        """Check that an action of a journal is one that there is."""
+        for name in (outcome.action, *outcome.opened):
+            if name not in (NOOP, *exploration.affordances, *runner.known([name])):
+                raise damaged(path, line, f"there is no action '{name}'", "exploration")
 
     def _note(
         self,
@@ -265,12 +279,12 @@ def outcome_of(row: Mapping[str, Any], path: Path, line: int) -> ActionOutcome:
     try:
         ahead = {name: _tuples(own) for name, own in row["ahead"].items()}
         return ActionOutcome(
-            action=row["action"],
+            action=_text(row["action"]),
             rewarded=bool(row["rewarded"]),
             features=_tuples(row["features"]),
-            opened=tuple(row["opened"]),
+            opened=tuple(map(_text, row["opened"])),
             ahead=ahead,
-            ending=row["ending"],
+            ending=_text(row["ending"]),
             failed=bool(row["failed"]),
             sim_seconds=float(row["sim_seconds"]),
         )
@@ -280,5 +294,11 @@ def outcome_of(row: Mapping[str, Any], path: Path, line: int) -> ActionOutcome:
         raise damaged(path, line, f"it is no action ({error})", "exploration") from error
 
 
+def _text(value: object) -> str:
+    if not isinstance(value, str):
+        raise TypeError(f"{value!r} is no text")
+    return value
+
+
 def _tuples(values: Mapping[str, Sequence[float]]) -> dict[str, tuple[float, ...]]:
-    return {name: tuple(value) for name, value in values.items()}
+    return {name: tuple(map(float, value)) for name, value in values.items()}

@@ -201,9 +201,12 @@ def test_a_damaged_journal_names_its_line(
     assert cb(monkeypatch, *words, "--actions", "2") == 0
     journal = here / "ball.actions.jsonl"
     whole = journal.read_text("utf-8")
+    assert json.loads(whole.splitlines()[2])["action"]
     changes = {
         "it lacks 'ahead'": ('"ahead"', '"behind"'),
         "it is no action": ('"sim_seconds": ', '"sim_seconds": "x", "t": '),
+        "there is no action 'fly'": ('"action": "', '"action": "fly", "_": "'),
+        "it says not what joined": ('"action"', '"joined": 5, "action"'),
     }
     for named, change in changes.items():
         first, second, third = whole.splitlines(keepends=True)

@@ -1,8 +1,8 @@
 """Fuzzing, guided by coverage, of everything that reads text: ``make fuzz SECONDS=60``.
 
 Each entry point runs for so long from its seeds and from the kept corpus. Inputs that reach new
-branches go to ``build/fuzz/NAME``; with ``--keep`` the smallest set of them that reaches what they
-reach together is kept in ``tests/fuzz/corpus``. What raises an error is written to
+branches go to ``build/fuzz/NAME``, reduced where a shorter one reaches the same; with ``--keep``
+some of all lengths are kept in ``tests/fuzz/corpus``. What raises an error is written to
 ``build/fuzz/NAME-crash-...`` (or ``-timeout-``, ``-oom-``) and ends the entry point's run.
 """
 
@@ -13,7 +13,7 @@ import hashlib
 import re
 import subprocess
 import sys
-import tempfile
+from collections import Counter
 from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import NamedTuple
@@ -27,7 +27,9 @@ WORK = ROOT / "build" / "fuzz"
 #: Seconds and megabytes for one input, and its bytes: what takes more is a fault.
 LIMITS = ("-timeout=20", "-rss_limit_mb=2500", "-max_len=16384")
 #: Inputs of an entry point that are kept, and bytes of each.
-MOST, LARGEST = 150, 1200
+MOST, LARGEST = 60, 800
+#: Words of the seeds that are put together anew: keys, tags, attributes, names.
+_WORD, _WORDS = re.compile(rb"[A-Za-z_][\w.]{2,30}"), 300
 
 
 class Run(NamedTuple):
@@ -46,7 +48,7 @@ def fuzz(name: str, seconds: int, seed: int) -> Run:
     before = set(WORK.glob(f"{name}-*-*"))
     _write(work, [*entry_point(name).seeds(), *kept(name)])
     options = [
-        *(f"-max_total_time={seconds}", f"-seed={seed}", f"-dict={_dictionary()}"),
+        *(f"-max_total_time={seconds}", f"-seed={seed}", f"-dict={_dictionary(name)}"),
         *(f"-artifact_prefix={WORK}/{name}-", "-print_final_stats=1", *LIMITS),
     ]
     told = _libfuzzer(name, [work], options)
@@ -56,20 +58,12 @@ def fuzz(name: str, seconds: int, seed: int) -> Run:
     return Run(*counts, seconds, tuple(found))
 
 
-def minimize(name: str) -> int:
-    """Keep the fewest inputs that reach every branch that known ones do beyond the seeds."""
-    with tempfile.TemporaryDirectory() as folder:
-        seeds, least = Path(folder) / "seeds", Path(folder) / "least"
-        for each in (seeds, least):
-            each.mkdir()
-        _write(seeds, entry_point(name).seeds())
-        # What the seeds reach is no reason to keep anything.
-        _libfuzzer(name, [least, seeds], ["-merge=1", *LIMITS])
-        known = {file.name for file in least.iterdir()}
-        _libfuzzer(name, [least, WORK / name], ["-merge=1", *LIMITS])
-        new = [file.read_bytes() for file in least.iterdir() if file.name not in known]
-    short = sorted((each for each in {*new, *kept(name)} if len(each) <= LARGEST), key=len)
-    return keep(name, short[:MOST])
+def keep_new(name: str) -> int:
+    """Keep inputs of all lengths that reached something beyond the seeds; returns how many."""
+    seeds = set(entry_point(name).seeds())
+    reached = {file.read_bytes() for file in (WORK / name).iterdir()} - seeds
+    short = sorted((each for each in reached if len(each) <= LARGEST), key=len)
+    return keep(name, [*kept(name), *short[:: len(short) // MOST + 1]])
 
 
 def _libfuzzer(name: str, folders: Sequence[Path], options: Sequence[str]) -> str:
@@ -86,10 +80,14 @@ def _write(folder: Path, inputs: Iterable[bytes]) -> None:
         (folder / hashlib.sha1(each).hexdigest()).write_bytes(each)
 
 
-def _dictionary() -> Path:
-    """What a reader might stumble over, as libFuzzer reads it."""
-    file = WORK / "dictionary.txt"
-    lines = ["".join(f"\\x{byte:02x}" for byte in spike) for spike in SPIKES]
+def _dictionary(name: str) -> Path:
+    """What a reader might stumble over, and the commonest words of the seeds, for libFuzzer."""
+    common = Counter(
+        word for seed in entry_point(name).seeds() for word in set(_WORD.findall(seed))
+    )
+    words = [*SPIKES, *(word for word, _ in common.most_common(_WORDS))]
+    file = WORK / f"{name}.dictionary"
+    lines = ["".join(f"\\x{byte:02x}" for byte in word) for word in words]
     file.write_text("".join(f'"{line}"\n' for line in lines), encoding="ascii")
     return file
 
@@ -105,7 +103,7 @@ def main() -> int:
     parser.add_argument("names", nargs="*", metavar="NAME", help=f"of {', '.join(MODULES)}")
     parser.add_argument("--seconds", type=int, default=60, help="for each entry point")
     parser.add_argument("--seed", type=int, default=1, help="of all chance")
-    parser.add_argument("--keep", action="store_true", help="minimize and keep the corpus")
+    parser.add_argument("--keep", action="store_true", help="keep what reached something new")
     given = parser.parse_args()
     unknown = [name for name in given.names if name not in MODULES]
     if unknown:
@@ -114,7 +112,7 @@ def main() -> int:
     for name in given.names or MODULES:
         run = fuzz(name, given.seconds, given.seed)
         total, faults = total + run.executions, faults + len(run.faults)
-        kept_now = f", {minimize(name)} kept" if given.keep else ""
+        kept_now = f", {keep_new(name)} kept" if given.keep else ""
         rate = run.executions / run.seconds
         sys.stdout.write(
             f"{name:20}{run.executions:10} executions, {rate:8.0f} a second, "

@@ -17,7 +17,10 @@ from tests.conftest import ROOT
 from tests.fuzz.entry_point import EntryPoint
 
 #: All kinds of documents that are built in.
-NAMES = ("program", "stage", "robot", "policy", "schema", "catalog", "model", "calibration")
+NAMES = (
+    *("program", "stage", "robot", "policy", "schema", "catalog", "meta_catalog", "model"),
+    "calibration",
+)
 _BAD = ROOT / "tests" / "checking" / "bad"
 _YAML = re.compile(r"^```yaml\n(.*?)^```$", re.DOTALL | re.MULTILINE)
 # Larger ones are read by other tests; the fuzzer gets further with small ones.

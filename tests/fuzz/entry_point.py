@@ -22,7 +22,10 @@ class EntryPoint(NamedTuple):
 #: Modules of entry points by their names; each has a mapping ``ENTRY_POINTS``.
 MODULES: Mapping[str, str] = {
     **dict.fromkeys(
-        ("program", "stage", "robot", "policy", "schema", "catalog", "model", "calibration"),
+        (
+            *("program", "stage", "robot", "policy", "schema", "catalog", "meta_catalog", "model"),
+            "calibration",
+        ),
         "documents",
     ),
     **dict.fromkeys(("composition", "quantity", "scalar", "pattern", "layout"), "language"),

@@ -8,11 +8,13 @@ import tempfile
 from collections.abc import Iterator
 from functools import cache
 from pathlib import Path
+from typing import Any
 
 from cbdsl.errors.errors import UsageError
 from cbdsl.reporting.page import page
 from cbdsl.reporting.recorded import read_recording
 from cbdsl.runtime.line_journal import JournalError, require_same, rows_of
+from cbdsl.training.exploration_journal import ExplorationJournal
 from cbdsl.training.exploration_task import outcome_of
 from cbdsl.training.journal import entry_of
 from tests.fuzz.entry_point import EntryPoint
@@ -21,6 +23,10 @@ from tests.fuzz.entry_point import EntryPoint
 RECORDING = Path(__file__).parent / "recording" / "episode_25.json"
 _FILE = Path("any.jsonl")
 _IDENTITY = {"program": {"name": "reach", "sha256": "0"}, "seed": 1, "versions": {"numpy": "2"}}
+_EXPLORATION: dict[str, Any] = {
+    "programs": {"reach": {"name": "reach", "sha256": "0"}}, "policies": {},
+    "stage": {"name": "table", "sha256": "1"}, "seed": 1,
+}  # fmt: skip
 _EPISODE = {
     "context": "near", "seed": 3, "rewarded": {"arm": [0.1, 0.2]}, "ticks": 9, "sim_seconds": 0.5,
     "wall_seconds": 0.1, "transitions": [
@@ -46,11 +52,16 @@ def _journal(data: bytes) -> None:
 
 
 def _exploration_journal(data: bytes) -> None:
-    try:
-        for line, row in enumerate(rows_of(data, _FILE, what="exploration")[0][1:], 2):
-            outcome_of(row, _FILE, line)
-    except JournalError as error:
-        assert "any.jsonl" in str(error)
+    """A journal that begins with what the bytes hold, and one that begins as it should."""
+    for head in (b"", _lines(_EXPLORATION)):
+        file = _copy().with_suffix(".actions.jsonl")
+        file.write_bytes(head + data)
+        try:
+            with ExplorationJournal(file, _EXPLORATION, joins=True) as journal:
+                for line, row in journal.rows:
+                    outcome_of(row, file, line)
+        except JournalError as error:
+            assert file.name in str(error)
 
 
 @cache
@@ -83,7 +94,9 @@ def _journals() -> Iterator[bytes]:
 
 
 def _exploration_journals() -> Iterator[bytes]:
-    yield from (_lines(_IDENTITY, _ACTION), _lines({}, {**_ACTION, "action": "noop"}))
+    joined = {**_EXPLORATION, "programs": {**_EXPLORATION["programs"], "lift": {"name": "lift"}}}
+    yield from (_lines(_EXPLORATION, _ACTION), _lines({**_ACTION, "action": "noop"}))
+    yield from (_lines(_ACTION, {"joined": joined}, _ACTION), _lines({"joined": 5}), b"{}\n")
 
 
 ENTRY_POINTS = {

@@ -13,6 +13,7 @@ from itertools import islice
 
 import pytest
 
+from cbdsl.documents.kinds import KINDS
 from tests.conftest import ROOT
 from tests.fuzz.corpus import FOLDER, kept
 from tests.fuzz.entry_point import MODULES, EntryPoint, entry_point
@@ -32,6 +33,10 @@ def test_what_is_kept_is_read(name: str) -> None:
 
 def test_every_corpus_has_an_entry_point() -> None:
     assert {file.stem for file in FOLDER.glob("*.jsonl")} <= set(MODULES)
+
+
+def test_every_kind_of_document_is_an_entry_point() -> None:
+    assert set(KINDS.builtins) <= set(MODULES)
 
 
 def test_the_algebra_of_patterns_is_held_to_sets(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any, NamedTuple
 
 from pydantic import BaseModel
 from pydantic_core import ErrorDetails
 
 from cbdsl.errors.counting import count
-from cbdsl.errors.diagnostic import Diagnostic
+from cbdsl.errors.diagnostic import Diagnostic, Place
 from cbdsl.errors.wording import diagnostic
 from cbdsl.types.quantity_slip import quantity_problem
 from cbdsl.types.unit import QuantityError
@@ -117,6 +118,16 @@ def _row(
     return diagnostic("CB204", node.place, expected="a list", found=f"{given}; write {row}")
 
 
+def not_allowed(place: Place, names: Sequence[str], value: object) -> Diagnostic:
+    """Diagnostic of a value that is none of some names."""
+    if isinstance(value, str):
+        return diagnostic("CB206", place, names=names, name=value)
+    expected = "one of the words that are allowed"
+    return diagnostic(
+        "CB204", place, names=names, given="", expected=expected, found=describe(value)
+    )
+
+
 def _too_few(path: tuple[Step, ...], same: list[Fault], source: SourceMap) -> Diagnostic:
     """Diagnostic of a list that ends before its last value."""
     missing = [fault.error["loc"][-1] for fault in same if fault.error["type"] == "missing"]
@@ -156,8 +167,7 @@ def _special(
             expected = str(context.get("expected") or context.get("expected_tags"))
             names = [text.strip(" '") for text in expected.replace(" or ", ",").split(",")]
             steps = path if error["type"] == "literal_error" else (*path, "shape")
-            value = str(source.node(steps).value)
-            return diagnostic("CB206", source.place(*steps), names=names, name=value)
+            return not_allowed(source.place(*steps), names, source.node(steps).value)
         case "string_pattern_mismatch":
             at = source.key(*path) if "[key]" in error["loc"] else source.place(*path)
             return diagnostic("CB207", at, name=error["input"], hint=named_instead(error["input"]))

@@ -10,7 +10,7 @@ from cbdsl.errors.diagnostic import Diagnostic
 from cbdsl.errors.errors import DiagnosticsError, UsageError
 from cbdsl.errors.wording import diagnostic
 from cbdsl.yaml_text.node import Node
-from cbdsl.yaml_text.repair.fault import describe
+from cbdsl.yaml_text.repair.fault import describe, not_allowed
 from cbdsl.yaml_text.source_map import SourceMap
 
 # Fewer keys of another kind are mistakes of their own.
@@ -68,7 +68,7 @@ def _wrong_kind(
         return diagnostic("CB203", source.root.place, names=names, key="kind")
     place = source.place("kind")
     if model is None:
-        return diagnostic("CB206", place, names=list(models()), name=declared)
+        return not_allowed(place, list(models()), source.node(("kind",)).value)
     assert suggestion is not None, "nothing is wrong with it otherwise"
     keys = ", ".join(telling_keys(source.root.keys, suggestion, declared, models()))
     return diagnostic("CB210", place, said=declared, found=suggestion, keys=keys)
