@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from cbdsl.api.run_request import RunRequest
-    from cbdsl.training.thing_pair import ThingPair
+    from cbdsl.training.explorable_pair import ExplorablePair
     from cbdsl.types.resource import Resource
 
 # Parameters of a program that brings one thing to another.
@@ -43,7 +43,7 @@ def read_things(texts: Sequence[str]) -> dict[str, str]:
 
 def read_pairs(
     program: str, things: Mapping[str, str], relation: str, stage: str | None
-) -> tuple[RunRequest, dict[str, ThingPair]]:
+) -> tuple[RunRequest, dict[str, ExplorablePair]]:
     """The pairs of things that a stage shows, each with the program bound to both.
 
     Args:
@@ -61,7 +61,7 @@ def read_pairs(
 
     text = read_action(program)
     requests: dict[str, RunRequest] = {}
-    pairs: dict[str, ThingPair] = {}
+    pairs: dict[str, ExplorablePair] = {}
     for upper, lower in permutations(things, 2):
         name = f"{upper}_{relation}_{lower}"
         values = {**text.values, **dict(zip(_ENDS, (things[upper], things[lower]), strict=True))}
@@ -100,12 +100,12 @@ def _require_ends(program: str) -> None:
         raise UsageError(f"'{program}' brings no thing to another one: it has no {lacks}")
 
 
-def _pair(upper: str, lower: str, context: str, request: RunRequest) -> ThingPair:
+def _pair(upper: str, lower: str, context: str, request: RunRequest) -> ExplorablePair:
     from cbdsl.checking.knowledge.digest import program_digest
-    from cbdsl.training.thing_pair import ThingPair
+    from cbdsl.training.explorable_pair import ExplorablePair
 
     digest = program_digest(request.program_file, request.library)
-    return ThingPair(upper, lower, context, request.program, digest, _features(request))
+    return ExplorablePair(upper, lower, context, request.program, digest, _features(request))
 
 
 def _features(request: RunRequest) -> dict[str, Resource]:

@@ -23,7 +23,7 @@ class KnownThing(Section):
 
 
 class PairSection(AffordanceSection):
-    """What is known of two things that were brought together: an edge of the graph."""
+    """Knowledge of two things that were brought together: an edge of the graph."""
 
     upper: Name
     """Thing that is brought."""

@@ -18,7 +18,7 @@ _BELIEVED = 0.999
 
 
 class Recognition(NamedTuple):
-    """What two things look like.
+    """Likeness of two things to a known pair.
 
     Attributes:
         pair: name of the pair that they look most like; ``None`` where they look like none.

@@ -25,7 +25,7 @@ class StackPlan(NamedTuple):
 
 
 def support_of(catalog: MetaCatalogDocument) -> dict[tuple[str, str], float]:
-    """What stands on what, as a meta-catalog has it: means by Laplace's rule."""
+    """Probabilities of a meta-catalog that one thing stands on another, by Laplace's rule."""
     return {
         (pair.upper, pair.lower): (pair.rewarded + 1) / (pair.tried + 2) if pair.rewarded else 0.0
         for pair in catalog.pairs.values()

@@ -111,5 +111,5 @@ def _features(values: Mapping[str, str], known: Mapping[str, Resource]) -> dict[
     """Signals of both things, as ``cb explore --thing`` has them."""
     ends = f"{values['feature']}.to.{values['goal']}"
     named = {"constellation": f"left.{ends}", "offset": f"stereo.{ends}"}
-    found = {key: pair_resource(name, known) for key, name in named.items()}
-    return {key: each for key, each in found.items() if each is not None}
+    signals = {key: pair_resource(name, known) for key, name in named.items()}
+    return {key: each for key, each in signals.items() if each is not None}

@@ -60,7 +60,7 @@ def catalog_document(
 
 
 def step_columns(exploration: Exploration) -> StepColumns | None:
-    """What an exploration did, where it did anything."""
+    """Steps of an exploration, where it took any."""
     steps = exploration.steps
     if not steps:
         return None
@@ -87,7 +87,7 @@ def affordance_values(
     signals: Mapping[str, Resource],
     failure: str = "",
 ) -> dict[str, Any]:
-    """What is known of an action, as an ``AffordanceSection`` has it.
+    """Knowledge of an action, as an ``AffordanceSection`` has it.
 
     Args:
         name: of the action.

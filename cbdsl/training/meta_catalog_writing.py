@@ -8,14 +8,14 @@ from cbdsl.documents.catalog import CatalogProvenance
 from cbdsl.documents.meta_catalog import KnownThing, MetaCatalogDocument, PairSection
 from cbdsl.learning.exploration import Exploration
 from cbdsl.training.catalog_writing import affordance_values, step_columns
-from cbdsl.training.thing_pair import ThingPair
+from cbdsl.training.explorable_pair import ExplorablePair
 
 
 def meta_catalog_document(
     name: str,
     things: Mapping[str, str],
     relation: str,
-    pairs: Mapping[str, ThingPair],
+    pairs: Mapping[str, ExplorablePair],
     exploration: Exploration,
     provenance: CatalogProvenance,
 ) -> MetaCatalogDocument:

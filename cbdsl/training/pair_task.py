@@ -23,6 +23,7 @@ from cbdsl.learning.pair_exploration import PairExploration
 from cbdsl.runtime.episode import EpisodeError, Runner
 from cbdsl.runtime.line_journal import LineJournal
 from cbdsl.sensing.kinematics import Kinematics
+from cbdsl.training.explorable_pair import ExplorablePair
 from cbdsl.training.exploration_task import (
     ExplorationObserver,
     identity_of,
@@ -31,7 +32,6 @@ from cbdsl.training.exploration_task import (
 )
 from cbdsl.training.meta_catalog_writing import meta_catalog_document
 from cbdsl.training.provenance import versions
-from cbdsl.training.thing_pair import ThingPair
 from cbdsl.yaml_text.writer import remove_leftovers, write
 
 #: What an action's seed is used for besides the episode.
@@ -60,7 +60,7 @@ class PairTask:
         path: the meta-catalog's file.
     """
 
-    pairs: Mapping[str, ThingPair]
+    pairs: Mapping[str, ExplorablePair]
     things: Mapping[str, str]
     relation: str
     robot: RobotDocument
@@ -139,7 +139,7 @@ class PairTask:
             write(document, self.path)
         return document
 
-    def _runner(self, pair: ThingPair, kinematics: Kinematics, body: Backend) -> Runner:
+    def _runner(self, pair: ExplorablePair, kinematics: Kinematics, body: Backend) -> Runner:
         observed = tuple(pair.features.values())
         return Runner(self.robot, kinematics, pair.program, body, observed=observed)
 

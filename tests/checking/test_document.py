@@ -69,7 +69,7 @@ SEVERAL = {
         posture_faults task_faults unknown_renderer broken_and_wrong key_meant_by_another
         mujoco_constants octal_and_unknown robot_unknown_and_more thing_is_broken broken_effector
         rate_and_joint states_with_stars invisible_and_unknown
-        joints_of_all_kinds success_of_what_is_never_undefined
+        joints_of_all_kinds success_of_what_is_never_undefined pairs_of_things compared_channels
     """,
     "mistakes of another document": "faulty_stage robot_is_faulty robot_is_broken",
     "one key too few, and one too many": "shape_incomplete",

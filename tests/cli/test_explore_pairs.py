@@ -15,7 +15,7 @@ from tests.cli.test_learn import cb
 BOXES = ["--thing", "blue_box=blue", "--thing", "purple_box=hue_9"]
 ON = ["--stage", "stacking", "--seed", "4"]
 WORDS = ["explore", "stand", *BOXES, *ON, "--out", "boxes.yaml"]
-NOWHERE = ["--backend", "kinematic", "--set", "least=1"]
+FAST = ["--backend", "kinematic", "--set", "least=1"]
 
 MISTAKES = [
     (["stand", "--thing", "blue_box"], ["NAME=CHANNEL"]),
@@ -61,23 +61,25 @@ def read(path: Path) -> MetaCatalogDocument:
 def test_what_was_done_is_not_done_again(
     here: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    """Without physics nothing is lifted, and nothing is taken to stand."""
-    assert cb(monkeypatch, *WORDS, *NOWHERE, "--actions", "1") == 0
+    assert cb(monkeypatch, *WORDS, *FAST, "--actions", "1") == 0
     first = read(here / "boxes.yaml")
     kept = (here / "boxes.actions.jsonl").read_text("utf-8")
-    assert cb(monkeypatch, *WORDS, *NOWHERE, "--actions", "2", "--resume") == 0
+    assert cb(monkeypatch, *WORDS, *FAST, "--actions", "2", "--resume") == 0
     assert (here / "boxes.actions.jsonl").read_text("utf-8").startswith(kept)
     whole = read(here / "boxes.yaml")
     assert whole.steps is not None and first.steps is not None
     assert whole.steps.action[:1] == first.steps.action
     # Pairs that were not tried come first.
     assert {each.tried for each in whole.pairs.values()} == {1}
-    assert {each.rewarded for each in whole.pairs.values()} == {0}
+    stayed = {name: each.rewarded for name, each in whole.pairs.items()}
+    assert stayed == {"purple_box_on_blue_box": 1, "blue_box_on_purple_box": 0}
     capsys.readouterr()
-    assert cb(monkeypatch, *WORDS, *NOWHERE, "--actions", "2") == 2
+    assert cb(monkeypatch, *WORDS, *FAST, "--actions", "2") == 2
     assert "--resume" in "".join(capsys.readouterr())
-    assert cb(monkeypatch, "show", "meta-catalog", "boxes.yaml", "--stack", "2") == 2
-    assert "no stack of 2 is known of blue_box, purple_box" in "".join(capsys.readouterr())
+    assert cb(monkeypatch, "show", "meta-catalog", "boxes.yaml", "--stack", "2") == 0
+    assert capsys.readouterr().out.startswith("blue_box < purple_box")
+    assert cb(monkeypatch, "show", "meta-catalog", "boxes.yaml", "--stack", "3") == 2
+    assert "no stack of 3 is known of blue_box, purple_box" in "".join(capsys.readouterr())
 
 
 @pytest.mark.slow

@@ -1,4 +1,4 @@
-"""Thing pairs: two things, one of which can be brought to the other."""
+"""Explorable pairs: two things, one of which can be brought to the other."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from cbdsl.program.checked import CheckedProgram
 from cbdsl.types.resource import Resource
 
 
-class ThingPair(NamedTuple):
+class ExplorablePair(NamedTuple):
     """Two things, one of which can be brought to the other.
 
     Attributes:
