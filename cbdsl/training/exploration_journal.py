@@ -99,7 +99,7 @@ def _phase(after: int, known: Mapping[str, Any]) -> Phase:
 
 
 def _first(path: Path) -> Mapping[str, Any]:
-    """What the exploration in a file began with; nothing where there is none that can be read."""
+    """First row of the exploration in a file; empty where there is none that can be read."""
     if not path.is_file():
         return {}
     with path.open("rb") as file:
