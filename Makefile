@@ -15,7 +15,7 @@ REACH ?= all
 SECONDS ?= 60
 TARGET ?=
 
-.PHONY: check format lint types layers spelling documents pages tests properties mutants fuzz site dist sbom fix
+.PHONY: check format lint types layers spelling documents pages tests properties mutants fuzz first-day site dist sbom fix
 
 check: format lint types layers spelling documents pages tests
 
@@ -59,6 +59,10 @@ mutants:
 fuzz:
 	$(BIN)pip install --quiet --disable-pip-version-check -e ".[fuzz]"
 	$(BIN)python -m tests.fuzz --seconds $(SECONDS) $(TARGET)
+
+# A reader's first day, three times: a clone is set up, and what pages show is typed in a shell.
+first-day:
+	$(BIN)pytest -n 0 -m first_day tests/test_first_day.py
 
 # The documentation with replays of shipped programs, in site/.
 site:

@@ -10,7 +10,7 @@ import pytest
 
 from tests.first_day import DAY, Clone, Reader, assert_shown, clone, first_command
 
-pytestmark = pytest.mark.slow
+pytestmark = pytest.mark.first_day
 
 
 @pytest.fixture(scope="module")
