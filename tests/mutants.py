@@ -79,7 +79,7 @@ class Mutant:
         """The file's mutated text, ``None`` where nothing would change."""
         source = (ROOT / self.file).read_text()
         mutated: str | None = mutate_code(source, get_operator(self.operator)(), self.occurrence)
-        return None if mutated is None or _same(source, mutated) else mutated
+        return mutated if mutated is not None and _is_another(source, mutated) else None
 
     @property
     def change(self) -> str:
@@ -89,9 +89,12 @@ class Mutant:
         return "\n".join(line for line in lines if not line.startswith(("---", "+++", "@@")))
 
 
-def _same(source: str, mutated: str) -> bool:
-    """Whether two texts are the same program but for its annotations."""
-    return _bare(source) == _bare(mutated)
+def _is_another(source: str, mutated: str) -> bool:
+    """Whether a text is a program, and another one than a source but for annotations."""
+    try:
+        return _bare(source) != _bare(mutated)
+    except SyntaxError:
+        return False
 
 
 def _bare(source: str) -> str:

@@ -81,7 +81,7 @@ def test_the_peak_is_where_most_samples_are() -> None:
 def test_fingers_feel_the_table_where_it_is(tmp_path: Path) -> None:
     """With two episodes of each way to touch, by load cells and kinematics alone."""
     settings = RunSettings(
-        seed=7605000, quick=True, folder=tmp_path, backend="mujoco", cameras="ideal"
+        seed=5605000, quick=True, folder=tmp_path, backend="mujoco", cameras="ideal"
     )
     found = {each.name: each.ours for each in run(settings).quantities}
     assert found["table: height of touches"] == pytest.approx(-0.42, abs=0.002)
