@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 import os
 import time
 from typing import Any
@@ -28,12 +29,12 @@ class SlowFile:
         self._file.close()
 
     def write(self, data: Any) -> int:
-        """Write the first part of the data; a text is written whole, in many parts."""
+        """Write the first part of the data; what is buffered is written whole, in many parts."""
         part = len(data) // 4 + 1
         written = self._file.write(data[:part])
         self._file.flush()
         time.sleep(PAUSE)
-        if isinstance(data, str) and data[part:]:
+        if not isinstance(self._file, io.RawIOBase) and data[part:]:
             written += self.write(data[part:])
         return int(written)
 
