@@ -4,8 +4,8 @@ The profiles are made of what the robot feels and of where its joints are (Secti
 twelve tests a load along an axis of the world frame, or about one through the palm, is tracked
 within a bounded displacement. A sign is right where a direction is tracked as in Figure 7.13; those
 that friction decides are not judged. Exits with 1 where fewer than 80 % of the signs of a pair are
-right. Signs of one profile depend on each other: the exact (Clopper-Pearson) 95 % interval is that
-of the share of profiles with 80 % of their signs right.
+right. Signs of one profile depend on each other, so that a profile counts once in the exact
+(Clopper-Pearson) 95 % interval.
 
     python benchmarks/impedance.py --episodes 5 --seed 8400000 [--only box_on_box] [--json]
         [--backend bullet] [--cameras rendered] [--profiles FILE] [--others]
@@ -34,7 +34,7 @@ def summarise(name: str, trials: Sequence[ImpedanceTrial]) -> dict[str, Any]:
     whole = [each.profile for each in trials if each.profile.is_whole]
     rights = [pair.right(profile.tracked()) for profile in whole]
     right, signs = sum(map(sum, rights)), sum(map(len, rights))
-    most = sum(sum(own) >= TARGET * len(own) for own in rights)
+    shares = [sum(own) / len(own) for own in rights]
     tests = [test for profile in whole for test in profile.tests]
     return {
         "pair": name,
@@ -47,8 +47,9 @@ def summarise(name: str, trials: Sequence[ImpedanceTrial]) -> dict[str, Any]:
         },
         "signs": signs,
         "right": right,
-        "right_profiles": most,
-        "interval": [round(v, 3) for v in exact_interval(most, len(whole))] if whole else [0, 1],
+        "interval": [round(v, 3) for v in exact_interval(sum(shares), len(whole))]
+        if whole
+        else [0, 1],
         "most_mm": _most(test.displacement for test in tests if test.direction[1] == "P"),
         "most_mrad": _most(test.displacement for test in tests if test.direction[1] == "R"),
         "residue_mm": _most(test.residue for test in tests if test.direction[1] == "P"),

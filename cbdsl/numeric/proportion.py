@@ -6,11 +6,11 @@ from __future__ import annotations
 TAIL = 0.025
 
 
-def exact_interval(hits: int, trials: int) -> tuple[float, float]:
+def exact_interval(hits: float, trials: int) -> tuple[float, float]:
     """Clopper-Pearson interval of a proportion.
 
     Args:
-        hits: successes.
+        hits: successes; between whole numbers the bounds are interpolated by the beta law.
         trials: how many there were, at least one.
 
     Raises:

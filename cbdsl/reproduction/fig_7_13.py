@@ -11,7 +11,7 @@ from cbdsl.reproduction.claim import above
 from cbdsl.reproduction.experiment import Result, RunSettings
 from cbdsl.reproduction.impedance_trials import ImpedanceTrial, impedance_digest, run_trials
 from cbdsl.reproduction.kept_trials import kept_trials
-from cbdsl.reproduction.percentage import percentage
+from cbdsl.reproduction.percentage import clustered_percentage, percentage
 from cbdsl.reproduction.quantity import Quantity
 from cbdsl.reproduction.thing_pairs import PAIRS
 
@@ -19,9 +19,7 @@ Profiles = Mapping[str, Sequence[ImpedanceProfile]]
 
 # The source ran each pair five times.
 _TRIALS, _QUICK_TRIALS = 20, 1
-# Signs of one profile depend on each other, so that profiles are counted: those in which as many
-# of the judged directions are as in the source.
-_RIGHT = 0.8
+_RIGHT = 80.0  # % of the signs
 
 _NOTES = (
     "A hand sets one thing on the other, or 5 cm into it with 1 cm of clearance on every side, and "
@@ -65,11 +63,16 @@ def _quantities(name: str, count: int, profiles: Sequence[ImpedanceProfile]) -> 
     yield percentage(f"{label}: brought together and tested", "", len(profiles), count, None)
     rights = [pair.right(profile.tracked()) for profile in profiles]
     source = f"{', '.join(pair.stiff)}; not {', '.join(pair.free)}"
-    hits, count = sum(map(sum, rights)), sum(map(len, rights))
-    yield percentage(f"{label}: directions tracked as there", source, hits, count, None, of="signs")
-    title = f"{label}: profiles with {100 * _RIGHT:.0f} % of the directions as there"
-    most = sum(sum(own) >= _RIGHT * len(own) for own in rights)
-    yield percentage(title, source, most, len(rights), above(50), of="profiles")
+    hits, signs = sum(map(sum, rights)), sum(map(len, rights))
+    # Signs of one profile depend on each other.
+    yield clustered_percentage(
+        f"{label}: directions tracked as there",
+        source,
+        [sum(own) / len(own) for own in rights],
+        above(_RIGHT),
+        ordering=above(50),
+        note=f"{hits} of {signs} signs in {len(rights)} profiles",
+    )
 
 
 def _charts(profiles: Profiles) -> Iterator[BarChart]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 
 from cbdsl.numeric.proportion import exact_interval
 from cbdsl.reproduction.claim import Claim
@@ -43,6 +44,38 @@ def percentage(
     )
 
 
+def clustered_percentage(
+    name: str,
+    source: str,
+    shares: Sequence[float],
+    expected: Claim,
+    *,
+    ordering: Claim | None = None,
+    note: str = "",
+) -> Quantity:
+    """The percentage of hits that come several to a trial, and depend on each other there.
+
+    A trial counts once: the interval is the exact one of as many trials, which is that of the hits
+    where all of a trial go together, and wider than theirs where they do not.
+
+    Args:
+        name, source, expected, ordering, note: see ``Quantity``; claims are about percentages.
+        shares: of hits, one for each trial.
+    """
+    trials, hits = len(shares), min(sum(shares), len(shares))
+    return Quantity(
+        name,
+        "%",
+        source,
+        100 * hits / trials if trials else math.nan,
+        expected,
+        ordering,
+        _interval(hits, trials) if trials > 1 else None,
+        chance_of_counts(expected, trials) if trials else 0.0,
+        note,
+    )
+
+
 def chance_of_counts(claim: Claim, trials: int) -> float:
     """How likely trials at an end of the claim's region are called reproduced.
 
@@ -61,7 +94,7 @@ def chance_of_counts(claim: Claim, trials: int) -> float:
     return max((_likelihood(first, last, trials, end / 100) for end in claim.ends), default=0.0)
 
 
-def _interval(hits: int, trials: int) -> tuple[float, float]:
+def _interval(hits: float, trials: int) -> tuple[float, float]:
     low, high = exact_interval(hits, trials)
     return 100 * low, 100 * high
 

@@ -34,17 +34,6 @@ class Constellation(NamedTuple):
         """All of it, shape (3,)."""
         return np.array(self)
 
-    def distance(self, other: Constellation) -> float:
-        """How far another one is: the root of the squares of ln ratios and rad.
-
-        A scale that is twice as large is as far as one that is half as large.
-        """
-        scales = (
-            math.log(self.longer / other.longer),
-            math.log(self.shorter / other.shorter),
-        )
-        return math.hypot(*scales, half_turn(self.turn - other.turn))
-
 
 def constellation_of(first: Blob, second: Blob) -> Constellation:
     """The constellation of two blobs."""

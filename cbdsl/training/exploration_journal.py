@@ -125,9 +125,12 @@ def _require_joinable(
         JournalError: it does not.
     """
     try:
-        kept = {name: wanted["programs"].get(name) for name in known["programs"]}
         if joins:
-            require_same(path, {"programs": known["programs"]}, {"programs": kept}, "exploration")
+            there = {key: known[key] for key in ("programs", "policies")}
+            kept = {
+                key: {name: wanted[key].get(name) for name in own} for key, own in there.items()
+            }
+            require_same(path, there, kept, "exploration")
         else:
             require_same(path, known, wanted, "exploration")
     except JournalError as error:

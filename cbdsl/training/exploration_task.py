@@ -148,7 +148,8 @@ class ExplorationTask:
                 outcomes.append(outcome)
                 step = self._note(exploration, outcome, runner, watcher)
                 observer(len(outcomes), step, outcome, seconds)
-            provenance = self._provenance(body.renderer, len(outcomes), journal.phases)
+            phases = [each for each in journal.phases if each.after <= len(outcomes)]
+            provenance = self._provenance(body.renderer, len(outcomes), phases)
             known = runner.known(list(exploration.affordances))
             document = catalog_document(
                 self.path.stem, self.feature, exploration, outcomes, known, provenance

@@ -1,0 +1,56 @@
+"""Journals of explorations that others join, and what has to stay in them."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from cbdsl.runtime.line_journal import JournalError
+from cbdsl.training.exploration_journal import ExplorationJournal
+
+
+def identity(policy: str = "a", **programs: str) -> dict[str, Any]:
+    return {
+        "programs": {name: {"name": name, "sha256": sha} for name, sha in programs.items()},
+        "policies": {"reachtouch": policy},
+        "stage": {"name": "table", "sha256": "0"},
+        "seed": 1,
+    }
+
+
+@pytest.fixture
+def path(tmp_path: Path) -> Path:
+    file = tmp_path / "kept.actions.jsonl"
+    with ExplorationJournal(file, identity(look="1")) as journal:
+        journal.append_row({"action": "look"})
+    return file
+
+
+def test_phases_say_after_how_many_actions_who_joined(path: Path) -> None:
+    both = identity(look="1", reach="2")
+    with ExplorationJournal(path, both, joins=True) as journal:
+        journal.append_row({"action": "reach"})
+    with ExplorationJournal(path, both) as journal:
+        assert [row["action"] for _, row in journal.rows] == ["look", "reach"]
+        assert [line for line, _ in journal.rows] == [2, 4]
+        phases = [(each.after, each.programs) for each in journal.phases]
+    assert phases == [(0, ("look",)), (1, ("look", "reach"))]
+
+
+@pytest.mark.parametrize(
+    "other",
+    [identity(reach="2"), identity(look="other", reach="2"), identity("b", look="1", reach="2")],
+    ids=["left", "changed", "with another policy"],
+)
+def test_what_was_there_stays_as_it_was(path: Path, other: dict[str, Any]) -> None:
+    before = path.read_text()
+    with pytest.raises(JournalError, match="what was there has to stay"):
+        ExplorationJournal(path, other, joins=True)
+    assert path.read_text() == before
+
+
+def test_nothing_else_can_differ(path: Path) -> None:
+    with pytest.raises(JournalError, match="seed was 1, is 2"):
+        ExplorationJournal(path, {**identity(look="1", reach="2"), "seed": 2}, joins=True)
