@@ -109,12 +109,9 @@ def _pair(upper: str, lower: str, context: str, request: RunRequest) -> Explorab
 
 
 def _features(request: RunRequest) -> dict[str, Resource]:
-    """The constellation of both things in the first camera, and where one is from the other."""
-    from cbdsl.robot.pair_names import pair_resource
-    from cbdsl.robot.resources import STEREO, resources
+    """Signals of both things, in the first camera and in space."""
+    from cbdsl.robot.pair_names import pair_features
+    from cbdsl.robot.resources import resources
 
-    known, given = resources(request.robot), request.program.parameters
-    ends = f"{given['feature']}.to.{given['goal']}"
-    cameras = {"constellation": next(iter(request.robot.cameras), ""), "offset": STEREO}
-    named = {key: pair_resource(f"{of}.{ends}", known) for key, of in cameras.items()}
-    return {key: resource for key, resource in named.items() if resource is not None}
+    given, camera = request.program.parameters, next(iter(request.robot.cameras), "")
+    return pair_features(given["feature"], given["goal"], camera, resources(request.robot))

@@ -7,12 +7,11 @@ from typing import NamedTuple
 
 from cbdsl.reproduction.simulation_fixture import simulation_fixture
 from cbdsl.reproduction.stack_trials import StackJudge
-from cbdsl.robot.pair_names import pair_resource
+from cbdsl.robot.pair_names import pair_features
 from cbdsl.robot.resources import resources
 from cbdsl.runtime.episode import Runner, Tick
 from cbdsl.runtime.feature_reader import FeatureReader
 from cbdsl.sensing.kinematics import Kinematics
-from cbdsl.types.resource import Resource
 
 PROGRAM, STAGE = "stand", "stacking"
 #: Channels by which the things of the stage are known.
@@ -65,7 +64,8 @@ def run_constellations(
     upper, _, lower = things.partition("_on_")
     values = {"feature": CHANNELS[upper], "goal": CHANNELS[lower]}
     with simulation_fixture(PROGRAM, values, STAGE, engine, cameras) as lab:
-        features = _features(values, resources(lab.robot))
+        camera = next(iter(lab.robot.cameras))
+        features = pair_features(CHANNELS[upper], CHANNELS[lower], camera, resources(lab.robot))
         kinematics, observed = Kinematics(lab.robot, lab.urdf), tuple(features.values())
         runner = Runner(lab.robot, kinematics, lab.program, lab.backend, observed=observed)
         for seed in seeds:
@@ -86,11 +86,3 @@ def run_constellations(
                 {k: tuple(each.value.tolist()) for k, each in after.items() if each is not None},
                 result.ending,
             )
-
-
-def _features(values: Mapping[str, str], known: Mapping[str, Resource]) -> dict[str, Resource]:
-    """Signals of both things, as ``cb explore --thing`` has them."""
-    ends = f"{values['feature']}.to.{values['goal']}"
-    named = {"constellation": f"left.{ends}", "offset": f"stereo.{ends}"}
-    signals = {key: pair_resource(name, known) for key, name in named.items()}
-    return {key: each for key, each in signals.items() if each is not None}

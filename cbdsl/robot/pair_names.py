@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import NamedTuple
 
+from cbdsl.robot.resources import STEREO
 from cbdsl.types.resource import (
     ConstellationSignal,
     Heading,
@@ -68,6 +69,22 @@ def pair_resource(name: str, named: Mapping[str, Resource]) -> Resource | None:
     """The signal of two channels that a name stands for, ``None`` where it stands for none."""
     pair = parse_pair(name, named)
     return None if pair is None or pair.is_of_one else pair.resource(name)
+
+
+def pair_features(
+    feature: str, goal: str, camera: str, named: Mapping[str, Resource]
+) -> dict[str, Resource]:
+    """The constellation of two things in a camera, and where one is from the other.
+
+    Args:
+        feature, goal: channels of the things.
+        camera: name of the camera.
+        named: the robot's resources by name.
+    """
+    ends = f"{feature}.{_TO}.{goal}"
+    names = {"constellation": f"{camera}.{ends}", "offset": f"{STEREO}.{ends}"}
+    signals = {key: pair_resource(name, named) for key, name in names.items()}
+    return {key: each for key, each in signals.items() if each is not None}
 
 
 def _has_blobs(resource: Resource) -> bool:
