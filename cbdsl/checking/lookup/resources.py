@@ -88,7 +88,8 @@ class MissingResources:
         siblings = [known for known in self._known if known.split(".")[0] == first]
         channel = name.partition(".")[2]
         if first == NOVEL and f"{CYCLOPEAN}.{channel}" in self._known:
-            self._findings.add("CB674", place, names=siblings, name=name, channel=channel)
+            if self._source.is_whole("models"):  # else a faulty model may be that of this channel
+                self._findings.add("CB674", place, names=siblings, name=name, channel=channel)
             return
         if siblings and _is_load(name) and not any(map(_is_load, siblings)):
             loads = list(dict.fromkeys(k.split(".")[0] for k in self._known if _is_load(k)))
