@@ -3,12 +3,13 @@
 Trials of ASSIMILATE from a learned policy, each with chance of its own. What is right is not told
 but tried: in held-out episodes every allocation has its turn, and those rewarded are right. A
 tree's first choice is right where it is one of these, and a schema that expects no reward is
-right where none is. Exits with 1 where too few trials reach their aims.
+right where none is. Held-out episodes may be tried on another backend than the one learned on.
+Exits with 1 where too few trials reach their aims.
 
     python benchmarks/schemas.py --seed 1 [--episodes 50] [--trials 10] [--held-out 200]
         [--held-out-seed 8400000] [--json]
         [--program reachtouch] [--policy reachtouch] [--stage near_and_far_training]
-        [--backend mujoco] [--cameras ideal]
+        [--backend kinematic] [--cameras ideal] [--try-on bullet] [--try-with rendered]
 """
 
 from __future__ import annotations
@@ -54,8 +55,10 @@ class Case(NamedTuple):
     works: frozenset[str]
 
 
-def prepared(options: argparse.Namespace) -> tuple[CheckedProgram, BackendEpisodeRunner]:
-    """The program with all its allocations, and what runs it."""
+def prepared(
+    options: argparse.Namespace, backend: str, cameras: str | None
+) -> tuple[CheckedProgram, BackendEpisodeRunner]:
+    """The program with all its allocations, and what runs it on a backend."""
     library = Library()
     policy = library.read(library.locate(PolicyDocument, options.policy), PolicyDocument)
     path = library.locate(ProgramDocument, options.program)
@@ -64,7 +67,7 @@ def prepared(options: argparse.Namespace) -> tuple[CheckedProgram, BackendEpisod
     robot = library.read(robot_file, RobotDocument).document
     stage = library.read(library.locate(StageDocument, options.stage), StageDocument).document
     urdf = robot_file.parent / robot.model
-    body = embody(options.backend, robot, urdf, cameras=options.cameras)
+    body = embody(backend, robot, urdf, cameras=cameras)
     runner = BackendEpisodeRunner(robot, Kinematics(robot, urdf), body, stage)
     return program._replace(transition_time=8.0, idle_time=1.0), runner
 
@@ -154,12 +157,17 @@ def main() -> int:
     parser.add_argument("--stage", default="near_and_far_training")
     parser.add_argument("--backend", default="kinematic")
     parser.add_argument("--cameras", choices=("rendered", "ideal"))
+    parser.add_argument("--try-on", metavar="BACKEND", help="for held-out episodes")
+    parser.add_argument("--try-with", choices=("rendered", "ideal"), help="their cameras")
     parser.add_argument("--json", action="store_true")
     options = parser.parse_args()
     began = time.perf_counter()
-    program, runner = prepared(options)
+    program, runner = prepared(options, options.backend, options.cameras)
+    if options.try_on is None:
+        options.try_on, options.try_with = options.backend, options.cameras
+    _, judge = prepared(options, options.try_on, options.try_with)
     seeds = range(options.held_out_seed, options.held_out_seed + options.held_out)
-    held_out = list(cases(program, runner, seeds))
+    held_out = list(cases(program, judge, seeds))
     _show({"held_out": len(held_out), "seconds": round(time.perf_counter() - began)}, options)
     met, total = 0, {aim: [0, 0] for aim in ("possible", "alone", "out_of_reach", "false_alarms")}
     for number in range(options.trials):
@@ -175,9 +183,11 @@ def main() -> int:
 
 
 def _share(some: int, most: int) -> list[float]:
-    """Share with its 95 % interval."""
+    """Share with its 95 % interval, nothing of nothing."""
+    if not most:
+        return []
     low, high = exact_interval(some, most)
-    return [round(some / most, 3) if most else 0.0, round(low, 3), round(high, 3)]
+    return [round(some / most, 3), round(low, 3), round(high, 3)]
 
 
 def _show(row: Mapping[str, Any], options: argparse.Namespace) -> None:
