@@ -2,15 +2,22 @@
 
 from __future__ import annotations
 
+import shlex
 from dataclasses import replace
 from pathlib import Path
 
 import pytest
+import typer.main
+from typer import Typer
 
+from cbdsl.cli.explore import explore
 from cbdsl.reproduction.experiment import RunSettings
+from cbdsl.reproduction.exploration_series import BASKETBALL, TABLE, TABLE_MODELS, ExplorationSeries
 from cbdsl.reproduction.registry import EXPERIMENTS
 from cbdsl.reproduction.report import data
+from cbdsl.reproduction.shipped import shipped_robot
 from cbdsl.training.action_runner import ActionRunner
+from cbdsl.yaml_text.library import Library
 
 CHAPTER = [name for name in EXPERIMENTS if name.startswith("fig-6")]
 
@@ -23,6 +30,22 @@ def test_all_figures_are_there() -> None:
 def test_each_has_series_of_as_many_trials_as_the_source(name: str) -> None:
     series = EXPERIMENTS[name].imported().series_of(name)
     assert series and all(each.trials == 25 and each.actions == 100 for each in series)
+
+
+@pytest.mark.parametrize(
+    ("series", "longest"), [(TABLE, 120.0), (TABLE_MODELS, 120.0), (BASKETBALL, 60.0)]
+)
+def test_its_command_explores_with_the_same_constants(
+    series: ExplorationSeries, longest: float, tmp_path: Path
+) -> None:
+    library = Library()
+    task = series.task(library, *shipped_robot("dexter", library), tmp_path / "a.yaml")
+    assert task.constants.longest == longest
+    app = Typer()
+    app.command()(explore)
+    _, name, *words = shlex.split(series.command(3, 7, "mujoco", "ideal"))
+    given = typer.main.get_command(app).make_context(name, words).params
+    assert list(given["set_"] or []) == [f"{key}={value}" for key, value in series.constants.items()]
 
 
 @pytest.mark.slow
