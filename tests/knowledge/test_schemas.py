@@ -75,3 +75,17 @@ def test_whoever_uses_it_sees_that_it_is_undefined(
     for each in far:
         states = each["predicates"]
         assert states[states.index("-X") + 1] == "X0" and each["actions"][-1] == "nod"
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("backend", ["kinematic", "bullet", "mujoco"])
+def test_both_hands_press_on_what_is_held_fast(
+    backend: str, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Palms that are allowed to turn aside press past it, and fast ones bounce off it."""
+    pytest.importorskip({"bullet": "pybullet"}.get(backend, "mujoco"))
+    words = ("run", "reachtouch_bimanual", "--stage", "near_and_far_training", "--context", "large")
+    seen = ("--backend", backend, "--cameras", "ideal", "--json")
+    cb(monkeypatch, *words, *seen, "--episodes", "4", "--seed", "8700100")
+    episodes = [json.loads(line) for line in capsys.readouterr().out.splitlines()]
+    assert sum(each["rewarded"] for each in episodes) >= 3
