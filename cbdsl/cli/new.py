@@ -105,18 +105,27 @@ def _semantics(reader: ModelReader, srdf: Path, model: UrdfModel) -> SemanticGro
 
 @new.command("stage")
 def new_stage(name: Name, robot: Robot = "dexter", to: To = None, force: Force = False) -> None:
-    """A stage: a ball on a table, or nothing."""
+    """A stage: a ball on a table within the robot's reach, or nothing."""
+    from cbdsl.cli.bench import bench
     from cbdsl.documents.stage import StageDocument
 
-    _Template(StageDocument, "stage", name, to).write({"robot": _robot(robot).name}, force)
+    body, file = _located(robot)
+    values = {"robot": body.name, **bench(body, file).values()}
+    _Template(StageDocument, "stage", name, to).write(values, force)
 
 
 def _robot(name: str) -> RobotDocument:
+    return _located(name)[0]
+
+
+def _located(name: str) -> tuple[RobotDocument, Path]:
+    """A robot's document, and its file."""
     from cbdsl.documents.robot import RobotDocument
     from cbdsl.yaml_text.library import Library
 
     library = Library()
-    return library.read(library.locate(RobotDocument, name), RobotDocument).document
+    file = library.locate(RobotDocument, name)
+    return library.read(file, RobotDocument).document, file
 
 
 def _posture(robot: RobotDocument) -> tuple[str, str]:
