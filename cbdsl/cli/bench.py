@@ -41,8 +41,8 @@ _ANY = Bench((0.6, 1.2, 0.04), (0.6, 0.0, -0.44), (0.4, 0.8), (-0.4, 0.4), (0.03
 # wide and thick it is; how far around its middle things lie, how large a ball is, and how far the
 # table is below a tip that hangs down.
 _AWAY, _DEEP, _WIDE, _THICK, _AROUND, _BALL, _BELOW = (0.45, 0.6), 0.4, 0.8, 0.03, 0.12, 0.03, 0.1
-# A limb that ends this far above its robot's base works on what that stands on.
-_STANDING = 0.1
+# A limb that begins and ends this far above its robot's base works on what that stands on.
+_BASE, _STANDING = 0.02, 0.1
 
 
 def bench(robot: RobotDocument, file: Path) -> Bench:
@@ -99,7 +99,8 @@ def _before(limbs: Sequence[_Limb]) -> Bench:
     away = min(max(abs(aside[axis]), _AWAY[0] * length), _AWAY[1] * length)
     x, y = (round(middle[each] + (sign * away if each == axis else 0.0), 2) for each in (0, 1))
     thick = round(_THICK * length, 3)
-    top = 0.0 if tip[2] > _STANDING * length else round(tip[2] - _BELOW * length, 3)
+    stands = middle[2] > _BASE * length and tip[2] > _STANDING * length
+    top = 0.0 if stands else round(tip[2] - _BELOW * length, 3)
     deep, wide, around = (round(part * length, 2) for part in (_DEEP, _WIDE, _AROUND))
     ball = max(round(_BALL * length, 3), 0.005)
     return Bench(

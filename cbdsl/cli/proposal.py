@@ -147,7 +147,7 @@ def _coordinate(joint: UrdfJoint, position: float) -> str:
 
 
 def _margin(effectors: Mapping[str, SemanticGroup]) -> float:
-    """What joints keep from their limits: little of the smallest range, rad or m."""
+    """Distance that joints keep from their limits: little of the smallest range, rad or m."""
     ranges = [j.upper - j.lower for each in effectors.values() for j in each.joints]
     return min(_MOST_MARGIN, _SHARE * min(ranges, default=math.inf))
 

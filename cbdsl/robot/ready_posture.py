@@ -85,9 +85,9 @@ class ReadyPosture:
             for index, joint in enumerate(self._joints):
                 for position in _choices(joint):
                     tried = (*best[:index], position, *best[index + 1 :])
-                    found = self._score(tried)
-                    if found > score + 1e-9:
-                        best, score = tried, found
+                    its_score = self._score(tried)
+                    if its_score > score + 1e-9:
+                        best, score = tried, its_score
             if score <= before:
                 break
         return best
@@ -160,14 +160,14 @@ class ReadyPosture:
         """The frames of the joints; that of the last link becomes known, too."""
         given = dict(zip((joint.name for joint in self._joints), positions, strict=True))
         frame: _Frame = (_IDENTITY, (0.0, 0.0, 0.0))
-        found: dict[str, _Frame] = {}
+        frames: dict[str, _Frame] = {}
         for joint in self._way:
             frame = _product(frame[0], joint.origin.rotation), _placed(frame, joint.origin.xyz)
-            found[joint.name] = frame
+            frames[joint.name] = frame
             if joint.movable:
                 frame = _moved(frame, joint, given.get(joint.name, at_first(joint)))
         self._end = frame
-        return [found[joint.name] for joint in self._joints]
+        return [frames[joint.name] for joint in self._joints]
 
 
 def at_first(joint: UrdfJoint) -> float:

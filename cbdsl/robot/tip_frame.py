@@ -68,7 +68,7 @@ _Box = list[tuple[float, float]]
 
 
 def _box(model: UrdfModel, shape: UrdfShape) -> _Box | None:
-    """What bounds a shape along the axes of its link, if that can be told."""
+    """Bounds of a shape along the axes of its link, if they can be told."""
     corners = _corners(model, shape)
     if not corners:
         return None
