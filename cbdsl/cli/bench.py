@@ -46,7 +46,7 @@ _BASE, _STANDING = 0.02, 0.1
 
 
 def bench(robot: RobotDocument, file: Path) -> Bench:
-    """A bench for a robot: in front of its longest limbs, below where those end at first.
+    """A bench for a robot: in front of its longest limbs, below where those end.
 
     One limb has it on that side on which it ends; before several, it is ahead.
 
@@ -74,7 +74,7 @@ def _is_limb(model: UrdfModel, limb: Effector) -> bool:
 
 
 class _Limb:
-    """A limb where its episodes begin: its length, shoulder and tip, m."""
+    """A limb where its episodes begin: its length, shoulder, tip and its lowest posture, m."""
 
     def __init__(self, model: UrdfModel, limb: Effector) -> None:
         assert limb.tip is not None
@@ -82,6 +82,8 @@ class _Limb:
         row = ReadyPosture(model, joints, limb.tip.link, limb.tip.offset)
         self.length, self.shoulder = row.length, row.shoulder
         self.tip = row.tip_at(limb.postures.get(limb.start or "", row.at_first))
+        ends = map(row.tip_at, limb.postures.values())
+        self.lowest = min((end[2] for end in ends), default=self.tip[2])
 
 
 def _before(limbs: Sequence[_Limb]) -> Bench:
@@ -100,7 +102,8 @@ def _before(limbs: Sequence[_Limb]) -> Bench:
     x, y = (round(middle[each] + (sign * away if each == axis else 0.0), 2) for each in (0, 1))
     thick = round(_THICK * length, 3)
     stands = middle[2] > _BASE * length and tip[2] > _STANDING * length
-    top = 0.0 if stands else round(tip[2] - _BELOW * length, 3)
+    lowest = min(limb.lowest for limb in limbs)
+    top = 0.0 if stands else round(lowest - _BELOW * length, 3)
     deep, wide, around = (round(part * length, 2) for part in (_DEEP, _WIDE, _AROUND))
     ball = max(round(_BALL * length, 3), 0.005)
     return Bench(

@@ -40,6 +40,8 @@ _SHARE = 0.05
 # Words for a side in the name of an effector, and how many joints a limb has at least.
 _SIDE = re.compile(r"(?:^|_)(?:left|right|l|r)(?=_|$)", re.IGNORECASE)
 _LIMB = 3
+# How far a limb is turned at its first joint to be beside where it was, rad.
+_ASIDE = math.radians(30)
 _UNGROUPED = UnsupportedJoint("in no group of the SRDF", "give them an effector")
 
 
@@ -117,14 +119,23 @@ def _effector(model: UrdfModel, name: str, effector: SemanticGroup) -> str:
 def _proposed(
     model: UrdfModel, effector: SemanticGroup, offset: Numbers
 ) -> dict[str, tuple[float, ...]]:
-    """A posture to start from, from which the tip can go every way, and the model's own."""
+    """A posture to start from, from which the tip can go every way, and another to go to.
+
+    That is the model's own, where the limb is clear of itself and the ground there, or beside it.
+    """
     plain = tuple(at_first(joint) for joint in effector.joints)
     if effector.tip is None:
         return {"ready": plain}
-    ready = ReadyPosture(model, effector.joints, effector.tip, offset).find()
+    row = ReadyPosture(model, effector.joints, effector.tip, offset)
+    ready = row.find()
     if ready == plain:
         return {"ready": ready}
-    return {"ready": ready, "middle" if any(plain) else "zero": plain}
+    if row.is_clear(plain):
+        return {"ready": ready, "middle" if any(plain) else "zero": plain}
+    aside = (ready[0] + _ASIDE, *ready[1:])
+    first = effector.joints[0]
+    fits = not first.slides and (first.endless or aside[0] < first.upper)
+    return {"ready": ready, "aside": aside} if fits else {"ready": ready}
 
 
 def _postures(joints: Sequence[UrdfJoint], postures: Mapping[str, Sequence[float]]) -> list[str]:

@@ -92,6 +92,11 @@ class ReadyPosture:
                 break
         return best
 
+    def is_clear(self, positions: Sequence[float]) -> bool:
+        """Whether the row keeps clear of itself and of the ground at some positions."""
+        points = self._points(positions)
+        return not (self._crowded(points) or self._underground(points))
+
     def tip_at(self, positions: Sequence[float]) -> Vector:
         """The position of the tip in the root's frame, m."""
         return self._points(positions)[-1]
