@@ -150,6 +150,19 @@ def test_a_model_without_a_name_gets_the_robots(
     assert set(read_urdf(folder / "robots" / "fresh.urdf").joints) == set(read_urdf(desk).joints)
 
 
+def test_links_that_touch_nothing_are_told(
+    folder: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    desk = next(path for path in MODELS if path.name == "desk.urdf")
+    assert cb(monkeypatch, "new", "robot", "whole", "--urdf", str(desk)) == 0
+    assert "<collision>" not in capsys.readouterr().err
+    model = folder / "ghost.urdf"
+    text = desk.read_text("utf-8")
+    model.write_text(re.sub("<collision>.*?</collision>", "", text, flags=re.DOTALL))
+    assert cb(monkeypatch, "new", "robot", "ghost", "--urdf", str(model)) == 0
+    assert "links without <collision> touch nothing: " in capsys.readouterr().err
+
+
 def test_a_joint_of_a_hair_s_breadth_keeps_some_of_its_range(
     folder: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
