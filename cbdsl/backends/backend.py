@@ -10,6 +10,7 @@ from typing import Any, Protocol, runtime_checkable
 import numpy as np
 from numpy.typing import NDArray
 
+from cbdsl.backends.quiet import quiet_stderr
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.documents.stage import StageDocument
 from cbdsl.errors.errors import UsageError
@@ -179,7 +180,8 @@ def find_backend(name: str) -> BackendFactory:
             backend.
     """
     try:
-        return BACKENDS.get(name)
+        with quiet_stderr():  # engines say when they were built, in each process that has one
+            return BACKENDS.get(name)
     except ImportError as error:
         raise BackendError(
             f"backend '{name}' cannot be loaded: {error}; "

@@ -160,7 +160,7 @@ def _tell(text: str, tells: bool) -> None:
 
 def _open(url: str) -> None:
     """Show the page, if a person sits at a screen."""
-    from cbdsl.cli.quiet import quiet_stderr
+    from cbdsl.backends.quiet import quiet_stderr
 
     if sys.stdout.isatty() and _has_screen():
         with quiet_stderr():  # a machine without a browser has much to say about it

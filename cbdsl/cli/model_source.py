@@ -89,6 +89,8 @@ class ModelReader:
             return self._read_mjcf(name, folder)
         if kind == "xacro":
             return self._read_xacro(name, folder)
+        if kind == "nameless":
+            return self._local(self._contents(), "copied, and given a name", name, folder)
         if self._given:
             return self._local(self._contents(), "copied, with its meshes found", name, folder)
         return ModelSource(read_urdf(self._file), {}, ())
@@ -110,7 +112,7 @@ class ModelReader:
     def _local(self, text: str | bytes, how: str, name: str, folder: Path) -> ModelSource:
         from cbdsl.robot.local_urdf import localized
 
-        urdf = localized(text, self._file, folder, self._packages)
+        urdf = localized(text, self._file, folder, self._packages, name)
         return self._written(urdf, how, name, folder, {}, ())
 
     def _read_mjcf(self, name: str, folder: Path) -> ModelSource:
@@ -168,7 +170,10 @@ def _expand(file: Path, arguments: Mapping[str, str], packages: PackageFolders) 
 
 
 def _format(file: Path) -> str:
-    """``xacro``, ``mujoco`` or ``robot``; the latter, too, for what readers will refuse."""
+    """``xacro``, ``mujoco``, ``robot`` or, where that lacks its name, ``nameless``.
+
+    What readers will refuse is ``robot``, too.
+    """
     from cbdsl.documents.contents import contents
 
     if file.suffix == ".xacro" and file.is_file():
@@ -179,6 +184,8 @@ def _format(file: Path) -> str:
         return "robot"
     if any("xacro" in element.tag for element in root.iter()):
         return "xacro"
+    if root.tag == "robot" and not root.get("name"):
+        return "nameless"  # as some public models are, which no engine reads
     return "mujoco" if root.tag == "mujoco" else "robot"
 
 

@@ -87,8 +87,24 @@ def new_robot(
     if proposal.left_out:
         counts = proposal.left_out
         remarks.append(f"left out what programs cannot move: {counts}; its comments say more")
+    remarks += _untouchable(source.model)
     template = _Template(RobotDocument, "robot", name, to)
     template.write(proposal.values, force, source.files, remarks)
+
+
+def _untouchable(model: UrdfModel) -> list[str]:
+    """A sentence about links that are to be seen, and go through everything."""
+    from cbdsl.robot.urdf import UrdfError
+
+    try:
+        bodies = model.bodies
+    except UrdfError:
+        return []  # which is a finding of the document
+    names = [name for name, body in bodies.items() if body.visuals and not body.collisions]
+    if not names:
+        return []
+    others = f" and {len(names) - 3} more" if len(names) > 3 else ""
+    return [f"links without <collision> touch nothing: {', '.join(names[:3])}{others}"]
 
 
 def _semantics(reader: ModelReader, srdf: Path, model: UrdfModel) -> SemanticGroups:
@@ -105,18 +121,27 @@ def _semantics(reader: ModelReader, srdf: Path, model: UrdfModel) -> SemanticGro
 
 @new.command("stage")
 def new_stage(name: Name, robot: Robot = "dexter", to: To = None, force: Force = False) -> None:
-    """A stage: a ball on a table, or nothing."""
+    """A stage: a ball on a table within the robot's reach, or nothing."""
+    from cbdsl.cli.bench import bench
     from cbdsl.documents.stage import StageDocument
 
-    _Template(StageDocument, "stage", name, to).write({"robot": _robot(robot).name}, force)
+    body, file = _located(robot)
+    values = {"robot": body.name, **bench(body, file).values()}
+    _Template(StageDocument, "stage", name, to).write(values, force)
 
 
 def _robot(name: str) -> RobotDocument:
+    return _located(name)[0]
+
+
+def _located(name: str) -> tuple[RobotDocument, Path]:
+    """A robot's document, and its file."""
     from cbdsl.documents.robot import RobotDocument
     from cbdsl.yaml_text.library import Library
 
     library = Library()
-    return library.read(library.locate(RobotDocument, name), RobotDocument).document
+    file = library.locate(RobotDocument, name)
+    return library.read(file, RobotDocument).document, file
 
 
 def _posture(robot: RobotDocument) -> tuple[str, str]:

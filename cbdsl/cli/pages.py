@@ -48,7 +48,7 @@ def _writing(target: Path) -> Iterator[None]:
 
 def open_page(target: Path) -> None:
     """Show a page in the browser, if a person is there to see it."""
-    from cbdsl.cli.quiet import quiet_stderr
+    from cbdsl.backends.quiet import quiet_stderr
 
     if sys.stdout.isatty():
         with quiet_stderr():  # a machine without a browser has much to say about it

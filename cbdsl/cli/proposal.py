@@ -14,9 +14,11 @@ from typing import NamedTuple
 from cbdsl.errors.counting import count
 from cbdsl.errors.errors import UsageError
 from cbdsl.robot.chains import chains, root
+from cbdsl.robot.ready_posture import ReadyPosture, at_first
 from cbdsl.robot.semantic_groups import SemanticGroup, SemanticGroups
+from cbdsl.robot.tip_frame import tip_offset
 from cbdsl.robot.unsupported_joint import UnsupportedJoint, unsupported, unsupported_joints
-from cbdsl.robot.urdf import Mimic, UrdfJoint, UrdfModel
+from cbdsl.robot.urdf import Mimic, Numbers, UrdfJoint, UrdfModel
 
 _COMMENT = TextWrapper(
     98,
@@ -32,6 +34,14 @@ _PLAIN = re.compile(
 )
 
 
+# A margin at the limits that is usual, rad or m, and how much of a joint's range it may be.
+_MOST_MARGIN = 0.01
+_SHARE = 0.05
+# Words for a side in the name of an effector, and how many joints a limb has at least.
+_SIDE = re.compile(r"(?:^|_)(?:left|right|l|r)(?=_|$)", re.IGNORECASE)
+_LIMB = 3
+# How far a limb is turned at its first joint to be beside where it was, rad.
+_ASIDE = math.radians(30)
 _UNGROUPED = UnsupportedJoint("in no group of the SRDF", "give them an effector")
 
 
@@ -69,11 +79,12 @@ def propose(model: UrdfModel, folder: Path, semantics: SemanticGroups | None = N
         "description": _scalar(description),
         "model": _scalar(Path(os.path.relpath(model.path, folder)).as_posix()),
         "base": _scalar(root(model)),
-        "effectors": "\n".join(_effector(*item) for item in effectors.items()),
-        "groups": _groups({} if semantics is None else semantics.groups),
+        "effectors": "\n".join(_effector(model, *item) for item in effectors.items()),
+        "groups": _groups(_alike(effectors) if semantics is None else semantics.groups),
         "couplings": _couplings(model, effectors),
         "simulation": _simulation(() if semantics is None else semantics.separated),
         "left_out": _comment(idle),
+        "limit_margin": f"{_margin(effectors):.2g} rad",
     }
     counts = [f"{len(joints)} {_word(why)}" for why, joints in idle.items()]
     return Proposal(values, ", ".join(counts))
@@ -87,29 +98,89 @@ def _rows(model: UrdfModel) -> dict[str, SemanticGroup]:
 _TIP = "  # The frame that has a position and an orientation; its offset is in the link's frame."
 
 
-def _effector(name: str, effector: SemanticGroup) -> str:
-    ready = {"ready": tuple(_ready(joint) for joint in effector.joints)}
-    postures = effector.postures or ready
-    tip = f"  tip: {{link: {_scalar(effector.tip or '')}, offset: [0 m, 0 m, 0 m]}}"
+def _effector(model: UrdfModel, name: str, effector: SemanticGroup) -> str:
+    offset: Numbers = (0.0, 0.0, 0.0)
+    if effector.tip is not None:
+        offset = tip_offset(model, effector.joints[-1], effector.tip)
+    lengths = ", ".join(f"{each:g} m" for each in offset)
+    tip = f"  tip: {{link: {_scalar(effector.tip or '')}, offset: [{lengths}]}}"
+    postures = effector.postures or _proposed(model, effector, offset)
     lines = [
         f"{name}:",
         *(f"  # {joint.name}: {_limits(joint)}" for joint in effector.joints),
         f"  joints: [{', '.join(_scalar(joint.name) for joint in effector.joints)}]",
         *([] if effector.tip is None else [_TIP, tip]),
-        *_postures(postures),
+        *_postures(effector.joints, postures),
         f"  start: {next(iter(postures))}",
     ]
     return "\n".join(f"  {line}" for line in lines)
 
 
-def _postures(postures: Mapping[str, Sequence[float]]) -> list[str]:
+def _proposed(
+    model: UrdfModel, effector: SemanticGroup, offset: Numbers
+) -> dict[str, tuple[float, ...]]:
+    """A posture to start from, from which the tip can go every way, and another to go to.
+
+    That is the model's own, where the limb is clear of itself and the ground there, or beside it.
+    """
+    plain = tuple(at_first(joint) for joint in effector.joints)
+    if effector.tip is None:
+        return {"ready": plain}
+    row = ReadyPosture(model, effector.joints, effector.tip, offset)
+    ready = row.find()
+    if ready == plain:
+        return {"ready": ready}
+    if row.is_clear(plain):
+        return {"ready": ready, "middle" if any(plain) else "zero": plain}
+    aside = (ready[0] + _ASIDE, *ready[1:])
+    first = effector.joints[0]
+    fits = not first.slides and (first.endless or aside[0] < first.upper)
+    return {"ready": ready, "aside": aside} if fits else {"ready": ready}
+
+
+def _postures(joints: Sequence[UrdfJoint], postures: Mapping[str, Sequence[float]]) -> list[str]:
     texts = [
-        f"{_scalar(name)}: [{', '.join(f'{each:.7g}' for each in positions)}]"
+        f"{_scalar(name)}: [{', '.join(map(_coordinate, joints, positions))}]"
         for name, positions in postures.items()
     ]
     if len(texts) == 1:
         return [f"  postures: {{{texts[0]}}}"]
     return ["  postures:", *(f"    {text}" for text in texts)]
+
+
+def _coordinate(joint: UrdfJoint, position: float) -> str:
+    """A position with its unit; whole degrees as such."""
+    if joint.slides:
+        return f"{position:.7g} m" if position else "0"
+    degrees = math.degrees(position)
+    whole = position and math.isclose(degrees, round(degrees), abs_tol=1e-6)
+    return f"{round(degrees)} deg" if whole else f"{position:.7g}"
+
+
+def _margin(effectors: Mapping[str, SemanticGroup]) -> float:
+    """Distance that joints keep from their limits: little of the smallest range, rad or m."""
+    ranges = [j.upper - j.lower for each in effectors.values() for j in each.joints]
+    return min(_MOST_MARGIN, _SHARE * min(ranges, default=math.inf))
+
+
+def _alike(effectors: Mapping[str, SemanticGroup]) -> dict[str, tuple[str, ...]]:
+    """Groups of effectors that differ in their side alone, or of all limbs that are alike."""
+    pairs: dict[tuple[str, int], list[str]] = {}
+    for name, effector in effectors.items():
+        kind = _SIDE.sub("_", name).strip("_")
+        if effector.tip is not None and _SIDE.search(name):
+            pairs.setdefault((kind, len(effector.joints)), []).append(name)
+    groups = {_plural(kind): (*each,) for (kind, _), each in pairs.items() if len(each) == 2}
+    if groups:
+        return {name: each for name, each in groups.items() if name not in effectors}
+    limbs = [name for name, each in effectors.items() if each.tip and len(each.joints) >= _LIMB]
+    counts = {len(effectors[name].joints) for name in limbs}
+    return {"limbs": (*limbs,)} if len(limbs) > 1 and len(counts) == 1 else {}
+
+
+def _plural(kind: str) -> str:
+    """A name for two effectors of a kind, which may be nothing but a number."""
+    return f"{kind}s" if kind[:1].isalpha() else f"both_{kind}".strip("_")
 
 
 def _groups(groups: Mapping[str, Sequence[str]]) -> str:
@@ -136,13 +207,6 @@ def _limits(joint: UrdfJoint) -> str:
     if joint.slides:
         return f"{joint.lower:g} to {joint.upper:g} m"
     return f"{math.degrees(joint.lower):.0f} to {math.degrees(joint.upper):.0f} deg"
-
-
-def _ready(joint: UrdfJoint) -> float:
-    """Zero where a joint can be there, else the middle of its range; rad or m."""
-    if joint.lower <= 0.0 <= joint.upper:
-        return 0.0
-    return round((joint.lower + joint.upper) / 2, 4)
 
 
 def _passive(model: UrdfModel, effectors: Mapping[str, SemanticGroup]) -> dict[str, Mimic]:

@@ -220,8 +220,9 @@ def _chosen(name: str) -> list[Experiment]:
 def _run(experiment: Experiment, settings: RunSettings, workers: int) -> Result:
     from dataclasses import replace
 
+    from cbdsl.backends.quiet import quiet_stderr
     from cbdsl.cli.progress import Progress
-    from cbdsl.cli.quiet import quiet_stderr, shown_on_failure
+    from cbdsl.cli.quiet import shown_on_failure
     from cbdsl.cli.trial_jobs import run_jobs
     from cbdsl.errors.errors import UsageError
 

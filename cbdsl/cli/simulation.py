@@ -53,7 +53,6 @@ def simulation(
         UsageError: there is no such backend, what it needs is not installed, it has no such
             cameras, or the robot's model cannot be read by it.
     """
-    from cbdsl.cli.quiet import quiet_stderr
     from cbdsl.errors.errors import UsageError
     from cbdsl.robot.urdf import UrdfError
 
@@ -62,8 +61,7 @@ def simulation(
         from cbdsl.cli.compilation import told_of_compilation
         from cbdsl.sensing.kinematics import Kinematics
 
-        with quiet_stderr():
-            find_backend(backend)  # whose imports talk
+        find_backend(backend)
     with told_of_compilation():
         try:
             with needing_simulation():

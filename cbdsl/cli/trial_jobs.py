@@ -23,12 +23,10 @@ def run_jobs(experiment: Experiment, settings: RunSettings, workers: int) -> Non
         UsageError: a job could not be carried out; what is over is kept.
     """
     from cbdsl.backends.backend import find_backend
-    from cbdsl.cli.quiet import quiet_stderr
     from cbdsl.errors.errors import UsageError
     from cbdsl.reproduction.trial_job import trial_jobs
 
-    with quiet_stderr():
-        find_backend(settings.backend)
+    find_backend(settings.backend)
     try:
         from cbdsl.training.cluster import run_all
     except ModuleNotFoundError as error:

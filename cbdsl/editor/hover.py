@@ -2,19 +2,25 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from itertools import takewhile
 from pathlib import Path
+from textwrap import dedent
 
 from cbdsl.editor.buffers import Buffers
 from cbdsl.editor.cursor import Cursor
 from cbdsl.editor.keys import keys
-from cbdsl.editor.names import document_named, robot_resources
+from cbdsl.editor.names import document_named, is_composed, robot_resources, section
 from cbdsl.types.casts import CASTS
 from cbdsl.types.potential import POTENTIALS, PotentialType
 from cbdsl.types.resource import Resource
 
+# Of a controller that is declared in many.
+_MOST_LINES = 16
+
 
 def hover(buffers: Buffers, path: Path, cursor: Cursor) -> str | None:
-    """An explanation of a key, a potential, a resource or a document; ``None`` for others."""
+    """An explanation of a key, potential, resource, document or controller; else ``None``."""
     if cursor.on_key:
         description = keys(buffers.text(path), cursor.steps).get(cursor.word)
         return f"**{cursor.word}**: {description}" if description else None
@@ -25,10 +31,23 @@ def hover(buffers: Buffers, path: Path, cursor: Cursor) -> str | None:
         return _resource(resource)
     file = document_named(buffers, path, cursor.key, cursor.word)
     if file is None:
-        return None
+        return _controller(buffers.text(path).splitlines(), cursor)
     loaded = buffers.document(file)
     description = getattr(loaded.document, "description", None) if loaded else None
     return f"**{cursor.word}**: {description or file}"
+
+
+def _controller(lines: Sequence[str], cursor: Cursor) -> str | None:
+    """How the controller of a composition is declared, as far as a page has room for it."""
+    first = section(lines, "controllers").get(cursor.word)
+    if first is None or not is_composed(cursor.steps):
+        return None
+    indent = len(lines[first]) - len(lines[first].lstrip())
+    inner = takewhile(
+        lambda line: not line.strip() or len(line) - len(line.lstrip()) > indent, lines[first + 1 :]
+    )
+    text = dedent("\n".join([lines[first], *inner][:_MOST_LINES])).strip()
+    return f"```yaml\n{text}\n```"
 
 
 def _potential(potential: PotentialType) -> str:

@@ -38,11 +38,13 @@ class Renaming(NamedTuple):
         old: the name that is replaced, without its dollar sign.
         spots: its places, by file.
         moved: the file that has the name of its document, if that is renamed.
+        taken: names that others of its kind have already.
     """
 
     old: str
     spots: dict[Path, list[Occurrence]]
     moved: Path | None = None
+    taken: frozenset[str] = frozenset()
 
 
 def is_name(text: str) -> bool:
@@ -83,7 +85,7 @@ def _of_parameter(path: Path, lines: Sequence[str], name: str) -> Renaming | Non
     key = re.search(rf"\b{re.escape(name)}(?=[\"']?\s*:)", lines[declared[name]])
     assert key is not None, "its section has it as a key"
     spots.append(Occurrence(declared[name], key.start(), key.end()))
-    return Renaming(name, {path: sorted(spots)})
+    return Renaming(name, {path: sorted(spots)}, taken=frozenset(declared))
 
 
 def _of_member(buffers: Buffers, path: Path, lines: Sequence[str], name: str) -> Renaming:
@@ -93,7 +95,8 @@ def _of_member(buffers: Buffers, path: Path, lines: Sequence[str], name: str) ->
         others = buffers.text(file).splitlines()
         if _top(others, "kind") == "policy" and _top(others, "program") == program:
             spots[file] = list(_member_spots(others, name))
-    return Renaming(name, {file: places for file, places in spots.items() if places})
+    members = frozenset(each for key in _MEMBERS for each in section(lines, key))
+    return Renaming(name, {file: each for file, each in spots.items() if each}, taken=members)
 
 
 def _member_spots(lines: Sequence[str], name: str) -> Iterator[Occurrence]:
@@ -126,7 +129,9 @@ def _of_document(buffers: Buffers, file: Path, kind: str, name: str) -> Renaming
             patterns = (own, named) if each == file else (named,)
             for match in (m for pattern in patterns for m in pattern.finditer(_code(line))):
                 spots.setdefault(each, []).append(Occurrence(number, *match.span("name")))
-    return Renaming(name, spots, file if file.stem == name else None)
+    texts = {each: buffers.text(each).splitlines() for each in buffers.documents()}
+    taken = {_top(lines, "name") for lines in texts.values() if _top(lines, "kind") == kind}
+    return Renaming(name, spots, file if file.stem == name else None, frozenset(taken))
 
 
 def _top(lines: Sequence[str], key: str) -> str:

@@ -6,6 +6,7 @@ from collections.abc import Iterable, Sequence
 from pathlib import Path
 
 from lsprotocol import types as lsp
+from pygls.exceptions import JsonRpcException
 from pygls.lsp.server import LanguageServer
 from pygls.uris import from_fs_path, to_fs_path
 
@@ -120,10 +121,20 @@ class Server(LanguageServer):
         return [action for each in touched if (action := _action(path, each, lines)) is not None]
 
     def rename(self, path: Path, position: lsp.Position, new: str) -> lsp.WorkspaceEdit | None:
-        """The changes that give the name at a position another one."""
+        """The changes that give the name at a position another one.
+
+        Raises:
+            JsonRpcException: the other one is no name, or is taken; editors show why.
+        """
         named = renaming(self.buffers, path, self.cursor(path, position))
         new = new.removeprefix("$")
-        return None if named is None or not is_name(new) else self._edit(named, new)
+        if named is None or new == named.old:
+            return None
+        if not is_name(new):
+            raise _refusal(f"'{new}' is not a name: a letter, then letters, digits and '_'")
+        if new in named.taken:
+            raise _refusal(f"there is a '{new}' already")
+        return self._edit(named, new)
 
     def _edit(self, named: Renaming, new: str) -> lsp.WorkspaceEdit:
         changes: list[lsp.TextDocumentEdit | lsp.CreateFile | lsp.RenameFile | lsp.DeleteFile] = []
@@ -262,6 +273,11 @@ def _change(server: Server) -> None:
     @server.feature(lsp.TEXT_DOCUMENT_FORMATTING)
     def _(params: lsp.DocumentFormattingParams) -> list[lsp.TextEdit]:
         return server.formatting(_path(params.text_document.uri))
+
+
+def _refusal(message: str) -> JsonRpcException:
+    """A request that cannot be carried out, for a reason that people are told."""
+    return JsonRpcException(message, lsp.LSPErrorCodes.RequestFailed.value)
 
 
 def _diagnostic(finding: Diagnostic, lines: Sequence[str]) -> lsp.Diagnostic:

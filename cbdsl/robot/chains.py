@@ -7,6 +7,7 @@ from collections.abc import Iterator
 from itertools import takewhile
 from typing import NamedTuple
 
+from cbdsl.robot.tip_frame import acting_link
 from cbdsl.robot.unsupported_joint import unsupported
 from cbdsl.robot.urdf import UrdfJoint, UrdfModel
 
@@ -17,7 +18,7 @@ class Chain(NamedTuple):
     Attributes:
         name: a name that programs can use, distinct among the chains of a model.
         joints: actuated joints, from the root outwards.
-        tip: the link at its end, past what is fixed to the last joint's.
+        tip: the link that acts, among those that are fixed to the last joint's.
     """
 
     name: str
@@ -60,14 +61,12 @@ def _chains(
     leaving = branches.get(link, []) if depth < _DEEPEST else []
     moving = [joint for joint in leaving if _moves(branches, joint)]
     only = moving[0] if len(moving) == 1 else None
-    if only is None and joints and not moving:
-        link = _end(branches, link)
     if only is not None and (only.fixed or _actuated(only)):
         more = (only,) if _actuated(only) else ()
         yield from _chains(branches, only.child, joints + more, depth + 1)
         return
     if joints:
-        yield Chain(_name(joints), joints, link)
+        yield Chain(_name(joints), joints, acting_link(branches, link))
     for joint in moving:
         own = (joint,) if _actuated(joint) else ()
         yield from _chains(branches, joint.child, own, depth + 1)
@@ -86,16 +85,6 @@ def _moves(branches: _Branches, joint: UrdfJoint, depth: int = 0) -> bool:
         depth < _DEEPEST
         and any(_moves(branches, beyond, depth + 1) for beyond in branches.get(joint.child, []))
     )
-
-
-def _end(branches: _Branches, link: str) -> str:
-    """The last link that is fixed to another in a row."""
-    for _ in range(_DEEPEST):
-        leaving = branches.get(link, [])
-        if len(leaving) != 1:
-            break
-        link = leaving[0].child
-    return link
 
 
 def _name(joints: tuple[UrdfJoint, ...]) -> str:

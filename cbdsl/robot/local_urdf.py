@@ -10,7 +10,9 @@ from cbdsl.robot.package_folders import PackageFolders
 from cbdsl.robot.urdf import UrdfError
 
 
-def localized(text: str | bytes, source: Path, folder: Path, packages: PackageFolders) -> str:
+def localized(
+    text: str | bytes, source: Path, folder: Path, packages: PackageFolders, name: str
+) -> str:
     """A URDF as it reads in another folder.
 
     Args:
@@ -18,6 +20,7 @@ def localized(text: str | bytes, source: Path, folder: Path, packages: PackageFo
         source: the file that it comes from, to which its meshes are relative.
         folder: where it will be.
         packages: where ``package://NAME`` leads.
+        name: for the robot, where it has none.
 
     Raises:
         UrdfError: it is no XML, or one of its meshes is not there.
@@ -26,6 +29,8 @@ def localized(text: str | bytes, source: Path, folder: Path, packages: PackageFo
         root = ElementTree.fromstring(text)
     except (ElementTree.ParseError, ValueError, LookupError) as error:
         raise UrdfError(f"{source}: it is no XML, of which URDF is made: {error}") from None
+    if not root.get("name"):
+        root.set("name", name)
     for link in root.findall("link"):
         for mesh in link.iter("mesh"):
             mesh.set(

@@ -8,6 +8,8 @@ from pathlib import Path
 from typing import NamedTuple
 
 Numbers = tuple[float, ...]
+Vector = tuple[float, float, float]
+Rotation = tuple[Vector, Vector, Vector]
 
 
 class UrdfError(ValueError):
@@ -37,7 +39,7 @@ class UrdfOrigin(NamedTuple):
         )
 
     @property
-    def rotation(self) -> tuple[tuple[float, float, float], ...]:
+    def rotation(self) -> Rotation:
         """The rotation, as three rows of a matrix."""
         (cr, sr), (cp, sp), (cy, sy) = ((math.cos(a), math.sin(a)) for a in self.rpy)
         return (

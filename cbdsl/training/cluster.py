@@ -117,6 +117,10 @@ def _connected(workers: int, scheduler: str | None) -> Iterator[Client]:
             client = Client(scheduler, timeout="10s")
         except (OSError, ValueError) as error:
             raise UsageError(f"--scheduler {scheduler}: nothing answers there ({error})") from error
+        except MemoryError as error:  # Dask takes the first bytes of an answer for its length
+            raise UsageError(
+                f"--scheduler {scheduler}: what answers there is no scheduler of Dask"
+            ) from error
         except TypeError as error:  # as Dask says that it lacks certificates
             raise UsageError(
                 f"--scheduler {scheduler}: TLS needs certificates, which Dask's settings name, "

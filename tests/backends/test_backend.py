@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import subprocess
 import sys
 from collections.abc import Iterator
 from pathlib import Path
@@ -24,6 +25,12 @@ def test_bullet_is_built_in() -> None:
     from cbdsl.backends.bullet.backend import BulletBackend
 
     assert find_backend("bullet") is BulletBackend
+
+
+def test_an_engine_says_nothing_while_it_is_imported() -> None:
+    script = "from cbdsl.backends.backend import find_backend; find_backend('bullet')"
+    done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True)
+    assert (done.returncode, done.stdout, done.stderr) == (0, "", "")
 
 
 def test_an_unknown_name_lists_the_known_ones(folder: Path) -> None:

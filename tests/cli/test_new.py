@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import re
 from pathlib import Path
 
@@ -10,7 +11,10 @@ import pytest
 from cbdsl.checking.document import check_document
 from cbdsl.checking.program import check_program
 from cbdsl.checking.session import Session
+from cbdsl.documents.form import BoxForm
 from cbdsl.documents.robot import RobotDocument
+from cbdsl.documents.stage import StageDocument
+from cbdsl.robot.ready_posture import ReadyPosture
 from cbdsl.robot.urdf_reader import read_urdf
 from cbdsl.yaml_text.library import Library
 from tests.cli.test_main import cb
@@ -87,7 +91,88 @@ def test_the_model_is_found_and_postures_are_within_its_limits(
     robot = Library(folder).read(there / "r.yaml", RobotDocument).document
     assert (there / robot.model).resolve() == model.resolve()
     (effector,) = robot.effectors.values()
-    assert (effector.joints, effector.postures) == (("0", "no"), {"ready": (2.0, 0.0)})
+    assert effector.joints == ("0", "no")
+    assert effector.postures["ready"] == pytest.approx((2.0, 0.0), abs=0.01)
+
+
+def test_limbs_that_are_alike_become_groups(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    a1 = next(path for path in MODELS if path.name == "a1.urdf")
+    assert cb(monkeypatch, "new", "robot", "dog", "--urdf", str(a1)) == 0
+    dog = Library(folder).read(folder / "robots" / "dog.yaml", RobotDocument).document
+    assert {name: set(of.members) for name, of in dog.groups.items()} == {
+        "limbs": {"FR", "FL", "RR", "RL"}
+    }
+    two = next(path for path in MODELS if path.name == "dexter.urdf")
+    assert cb(monkeypatch, "new", "robot", "two", "--urdf", str(two)) == 0
+    both = Library(folder).read(folder / "robots" / "two.yaml", RobotDocument).document
+    assert both.groups["arms"].members == ("left_arm", "right_arm")
+
+
+def test_a_new_program_moves_what_does_not_start_there(
+    folder: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    iiwa = next(path for path in MODELS if str(path).endswith("kuka_iiwa/model.urdf"))
+    assert cb(monkeypatch, "new", "robot", "kuka", "--urdf", str(iiwa)) == 0
+    assert cb(monkeypatch, "new", "program", "move", "--robot", "kuka") == 0
+    arm = Library(folder).read(folder / "robots" / "kuka.yaml", RobotDocument).document
+    start = arm.effectors["arm"].postures[arm.effectors["arm"].start or ""]
+    assert math.degrees(abs(start[3])) > 30
+    assert "arm.zero" in (folder / "programs" / "move.yaml").read_text("utf-8")
+
+
+@pytest.mark.parametrize("model", [m for m in MODELS if m.stem in ("a1", "xarm6_robot", "desk")])
+def test_things_of_a_new_stage_are_within_a_limbs_reach(
+    model: Path, folder: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    assert cb(monkeypatch, "new", "robot", "fresh", "--urdf", str(model)) == 0
+    assert cb(monkeypatch, "new", "stage", "desk", "--robot", "fresh") == 0
+    robot = Library(folder).read(folder / "robots" / "fresh.yaml", RobotDocument).document
+    stage = Library(folder).read(folder / "programs/stages/desk.yaml", StageDocument).document
+    limb = max(robot.effectors.values(), key=lambda each: len(each.joints))
+    assert limb.tip is not None
+    urdf = read_urdf(model)
+    joints = [urdf.joints[name] for name in limb.joints]
+    row = ReadyPosture(urdf, joints, limb.tip.link, limb.tip.offset)
+    table = stage.fixtures["table"]
+    assert isinstance(table.form, BoxForm) and row.length < 1.5
+    middle = [max(each) for each in table.position]
+    assert 0.3 * row.length < math.dist(row.shoulder, middle) < 1.2 * row.length
+
+
+def test_a_model_without_a_name_gets_the_robots(
+    folder: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    desk = next(path for path in MODELS if path.name == "desk.urdf")
+    model = folder / "nameless.urdf"
+    model.write_text(re.sub("<robot [^>]*>", "<robot>", desk.read_text("utf-8"), count=1))
+    assert cb(monkeypatch, "new", "robot", "fresh", "--urdf", str(model)) == 0
+    assert "robots/fresh.urdf" in capsys.readouterr().out
+    assert set(read_urdf(folder / "robots" / "fresh.urdf").joints) == set(read_urdf(desk).joints)
+
+
+def test_links_that_touch_nothing_are_told(
+    folder: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    desk = next(path for path in MODELS if path.name == "desk.urdf")
+    assert cb(monkeypatch, "new", "robot", "whole", "--urdf", str(desk)) == 0
+    assert "<collision>" not in capsys.readouterr().err
+    model = folder / "ghost.urdf"
+    text = desk.read_text("utf-8")
+    model.write_text(re.sub("<collision>.*?</collision>", "", text, flags=re.DOTALL))
+    assert cb(monkeypatch, "new", "robot", "ghost", "--urdf", str(model)) == 0
+    assert "links without <collision> touch nothing: " in capsys.readouterr().err
+
+
+def test_a_joint_of_a_hair_s_breadth_keeps_some_of_its_range(
+    folder: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    model = folder / "spring.urdf"
+    model.write_text(
+        '<robot name="m"><link name="a"/><link name="b"/><joint name="j" type="prismatic">'
+        '<parent link="a"/><child link="b"/>'
+        '<limit lower="-0.005" upper="0.005" effort="1" velocity="1"/></joint></robot>'
+    )
+    assert cb(monkeypatch, "new", "robot", "spring", "--urdf", str(model)) == 0
 
 
 def test_the_first_line_names_a_schema_that_is_there(

@@ -35,7 +35,17 @@ class Client:
         self._send({"method": method, "params": params})
 
     def ask(self, method: str, params: Mapping[str, Any]) -> Any:
-        """A request; its answer, once all that came before it has been read."""
+        """A request that is answered; its answer, once all that came before it has been read."""
+        message = self._answer(method, params)
+        assert "error" not in message, message["error"]
+        return message["result"]
+
+    def refused(self, method: str, params: Mapping[str, Any]) -> str:
+        """A request that is refused; what people are told."""
+        told: str = self._answer(method, params)["error"]["message"]
+        return told
+
+    def _answer(self, method: str, params: Mapping[str, Any]) -> dict[str, Any]:
         self._number += 1
         self._send({"id": self._number, "method": method, "params": params})
         while True:
@@ -43,8 +53,7 @@ class Client:
             if message.get("method") == "textDocument/publishDiagnostics":
                 self.published[message["params"]["uri"]] = message["params"]["diagnostics"]
             if message.get("id") == self._number:
-                assert "error" not in message, message["error"]
-                return message["result"]
+                return message
 
     def open(self, path: Path, text: str) -> None:
         document = {"uri": path.as_uri(), "languageId": "yaml", "version": 0, "text": text}

@@ -154,7 +154,17 @@ def test_a_name_is_renamed_with_the_files_that_have_it(client: Client, path: Pat
         if not text.startswith("description")
     )
     assert {each["newText"] for each in change["edits"]} == {"look_for"}
-    assert client.ask("textDocument/rename", {**spot, "newName": "look for"}) is None
+    assert client.ask("textDocument/rename", {**spot, "newName": "search"}) is None
+    told = client.refused("textDocument/rename", {**spot, "newName": "look for"})
+    assert "'look for' is not a name" in told
+    told = client.refused("textDocument/rename", {**spot, "newName": "track"})
+    assert "there is a 'track' already" in told
+
+
+def test_a_controller_in_a_composition_tells_how_it_is_declared(client: Client, path: Path) -> None:
+    shown = client.at("hover", path, *place(TEXT, "actions: ["))["contents"]["value"]
+    assert shown.startswith("```yaml\nsearch:") and "head.uniform" in shown
+    assert "track:" not in shown
 
 
 def test_compositions_are_coloured(client: Client, path: Path) -> None:

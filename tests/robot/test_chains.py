@@ -61,10 +61,10 @@ def test_every_joint_that_is_actuated_is_in_a_chain() -> None:
     ("name", "arm", "tip"),
     [
         ("kuka_iiwa/model.urdf", "arm", "lbr_iiwa_link_7"),
-        ("franka_panda/panda.urdf", "panda", "panda_hand"),
+        ("franka_panda/panda.urdf", "panda", "panda_grasptarget"),
     ],
 )
-def test_an_arm_ends_where_its_hand_begins(name: str, arm: str, tip: str) -> None:
+def test_an_arm_ends_where_it_acts(name: str, arm: str, tip: str) -> None:
     first = chains(read(name))[0]
     assert (first.name, len(first.joints), first.tip) == (arm, 7, tip)
 

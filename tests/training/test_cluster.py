@@ -7,6 +7,7 @@ import json
 import os
 import shutil
 import signal
+import socket
 import subprocess
 import sys
 import threading
@@ -257,6 +258,25 @@ def test_no_address_of_a_scheduler_is_told(tmp_path: Path, address: str) -> None
     with pytest.raises(UsageError, match=rf"--scheduler {address}: nothing answers"):
         run_all(made_tasks(tmp_path, 1, 1), 1, address, Notes())
     assert list(tmp_path.iterdir()) == []
+
+
+def _answer(listening: socket.socket) -> None:
+    """Answer whoever comes as a server of pages does."""
+    while True:
+        try:
+            there, _ = listening.accept()
+        except OSError:
+            return
+        with there, suppress(OSError):
+            there.sendall(b"HTTP/1.1 400 Bad Request\r\nConnection: close\r\n\r\n")
+
+
+def test_a_server_that_is_no_scheduler_is_told(tmp_path: Path) -> None:
+    with socket.create_server(("127.0.0.1", 0)) as listening:
+        threading.Thread(target=_answer, args=(listening,), daemon=True).start()
+        address = f"tcp://127.0.0.1:{listening.getsockname()[1]}"
+        with pytest.raises(UsageError, match=f"--scheduler {address}: what answers there is no"):
+            run_all(made_tasks(tmp_path, 1, 1), 1, address, Notes())
 
 
 def certificates(folder: Path) -> dict[str, str]:

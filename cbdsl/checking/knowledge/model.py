@@ -95,6 +95,8 @@ def _is_background(loaded: Loaded[ModelDocument], body: CheckedRobot, findings: 
         findings.add("CB672", place, names=names, name=document.channel, robot=robot.name)
         return False
     links = [camera.link for camera in robot.cameras.values()]
+    if body.model is None or not body.model.links.issuperset(links):
+        return True  # as far as anybody can tell
     moving = [
         name
         for name in (*robot.effectors, *robot.groups)

@@ -244,7 +244,8 @@ class CheckedRobot(NamedTuple):
         ]
 
     def _above(self, link: str) -> list[str]:
-        assert self.model is not None
+        if self.model is None:
+            return []
         couplings = self.document.couplings
         return [
             couplings[joint].follows if joint in couplings else joint

@@ -82,7 +82,7 @@ function makeTransport(askFor) {
   return {
     show(frame) {
       paused = frame.paused;
-      byId("pause").textContent = paused ? "▶ Go on" : "⏸ Pause";
+      byId("pause").textContent = paused ? "▶ Go on" : "❚❚ Pause";
       if (document.activeElement !== byId("speed")) byId("speed").value = frame.speed ?? "";
       byId("clock").textContent = `${frame.time.toFixed(2)} s`;
     },

@@ -91,7 +91,7 @@ async function main() {
   }
   function play(on) {
     playing = on && last > times[0];
-    byId("play").textContent = playing ? "⏸ Pause" : "▶ Play";
+    byId("play").textContent = playing ? "❚❚ Pause" : "▶ Play";
     if (!playing) return;
     if (now >= last) seek(times[0]);
     drawn = performance.now();

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import re
+import shutil
 from pathlib import Path
 
 import pytest
@@ -39,3 +41,44 @@ def test_a_clash_of_types_tells_where_both_resources_come_from(tmp_path: Path) -
     elsewhere = [r.place for r in clash.related if Path(r.place.file).name == "dexter.yaml"]
     assert clash.code == "CB504"
     assert [lines[p.line - 1].split(":")[0].strip() for p in elsewhere] == ["finger_1", "right_arm"]
+
+
+def _with_its_programs(name: str, folder: Path) -> list[Path]:
+    """Copies of a shipped robot and of all that is for it."""
+    (folder / "robots").mkdir()
+    for path in (shipped() / "robots").glob(f"{name}.*"):
+        shutil.copy(path, folder / "robots")
+    shutil.copytree(shipped() / "programs/stages/meshes", folder / "programs/stages/meshes")
+    used = re.compile(f"^robot: {name}$", re.MULTILINE)
+    for place in ("programs", "programs/stages", "knowledge/models"):
+        (folder / place).mkdir(parents=True, exist_ok=True)
+        for path in (shipped() / place).glob("*.yaml"):
+            if used.search(path.read_text("utf-8")):
+                shutil.copy(path, folder / place)
+    return sorted(folder.rglob("*.yaml"))
+
+
+def _found(paths: list[Path], folder: Path) -> set[tuple[str, str]]:
+    session = Session(Library(folder))
+    findings = [found for path in paths for found in check_document(path, session=session)]
+    return {(found.code, Path(found.place.file).name) for found in findings}
+
+
+@pytest.mark.parametrize("path", ROBOTS, ids=lambda path: path.stem)
+def test_a_robot_without_a_sound_model_is_one_finding_whatever_uses_it(
+    path: Path, tmp_path: Path
+) -> None:
+    paths = _with_its_programs(path.stem, tmp_path)
+    (tmp_path / "robots" / f"{path.stem}.urdf").write_text("<robot", encoding="utf-8")
+    assert len(paths) > 1
+    assert _found(paths, tmp_path) == {("CB301", path.name)}
+
+
+def test_a_camera_at_no_link_is_one_finding_whatever_uses_it(tmp_path: Path) -> None:
+    paths = _with_its_programs("dexter", tmp_path)
+    robot = tmp_path / "robots" / "dexter.yaml"
+    text = robot.read_text("utf-8")
+    broken = text.replace("left: {link: left_camera", "left: {link: left_camra")
+    assert broken != text
+    robot.write_text(broken, encoding="utf-8")
+    assert _found(paths, tmp_path) == {("CB303", "dexter.yaml")}

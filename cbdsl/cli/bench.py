@@ -1,0 +1,119 @@
+"""Benches: the table and the ball of a proposed stage, within a robot's reach."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from pathlib import Path
+from typing import NamedTuple
+
+from cbdsl.documents.robot import Effector, RobotDocument
+from cbdsl.robot.ready_posture import PLACING, ReadyPosture
+from cbdsl.robot.urdf import UrdfError, UrdfModel, Vector
+from cbdsl.robot.urdf_reader import read_urdf
+
+
+class Bench(NamedTuple):
+    """A table in front of a robot, and where things lie on it.
+
+    Attributes:
+        size: edge lengths of its top, m.
+        position: of its centre, m.
+        x, y: where things lie, from and to, m.
+        radius: of a ball, least and most, m.
+    """
+
+    size: Vector
+    position: Vector
+    x: tuple[float, float]
+    y: tuple[float, float]
+    radius: tuple[float, float]
+
+    def values(self) -> dict[str, str]:
+        """The places of the stage's template, in centimetres."""
+        fields = {name: ", ".join(map(_centimetres, each)) for name, each in self._asdict().items()}
+        return {name: f"[{text}]" for name, text in fields.items()}
+
+
+# For a robot whose limbs nobody can tell, m.
+_ANY = Bench((0.6, 1.2, 0.04), (0.6, 0.0, -0.44), (0.4, 0.8), (-0.4, 0.4), (0.03, 0.05))
+# Parts of a limb's length: how far away the middle of the table is, at least and most; how deep,
+# wide and thick it is; how far around its middle things lie, how large a ball is, and how far the
+# table is below a tip that hangs down.
+_AWAY, _DEEP, _WIDE, _THICK, _AROUND, _BALL, _BELOW = (0.45, 0.6), 0.4, 0.8, 0.03, 0.12, 0.03, 0.1
+# A limb that begins and ends this far above its robot's base works on what that stands on.
+_BASE, _STANDING = 0.02, 0.1
+
+
+def bench(robot: RobotDocument, file: Path) -> Bench:
+    """A bench for a robot: in front of its longest limbs, below where those end.
+
+    One limb has it on that side on which it ends; before several, it is ahead.
+
+    Args:
+        robot: whose stage it is.
+        file: its document.
+    """
+    try:
+        model = read_urdf(file.parent / robot.model)
+    except UrdfError:
+        return _ANY  # the model has findings of its own
+    limbs = [each for each in robot.effectors.values() if _is_limb(model, each)]
+    most = max((len(each.joints) for each in limbs), default=0)
+    return _before([_Limb(model, each) for each in limbs if len(each.joints) == most])
+
+
+def _is_limb(model: UrdfModel, limb: Effector) -> bool:
+    """Whether an effector can be put somewhere, and a model has its joints and its tip."""
+    return (
+        len(limb.joints) >= PLACING
+        and limb.tip is not None
+        and limb.tip.link in model.links
+        and {*limb.joints} <= {*model.joints}
+    )
+
+
+class _Limb:
+    """A limb where its episodes begin: its length, shoulder, tip and its lowest posture, m."""
+
+    def __init__(self, model: UrdfModel, limb: Effector) -> None:
+        assert limb.tip is not None
+        joints = [model.joints[name] for name in limb.joints]
+        row = ReadyPosture(model, joints, limb.tip.link, limb.tip.offset)
+        self.length, self.shoulder = row.length, row.shoulder
+        self.tip = row.tip_at(limb.postures.get(limb.start or "", row.at_first))
+        ends = map(row.tip_at, limb.postures.values())
+        self.lowest = min((end[2] for end in ends), default=self.tip[2])
+
+
+def _before(limbs: Sequence[_Limb]) -> Bench:
+    if not limbs:
+        return _ANY
+    length = limbs[0].length
+    middle, tip = (
+        [math.fsum(each) / len(limbs) for each in zip(*points, strict=True)]
+        for points in ([limb.shoulder for limb in limbs], [limb.tip for limb in limbs])
+    )
+    aside = [tip[0] - middle[0], tip[1] - middle[1]]
+    ahead = len(limbs) > 1 or math.hypot(*aside) < _STANDING * length
+    axis = 0 if ahead or abs(aside[0]) >= abs(aside[1]) else 1
+    sign = 1.0 if ahead else math.copysign(1.0, aside[axis])
+    away = min(max(abs(aside[axis]), _AWAY[0] * length), _AWAY[1] * length)
+    x, y = (round(middle[each] + (sign * away if each == axis else 0.0), 2) for each in (0, 1))
+    thick = round(_THICK * length, 3)
+    stands = middle[2] > _BASE * length and tip[2] > _STANDING * length
+    lowest = min(limb.lowest for limb in limbs)
+    top = 0.0 if stands else round(lowest - _BELOW * length, 3)
+    deep, wide, around = (round(part * length, 2) for part in (_DEEP, _WIDE, _AROUND))
+    ball = max(round(_BALL * length, 3), 0.005)
+    return Bench(
+        (deep, wide, thick) if axis == 0 else (wide, deep, thick),
+        (x, y, top - thick / 2),
+        (x - around, x + around),
+        (y - around, y + around),
+        (ball, 1.5 * ball),
+    )
+
+
+def _centimetres(length: float) -> str:
+    return f"{100 * length:.4g} cm"

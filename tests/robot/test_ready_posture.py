@@ -1,0 +1,88 @@
+"""Proposed postures: within limits, away from singular ones, clear of the ground and themselves."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+
+import numpy as np
+import pinocchio
+import pytest
+
+from cbdsl.robot.chains import Chain, chains
+from cbdsl.robot.ready_posture import ReadyPosture, at_first
+from cbdsl.robot.urdf import UrdfModel
+from cbdsl.robot.urdf_reader import read_urdf
+from tests.robot.test_chains import MODELS
+
+ARMS = ("kuka_iiwa/model.urdf", "franka_panda/panda.urdf", "xarm6_robot.urdf", "sixaxis.urdf")
+LEGS = ("a1.urdf", "laikago_toes_zup.urdf", "aliengo.urdf")
+
+
+def _model(name: str) -> UrdfModel:
+    return read_urdf(next(path for path in MODELS if str(path).endswith(name)))
+
+
+def _kinematics(path: Path, chain: Chain, positions: tuple[float, ...]) -> tuple[object, object]:
+    """The tip's position and Jacobian over the chain's joints, as another library has them."""
+    model = pinocchio.buildModelFromUrdf(str(path))
+    data, configuration = model.createData(), pinocchio.neutral(model)
+    at = {joint: first for joint, first in zip(chain.joints, positions, strict=True)}
+    for joint in read_urdf(path).joints.values():
+        if joint.movable:
+            index = model.joints[model.getJointId(joint.name)]
+            value = next((p for each, p in at.items() if each.name == joint.name), at_first(joint))
+            turn = [math.cos(value), math.sin(value)] if index.nq == 2 else [value]
+            configuration[index.idx_q : index.idx_q + index.nq] = turn
+    pinocchio.computeJointJacobians(model, data, configuration)
+    pinocchio.updateFramePlacements(model, data)
+    frame = model.getFrameId(chain.tip)
+    jacobian = pinocchio.getFrameJacobian(
+        model, data, frame, pinocchio.ReferenceFrame.LOCAL_WORLD_ALIGNED
+    )
+    columns = [model.joints[model.getJointId(joint.name)].idx_v for joint in chain.joints]
+    return data.oMf[frame].translation, jacobian[:, columns]
+
+
+@pytest.mark.parametrize("name", (*ARMS, *LEGS))
+def test_the_tip_is_where_another_library_has_it(name: str) -> None:
+    model = _model(name)
+    for chain in chains(model):
+        row = ReadyPosture(model, chain.joints, chain.tip)
+        positions = row.find()
+        place, _ = _kinematics(model.path, chain, positions)
+        assert np.allclose(row.tip_at(positions), place, atol=1e-9), chain.name
+
+
+@pytest.mark.parametrize("name", (*ARMS, *LEGS))
+def test_a_limb_can_move_its_tip_every_way(name: str) -> None:
+    model = _model(name)
+    for chain in (each for each in chains(model) if len(each.joints) >= 3):
+        row = ReadyPosture(model, chain.joints, chain.tip)
+        positions = row.find()
+        _, jacobian = _kinematics(model.path, chain, positions)
+        along = np.asarray(jacobian)[:3] / row.length
+        smallest = np.linalg.svd(along, compute_uv=False)[-1]
+        assert smallest > 0.05, (chain.name, positions)
+        if len(chain.joints) >= 6:
+            both = np.vstack([along, np.asarray(jacobian)[3:]])
+            assert np.linalg.svd(both, compute_uv=False)[-1] > 0.05, (chain.name, positions)
+
+
+@pytest.mark.parametrize("name", ARMS)
+def test_an_arm_on_its_base_stays_above_it(name: str) -> None:
+    model = _model(name)
+    chain = chains(model)[0]
+    row = ReadyPosture(model, chain.joints, chain.tip)
+    assert row.tip_at(row.find())[2] > 0.1 * row.length
+
+
+def test_positions_keep_from_limits() -> None:
+    for path in MODELS:
+        model = read_urdf(path)
+        for chain in chains(model):
+            positions = ReadyPosture(model, chain.joints, chain.tip).find()
+            for joint, position in zip(chain.joints, positions, strict=True):
+                margin = 0.05 * (joint.upper - joint.lower)
+                inside = joint.lower + margin <= position <= joint.upper - margin
+                assert inside or joint.endless, (path, joint.name, position)
