@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import shlex
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import NamedTuple
 
@@ -56,6 +56,8 @@ class ExplorationSeries:
         algorithm: how actions are chosen.
         actions: of each exploration, as many as the source has.
         trials: as many as the source has, most of which it drew from its models.
+        grown_from: what was explored before, with fewer actions and perhaps in another world;
+            ``actions`` come after its own.
     """
 
     name: str
@@ -66,6 +68,7 @@ class ExplorationSeries:
     algorithm: str = "explore_catalog"
     actions: int = 100
     trials: int = 25
+    grown_from: ExplorationSeries | None = None
 
     def command(self, seed: int, actions: int, backend: str, cameras: str | None) -> str:
         """The command line of ``cb explore`` that explores the same."""
@@ -74,6 +77,7 @@ class ExplorationSeries:
         words += ["--seed", str(seed), "--backend", backend]
         words += ["--cameras", cameras] if cameras is not None else []
         words += ["--algorithm", self.algorithm] if self.algorithm != "explore_catalog" else []
+        words += ["--join"] if self.grown_from is not None else []
         return shlex.join([*words, "--actions", str(actions)])
 
     def task(
@@ -98,6 +102,7 @@ class ExplorationSeries:
             until_habituated=False,
             command="",
             path=path,
+            joins=self.grown_from is not None,
         )
 
     def _explorable(
@@ -147,6 +152,24 @@ BASKETBALL = ExplorationSeries(
 RED_BALL = ExplorationSeries(
     "red_ball", "red ball", "red", "exploring_red_ball", (_LOOK, _TOUCH, _BOTH, _INSPECT)
 )
+
+
+def _with_placing(known: ExplorationSeries, goal: str) -> ExplorationSeries:
+    """What is known is explored further, once it can be picked up and placed."""
+    placing = ExploredAction("pick_and_place", "pick_and_place", {"goal": goal})
+    return replace(
+        known,
+        name=f"{known.name}_and_pad",
+        stage=f"{known.stage}_and_pad",
+        explored=(*known.explored, placing),
+        actions=50,
+        grown_from=known,
+    )
+
+
+TABLE_AND_PAD = _with_placing(TABLE, "blue")
+BASKETBALL_AND_PAD = _with_placing(BASKETBALL, "green")
+RED_BALL_AND_PAD = _with_placing(RED_BALL, "green")
 TABLE_MODELS = ExplorationSeries(
     "table_models", "green table", "green", "exploring_table", (_LOOK, _SURFACE), "explore_models"
 )

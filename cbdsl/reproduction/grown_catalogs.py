@@ -1,0 +1,186 @@
+"""Three catalogs that PICKANDPLACE joins: what it teaches, and how it habituates (7.7 to 7.9)."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cbdsl.documents.catalog import CatalogDocument
+from cbdsl.reproduction.action_counts import action_bars, tally
+from cbdsl.reproduction.chart import Chart, Line
+from cbdsl.reproduction.claim import Claim, above, at_least, at_most, below, near
+from cbdsl.reproduction.estimate import estimate, mean_of, median
+from cbdsl.reproduction.experiment import Result, RunSettings
+from cbdsl.reproduction.exploration_series import (
+    BASKETBALL_AND_PAD,
+    RED_BALL_AND_PAD,
+    TABLE_AND_PAD,
+    ExplorationSeries,
+)
+from cbdsl.reproduction.habituation import actions_of, negligible_after, reward_chart, rewards
+from cbdsl.reproduction.interval import median_interval
+from cbdsl.reproduction.percentage import percentage
+from cbdsl.reproduction.quantity import Quantity
+from cbdsl.reproduction.trial_runner import TrialRunner, trial_runner
+
+Floats = NDArray[np.float64]
+
+_ACTION = "pick_and_place"
+# Actions before it joins and at the end, and those after it joined in which it is tried out.
+_WINDOW, _DIP = 10, 20
+_TOLERANCE = 0.02
+
+
+class Grown(NamedTuple):
+    """What the source reports of one object.
+
+    Attributes:
+        series: the exploration.
+        source: how often PICKANDPLACE is rewarded, in a few words.
+        claim: the same, about the percentage.
+        affords: whether the object can be taken anywhere.
+    """
+
+    series: ExplorationSeries
+    source: str
+    claim: Claim
+    affords: bool
+
+
+#: By figure.
+FIGURES: Mapping[str, Grown] = {
+    "fig-7.7": Grown(TABLE_AND_PAD, "never", at_most(5), False),
+    "fig-7.8": Grown(BASKETBALL_AND_PAD, "about 90 %, 22 tries", at_least(90), True),
+    "fig-7.9": Grown(RED_BALL_AND_PAD, "about 90 %", at_least(90), True),
+}
+
+_NOTES = (
+    "The first 100 actions are those of the figure of Chapter 6 with the same object. Then "
+    "PICKANDPLACE joins, and the world gets a pad where things can be placed. The pad is seen, "
+    "too, so that VISUALINSPECT finds a channel more: what is said of the table's reward is "
+    "without its actions.",
+    "Every action of every trial is carried out; the source drew 25 trials from the models of one.",
+)
+
+
+def run(settings: RunSettings, name: str) -> Result:
+    """Explore, let PICKANDPLACE join, explore on, and see what it was worth."""
+    grown = FIGURES[name]
+    with trial_runner(settings) as dexter:
+        catalogs = gather(dexter, settings, name)
+    joined = joined_after(catalogs)
+    measure = _returning if grown.affords else _in_vain
+    quantities = (*_counts(grown, catalogs), *measure(catalogs, joined, settings.seed))
+    label = grown.series.label
+    pictures = (
+        _first_trial(name, label, catalogs[0]),
+        action_bars(name, label, catalogs),
+        reward_chart(name, label, catalogs),
+    )
+    return Result(quantities, pictures, _NOTES)
+
+
+def series_of(name: str) -> tuple[ExplorationSeries, ...]:
+    """The series of explorations."""
+    return (FIGURES[name].series,)
+
+
+def gather(dexter: TrialRunner, settings: RunSettings, name: str) -> list[CatalogDocument]:
+    """Run all actions; the catalog of each trial."""
+    series = FIGURES[name].series
+    dexter.expect(len(dexter.numbers(series)) * dexter.actions(series))
+    return dexter.explore(series)
+
+
+def joined_after(catalogs: Sequence[CatalogDocument]) -> int:
+    """How many actions each trial had before something joined."""
+    (after,) = {
+        joined.after for each in catalogs if each.provenance for joined in each.provenance.joined
+    }
+    return after
+
+
+def _counts(grown: Grown, catalogs: Sequence[CatalogDocument]) -> Iterator[Quantity]:
+    hits, tried = tally(catalogs, _ACTION)
+    name = f"{_ACTION} rewarded"
+    yield percentage(name, grown.source, hits, tried, grown.claim, of="actions")
+    own = [float(actions_of(each).count(_ACTION)) for each in catalogs]
+    yield mean_of(f"{_ACTION} taken", "times a trial", "", own, None)
+
+
+def _returning(catalogs: Sequence[CatalogDocument], joined: int, seed: int) -> Iterator[Quantity]:
+    """What an object that can be taken elsewhere teaches: reward returns, and is over again."""
+    reward = rewards(catalogs)
+    firsts = [_first_reward(each) for each in catalogs]
+    known = [each for each in firsts if each is not None]
+    name = f"reward of the first {_ACTION} that succeeds"
+    yield mean_of(name, "", "large", known, above(0.0), seed=seed)
+    more = _mean(reward[:, joined : joined + _WINDOW]) - _mean(_before(reward, joined))
+    name = f"mean reward, first {_WINDOW} actions with it minus last {_WINDOW} without"
+    yield mean_of(name, "", "returns", more.tolist(), above(0.0), seed=seed)
+    later = reward[:, joined:]
+    after = np.array([negligible_after(row) for row in later])
+    yield estimate(
+        "reward negligible again after, median",
+        "actions",
+        "habituates within the 50",
+        after,
+        median,
+        lambda values: median_interval(values, seed),
+        below(float(later.shape[1])),
+        seed=seed,
+    )
+
+
+def _in_vain(catalogs: Sequence[CatalogDocument], joined: int, seed: int) -> Iterator[Quantity]:
+    """What an action costs that teaches nothing: a dip, and then no less than before."""
+    reward = _without_inspecting(catalogs)
+    before = _mean(_before(reward, joined))
+    dip = _mean(reward[:, joined : joined + _DIP]) - before
+    name = f"mean reward, first {_DIP} actions with it minus last {_WINDOW} without"
+    yield mean_of(name, "", "a small dip", dip.tolist(), below(0.0), seed=seed)
+    end = _mean(reward[:, -_WINDOW:]) - before
+    name = f"mean reward, last {_WINDOW} actions minus last {_WINDOW} without it"
+    yield mean_of(name, "", "the same", end.tolist(), near(0.0, _TOLERANCE), seed=seed)
+
+
+def _before(reward: Floats, joined: int) -> Floats:
+    return reward[:, max(joined - _WINDOW, 0) : joined]
+
+
+def _mean(reward: Floats) -> Floats:
+    """Mean by trial of those actions that count."""
+    counted = np.isfinite(reward)
+    total: Floats = np.where(counted, reward, 0.0).sum(axis=1) / np.maximum(counted.sum(axis=1), 1)
+    return total
+
+
+def _without_inspecting(catalogs: Sequence[CatalogDocument]) -> Floats:
+    """Reward by trial and action; NaN where a channel was inspected."""
+    inspects = [[name.startswith("visualinspect") for name in actions_of(e)] for e in catalogs]
+    return np.where(np.array(inspects), np.nan, rewards(catalogs))
+
+
+def _first_reward(catalog: CatalogDocument) -> float | None:
+    """Reward of the first PICKANDPLACE that teaches something."""
+    steps = catalog.steps
+    if steps is None:
+        return None
+    rows = zip(steps.action, steps.rewarded, steps.reward, strict=True)
+    return next((r for action, rewarded, r in rows if rewarded and action == _ACTION), None)
+
+
+def _first_trial(name: str, label: str, catalog: CatalogDocument) -> Chart:
+    """Reward action by action, that of PICKANDPLACE again as a line of its own."""
+    reward = rewards([catalog])[0]
+    numbers = [float(k + 1) for k in range(len(reward))]
+    own = [k for k, action in enumerate(actions_of(catalog)) if action == _ACTION]
+    lines = [Line("all actions", tuple(numbers), tuple(reward.tolist()))]
+    if own:
+        x, y = tuple(numbers[k] for k in own), tuple(float(reward[k]) for k in own)
+        lines.append(Line(_ACTION, x, y))
+    title = f"{label}: reward in one trial"
+    return Chart(f"{name}-trial", title, "action", "reward", tuple(lines))
