@@ -56,8 +56,8 @@ class ExplorationSeries:
         algorithm: how actions are chosen.
         actions: of each exploration, as many as the source has.
         trials: as many as the source has, most of which it drew from its models.
-        grown_from: what was explored before, with fewer actions and perhaps in another world;
-            ``actions`` come after its own.
+        grown_from: what was explored before without some of what can be done now; ``actions``
+            come after its own.
     """
 
     name: str
@@ -154,22 +154,23 @@ RED_BALL = ExplorationSeries(
 )
 
 
-def _with_placing(known: ExplorationSeries, goal: str) -> ExplorationSeries:
-    """What is known is explored further, once it can be picked up and placed."""
-    placing = ExploredAction("pick_and_place", "pick_and_place", {"goal": goal})
+def _placed(known: ExplorationSeries, goal: str) -> ExplorationSeries:
+    """What is known, with a pad beside it from the beginning; then PICKANDPLACE joins."""
+    # Nothing has the obstacle's colour: a patch of the ball's own would keep the ball away.
+    values = {"goal": goal, "obstacle": "hue_9"}
+    beside = replace(known, name=f"{known.name}_beside_pad", stage=f"{known.stage}_and_pad")
     return replace(
-        known,
-        name=f"{known.name}_and_pad",
-        stage=f"{known.stage}_and_pad",
-        explored=(*known.explored, placing),
+        beside,
+        name=f"{known.name}_placed",
+        explored=(*known.explored, ExploredAction("pick_and_place", "pick_and_place", values)),
         actions=50,
-        grown_from=known,
+        grown_from=beside,
     )
 
 
-TABLE_AND_PAD = _with_placing(TABLE, "blue")
-BASKETBALL_AND_PAD = _with_placing(BASKETBALL, "green")
-RED_BALL_AND_PAD = _with_placing(RED_BALL, "green")
+TABLE_PLACED = _placed(TABLE, "blue")
+BASKETBALL_PLACED = _placed(BASKETBALL, "green")
+RED_BALL_PLACED = _placed(RED_BALL, "green")
 TABLE_MODELS = ExplorationSeries(
     "table_models", "green table", "green", "exploring_table", (_LOOK, _SURFACE), "explore_models"
 )

@@ -12,16 +12,15 @@ from cbdsl.documents.catalog import CatalogDocument
 from cbdsl.reproduction.action_counts import action_bars, tally
 from cbdsl.reproduction.chart import Chart, Line
 from cbdsl.reproduction.claim import Claim, above, at_least, at_most, below, near
-from cbdsl.reproduction.estimate import estimate, mean_of, median
+from cbdsl.reproduction.estimate import mean_of
 from cbdsl.reproduction.experiment import Result, RunSettings
 from cbdsl.reproduction.exploration_series import (
-    BASKETBALL_AND_PAD,
-    RED_BALL_AND_PAD,
-    TABLE_AND_PAD,
+    BASKETBALL_PLACED,
+    RED_BALL_PLACED,
+    TABLE_PLACED,
     ExplorationSeries,
 )
-from cbdsl.reproduction.habituation import actions_of, negligible_after, reward_chart, rewards
-from cbdsl.reproduction.interval import median_interval
+from cbdsl.reproduction.habituation import actions_of, reward_chart, rewards
 from cbdsl.reproduction.percentage import percentage
 from cbdsl.reproduction.quantity import Quantity
 from cbdsl.reproduction.trial_runner import TrialRunner, trial_runner
@@ -32,6 +31,8 @@ _ACTION = "pick_and_place"
 # Actions before it joins and at the end, and those after it joined in which it is tried out.
 _WINDOW, _DIP = 10, 20
 _TOLERANCE = 0.02
+# % of the trials that habituate.
+_MOST = 80
 
 
 class Grown(NamedTuple):
@@ -52,16 +53,15 @@ class Grown(NamedTuple):
 
 #: By figure.
 FIGURES: Mapping[str, Grown] = {
-    "fig-7.7": Grown(TABLE_AND_PAD, "never", at_most(5), False),
-    "fig-7.8": Grown(BASKETBALL_AND_PAD, "about 90 %, 22 tries", at_least(90), True),
-    "fig-7.9": Grown(RED_BALL_AND_PAD, "about 90 %", at_least(90), True),
+    "fig-7.7": Grown(TABLE_PLACED, "never", at_most(5), False),
+    "fig-7.8": Grown(BASKETBALL_PLACED, "about 90 %, 22 tries", at_least(90), True),
+    "fig-7.9": Grown(RED_BALL_PLACED, "about 90 %", at_least(90), True),
 }
 
 _NOTES = (
-    "The first 100 actions are those of the figure of Chapter 6 with the same object. Then "
-    "PICKANDPLACE joins, and the world gets a pad where things can be placed. The pad is seen, "
-    "too, so that VISUALINSPECT finds a channel more: what is said of the table's reward is "
-    "without its actions.",
+    "The world of the figure of Chapter 6 with the same object, and with a pad where things can be "
+    "placed; PICKANDPLACE joins after 100 actions. The pad is there from the beginning, so that "
+    "only the action is new then, and VISUALINSPECT finds one channel more than in Chapter 6.",
     "Every action of every trial is carried out; the source drew 25 trials from the models of one.",
 )
 
@@ -118,50 +118,32 @@ def _returning(catalogs: Sequence[CatalogDocument], joined: int, seed: int) -> I
     known = [each for each in firsts if each is not None]
     name = f"reward of the first {_ACTION} that succeeds"
     yield mean_of(name, "", "large", known, above(0.0), seed=seed)
-    more = _mean(reward[:, joined : joined + _WINDOW]) - _mean(_before(reward, joined))
+    after = reward[:, joined : joined + _WINDOW].mean(axis=1)
+    more = after - _before(reward, joined).mean(axis=1)
     name = f"mean reward, first {_WINDOW} actions with it minus last {_WINDOW} without"
     yield mean_of(name, "", "returns", more.tolist(), above(0.0), seed=seed)
-    later = reward[:, joined:]
-    after = np.array([negligible_after(row) for row in later])
-    yield estimate(
-        "reward negligible again after, median",
-        "actions",
-        "habituates within the 50",
-        after,
-        median,
-        lambda values: median_interval(values, seed),
-        below(float(later.shape[1])),
-        seed=seed,
-    )
+    own = [
+        each.affordances[_ACTION].habituation for each in catalogs if _ACTION in each.affordances
+    ]
+    over = sum(each is not None and each.habituated for each in own)
+    name = f"trials whose model of {_ACTION} has habituated in the end"
+    yield percentage(name, "habituates within the 50", over, len(catalogs), at_least(_MOST))
 
 
 def _in_vain(catalogs: Sequence[CatalogDocument], joined: int, seed: int) -> Iterator[Quantity]:
     """What an action costs that teaches nothing: a dip, and then no less than before."""
-    reward = _without_inspecting(catalogs)
-    before = _mean(_before(reward, joined))
-    dip = _mean(reward[:, joined : joined + _DIP]) - before
+    reward = rewards(catalogs)
+    before = _before(reward, joined).mean(axis=1)
+    dip = reward[:, joined : joined + _DIP].mean(axis=1) - before
     name = f"mean reward, first {_DIP} actions with it minus last {_WINDOW} without"
     yield mean_of(name, "", "a small dip", dip.tolist(), below(0.0), seed=seed)
-    end = _mean(reward[:, -_WINDOW:]) - before
+    end = reward[:, -_WINDOW:].mean(axis=1) - before
     name = f"mean reward, last {_WINDOW} actions minus last {_WINDOW} without it"
     yield mean_of(name, "", "the same", end.tolist(), near(0.0, _TOLERANCE), seed=seed)
 
 
 def _before(reward: Floats, joined: int) -> Floats:
     return reward[:, max(joined - _WINDOW, 0) : joined]
-
-
-def _mean(reward: Floats) -> Floats:
-    """Mean by trial of those actions that count."""
-    counted = np.isfinite(reward)
-    total: Floats = np.where(counted, reward, 0.0).sum(axis=1) / np.maximum(counted.sum(axis=1), 1)
-    return total
-
-
-def _without_inspecting(catalogs: Sequence[CatalogDocument]) -> Floats:
-    """Reward by trial and action; NaN where a channel was inspected."""
-    inspects = [[name.startswith("visualinspect") for name in actions_of(e)] for e in catalogs]
-    return np.where(np.array(inspects), np.nan, rewards(catalogs))
 
 
 def _first_reward(catalog: CatalogDocument) -> float | None:

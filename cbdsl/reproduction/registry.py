@@ -23,6 +23,7 @@ _ALL: tuple[Experiment, ...] = (
     Experiment("fig-4.10", "Transitions of REACHTOUCH's policy", "Section 4.3.1, Figure 4.10", "transition_diagrams", learns=True, backend="kinematic"),  # noqa: E501
     Experiment("fig-4.11", "Transitions of VISUALINSPECT's policy", "Section 4.3.2, Figure 4.11", "transition_diagrams", learns=True, backend="kinematic"),  # noqa: E501
     Experiment("fig-4.13", "Transitions of BIMANUALTOUCH's policy", "Section 4.3.3, Figure 4.13", "transition_diagrams", learns=True, backend="kinematic"),  # noqa: E501
+    Experiment("fig-5.2", "Where motion is expected after something was shaken", "Section 5.2.1, Figure 5.2", "fig_5_2", keeps=True, backend="kinematic"),  # noqa: E501
     Experiment("fig-5.3-5.5", "Where the channels of saturation, hue and intensity can be tracked in a room", "Section 5.2.1, Figures 5.3 to 5.5", "background_model", keeps=True),  # noqa: E501
     Experiment("fig-5.6", "Where touch is afforded", "Section 5.2.2, Figure 5.6", "touch_map", keeps=True, backend="mujoco"),  # noqa: E501
     Experiment("fig-5.8", "Three ways to learn which arm to reach with", "Section 5.3.1.2, Figure 5.8", "three_learners", learns=True, backend="kinematic"),  # noqa: E501

@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
+import math
 from typing import Protocol
 
 import numpy as np
+from numpy.typing import NDArray
 
 from cbdsl.backends.staging.engine import Engine
 from cbdsl.backends.staging.fall import Fall
 from cbdsl.backends.staging.scenario import Movement
+
+Floats = NDArray[np.float64]
 
 
 class ScriptedAction(Protocol):
@@ -39,11 +43,11 @@ class HoldAction:
 
 
 class CarryAction:
-    """Carry an object along at a constant horizontal velocity until the robot touches it."""
+    """Carry an object along, or shake it, until the robot touches it."""
 
     def __init__(self, engine: Engine, name: str, movement: Movement) -> None:
         self._engine, self._name = engine, name
-        self._velocity, self._start = movement.velocity, movement.start
+        self._movement, self._start = movement, movement.start
         self._carries = False
 
     def act(self, time: float) -> bool:
@@ -56,9 +60,19 @@ class CarryAction:
             self._carries = True
             self._origin, self._start = self._engine.pose(self._name).position, time
         if self._carries:
-            position = self._origin + (time - self._start) * self._velocity
-            self._engine.lead(self._name, position, self._velocity)
+            way, velocity = _way(self._movement, time - self._start)
+            self._engine.lead(self._name, self._origin + way, velocity)
         return False
+
+
+def _way(movement: Movement, time: float) -> tuple[Floats, Floats]:
+    """How far from where it began a thing is led, and how fast, after a time, s."""
+    velocity, speed = movement.velocity, float(np.linalg.norm(movement.velocity))
+    if math.isinf(movement.within) or speed == 0.0:
+        return time * velocity, velocity
+    phase = speed / movement.within * time
+    way: Floats = movement.within * math.sin(phase) / speed * velocity
+    return way, math.cos(phase) * velocity
 
 
 class ThrowAction:
