@@ -41,7 +41,7 @@ _DRAWS = 200
 _NOTES = (
     "25 episodes a trial, in every second of which a thing is shaken 4 cm to either side, 1.1 to "
     "1.3 m in front of the robot, from any posture of the head with ten looks. The head rests for "
-    "0.6 s where it looks: while it turns, everything moves in its images. What moved is taken to "
+    "0.8 s where it looks: while it turns, everything moves in its images. What moved is taken to "
     "be there still until it rests again. Looks are drawn evenly, and not from what is learned.",
 )
 

@@ -21,6 +21,10 @@ from cbdsl.sensing.stereo import Ray, triangulate
 
 Floats = NDArray[np.float64]
 
+# A camera that turned by less since its last image was still, rad: a 25th of a pixel, so that no
+# edge of a thing that rests moves by enough pixels to be a region.
+_STILL = 1e-4
+
 
 class SeenHeading(NamedTuple):
     """A heading to a region.
@@ -261,4 +265,4 @@ class Vision:
     def _moved(self, camera: str, frame: Frame) -> bool:
         """Whether a camera has turned since its last image; also before its first."""
         before = self.field.frames.get(camera)
-        return before is None or not np.allclose(frame.rotation, before.rotation, atol=1e-3)
+        return before is None or not np.allclose(frame.rotation, before.rotation, atol=_STILL)
