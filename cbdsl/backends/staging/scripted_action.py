@@ -48,7 +48,7 @@ class CarryAction:
     def __init__(self, engine: Engine, name: str, movement: Movement) -> None:
         self._engine, self._name = engine, name
         self._movement, self._start = movement, movement.start
-        self._carries = False
+        self._carries, self._before = False, math.nan
 
     def act(self, time: float) -> bool:
         """Lead it on, or leave it to the hand that touches it."""
@@ -60,19 +60,28 @@ class CarryAction:
             self._carries = True
             self._origin, self._start = self._engine.pose(self._name).position, time
         if self._carries:
-            way, velocity = _way(self._movement, time - self._start)
-            self._engine.lead(self._name, self._origin + way, velocity)
+            position = self._origin + _way(self._movement, time - self._start)
+            self._engine.lead(self._name, position, self._velocity(time))
+        self._before = time
         return False
 
+    def _velocity(self, time: float) -> Floats:
+        """Velocity by which the next step takes a thing to where it is to be then, m/s."""
+        step = time - self._before
+        if math.isinf(self._movement.within) or not step > 0.0:
+            return self._movement.velocity
+        next_place = self._origin + _way(self._movement, time + step - self._start)
+        velocity: Floats = (next_place - self._engine.pose(self._name).position) / step
+        return velocity
 
-def _way(movement: Movement, time: float) -> tuple[Floats, Floats]:
-    """How far from where it began a thing is led, and how fast, after a time, s."""
-    velocity, speed = movement.velocity, float(np.linalg.norm(movement.velocity))
+
+def _way(movement: Movement, time: float) -> Floats:
+    """How far from where it began a thing is led after a time, s."""
+    speed = float(np.linalg.norm(movement.velocity))
     if math.isinf(movement.within) or speed == 0.0:
-        return time * velocity, velocity
-    phase = speed / movement.within * time
-    way: Floats = movement.within * math.sin(phase) / speed * velocity
-    return way, math.cos(phase) * velocity
+        return time * movement.velocity
+    way: Floats = math.sin(speed / movement.within * time) * movement.within * movement.velocity
+    return way / speed
 
 
 class ThrowAction:
