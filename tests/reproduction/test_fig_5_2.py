@@ -30,7 +30,7 @@ def outcome(folder: Path, *, spread: float, phantoms: bool) -> Result:
         kept = KeptTrials(path, motion_digest(context), MotionEpisode.from_data)
         for trial in range(TRIALS):
             for seed in seeds_of(trial, context, 0):
-                pan, tilt = (0.0, 0.4) + rng.uniform(-spread, spread, 2)
+                pan, tilt = np.array((0.0, 0.4)) + rng.uniform(-spread, spread, 2)
                 posture = (pan, tilt) if context == SHAKEN else (1.3, 0.0) if phantoms else ()
                 off = math.radians(2.0) if context == SHAKEN else math.nan
                 kept.add(MotionEpisode(context, seed, posture, off, ""))
