@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
-from functools import partial
-from typing import NamedTuple
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Any, NamedTuple
 
-from cbdsl.reporting.drawing.catalog_hierarchy import CatalogNode, catalog_hierarchy
+from cbdsl.reporting.drawing.catalog_hierarchy import CatalogNode
 from cbdsl.reporting.drawing.catalog_icon import Layer
 from cbdsl.reproduction.affordance_trials import (
     AffordanceTrial,
@@ -22,14 +21,15 @@ from cbdsl.reproduction.constellation_trials import (
     constellation_digest,
     run_constellations,
 )
-from cbdsl.reproduction.experiment import Progress, Result, RunSettings
+from cbdsl.reproduction.experiment import Picture, Progress, Result, RunSettings
 from cbdsl.reproduction.growing_stack_trials import (
     CONTEXT,
     GrowingStack,
     growing_digest,
     run_growing_stacks,
 )
-from cbdsl.reproduction.kept_trials import kept_trials
+from cbdsl.reproduction.hierarchy import Hierarchy
+from cbdsl.reproduction.kept_trials import Some, kept_trials
 from cbdsl.reproduction.percentage import percentage
 from cbdsl.reproduction.quantity import Quantity
 
@@ -38,6 +38,7 @@ _LOOK, _TOUCH, _BOTH = "searchtrack", "reachtouch", "bimanualtouch"
 _LOWER_PAIR, _UPPER_PAIR = "purple_box_on_blue_box", "football_on_purple_box"
 _STACK = "football_on_purple_box_on_blue_box"
 _COLORS = {"blue_box": "#0072b2", "purple_box": "#cc79a7", "football": "#009e73"}
+_TITLE = "What three things afford alone and together (Figure 7.17)"
 _PLACING = "pick and place"
 _MOMENTS = ("as they lie", "two are stacked", "all three, after the release")
 
@@ -90,33 +91,51 @@ def run(settings: RunSettings) -> Result:
     """Act on each thing, on two, and on three, and draw what was afforded."""
     trials = _gather(settings)
     quantities = (*_alone(trials), *_together(trials))
-    pictures = (Hierarchy(_nodes(trials)), *_growth(trials.stacks))
-    return Result(quantities, pictures, _NOTES)
+    pictures: list[Picture] = [
+        *_growth(trials.stacks),
+        Hierarchy("fig-7.17", _TITLE, _nodes(trials)),
+    ]
+    return Result(quantities, tuple(pictures), _NOTES)
 
 
 def _gather(settings: RunSettings) -> _Trials:
     count = settings.trials or (_QUICK_TRIALS if settings.quick else _TRIALS)
     seeds = range(settings.seed, settings.seed + count)
-    path = settings.folder / f"{settings.backend}_{settings.cameras}.jsonl"
     deeds = [deed(program, thing) for thing, own in AFFORDED.items() for program in own]
-    engine, cameras = settings.backend, settings.cameras
     parts = _Parts(settings.progress, count * (len(deeds) + 3))
-    alone = kept_trials(
-        path.with_name(f"affordances_{path.name}"), dict.fromkeys(deeds, seeds), affordance_digest,
-        AffordanceTrial.from_data, partial(run_affordances, engine=engine, cameras=cameras), parts.note,
+    settings = replace(settings, progress=parts.note)
+    alone = _kept(
+        settings, "affordances", dict.fromkeys(deeds, seeds), affordance_digest,
+        AffordanceTrial.from_data, run_affordances,
     )  # fmt: skip
     parts.pass_by(count * len(deeds))
-    pairs = kept_trials(
-        path.with_name(f"constellations_{path.name}"),
-        dict.fromkeys((_LOWER_PAIR, _UPPER_PAIR), seeds), constellation_digest,
-        ConstellationTrial.from_data, partial(run_constellations, engine=engine, cameras=cameras), parts.note,
+    pairs = _kept(
+        settings, "constellations", dict.fromkeys((_LOWER_PAIR, _UPPER_PAIR), seeds),
+        constellation_digest, ConstellationTrial.from_data, run_constellations,
     )  # fmt: skip
     parts.pass_by(2 * count)
-    stacks = kept_trials(
-        path.with_name(f"growing_{path.name}"), {CONTEXT: seeds}, growing_digest,
-        GrowingStack.from_data, partial(run_growing_stacks, engine=engine, cameras=cameras), parts.note,
+    stacks = _kept(
+        settings, "growing_stacks", {CONTEXT: seeds}, growing_digest,
+        GrowingStack.from_data, run_growing_stacks,
     )  # fmt: skip
     return _Trials(alone, pairs, stacks[CONTEXT])
+
+
+def _kept(
+    settings: RunSettings,
+    kind: str,
+    seeds: Mapping[str, Sequence[int]],
+    digest: Callable[[str], str],
+    read: Callable[[Mapping[str, Any]], Some],
+    run_them: Callable[[str, Sequence[int], str, str | None], Iterable[Some]],
+) -> dict[str, list[Some]]:
+    """Trials of one kind, those that are kept in a file and those that are run."""
+    path = settings.folder / f"{kind}_{settings.backend}_{settings.cameras}.jsonl"
+    return kept_trials(
+        path, seeds, digest, read,
+        lambda things, missing: run_them(things, missing, settings.backend, settings.cameras),
+        settings.progress,
+    )  # fmt: skip
 
 
 class _Parts:
@@ -199,33 +218,6 @@ def _nodes(trials: _Trials) -> dict[str, CatalogNode]:
 
 def _layer(name: str, hits: Sequence[bool]) -> Layer:
     return Layer(name, len(hits), sum(hits))
-
-
-@dataclass(frozen=True)
-class Hierarchy:
-    """The hierarchy as a picture of an experiment.
-
-    Attributes:
-        nodes: see ``catalog_hierarchy``.
-    """
-
-    nodes: Mapping[str, CatalogNode]
-    name: str = "fig-7.17"
-    title: str = "What three things afford alone and together (Figure 7.17)"
-
-    def svg(self) -> str:
-        """The picture, as the text of an SVG file."""
-        return catalog_hierarchy(self.nodes)
-
-    def data(self) -> dict[str, object]:
-        """The data of the picture, for scripts."""
-        return {
-            name: {
-                "below": list(node.below),
-                **{each.name: [each.rewarded, each.tried] for each in node.layers},
-            }
-            for name, node in self.nodes.items()
-        }
 
 
 def _growth(stacks: Sequence[GrowingStack]) -> Iterator[BlobPanels]:

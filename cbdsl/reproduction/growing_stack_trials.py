@@ -23,7 +23,7 @@ _VALUES = {"goal": CHANNELS[ORDER[0]], "middle": CHANNELS[ORDER[1]], "feature": 
 # Part of a blob, as a signal's name ends.
 _PARTS = ("", ".extent", ".orientation")
 # Of the program that stacks three: the hand has gone home from the lower pair.
-_TWO_STAND = "X1X"
+_TWO_STAND = "X1"
 
 Blobs = Mapping[str, tuple[float, ...]]
 
@@ -77,10 +77,11 @@ class _Onlooker:
 
     def note(self, tick: Tick) -> None:
         """Take in a tick."""
-        two = tick.run.children["stack"].state.startswith(_TWO_STAND[:2])
+        two = tick.run.children["stack"].state.startswith(_TWO_STAND)
         if len(self.views) < 1 + two:
             seen = self.look(tick.signals)
-            if len(seen) == len(self._features):
+            # The third one may be out of view of a head that looks at the two that stand.
+            if seen.keys() >= {*(ORDER[:2] if two else ORDER)}:
                 self.views.append(seen)
 
     def look(self, signals: Signals) -> Blobs:

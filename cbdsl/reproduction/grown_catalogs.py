@@ -1,4 +1,4 @@
-"""Three catalogs that PICKANDPLACE joins: what it teaches, and how it habituates (7.7 to 7.9)."""
+"""Three catalogs that PICKANDPLACE joins, and the meta-catalogs that follow (7.7 to 7.10)."""
 
 from __future__ import annotations
 
@@ -9,6 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cbdsl.documents.catalog import CatalogDocument
+from cbdsl.reporting.drawing.catalog_hierarchy import CatalogNode
+from cbdsl.reporting.drawing.catalog_icon import Layer
 from cbdsl.reproduction.action_counts import action_bars, tally
 from cbdsl.reproduction.chart import Chart, Line
 from cbdsl.reproduction.claim import Claim, above, at_least, at_most, below, near
@@ -21,13 +23,14 @@ from cbdsl.reproduction.exploration_series import (
     ExplorationSeries,
 )
 from cbdsl.reproduction.habituation import actions_of, reward_chart, rewards
+from cbdsl.reproduction.hierarchy import Hierarchy
 from cbdsl.reproduction.percentage import percentage
 from cbdsl.reproduction.quantity import Quantity
 from cbdsl.reproduction.trial_runner import TrialRunner, trial_runner
 
 Floats = NDArray[np.float64]
 
-_ACTION = "pick_and_place"
+_ACTION, _META = "pick_and_place", "fig-7.10"
 # Actions before it joins and at the end, and those after it joined in which it is tried out.
 _WINDOW, _DIP = 10, 20
 _TOLERANCE = 0.02
@@ -66,11 +69,19 @@ _NOTES = (
 )
 
 
+_META_NOTES = (
+    "From the explorations of Figures 7.7 to 7.9. The place on the table is a pad of another colour "
+    "that lies there, where the source has the green table itself.",
+)
+
+
 def run(settings: RunSettings, name: str) -> Result:
     """Explore, let PICKANDPLACE join, explore on, and see what it was worth."""
-    grown = FIGURES[name]
     with trial_runner(settings) as dexter:
-        catalogs = gather(dexter, settings, name)
+        explored = gather(dexter, settings, name)
+    if name == _META:
+        return _meta(explored)
+    grown, catalogs = FIGURES[name], explored[0]
     joined = joined_after(catalogs)
     measure = _returning if grown.affords else _in_vain
     quantities = (*_counts(grown, catalogs), *measure(catalogs, joined, settings.seed))
@@ -85,14 +96,15 @@ def run(settings: RunSettings, name: str) -> Result:
 
 def series_of(name: str) -> tuple[ExplorationSeries, ...]:
     """The series of explorations."""
-    return (FIGURES[name].series,)
+    figures = FIGURES.values() if name == _META else (FIGURES[name],)
+    return tuple(each.series for each in figures)
 
 
-def gather(dexter: TrialRunner, settings: RunSettings, name: str) -> list[CatalogDocument]:
-    """Run all actions; the catalog of each trial."""
-    series = FIGURES[name].series
-    dexter.expect(len(dexter.numbers(series)) * dexter.actions(series))
-    return dexter.explore(series)
+def gather(dexter: TrialRunner, settings: RunSettings, name: str) -> list[list[CatalogDocument]]:
+    """Run all actions; the catalogs of the trials of each series."""
+    for series in series_of(name):
+        dexter.expect(len(dexter.numbers(series)) * dexter.actions(series))
+    return [dexter.explore(series) for series in series_of(name)]
 
 
 def joined_after(catalogs: Sequence[CatalogDocument]) -> int:
@@ -140,6 +152,35 @@ def _in_vain(catalogs: Sequence[CatalogDocument], joined: int, seed: int) -> Ite
     end = reward[:, -_WINDOW:].mean(axis=1) - before
     name = f"mean reward, last {_WINDOW} actions minus last {_WINDOW} without it"
     yield mean_of(name, "", "the same", end.tolist(), near(0.0, _TOLERANCE), seed=seed)
+
+
+def _meta(explored: Sequence[Sequence[CatalogDocument]]) -> Result:
+    """Which catalogs have it now, and what they make together."""
+    quantities, nodes = list[Quantity](), dict[str, CatalogNode]()
+    for grown, catalogs in zip(FIGURES.values(), explored, strict=True):
+        label = grown.series.label
+        hits = sum(tally([each], _ACTION)[0] > 0 for each in catalogs)
+        source, claim = (
+            ("all", at_least(_MOST)) if grown.affords else ("none", at_most(100 - _MOST))
+        )
+        name = f"{label}: catalogs that have {_ACTION}"
+        quantities.append(percentage(name, source, hits, len(catalogs), claim))
+        nodes[label] = CatalogNode(label, _layers(catalogs))
+    for grown, catalogs in zip(FIGURES.values(), explored, strict=True):
+        if grown.affords:
+            hits, tried = tally(catalogs, _ACTION)
+            below = (grown.series.label, TABLE_PLACED.label)
+            words = f"{grown.series.label} on the table"
+            nodes[words] = CatalogNode(words, [Layer("placed", tried, hits)], below, _ACTION)
+    title = "Two meta-catalogs (Figure 7.10)"
+    return Result(tuple(quantities), (Hierarchy(_META, title, nodes),), _META_NOTES)
+
+
+def _layers(catalogs: Sequence[CatalogDocument]) -> list[Layer]:
+    """Affordances of an object by itself."""
+    keys = dict.fromkeys(key for each in catalogs for key in each.affordances if key != _ACTION)
+    counts = {key: tally(catalogs, key) for key in keys}
+    return [Layer(key, tried, hits) for key, (hits, tried) in counts.items() if tried]
 
 
 def _before(reward: Floats, joined: int) -> Floats:

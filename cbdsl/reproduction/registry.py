@@ -41,6 +41,7 @@ _ALL: tuple[Experiment, ...] = (
     Experiment("fig-7.7", "PICKANDPLACE joins the catalog of a green table", "Section 7.1.3, Figure 7.7", "grown_catalogs", learns=True, backend="mujoco"),  # noqa: E501
     Experiment("fig-7.8", "PICKANDPLACE joins the catalog of a small basketball", "Section 7.1.3, Figure 7.8", "grown_catalogs", learns=True, backend="mujoco"),  # noqa: E501
     Experiment("fig-7.9", "PICKANDPLACE joins the catalog of a red ball with two patches", "Section 7.1.3, Figure 7.9", "grown_catalogs", learns=True, backend="mujoco"),  # noqa: E501
+    Experiment("fig-7.10", "Two balls that can be placed on a table", "Section 7.1.3, Figure 7.10", "grown_catalogs", learns=True, backend="mujoco"),  # noqa: E501
     Experiment("fig-7.13-7.14", "What is felt where one thing is on another one or in it", "Section 7.2, Figures 7.13 and 7.14", "fig_7_13", keeps=True, backend="mujoco"),  # noqa: E501
     Experiment("fig-7.16-7.17", "What three things afford alone, and what two and three of them do", "Section 7.3.2, Figures 7.16 and 7.17", "fig_7_17", keeps=True, backend="mujoco"),  # noqa: E501
     Experiment("table-7.1-7.2", "Which things stay on each other, of two and of three", "Section 7.3.2, Tables 7.1 and 7.2", "table_7_1", keeps=True, backend="mujoco"),  # noqa: E501

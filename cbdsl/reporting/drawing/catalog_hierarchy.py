@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 from cbdsl.reporting.drawing.catalog_icon import WIDTH, Layer, icon_parts
 
-_GAP, _RISE, _MARGIN, _LINE, _INK = 24, 56, 14, "#888888", "#222222"
+_GAP, _RISE, _MARGIN, _EDGE, _LINE, _INK = 24, 56, 14, 12, "#888888", "#222222"
 
 
 class CatalogNode(NamedTuple):
@@ -44,17 +44,18 @@ def catalog_hierarchy(nodes: Mapping[str, CatalogNode]) -> str:
         f'<rect width="{width:g}" height="{height:g}" fill="#ffffff"/>',
     ]
     for name, node in nodes.items():
-        (x, y), (tall, icon) = places[name], icons[name]
-        start = (x + WIDTH / 2, y + tall - 12)
+        start = (places[name][0] + WIDTH / 2, places[name][1] + icons[name][0] - _EDGE)
         for other in node.below:
-            end = (places[other][0] + WIDTH / 2, places[other][1] + 12)
+            end = (places[other][0] + WIDTH / 2, places[other][1] + _EDGE)
             parts.append(_line(start, end))
         if node.below:
             parts.append(
-                f'<text x="{start[0] + 8:g}" y="{start[1] + 18:g}" fill="{_INK}">'
-                f"{escape(node.deed)}</text>"
+                f'<text x="{start[0]:g}" y="{start[1] + 26:g}" text-anchor="middle" fill="{_INK}" '
+                f'stroke="#ffffff" stroke-width="5" paint-order="stroke">{escape(node.deed)}</text>'
             )
-        parts += [f'<g transform="translate({x:g} {y:g})">', *icon, "</g>"]
+    # Icons hide the lines that pass behind them.
+    for name, (x, y) in places.items():
+        parts += [f'<g transform="translate({x:g} {y:g})">', *icons[name][1], "</g>"]
     return "\n".join([*parts, "</svg>", ""])
 
 
