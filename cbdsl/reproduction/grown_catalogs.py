@@ -70,7 +70,7 @@ _NOTES = (
 
 
 _META_NOTES = (
-    "From the explorations of Figures 7.7 to 7.9. The place on the table is a pad of another colour "
+    "From the explorations of Figures 7.7 to 7.9. The place on the table is a pad of another color "
     "that lies there, where the source has the green table itself.",
 )
 

@@ -19,6 +19,11 @@ from cbdsl.yaml_text.library import Library, shipped
 NAMES = ("fig-7.7", "fig-7.8", "fig-7.9")
 
 
+def test_meta_catalogs_are_of_the_same_explorations() -> None:
+    series = [EXPERIMENTS[name].imported().series_of(name)[0] for name in NAMES]
+    assert list(EXPERIMENTS["fig-7.10"].imported().series_of("fig-7.10")) == series
+
+
 @pytest.mark.parametrize("name", NAMES)
 def test_one_action_joins_after_a_hundred_in_the_same_world(name: str) -> None:
     series = FIGURES[name].series
