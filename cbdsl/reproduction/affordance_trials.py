@@ -17,7 +17,7 @@ class AffordanceTrial(NamedTuple):
     """One episode.
 
     Attributes:
-        things: the program and the thing, as ``deed`` joins them.
+        things: the program and the thing, as ``attempt`` joins them.
         seed: of the episode.
         rewarded: whether the program was.
         ending: of the program.
@@ -44,13 +44,13 @@ class AffordanceTrial(NamedTuple):
         return cls(**data)
 
 
-def deed(program: str, thing: str) -> str:
+def attempt(program: str, thing: str) -> str:
     """A program that acts on a thing, as one text."""
     return f"{program}{_BETWEEN}{thing}"
 
 
 def affordance_digest(what: str) -> str:
-    """Digest of all that decides trials of a deed beside seed and engine."""
+    """Digest of all that decides trials of an attempt beside seed and engine."""
     program, _, thing = what.partition(_BETWEEN)
     return trial_digest(program, {"feature": CHANNELS[thing]}, STAGE)
 
@@ -61,7 +61,7 @@ def run_affordances(
     """Act on a thing, once for each seed.
 
     Args:
-        what: a deed.
+        what: an attempt.
         seeds: of the episodes.
         engine, cameras: of the simulation.
 

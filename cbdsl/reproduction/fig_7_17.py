@@ -11,7 +11,7 @@ from cbdsl.reporting.drawing.catalog_icon import Layer
 from cbdsl.reproduction.affordance_trials import (
     AffordanceTrial,
     affordance_digest,
-    deed,
+    attempt,
     run_affordances,
 )
 from cbdsl.reproduction.blob_panels import BlobPanels
@@ -77,7 +77,7 @@ class _Trials:
     """All that was done.
 
     Attributes:
-        alone: by program and thing, as ``deed`` joins them.
+        alone: by program and thing, as ``attempt`` joins them.
         pairs: by name of the pair.
         stacks: of three.
     """
@@ -101,14 +101,14 @@ def run(settings: RunSettings) -> Result:
 def _gather(settings: RunSettings) -> _Trials:
     count = settings.trials or (_QUICK_TRIALS if settings.quick else _TRIALS)
     seeds = range(settings.seed, settings.seed + count)
-    deeds = [deed(program, thing) for thing, own in AFFORDED.items() for program in own]
-    parts = _Parts(settings.progress, count * (len(deeds) + 3))
+    attempts = [attempt(program, thing) for thing, own in AFFORDED.items() for program in own]
+    parts = _Parts(settings.progress, count * (len(attempts) + 3))
     settings = replace(settings, progress=parts.note)
     alone = _kept(
-        settings, "affordances", dict.fromkeys(deeds, seeds), affordance_digest,
+        settings, "affordances", dict.fromkeys(attempts, seeds), affordance_digest,
         AffordanceTrial.from_data, run_affordances,
     )  # fmt: skip
-    parts.pass_by(count * len(deeds))
+    parts.pass_by(count * len(attempts))
     pairs = _kept(
         settings, "constellations", dict.fromkeys((_LOWER_PAIR, _UPPER_PAIR), seeds),
         constellation_digest, ConstellationTrial.from_data, run_constellations,
@@ -161,7 +161,7 @@ class _Parts:
 def _alone(trials: _Trials) -> Iterator[Quantity]:
     for thing, own in AFFORDED.items():
         for program, (source, claim) in own.items():
-            done = trials.alone[deed(program, thing)]
+            done = trials.alone[attempt(program, thing)]
             hits = sum(each.rewarded for each in done)
             name = f"{thing.replace('_', ' ')}: {program} rewarded"
             yield percentage(name, source, hits, len(done), claim)
@@ -194,7 +194,7 @@ def _nodes(trials: _Trials) -> dict[str, CatalogNode]:
         thing: CatalogNode(
             thing.replace("_", " "),
             [
-                _layer(program, [e.rewarded for e in trials.alone[deed(program, thing)]])
+                _layer(program, [e.rewarded for e in trials.alone[attempt(program, thing)]])
                 for program in own
             ],
         )

@@ -9,7 +9,7 @@ import pytest
 from cbdsl.reproduction.affordance_trials import (
     AffordanceTrial,
     affordance_digest,
-    deed,
+    attempt,
     run_affordances,
 )
 from cbdsl.reproduction.constellation_trials import ConstellationTrial, constellation_digest
@@ -35,7 +35,7 @@ def outcome(folder: Path, *, lifted: bool, stands: bool) -> Result:
     name = "mujoco_ideal.jsonl"
     for thing, own in AFFORDED.items():
         for program in own:
-            what = deed(program, thing)
+            what = attempt(program, thing)
             kept = KeptTrials(
                 folder / f"affordances_{name}", affordance_digest(what), AffordanceTrial.from_data
             )
@@ -105,6 +105,6 @@ def test_a_stack_of_three_is_tracked_once_it_stands() -> None:
 
 @pytest.mark.slow
 def test_a_small_box_is_transferred_and_a_large_one_is_touched() -> None:
-    for what in (deed("bimanualtouch", "purple_box"), deed("reachtouch", "blue_box")):
+    for what in (attempt("bimanualtouch", "purple_box"), attempt("reachtouch", "blue_box")):
         (trial,) = run_affordances(what, [7300000], "mujoco", "ideal")
         assert trial.rewarded, trial.ending

@@ -18,13 +18,13 @@ class CatalogNode(NamedTuple):
         words: what it is of.
         layers: its affordances; those that were never rewarded are not drawn.
         below: catalogs that it joins, by name.
-        deed: the action that joins them.
+        action: the one that joins them.
     """
 
     words: str
     layers: Sequence[Layer]
     below: tuple[str, ...] = ()
-    deed: str = ""
+    action: str = ""
 
 
 def catalog_hierarchy(nodes: Mapping[str, CatalogNode]) -> str:
@@ -51,7 +51,7 @@ def catalog_hierarchy(nodes: Mapping[str, CatalogNode]) -> str:
         if node.below:
             parts.append(
                 f'<text x="{start[0]:g}" y="{start[1] + 26:g}" text-anchor="middle" fill="{_INK}" '
-                f'stroke="#ffffff" stroke-width="5" paint-order="stroke">{escape(node.deed)}</text>'
+                f'stroke="#ffffff" stroke-width="5" paint-order="stroke">{escape(node.action)}</text>'
             )
     # Icons hide the lines that pass behind them.
     for name, (x, y) in places.items():
