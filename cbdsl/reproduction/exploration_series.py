@@ -155,7 +155,7 @@ RED_BALL = ExplorationSeries(
 
 
 def _placed(known: ExplorationSeries, goal: str) -> ExplorationSeries:
-    """What is known, with a pad beside it from the beginning; then PICKANDPLACE joins."""
+    """The same with a pad in the world from the beginning; later PICKANDPLACE joins."""
     # Nothing has the obstacle's colour: a patch of the ball's own would keep the ball away.
     values = {"goal": goal, "obstacle": "hue_9"}
     beside = replace(known, name=f"{known.name}_beside_pad", stage=f"{known.stage}_and_pad")

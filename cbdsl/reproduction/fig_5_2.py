@@ -95,13 +95,13 @@ def _density(
 def _tracked(episodes: Mapping[str, Sequence[MotionEpisode]]) -> Iterator[Quantity]:
     """How often motion was tracked, and where the cameras looked then."""
     shaken, nothing = episodes[SHAKEN], episodes[NOTHING]
-    found = [each for each in shaken if each.posture]
+    tracked = [each for each in shaken if each.posture]
     name = "motion tracked where something is shaken"
-    yield percentage(name, "no number", len(found), len(shaken), None, of="episodes")
+    yield percentage(name, "no number", len(tracked), len(shaken), None, of="episodes")
     seen = sum(bool(each.posture) for each in nothing)
     name = "motion tracked where nothing moves"
     yield percentage(name, "no peak", seen, len(nothing), at_most(_FEW), of="episodes")
-    off = [math.degrees(each.off) for each in found]
+    off = [math.degrees(each.off) for each in tracked]
     name = "from the middle of what is shaken, when tracked"
     yield mean_of(name, "deg", "where it was presented", off, below(_CLOSE))
 

@@ -44,7 +44,7 @@ _MOMENTS = ("as they lie", "two are stacked", "all three, after the release")
 
 
 class Afforded(NamedTuple):
-    """What the source says of one action on one thing."""
+    """A statement of the source about one action on one thing."""
 
     source: str
     claim: Claim | None

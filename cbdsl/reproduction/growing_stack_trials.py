@@ -68,7 +68,7 @@ class GrowingStack(NamedTuple):
         return cls(**{**data, "views": views})
 
 
-class _Onlooker:
+class _BlobReader:
     """Reads the blobs as the things lie, and when two of them are stacked."""
 
     def __init__(self, features: Mapping[str, Sequence[Resource]]) -> None:
@@ -85,7 +85,7 @@ class _Onlooker:
                 self.views.append(seen)
 
     def look(self, signals: Signals) -> Blobs:
-        """What is seen of each thing now."""
+        """Blobs of the things that are seen now."""
         seen = {name: _blob(signals, parts) for name, parts in self._features.items()}
         return {name: blob for name, blob in seen.items() if blob}
 
@@ -128,11 +128,11 @@ def run_growing_stacks(
         kinematics = Kinematics(lab.robot, lab.urdf)
         runner = Runner(lab.robot, kinematics, lab.program, lab.backend, observed=observed)
         for seed in seeds:
-            judge, onlooker = StackJudge(lab.backend.truth, ORDER), _Onlooker(features)
+            judge, reader = StackJudge(lab.backend.truth, ORDER), _BlobReader(features)
 
-            def note(tick: Tick, judge: StackJudge = judge, onlooker: _Onlooker = onlooker) -> None:
+            def note(tick: Tick, judge: StackJudge = judge, reader: _BlobReader = reader) -> None:
                 judge.note(tick)
-                onlooker.note(tick)
+                reader.note(tick)
 
             result = runner.run(lab.stage, seed, context, on_tick=note)
             yield GrowingStack(
@@ -140,6 +140,6 @@ def run_growing_stacks(
                 seed,
                 result.outcome == "success" and not result.far,
                 judge.conclude(context, seed, result.ending).stands,
-                (*onlooker.views, onlooker.look(runner.signals)),
+                (*reader.views, reader.look(runner.signals)),
                 result.ending,
             )

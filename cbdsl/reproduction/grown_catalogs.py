@@ -39,7 +39,7 @@ _MOST = 80
 
 
 class Grown(NamedTuple):
-    """What the source reports of one object.
+    """A report of the source about one object.
 
     Attributes:
         series: the exploration.
@@ -124,7 +124,7 @@ def _counts(grown: Grown, catalogs: Sequence[CatalogDocument]) -> Iterator[Quant
 
 
 def _returning(catalogs: Sequence[CatalogDocument], joined: int, seed: int) -> Iterator[Quantity]:
-    """What an object that can be taken elsewhere teaches: reward returns, and is over again."""
+    """Quantities of an object that can be taken elsewhere: reward returns, and is over again."""
     reward = rewards(catalogs)
     firsts = [_first_reward(each) for each in catalogs]
     known = [each for each in firsts if each is not None]
@@ -143,7 +143,7 @@ def _returning(catalogs: Sequence[CatalogDocument], joined: int, seed: int) -> I
 
 
 def _in_vain(catalogs: Sequence[CatalogDocument], joined: int, seed: int) -> Iterator[Quantity]:
-    """What an action costs that teaches nothing: a dip, and then no less than before."""
+    """Quantities of an action that teaches nothing: a dip, and then no less than before."""
     reward = rewards(catalogs)
     before = _before(reward, joined).mean(axis=1)
     dip = reward[:, joined : joined + _DIP].mean(axis=1) - before
@@ -155,7 +155,7 @@ def _in_vain(catalogs: Sequence[CatalogDocument], joined: int, seed: int) -> Ite
 
 
 def _meta(explored: Sequence[Sequence[CatalogDocument]]) -> Result:
-    """Which catalogs have it now, and what they make together."""
+    """Result of the catalogs that have it now, and of what they make together."""
     quantities, nodes = list[Quantity](), dict[str, CatalogNode]()
     for grown, catalogs in zip(FIGURES.values(), explored, strict=True):
         label = grown.series.label

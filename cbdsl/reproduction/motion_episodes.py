@@ -54,7 +54,7 @@ class MotionEpisode(NamedTuple):
         return cls(**{**data, "posture": tuple(data["posture"])})
 
 
-class _Watcher:
+class _EpisodeEye:
     """Takes in an episode, and what the simulator's truth says of it."""
 
     def __init__(self, lab: SimulationFixture) -> None:
@@ -113,7 +113,7 @@ def run_motion_episodes(
     with simulation_fixture(PROGRAM, None, STAGE, engine, cameras) as lab:
         runner = replace(lab, program=lab.program._replace(transitions=_TRANSITIONS)).runner()
         for seed in seeds:
-            watcher = _Watcher(lab)
+            watcher = _EpisodeEye(lab)
             result = runner.run(lab.stage, seed, context, on_tick=watcher.note)
             posture = watcher.posture if result.rewarded else ()
             yield MotionEpisode(context, seed, posture, watcher.off, result.ending)

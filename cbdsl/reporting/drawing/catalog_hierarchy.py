@@ -51,7 +51,8 @@ def catalog_hierarchy(nodes: Mapping[str, CatalogNode]) -> str:
         if node.below:
             parts.append(
                 f'<text x="{start[0]:g}" y="{start[1] + 26:g}" text-anchor="middle" fill="{_INK}" '
-                f'stroke="#ffffff" stroke-width="5" paint-order="stroke">{escape(node.action)}</text>'
+                f'stroke="#ffffff" stroke-width="5" paint-order="stroke">'
+                f"{escape(node.action)}</text>"
             )
     # Icons hide the lines that pass behind them.
     for name, (x, y) in places.items():
