@@ -92,7 +92,7 @@ def test_the_hierarchy_has_the_pair_below_the_stack(tmp_path: Path) -> None:
 
 @pytest.mark.slow
 def test_a_stack_of_three_is_tracked_once_it_stands() -> None:
-    (trial,) = run_growing_stacks(CONTEXT, [7300000], "mujoco", "ideal")
+    (trial,) = run_growing_stacks(CONTEXT, [1], "mujoco", "ideal")
     assert trial.tracked and trial.stands, trial.ending
     first, second, last = trial.views
     assert first.keys() == last.keys() == set(ORDER)
@@ -106,5 +106,5 @@ def test_a_stack_of_three_is_tracked_once_it_stands() -> None:
 @pytest.mark.slow
 def test_a_small_box_is_transferred_and_a_large_one_is_touched() -> None:
     for what in (attempt("bimanualtouch", "purple_box"), attempt("reachtouch", "blue_box")):
-        (trial,) = run_affordances(what, [7300000], "mujoco", "ideal")
+        (trial,) = run_affordances(what, [1], "mujoco", "ideal")
         assert trial.rewarded, trial.ending
