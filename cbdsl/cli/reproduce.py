@@ -30,8 +30,8 @@ BackendName = Annotated[
     str | None,
     typer.Option(
         "--backend",
-        help="What embodies the robot in experiments that learn, fig-5.6, fig-7.13-7.14 and "
-        "table-7.1-7.2 [kinematic; mujoco in fig-5.6 and Chapter 7].",
+        help="What embodies the robot in experiments that learn, fig-5.2, fig-5.6, fig-7.13-7.14, "
+        "fig-7.16-7.17 and table-7.1-7.2 [kinematic; mujoco in fig-5.6 and Chapter 7].",
     ),
 ]
 Cameras = Annotated[
@@ -44,7 +44,8 @@ Trials = Annotated[
         "--trials",
         min=1,
         help="How many times it learns from zero [30 on kinematic, else as often as the source]; "
-        "with engines, how many episodes of each program run [20]; with fig-5.3-5.5, how many "
+        "with engines, how many episodes of each program run [20], with fig-5.2 how many times 25 "
+        "episodes [20]; with fig-5.3-5.5, how many "
         "samples of each channel are wanted [50], with fig-5.6 of each of five ways to touch [10].",
     ),
 ]
@@ -87,7 +88,8 @@ def reproduce(
 
     Experiments in which the robot learns run trials, and share those of the same programs. With
     --keep each of their episodes is kept as soon as it is over, and so is each of engines,
-    fig-5.3-5.5 and fig-5.6, and each trial of fig-5.10-5.11, fig-7.13-7.14 and table-7.1-7.2.
+    fig-5.2, fig-5.3-5.5 and fig-5.6, and each trial of fig-5.10-5.11, fig-7.13-7.14, fig-7.16-7.17
+    and table-7.1-7.2.
 
     Exit 0 when it ran, whatever the verdicts, and 2 when it could not run.
     """

@@ -81,7 +81,7 @@ class PlaceSection(Section):
 
 
 class Motion(Section):
-    """How the experimenter carries a thing along until it is touched, or throws it."""
+    """How the experimenter carries a thing along until it is touched, shakes it, or throws it."""
 
     speed: SpeedSpan
     """Horizontal speed."""
@@ -93,6 +93,15 @@ class Motion(Section):
     """Given its speed once, instead of carried at it."""
     after: TimeSpan = (0.0, 0.0)
     """When the motion starts."""
+    within: Size | None = None
+    """Shaken so far to either side of its place, at that speed in the middle, instead of carried
+    straight on; a throw has none."""
+
+    @model_validator(mode="after")
+    def _is_shaken_or_thrown(self) -> Self:
+        if self.thrown and self.within is not None:
+            raise ValueError("what is thrown flies on: `within` is for what is shaken")
+        return self
 
 
 class Scatter(Section):

@@ -10,7 +10,7 @@ import numpy as np
 from cbdsl.documents.catalog import CatalogDocument
 from cbdsl.learning.action_outcome import NOOP
 from cbdsl.reporting.drawing.catalog_icon import Layer, catalog_icon
-from cbdsl.reproduction.bar_chart import Bar, BarChart
+from cbdsl.reproduction.action_counts import action_bars, tally
 from cbdsl.reproduction.claim import Claim, above, at_least, at_most, below, between
 from cbdsl.reproduction.estimate import chance_of_samples, mean, median
 from cbdsl.reproduction.experiment import Picture, Result, RunSettings
@@ -104,7 +104,7 @@ def run(settings: RunSettings, name: str) -> Result:
     ]
     pictures: list[Picture] = [
         reward_chart(name, series.label, catalogs),
-        _bars(name, series.label, catalogs),
+        action_bars(name, series.label, catalogs),
     ]
     change = change_chart(name, series.label, catalogs)
     return Result(tuple(quantities), (*pictures, *([change] if change else [])), _NOTES)
@@ -137,29 +137,23 @@ def gather(
     return [(series, dexter.explore(series)) for series in series_of(name)]
 
 
-def _tally(catalogs: Sequence[CatalogDocument], name: str) -> tuple[int, int]:
-    """How often an action was rewarded, and taken, in all trials."""
-    own = [each.affordances[name] for each in catalogs if name in each.affordances]
-    return sum(each.rewarded for each in own), sum(each.tried for each in own)
-
-
 def _shares(
     catalogs: Sequence[CatalogDocument], expected: Mapping[str, Expected]
 ) -> Iterator[Quantity]:
     for name, what in expected.items():
-        hits, tried = _tally(catalogs, name)
+        hits, tried = tally(catalogs, name)
         yield percentage(f"{name} rewarded", what.source, hits, tried, what.claim, of="actions")
 
 
 def _marks(catalogs: Sequence[CatalogDocument]) -> Iterator[Quantity]:
     """Of a ball with two patches: how often either was found, of all inspections."""
     for name in ("reachtouch", "bimanualtouch"):
-        hits, tried = _tally(catalogs, name)
+        hits, tried = tally(catalogs, name)
         yield percentage(f"{name} rewarded", "no number", hits, tried, None, of="actions")
     names = dict.fromkeys(k for each in catalogs for k in each.affordances if "inspect" in k)
-    inspected = sum(_tally(catalogs, name)[1] for name in names)
+    inspected = sum(tally(catalogs, name)[1] for name in names)
     for name in names:
-        hits, _ = _tally(catalogs, name)
+        hits, _ = tally(catalogs, name)
         if name != "visualinspect":
             label = f"{name} rewarded, of all inspections"
             yield percentage(label, "below one half", hits, inspected, below(50))
@@ -207,17 +201,6 @@ def _more_often(actions: Sequence[str]) -> float:
     return float(actions[-_LAST:].count(NOOP) - actions[:_FIRST].count(NOOP))
 
 
-def _bars(name: str, label: str, catalogs: Sequence[CatalogDocument]) -> BarChart:
-    bars, trials = [], len(catalogs)
-    for key in dict.fromkeys(k for each in catalogs for k in each.affordances):
-        hits, tried = _tally(catalogs, key)
-        bars.append(Bar(key, hits / trials, (tried - hits) / trials))
-    nothing = sum(actions_of(each).count(NOOP) for each in catalogs) / trials
-    bars.append(Bar(NOOP, 0.0, nothing))
-    title = f"{label}: actions of a trial"
-    return BarChart(f"{name}-actions", title, "rewarded", "not rewarded", tuple(bars))
-
-
 @dataclass(frozen=True)
 class IconPicture:
     """The icon of a catalog as a picture of an experiment."""
@@ -244,9 +227,8 @@ def _icons(explored: Sequence[tuple[ExplorationSeries, list[CatalogDocument]]]) 
         label = f"{series.label}: catalogs with just these {len(wanted)} affordances"
         quantities.append(percentage(label, "all", hits, len(catalogs), at_least(90)))
         keys = dict.fromkeys(k for each in catalogs for k in each.affordances)
-        layers = tuple(
-            Layer(key, tally[1], tally[0]) for key in keys if (tally := _tally(catalogs, key))
-        )
+        counts = {key: tally(catalogs, key) for key in keys}
+        layers = tuple(Layer(key, tried, hits) for key, (hits, tried) in counts.items())
         pictures.append(IconPicture(f"fig-6.5-{series.name}", series.label, series.feature, layers))
     return Result(tuple(quantities), tuple(pictures), _ICON_NOTES)
 

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping
-from typing import NamedTuple
+from typing import Any, NamedTuple, Self
 
 from cbdsl.reproduction.simulation_fixture import simulation_fixture
 from cbdsl.reproduction.stack_trials import StackJudge
+from cbdsl.reproduction.trial_digest import trial_digest
 from cbdsl.robot.pair_names import pair_features
 from cbdsl.robot.resources import resources
 from cbdsl.runtime.episode import Runner, Tick
@@ -46,6 +47,36 @@ class ConstellationTrial(NamedTuple):
     after: Features
     ending: str
 
+    def as_data(self) -> dict[str, Any]:
+        """Plain data, for JSON."""
+        return self._asdict()
+
+    @classmethod
+    def from_data(cls, data: Mapping[str, Any]) -> Self:
+        """Trial that ``as_data`` wrote.
+
+        Raises:
+            ValueError: it is none.
+        """
+        if set(data) != set(cls._fields):
+            raise ValueError("no trial of a constellation")
+        seen = {
+            key: {name: tuple(own) for name, own in data[key].items()}
+            for key in ("before", "after")
+        }
+        return cls(**{**data, **seen})
+
+
+def constellation_digest(things: str) -> str:
+    """Digest of all that decides trials of a pair beside seed and engine."""
+    return trial_digest(PROGRAM, _values(things), STAGE)
+
+
+def _values(things: str) -> dict[str, str]:
+    """Values of the program's parameters for a pair."""
+    upper, _, lower = things.partition("_on_")
+    return {"feature": CHANNELS[upper], "goal": CHANNELS[lower]}
+
 
 def run_constellations(
     things: str, seeds: Iterable[int], engine: str, cameras: str | None
@@ -61,11 +92,10 @@ def run_constellations(
         BackendError, EpisodeError: the simulator cannot run it.
         ImportError: it is not installed.
     """
-    upper, _, lower = things.partition("_on_")
-    values = {"feature": CHANNELS[upper], "goal": CHANNELS[lower]}
+    values = _values(things)
     with simulation_fixture(PROGRAM, values, STAGE, engine, cameras) as lab:
         camera = next(iter(lab.robot.cameras))
-        features = pair_features(CHANNELS[upper], CHANNELS[lower], camera, resources(lab.robot))
+        features = pair_features(values["feature"], values["goal"], camera, resources(lab.robot))
         kinematics, observed = Kinematics(lab.robot, lab.urdf), tuple(features.values())
         runner = Runner(lab.robot, kinematics, lab.program, lab.backend, observed=observed)
         for seed in seeds:

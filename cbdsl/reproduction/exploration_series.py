@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import shlex
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import NamedTuple
 
@@ -57,6 +57,8 @@ class ExplorationSeries:
         constants: of the algorithm, where they are not its own, as text.
         actions: of each exploration, as many as the source has.
         trials: as many as the source has, most of which it drew from its models.
+        grown_from: what was explored before without some of what can be done now; ``actions``
+            come after its own.
     """
 
     name: str
@@ -68,6 +70,7 @@ class ExplorationSeries:
     constants: Mapping[str, str] = field(default_factory=dict)
     actions: int = 100
     trials: int = 25
+    grown_from: ExplorationSeries | None = None
 
     def command(self, seed: int, actions: int, backend: str, cameras: str | None) -> str:
         """The command line of ``cb explore`` that explores the same."""
@@ -77,6 +80,7 @@ class ExplorationSeries:
         words += ["--cameras", cameras] if cameras is not None else []
         words += ["--algorithm", self.algorithm] if self.algorithm != "explore_catalog" else []
         words += [f"--set={name}={value}" for name, value in self.constants.items()]
+        words += ["--join"] if self.grown_from is not None else []
         return shlex.join([*words, "--actions", str(actions)])
 
     def task(
@@ -101,6 +105,7 @@ class ExplorationSeries:
             until_habituated=False,
             command="",
             path=path,
+            joins=self.grown_from is not None,
         )
 
     def _explorable(
@@ -159,6 +164,25 @@ BASKETBALL = ExplorationSeries(
 RED_BALL = ExplorationSeries(
     "red_ball", "red ball", "red", "exploring_red_ball", (_LOOK, _TOUCH, _BOTH, _INSPECT)
 )
+
+
+def _placed(known: ExplorationSeries, goal: str) -> ExplorationSeries:
+    """The same with a pad in the world from the beginning; later PICKANDPLACE joins."""
+    # Nothing has the obstacle's colour: a patch of the ball's own would keep the ball away.
+    values = {"goal": goal, "obstacle": "hue_9"}
+    beside = replace(known, name=f"{known.name}_beside_pad", stage=f"{known.stage}_and_pad")
+    return replace(
+        beside,
+        name=f"{known.name}_placed",
+        explored=(*known.explored, ExploredAction("pick_and_place", "pick_and_place", values)),
+        actions=50,
+        grown_from=beside,
+    )
+
+
+TABLE_PLACED = _placed(TABLE, "blue")
+BASKETBALL_PLACED = _placed(BASKETBALL, "green")
+RED_BALL_PLACED = _placed(RED_BALL, "green")
 TABLE_MODELS = ExplorationSeries(
     "table_models",
     "green table",

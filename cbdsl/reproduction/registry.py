@@ -23,6 +23,7 @@ _ALL: tuple[Experiment, ...] = (
     Experiment("fig-4.10", "Transitions of REACHTOUCH's policy", "Section 4.3.1, Figure 4.10", "transition_diagrams", learns=True, backend="kinematic"),  # noqa: E501
     Experiment("fig-4.11", "Transitions of VISUALINSPECT's policy", "Section 4.3.2, Figure 4.11", "transition_diagrams", learns=True, backend="kinematic"),  # noqa: E501
     Experiment("fig-4.13", "Transitions of BIMANUALTOUCH's policy", "Section 4.3.3, Figure 4.13", "transition_diagrams", learns=True, backend="kinematic"),  # noqa: E501
+    Experiment("fig-5.2", "Where motion is expected after something was shaken", "Section 5.2.1, Figure 5.2", "fig_5_2", keeps=True, backend="kinematic"),  # noqa: E501
     Experiment("fig-5.3-5.5", "Where the channels of saturation, hue and intensity can be tracked in a room", "Section 5.2.1, Figures 5.3 to 5.5", "background_model", keeps=True),  # noqa: E501
     Experiment("fig-5.6", "Where touch is afforded", "Section 5.2.2, Figure 5.6", "touch_map", keeps=True, backend="mujoco"),  # noqa: E501
     Experiment("fig-5.8", "Three ways to learn which arm to reach with", "Section 5.3.1.2, Figure 5.8", "three_learners", learns=True, backend="kinematic"),  # noqa: E501
@@ -37,7 +38,12 @@ _ALL: tuple[Experiment, ...] = (
     Experiment("fig-6.8", "Novelty and surprise", "Section 6.3.1, Figure 6.8", "model_programs", learns=True, backend="kinematic"),  # noqa: E501
     Experiment("fig-7.2", "Transitions of PICKANDPLACE's policy", "Section 7.1.1, Figure 7.2", "transition_diagrams", learns=True, backend="mujoco"),  # noqa: E501
     Experiment("fig-7.3", "What PICKANDPLACE earns while it is learned", "Section 7.1.1, Figure 7.3", "reward_curve", learns=True, backend="mujoco"),  # noqa: E501
+    Experiment("fig-7.7", "PICKANDPLACE joins the catalog of a green table", "Section 7.1.3, Figure 7.7", "grown_catalogs", learns=True, backend="mujoco"),  # noqa: E501
+    Experiment("fig-7.8", "PICKANDPLACE joins the catalog of a small basketball", "Section 7.1.3, Figure 7.8", "grown_catalogs", learns=True, backend="mujoco"),  # noqa: E501
+    Experiment("fig-7.9", "PICKANDPLACE joins the catalog of a red ball with two patches", "Section 7.1.3, Figure 7.9", "grown_catalogs", learns=True, backend="mujoco"),  # noqa: E501
+    Experiment("fig-7.10", "Two balls that can be placed on a table", "Section 7.1.3, Figure 7.10", "grown_catalogs", learns=True, backend="mujoco"),  # noqa: E501
     Experiment("fig-7.13-7.14", "What is felt where one thing is on another one or in it", "Section 7.2, Figures 7.13 and 7.14", "fig_7_13", keeps=True, backend="mujoco"),  # noqa: E501
+    Experiment("fig-7.16-7.17", "What three things afford alone, and what two and three of them do", "Section 7.3.2, Figures 7.16 and 7.17", "fig_7_17", keeps=True, backend="mujoco"),  # noqa: E501
     Experiment("table-7.1-7.2", "Which things stay on each other, of two and of three", "Section 7.3.2, Tables 7.1 and 7.2", "table_7_1", keeps=True, backend="mujoco"),  # noqa: E501
     Experiment("engines", "Shipped programs and policies on every engine", "Chapters 3 and 4, Sections 4.2 and 4.3", "engines", keeps=True),  # noqa: E501
 )

@@ -31,6 +31,7 @@ from cbdsl.reproduction.series import Series
 from cbdsl.reproduction.shipped import shipped_file, shipped_robot
 from cbdsl.sensing.kinematics import Kinematics
 from cbdsl.training.episode_runner import BackendEpisodeRunner
+from cbdsl.training.exploration_task import exploration_journal
 from cbdsl.training.journal import Journal
 from cbdsl.training.provenance import TrialSetting, provenance_of
 from cbdsl.training.trial import Trial
@@ -43,6 +44,7 @@ from cbdsl.training.trial_loop import (
 )
 from cbdsl.types.policy import Policy, WrittenPolicy
 from cbdsl.yaml_text.library import Library, shipped
+from cbdsl.yaml_text.writer import write_text
 
 _ROBOT = "dexter"
 # As many seeds as the field asks for, where the backend is fast; else as many as the source has.
@@ -153,12 +155,13 @@ class TrialRunner:
         return [self._explore(series, number) for number in self.numbers(series)]
 
     def actions(self, series: ExplorationSeries) -> int:
-        """How many actions each exploration has."""
-        return _QUICK_EPISODES if self._settings.quick else series.actions
+        """How many actions each exploration has, with those that it is grown from."""
+        before = 0 if series.grown_from is None else self.actions(series.grown_from)
+        return before + (_QUICK_EPISODES if self._settings.quick else series.actions)
 
     def _explore(self, series: ExplorationSeries, number: int) -> CatalogDocument:
         settings, count, done = self._settings, self.actions(series), 0
-        where = settings.backend, settings.cameras
+        where, before = (settings.backend, settings.cameras), self._grow(series, number)
         task = series.task(self.library, self.robot, shipped_dexter()[1], self.path(series, number))
         task = replace(
             task,
@@ -177,8 +180,22 @@ class TrialRunner:
             self.note(number, seen, seconds)
 
         catalog = task.run(self._body, self._kinematics, note)
-        self._advance(count - done)
+        self._advance(count - before - done)
         return catalog
+
+    def _grow(self, series: ExplorationSeries, number: int) -> int:
+        """Run what an exploration is grown from, and go on from there; how many actions it had."""
+        known = series.grown_from
+        if known is None:
+            return 0
+        self._explore(known, number)
+        count = self.actions(known)
+        begun = exploration_journal(self.path(series, number))
+        if not begun.exists():
+            rows = exploration_journal(self.path(known, number)).read_text(encoding="utf-8")
+            # Its first line says what is explored.
+            write_text("".join(rows.splitlines(keepends=True)[: 1 + count]), begun)
+        return count
 
     def program(self, series: Series) -> CheckedProgram:
         """The program of a series, with the actions to choose from."""

@@ -21,6 +21,10 @@ from cbdsl.sensing.stereo import Ray, triangulate
 
 Floats = NDArray[np.float64]
 
+# A camera that turned by less since its last image was still, rad: a 25th of a pixel, so that no
+# edge of a thing that rests moves by enough pixels to be a region.
+_STILL = 1e-4
+
 
 class SeenHeading(NamedTuple):
     """A heading to a region.
@@ -210,14 +214,16 @@ class Vision:
         by_channel: dict[str, list[list[Sighting]]] = {
             channel: [[] for _ in self._cameras] for channel in self.channels
         }
-        frames = self._kinematics.placed(self._links)
+        frames, turned = self._kinematics.placed(self._links), set[str]()
         for row, (name, frame) in enumerate(zip(self._cameras, frames, strict=True)):
             if name not in seen:
                 continue
+            if "motion" in self.channels and self._moved(name, frame):
+                turned.add(name)
             for channel, regions in seen[name].items():
                 # A turning camera sees everything move, which says nothing about the world.
                 if channel == "motion":
-                    if self._moved(name, frame):
+                    if name in turned:
                         continue
                     # One thing that moves changes the image where it was and where it is.
                     regions = regions[:1]
@@ -227,15 +233,21 @@ class Vision:
             self.field.place(row, name, frame)
         for channel, sightings in by_channel.items():
             self.instances[channel].look(self._image_time, sightings)
-        self._linger()
+        self._linger(turned)
 
-    def _linger(self) -> None:
-        """Keep the sightings of the newest images, and those of a moment ago."""
+    def _linger(self, turned: Collection[str]) -> None:
+        """Keep the sightings of the newest images, and those of a moment ago.
+
+        What moved is taken to be there while a camera turns, which cannot see it.
+        """
         for channel, instances in self.instances.items():
             for camera, sightings in zip(self._cameras, instances.sightings, strict=True):
                 for number, sighting in sightings.items():
                     self._lingering[camera, channel, number] = sighting
         now, linger = self._image_time, self._settings.linger
+        for key, sighting in self._lingering.items() if turned else ():
+            if key[1] == "motion" and key[0] in turned:
+                self._lingering[key] = sighting._replace(time=now)
         if any([now - sighting.time > linger for sighting in self._lingering.values()]):
             self._lingering = {
                 key: sighting
@@ -253,4 +265,4 @@ class Vision:
     def _moved(self, camera: str, frame: Frame) -> bool:
         """Whether a camera has turned since its last image; also before its first."""
         before = self.field.frames.get(camera)
-        return before is None or not np.allclose(frame.rotation, before.rotation, atol=1e-3)
+        return before is None or not np.allclose(frame.rotation, before.rotation, atol=_STILL)

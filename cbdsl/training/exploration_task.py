@@ -85,7 +85,7 @@ class ExplorationTask:
     @property
     def journal(self) -> Path:
         """File of its actions, each as soon as it is over."""
-        return self.path.with_suffix(".actions.jsonl")
+        return exploration_journal(self.path)
 
     def require_ready(self, *, resume: bool) -> None:
         """Check, before anything moves, that the outcome can be written.
@@ -231,6 +231,11 @@ class ExplorationTask:
             renderer=renderer,
             versions=versions(),
         )
+
+
+def exploration_journal(path: Path) -> Path:
+    """File of the actions of a catalog."""
+    return path.with_suffix(".actions.jsonl")
 
 
 def require_writable(path: Path, journal: Path, *, resume: bool) -> None:

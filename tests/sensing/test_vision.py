@@ -55,6 +55,40 @@ def look_towards(
     signals.update(backend.observe())
 
 
+def moves(signals: Signals) -> bool:
+    """Whether motion is seen, or was a moment ago."""
+    return signals.vision.heading("left", "motion") is not None
+
+
+def test_what_moved_is_there_until_the_camera_rests_again(
+    dexter: RobotDocument, kinematics: Kinematics, backend: SyntheticBackend
+) -> None:
+    signals = Signals(dexter, kinematics, [resources(dexter)["cyclopean.motion"]])
+    look_towards(BALL, backend, signals)
+    backend.world.ball = Ball(BALL.copy())
+    look(backend, signals, 0.5)
+    assert not moves(signals)
+    for _ in range(3):
+        backend.world.ball.position[1] += 0.02
+        look(backend, signals)
+    assert moves(signals)
+    first, pan = signals.vision.heading("left", "motion"), kinematics.joints.index["pan"]
+    assert first is not None
+    # Everything moves in the images of a head that turns, and it does so for longer than a
+    # moment; what has moved before stays where it was in the world.
+    for _ in range(60):
+        signals.update(backend.observe())
+        backend.apply(signals.positions + np.eye(len(signals.positions))[pan] * 0.003)
+        backend.step()
+    turned = signals.vision.heading("left", "motion")
+    assert turned is not None
+    # Of the turn about the vertical, a camera that looks down sees the cosine.
+    seen = -0.18 * np.cos(signals.positions[kinematics.joints.index["tilt"]])
+    assert turned.angles[0] - first.angles[0] == pytest.approx(seen, abs=0.03)
+    look(backend, signals, 0.5)
+    assert not moves(signals)
+
+
 def position(signals: Signals, channel: str) -> NDArray[np.float64] | None:
     return signals.vision.memories[channel].position
 

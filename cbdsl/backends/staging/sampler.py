@@ -266,7 +266,8 @@ class ScenarioSampler:
         upward, start = draw(motion.upward, self._rng), draw(motion.after, self._rng)
         rising = upward if motion.thrown else 0.0
         velocity = np.array([speed * math.cos(direction), speed * math.sin(direction), rising])
-        return Movement(velocity, start, motion.thrown)
+        within = math.inf if motion.within is None else motion.within
+        return Movement(velocity, start, motion.thrown, within)
 
     def _named(self, entries: Mapping[str, _Entry], name: str, kind: str) -> _Entry:
         if name not in entries:

@@ -39,17 +39,19 @@ class SceneObject(NamedTuple):
 
 
 class Movement(NamedTuple):
-    """Motion of a thing that the experimenter carries along or throws.
+    """Motion of a thing that the experimenter carries along, shakes or throws.
 
     Attributes:
-        velocity: m/s, shape (3,); level unless it is thrown.
+        velocity: m/s, shape (3,); level unless it is thrown. Of what is shaken, in the middle.
         start: since the episode began, s.
         thrown: whether it is given its velocity once, instead of kept at it.
+        within: how far to either side it is shaken, m; infinite where it goes straight on.
     """
 
     velocity: Floats
     start: float
     thrown: bool
+    within: float = math.inf
 
 
 @dataclass(frozen=True)

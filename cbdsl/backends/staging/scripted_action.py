@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
+import math
 from typing import Protocol
 
 import numpy as np
+from numpy.typing import NDArray
 
 from cbdsl.backends.staging.engine import Engine
 from cbdsl.backends.staging.fall import Fall
 from cbdsl.backends.staging.scenario import Movement
+
+Floats = NDArray[np.float64]
 
 
 class ScriptedAction(Protocol):
@@ -39,12 +43,12 @@ class HoldAction:
 
 
 class CarryAction:
-    """Carry an object along at a constant horizontal velocity until the robot touches it."""
+    """Carry an object along, or shake it, until the robot touches it."""
 
     def __init__(self, engine: Engine, name: str, movement: Movement) -> None:
         self._engine, self._name = engine, name
-        self._velocity, self._start = movement.velocity, movement.start
-        self._carries = False
+        self._movement, self._start = movement, movement.start
+        self._carries, self._before = False, math.nan
 
     def act(self, time: float) -> bool:
         """Lead it on, or leave it to the hand that touches it."""
@@ -56,9 +60,28 @@ class CarryAction:
             self._carries = True
             self._origin, self._start = self._engine.pose(self._name).position, time
         if self._carries:
-            position = self._origin + (time - self._start) * self._velocity
-            self._engine.lead(self._name, position, self._velocity)
+            position = self._origin + _way(self._movement, time - self._start)
+            self._engine.lead(self._name, position, self._velocity(time))
+        self._before = time
         return False
+
+    def _velocity(self, time: float) -> Floats:
+        """Velocity by which the next step takes a thing to where it is to be then, m/s."""
+        step = time - self._before
+        if math.isinf(self._movement.within) or not step > 0.0:
+            return self._movement.velocity
+        next_place = self._origin + _way(self._movement, time + step - self._start)
+        velocity: Floats = (next_place - self._engine.pose(self._name).position) / step
+        return velocity
+
+
+def _way(movement: Movement, time: float) -> Floats:
+    """How far from where it began a thing is led after a time, s."""
+    speed = float(np.linalg.norm(movement.velocity))
+    if math.isinf(movement.within) or speed == 0.0:
+        return time * movement.velocity
+    way: Floats = math.sin(speed / movement.within * time) * movement.within * movement.velocity
+    return way / speed
 
 
 class ThrowAction:

@@ -77,6 +77,22 @@ def test_a_carried_thing_keeps_its_velocity(unseeing: Simulated, name: str) -> N
     assert travelled == pytest.approx([0.05 * np.cos(2), 0.05 * np.sin(2), 0], abs=2e-3)
 
 
+@pytest.mark.parametrize("name", FORMS)
+def test_a_shaken_thing_goes_to_and_fro(unseeing: Simulated, name: str) -> None:
+    motion = {"speed": 0.3, "direction": np.pi / 2, "within": 0.04, "after": 0.1}
+    unseeing.reset(_stage(name, motion=motion), None, np.random.default_rng(0))
+    start = unseeing.truth.pose(name).position
+    ways = []
+    for _ in range(round(2.0 / unseeing.control_period)):
+        unseeing.step()
+        ways.append(unseeing.truth.pose(name).position - start)
+    x, y, z = np.array(ways).T
+    assert np.abs(x).max() < 2e-3 and np.abs(z).max() < 2e-3
+    assert [y.min(), y.max()] == pytest.approx([-0.04, 0.04], abs=3e-3)
+    # 7.5 rad/s: two whole swings and a part of the third.
+    assert np.sum(np.diff(np.sign(y)) != 0) == pytest.approx(4, abs=1)
+
+
 def test_a_carried_thing_is_left_alone_once_the_hand_touches_it(unseeing: Simulated) -> None:
     unseeing.reset(made_stage({}), None, np.random.default_rng(0))
     tip = unseeing.truth.link_pose("right_finger_1_tip").position

@@ -1,0 +1,37 @@
+"""A hierarchy of catalogs as a picture of an experiment (Figures 7.10 and 7.17)."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+from cbdsl.reporting.drawing.catalog_hierarchy import CatalogNode, catalog_hierarchy
+
+
+@dataclass(frozen=True)
+class Hierarchy:
+    """Catalogs, each above those that it joins.
+
+    Attributes:
+        name: of the file, without suffix.
+        title: what it shows.
+        nodes: see ``catalog_hierarchy``.
+    """
+
+    name: str
+    title: str
+    nodes: Mapping[str, CatalogNode]
+
+    def svg(self) -> str:
+        """The picture, as the text of an SVG file."""
+        return catalog_hierarchy(self.nodes)
+
+    def data(self) -> dict[str, object]:
+        """How often each affordance was rewarded, and tried, for scripts."""
+        return {
+            name: {
+                "below": list(node.below),
+                "affords": {each.name: [each.rewarded, each.tried] for each in node.layers},
+            }
+            for name, node in self.nodes.items()
+        }
