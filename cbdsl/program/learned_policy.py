@@ -30,7 +30,7 @@ class LearnedPolicy:
     def __init__(self, program: CheckedProgram) -> None:
         self._table = WrittenPolicy(program.policy)
         self._places = {
-            action.name: program.members.index(action.name)
+            action.name: program.members.index(action.part)
             for action in program.actions
             if action.program is not None
         }
