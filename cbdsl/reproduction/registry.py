@@ -37,6 +37,7 @@ _ALL: tuple[Experiment, ...] = (
     Experiment("fig-6.8", "Novelty and surprise", "Section 6.3.1, Figure 6.8", "model_programs", learns=True, backend="kinematic"),  # noqa: E501
     Experiment("fig-7.2", "Transitions of PICKANDPLACE's policy", "Section 7.1.1, Figure 7.2", "transition_diagrams", learns=True, backend="mujoco"),  # noqa: E501
     Experiment("fig-7.3", "What PICKANDPLACE earns while it is learned", "Section 7.1.1, Figure 7.3", "reward_curve", learns=True, backend="mujoco"),  # noqa: E501
+    Experiment("fig-7.4-7.6", "PICKANDPLACE with either hand, and from hand to hand", "Section 7.1.2, Figures 7.4 to 7.6", "hand_transfer", learns=True, backend="mujoco"),  # noqa: E501
     Experiment("fig-7.13-7.14", "What is felt where one thing is on another one or in it", "Section 7.2, Figures 7.13 and 7.14", "fig_7_13", keeps=True, backend="mujoco"),  # noqa: E501
     Experiment("table-7.1-7.2", "Which things stay on each other, of two and of three", "Section 7.3.2, Tables 7.1 and 7.2", "table_7_1", keeps=True, backend="mujoco"),  # noqa: E501
     Experiment("engines", "Shipped programs and policies on every engine", "Chapters 3 and 4, Sections 4.2 and 4.3", "engines", keeps=True),  # noqa: E501
