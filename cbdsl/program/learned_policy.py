@@ -32,7 +32,7 @@ class LearnedPolicy:
         self._places = {
             action.name: program.members.index(action.part)
             for action in program.actions
-            if action.program is not None
+            if action.program is not None and action.composition is None
         }
         # Where references are drawn, the next round goes elsewhere.
         self._counts_rests = program.reward_ends and not any(

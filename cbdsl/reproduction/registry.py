@@ -28,6 +28,7 @@ _ALL: tuple[Experiment, ...] = (
     Experiment("fig-5.8", "Three ways to learn which arm to reach with", "Section 5.3.1.2, Figure 5.8", "three_learners", learns=True, backend="kinematic"),  # noqa: E501
     Experiment("fig-5.9", "Reaching again with other arms", "Section 5.3.1.2, Figure 5.9", "three_learners", learns=True, backend="kinematic"),  # noqa: E501
     Experiment("fig-5.10-5.11", "Which arm to reach with, and when not at all", "Section 5.3.1, Figures 5.10 and 5.11", "schema_trees", keeps=True),  # noqa: E501
+    Experiment("fig-5.12", "TACTILEPROBE in the place of TOUCH", "Section 5.3.2, Figure 5.12", "fig_5_12", keeps=True, backend="mujoco"),  # noqa: E501
     Experiment("fig-6.2", "What a green table affords", "Section 6.2.2, Figure 6.2", "catalogs", learns=True, backend="kinematic"),  # noqa: E501
     Experiment("fig-6.3", "What a small basketball affords", "Section 6.2.2, Figure 6.3", "catalogs", learns=True, backend="kinematic"),  # noqa: E501
     Experiment("fig-6.4", "What a red ball with two patches affords", "Section 6.2.2, Figure 6.4", "catalogs", learns=True, backend="kinematic"),  # noqa: E501
