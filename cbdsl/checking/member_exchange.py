@@ -99,6 +99,9 @@ class MemberExchange:
             return None, f"there is no sound program '{name}' for robot '{program.robot}'"
         if program.name in used_names(candidates[0]):
             return None, f"'{name}' uses '{program.name}' itself"
+        own = member_program(program, member)
+        if own is not None and name in used_names(own):
+            return None, f"'{own.name}' uses '{name}' itself"
         wanted, places = member_signals(program, member), member_places(program, member)
         reason = ""
         for other in candidates:

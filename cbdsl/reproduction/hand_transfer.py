@@ -52,7 +52,7 @@ from cbdsl.training.trial_loop import identity_of
 Floats = NDArray[np.float64]
 
 _STAGE, _ACROSS = "things_and_far_pads", "across"
-_LIMITS: dict[str, Any] = {"transition_time": 20.0, "idle_time": 1.0}
+_LIMITS: dict[str, Any] = {"transition_time": 20.0, "idle_time": 1.0, "episode_time": 240.0}
 # Episodes without exploring, with ASSIMILATE, and under its outcome; the source has no such last.
 _GREEDY, _ASSIMILATING, _ASKED = 10, 40, 24
 _QUICK = (2, 3, 2)
@@ -108,10 +108,10 @@ _NOTES = (
     "goal far on the left, where neither hand reaches both. Each episode goes on with other "
     "allocations after one has failed, so that most are rewarded in the end, in more transitions.",
     "Allocations are all that the type table and the rewards admit: either arm, and for the left "
-    "one, in place of the grasp, REACHTOUCH, BIMANUALTOUCH and the handover, which all end with "
-    "the thing touched by the left hand; for the right one REACHTOUCH. BIMANUALTOUCH ends with "
-    "both hands holding, and the transport then tears the thing out of one of them: what works as "
-    "a transfer here is the handover, which lets go.",
+    "one, in place of the grasp, BIMANUALTOUCH and the handover, which both end with the thing "
+    "touched by the left hand. BIMANUALTOUCH ends with both hands holding, and the transport then "
+    "tears the thing out of one of them: what works as a transfer here is the handover, which lets "
+    "go of it.",
     "The robot looks for the goal and for the thing before it chooses. These looks are no "
     "transitions of the program.",
 )
