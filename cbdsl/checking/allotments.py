@@ -8,7 +8,7 @@ from cbdsl.types.allotment import ALLOTMENTS, PROGRAM, WHOLE, allotment
 
 
 def exchangeable(document: ProgramDocument) -> set[str]:
-    """What other programs may stand in for: a program itself, and each of its members."""
+    """Names that other programs may stand in for: a program itself, and each of its members."""
     members = {*document.use, *document.controllers}
     return {WHOLE, *(each for each in map(str.strip, document.actions) if each in members)}
 

@@ -140,7 +140,7 @@ def _features(program: CheckedProgram, known: Mapping[str, Resource]) -> dict[st
 
 
 def _compared(controller: Controller) -> tuple[Resource, ...]:
-    """What a controller compares: its feedback, and its reference."""
+    """Resources that a controller compares: its feedback, and its reference."""
     reference = controller.reference
     base = reference.base if isinstance(reference, Relative) else reference
     return (controller.feedback, *((base,) if isinstance(base, Resource) else ()))

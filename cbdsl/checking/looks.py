@@ -12,7 +12,7 @@ from cbdsl.checking.substitution import Examine
 from cbdsl.documents.policy import PolicyDocument
 from cbdsl.documents.program import ProgramDocument, Use
 from cbdsl.errors.errors import DiagnosticsError
-from cbdsl.program.checked import CheckedProgram, Look
+from cbdsl.program.checked import CheckedProgram, PriorLook
 from cbdsl.program.member_exchange import earned_signals
 from cbdsl.types.resource import Resource
 
@@ -21,7 +21,7 @@ _HEADING = "heading"
 
 def look_of(
     use: Use, values: Mapping[str, str], beside: Path, session: Session, examine: Examine
-) -> Look | str:
+) -> PriorLook | str:
     """A program that defines a feature, or the reason why it cannot be run.
 
     Args:
@@ -55,7 +55,7 @@ def look_of(
     if program is None or findings.failed:
         fault = next((each for each in findings.sorted() if each.is_error), None)
         return fault.message if fault else "it has findings"
-    return Look(program, use.program, use.policy, dict(values))
+    return PriorLook(program, use.program, use.policy, dict(values))
 
 
 def derived_looks(
@@ -64,7 +64,7 @@ def derived_looks(
     path: Path,
     session: Session,
     examine: Examine,
-) -> dict[str, Look]:
+) -> dict[str, PriorLook]:
     """For each thing that features are of, how the program looks for things, in their order.
 
     A program that has an action of its own for that looks by itself. Else it is the first one,
@@ -83,16 +83,16 @@ def derived_looks(
     ):
         return {}
     for file, use in _uses(path, session, set()):
-        found = session.library.find(ProgramDocument, use.program, file)
-        plain = None if found is None else examine(found, {}, Findings())
+        looking = session.library.find(ProgramDocument, use.program, file)
+        plain = None if looking is None else examine(looking, {}, Findings())
         parameter = None if plain is None else _looked_for(plain)
         if parameter is None:
             continue
-        looks: dict[str, Look] = {}
+        looks: dict[str, PriorLook] = {}
         for name, resource in features.items():
             channel = resource.name.partition(".")[2]
             look = look_of(use, {parameter: channel}, file, session, examine)
-            if isinstance(look, Look):
+            if isinstance(look, PriorLook):
                 looks[name] = look
         return looks
     return {}
@@ -115,6 +115,6 @@ def _uses(path: Path, session: Session, seen: set[Path]) -> Iterator[tuple[Path,
     document = session.library.read(path, ProgramDocument).document
     for use in document.use.values():
         yield path, use
-        found = session.library.find(ProgramDocument, use.program, path)
-        if found is not None:
-            yield from _uses(found, session, seen)
+        used = session.library.find(ProgramDocument, use.program, path)
+        if used is not None:
+            yield from _uses(used, session, seen)

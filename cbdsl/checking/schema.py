@@ -22,7 +22,7 @@ from cbdsl.documents.program import ProgramDocument
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.documents.schema import ChoiceQuestion, RewardQuestion, SchemaDocument
 from cbdsl.program.allocation import allocate
-from cbdsl.program.checked import CheckedProgram, Look
+from cbdsl.program.checked import CheckedProgram, PriorLook
 from cbdsl.program.controller import Controller
 from cbdsl.program.schema import Ranking, Schema, components
 from cbdsl.program.state_values import state_values
@@ -114,7 +114,7 @@ class _SchemaCheck:
         )
         return allocate(variants, schema)._replace(looks=self._looks(base))
 
-    def _looks(self, program: CheckedProgram) -> dict[str, Look]:
+    def _looks(self, program: CheckedProgram) -> dict[str, PriorLook]:
         """The programs that define features, each for one of them."""
         looks, document = {}, self._document
         for name, use in document.look.items():

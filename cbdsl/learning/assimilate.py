@@ -24,7 +24,7 @@ from cbdsl.learning.knowledge import curve_of
 from cbdsl.learning.learner import TrialSummary
 from cbdsl.learning.tree_growth import Outcomes, grow
 from cbdsl.program.attempts import attempts
-from cbdsl.program.checked import CheckedProgram, Look
+from cbdsl.program.checked import CheckedProgram, PriorLook
 from cbdsl.program.schema import Ranking, Schema
 from cbdsl.program.schema_policy import Features, Rank, SchemaPolicy
 from cbdsl.program.transition import Transition
@@ -219,8 +219,8 @@ def _text(name: str, parameters: Mapping[str, str]) -> str:
     return ".".join(by_value.get(part, part) for part in name.split("."))
 
 
-def _use(look: Look, parameters: Mapping[str, str]) -> Use:
-    """What a feature is looked for with, as documents have it."""
+def _use(look: PriorLook, parameters: Mapping[str, str]) -> Use:
+    """The program that looks for a feature, as documents have it."""
     values = {key: _text(value, parameters) for key, value in look.values.items()}
     written = {"program": look.name, "policy": look.policy, "with": values}
     return Use.model_validate({key: value for key, value in written.items() if value})

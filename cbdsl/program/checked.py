@@ -44,7 +44,7 @@ class Action(NamedTuple):
         return () if self.composition is None else self.composition.controllers
 
 
-class Look(NamedTuple):
+class PriorLook(NamedTuple):
     """A program that defines a feature, run before anything is allocated where that is undefined.
 
     Attributes:
@@ -129,7 +129,7 @@ class CheckedProgram(NamedTuple):
     failure: tuple[str, ...] = ()
     guards: Guards = NO_GUARDS
     is_learned: bool = False
-    looks: Mapping[str, Look] = {}
+    looks: Mapping[str, PriorLook] = {}
 
     @property
     def all_guards(self) -> Guards:

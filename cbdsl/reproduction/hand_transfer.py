@@ -321,4 +321,4 @@ def _chart(name: str, trials: Sequence[AssimilatedTrial], seed: int) -> Chart:
 
 
 def _ignore(transition: Transition) -> None:
-    """What is asked teaches nothing."""
+    """Nothing is learned of the episodes that are asked."""

@@ -210,7 +210,7 @@ class ProgramRun:
         return self._all_active
 
     def _with_child(self, action: Action, acting: Sequence[Active]) -> Sequence[Active]:
-        """What a program lets act, among the controllers that it is composed with, if any."""
+        """Levels of a program, among the controllers that it is composed with, if any."""
         runs = self._stacks.get(action.name)
         if runs is None:
             return self._above_background(acting)
