@@ -97,7 +97,7 @@ def run(settings: RunSettings, name: str) -> Result:
     with trial_runner(settings) as dexter:
         trials = gather(dexter, settings, name)
     chart = _chart(name, trials, settings.seed)
-    picture = SchemaPicture("pick_and_place", "The trees of the first trial", trials[0].schema)
+    picture = SchemaPicture(f"{name}-trees", "The trees of the first trial", trials[0].schema)
     return Result(tuple(quantities(trials, settings.seed)), (chart, picture), _NOTES)
 
 
