@@ -43,6 +43,8 @@ class AssimilateConstants(Section):
     """Whether allocations are chosen as often as each is likely to be the best."""
     epsilon: Annotated[float, quantity(ge=0, le=1)] = 0.2
     """Share of allocations chosen at random where they are not drawn."""
+    blames_first: bool = False
+    """Whether what was tried first in an episode without reward counts as failed there."""
     least_samples: PositiveCount = 2
     """Fewest contexts in a leaf of a tree."""
     least_reward: Probability = 0.5
@@ -129,7 +131,10 @@ class Assimilate:
         return tuple(schema.allocations) if schema is not None else ()
 
     def _tallies(self) -> Tree[Tally]:
-        return grow_tallies(self._contexts, self._names, self._constants.least_samples)
+        contexts = self._contexts
+        if self._constants.blames_first:
+            contexts = [each if each.rewarded else each.first_alone() for each in contexts]
+        return grow_tallies(contexts, self._names, self._constants.least_samples)
 
     def choice(self) -> Tree[Ranking]:
         """The tree of allocations that were rewarded (Eq 5.4)."""

@@ -53,6 +53,9 @@ Floats = NDArray[np.float64]
 
 _STAGE, _ACROSS = "things_and_far_pads", "across"
 _LIMITS: dict[str, Any] = {"transition_time": 20.0, "idle_time": 1.0, "episode_time": 240.0}
+# A failed transfer leaves the thing on the other side, where the hand that would have done does not
+# reach, so that many episodes tell no more than that the first attempt has failed.
+_CONSTANTS = AssimilateConstants(blames_first=True)
 # Episodes without exploring, with ASSIMILATE, and under its outcome; the source has no such last.
 _GREEDY, _ASSIMILATING, _ASKED = 10, 40, 24
 _QUICK = (2, 3, 2)
@@ -143,7 +146,7 @@ class _AssimilatedTrials:
         plain = self._dexter.greedy(learned, "greedy", learned.held_out(greedy))
         program = self._schema(learned)
         before = learned.trial
-        trial = Trial(program, AssimilateConstants(), before.seed, before.number, ASSIMILATE)
+        trial = Trial(program, _CONSTANTS, before.seed, before.number, ASSIMILATE)
 
         def learn(seed: int) -> Experience:
             return trial.run(self._runner)
@@ -212,6 +215,7 @@ class _AssimilatedTrials:
             "allocations": {k: dict(v) for k, v in self._program.schema.allocations.items()},
             "far stage": digest(self._stage),
             "limits": _LIMITS,
+            "constants": _CONSTANTS.model_dump(),
             "parts": self._parts[:2],
         }
 
