@@ -115,6 +115,8 @@ _NOTES = (
     "touched by the left hand. BIMANUALTOUCH ends with both hands holding, and the transport then "
     "tears the thing out of one of them: what works as a transfer here is the handover, which lets "
     "go of it.",
+    "ASSIMILATE counts what was tried first in an episode without reward as failed there: a failed "
+    "transfer leaves the ball where the other hand does not reach it.",
     "The robot looks for the goal and for the thing before it chooses. These looks are no "
     "transitions of the program.",
 )
