@@ -7,6 +7,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 
 from cbdsl.checking.findings import Findings
+from cbdsl.checking.member_exchange import MemberExchange, OpenMember
 from cbdsl.checking.program import examine_program
 from cbdsl.checking.robot.checked_robot import CheckedRobot
 from cbdsl.checking.session import Session
@@ -16,7 +17,7 @@ from cbdsl.documents.robot import RobotDocument
 from cbdsl.errors.errors import UsageError
 from cbdsl.program.checked import CheckedProgram
 from cbdsl.robot.channel_names import channel_names
-from cbdsl.types.allotment import CHANNEL, WHOLE, Allotment, allotment
+from cbdsl.types.allotment import CHANNEL, PROGRAM, WHOLE, Allotment, allotment
 
 # Every allocation is checked as a program of its own.
 _MOST = 500
@@ -42,8 +43,7 @@ def allocations(
         return []
     groups = {
         name: list(_choices({key: allotment(text) for key, text in group.items()}, robot))
-        for name, group in document.resources.items()
-        if WHOLE not in group
+        for name, group in _own_groups(document).items()
     }
     count = 1
     for choices in groups.values():
@@ -58,7 +58,35 @@ def allocations(
     def examine(file: Path, with_: Mapping[str, str], findings: Findings) -> CheckedProgram | None:
         return examine_program(file, with_, session, findings)
 
-    return [*own, *substitutes(path, values or {}, session, examine)]
+    members, exchange = _open_members(document), MemberExchange(path, session, examine)
+    exchanged = [
+        each for base in own for member in members for each in exchange.allocations(base, member)
+    ]
+    return [*own, *exchanged, *substitutes(path, values or {}, session, examine)]
+
+
+def _own_groups(document: ProgramDocument) -> dict[str, dict[str, str]]:
+    """Groups of parameters that stand for resources; programs are found by what they earn."""
+    groups = {
+        name: {key: text for key, text in group.items() if not _is_program(text)}
+        for name, group in document.resources.items()
+    }
+    return {name: group for name, group in groups.items() if group}
+
+
+def _open_members(document: ProgramDocument) -> list[OpenMember]:
+    """Members that the section ``resources`` lets be exchanged."""
+    return [
+        OpenMember(name, key, wanted.type)
+        for name, group in document.resources.items()
+        for key, text in group.items()
+        if (wanted := allotment(text)) is not None and wanted.kind == PROGRAM and key != WHOLE
+    ]
+
+
+def _is_program(text: str) -> bool:
+    wanted = allotment(text)
+    return wanted is not None and wanted.kind == PROGRAM
 
 
 def _choices(

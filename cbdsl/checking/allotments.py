@@ -3,7 +3,14 @@
 from __future__ import annotations
 
 from cbdsl.checking.context import ProgramContext, Steps
+from cbdsl.documents.program import ProgramDocument
 from cbdsl.types.allotment import ALLOTMENTS, PROGRAM, WHOLE, allotment
+
+
+def exchangeable(document: ProgramDocument) -> set[str]:
+    """Names that other programs may stand in for: a program itself, and each of its members."""
+    members = {*document.use, *document.controllers}
+    return {WHOLE, *(each for each in map(str.strip, document.actions) if each in members)}
 
 
 def check_allotments(context: ProgramContext) -> None:
@@ -15,17 +22,12 @@ def check_allotments(context: ProgramContext) -> None:
         for name, text in wanted.items():
             steps: Steps = ("resources", group, name)
             kind = allotment(text)
-            whole = {WHOLE} if kind is not None and kind.kind == PROGRAM else set()
             # A kind that cannot be read may be that of a program.
-            may_be_whole = kind is None and name == WHOLE
-            if name not in (whole or parameters) and not may_be_whole:
-                context.add(
-                    "CB402",
-                    source.key(*steps),
-                    names=sorted(whole or parameters),
-                    name=name,
-                    hint="",
-                )
+            is_program = kind is not None and kind.kind == PROGRAM
+            programs = exchangeable(document) if kind is None or is_program else set()
+            if name not in programs and (is_program or name not in parameters):
+                names = sorted(programs if is_program else parameters)
+                context.add("CB402", source.key(*steps), names=names, name=name, hint="")
             elif name in first:
                 related = [(source.key(*first[name]), "it is replaced here")]
                 context.add("CB411", source.key(*steps), related=related, name=name)

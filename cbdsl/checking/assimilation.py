@@ -8,6 +8,8 @@ from pathlib import Path
 from cbdsl.checking.allocations import allocations
 from cbdsl.checking.findings import Findings
 from cbdsl.checking.knowledge.learned import with_policy
+from cbdsl.checking.looks import derived_looks
+from cbdsl.checking.program import examine_program
 from cbdsl.checking.session import Session
 from cbdsl.checking.substitution import Allocation
 from cbdsl.documents.policy import PolicyDocument
@@ -16,6 +18,7 @@ from cbdsl.documents.robot import RobotDocument
 from cbdsl.errors.errors import UsageError
 from cbdsl.program.allocation import allocate
 from cbdsl.program.checked import CheckedProgram
+from cbdsl.program.controller import Controller, Relative
 from cbdsl.program.schema import Schema
 from cbdsl.program.state_values import state_values
 from cbdsl.types.resource import Resource, StereoPosition
@@ -51,14 +54,26 @@ def program_to_assimilate(
     }
     base = next(iter(variants.values()))
     features = _features(base, _resources(base, path, session))
+    places = {name: each for name, each in features.items() if name.endswith("place")}
+
+    def examine(file: Path, with_: Mapping[str, str], findings: Findings) -> CheckedProgram | None:
+        return examine_program(file, with_, session, findings)
+
     if not features:
         raise UsageError(f"{path}: no controller goes by a seen position, so there is no context")
     worth = state_values(policy.document.policy, policy.document.transitions)
     allotted = {name: values for name, (_, values) in fitting.items()}
+    # The last one is looked at when the program begins: what it takes first.
+    last_first = dict(reversed(places.items()))
+    looks = derived_looks(base, last_first, path, session, examine)
     schema = Schema(
-        policy.document.name, features, allotted, otherwise=tuple(variants), worth=worth
+        policy.document.name,
+        features,
+        allotted,
+        otherwise=tuple(variants),
+        worth=worth,
     )
-    return allocate(variants, schema)
+    return allocate(variants, schema)._replace(looks=looks)
 
 
 def variants_of(
@@ -97,17 +112,35 @@ def _resources(program: CheckedProgram, path: Path, session: Session) -> Mapping
 
 
 def _features(program: CheckedProgram, known: Mapping[str, Resource]) -> dict[str, Resource]:
-    """The position, velocity and volume of whatever the program's controllers see."""
+    """The position, velocity and volume of the one thing that the program's controllers see.
+
+    Of several things it is the positions alone, x_obj and x_goal of Section 7.1.2. An obstacle
+    on the way of a field is no thing that the program deals with.
+    """
     seen = dict.fromkeys(
         resource
         for primitive in program.primitives.values()
         for controller in primitive.controllers
-        for resource in controller.resources
+        for resource in _compared(controller)
         if isinstance(resource.source, StereoPosition)
     )
+    if len(seen) == 1:
+        (only,) = seen
+        return {
+            name: known[only.name + suffix]
+            for name, suffix in _DYNAMICS.items()
+            if only.name + suffix in known
+        }
+    by_channel = {value: name for name, value in program.parameters.items()}
+    channels = {resource: resource.name.partition(".")[2] for resource in seen}
     return {
-        name if len(seen) == 1 else f"{resource.name.partition('.')[2]}_{name}": known[wanted]
-        for resource in seen
-        for name, suffix in _DYNAMICS.items()
-        if (wanted := resource.name + suffix) in known
+        f"{by_channel.get(channel, channel)}_place": known[resource.name]
+        for resource, channel in channels.items()
     }
+
+
+def _compared(controller: Controller) -> tuple[Resource, ...]:
+    """Resources that a controller compares: its feedback, and its reference."""
+    reference = controller.reference
+    base = reference.base if isinstance(reference, Relative) else reference
+    return (controller.feedback, *((base,) if isinstance(base, Resource) else ()))

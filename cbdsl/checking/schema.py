@@ -8,9 +8,12 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any, TypeVar
 
+from cbdsl.checking.allotments import exchangeable
 from cbdsl.checking.findings import Findings
 from cbdsl.checking.knowledge.learned import check_policy, with_policy
+from cbdsl.checking.looks import look_of
 from cbdsl.checking.lookup.documents import find_document
+from cbdsl.checking.member_exchange import MemberExchange
 from cbdsl.checking.session import Session
 from cbdsl.checking.substitution import Examine, stand_in
 from cbdsl.documents.catalog import CatalogDocument
@@ -19,7 +22,7 @@ from cbdsl.documents.program import ProgramDocument
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.documents.schema import ChoiceQuestion, RewardQuestion, SchemaDocument
 from cbdsl.program.allocation import allocate
-from cbdsl.program.checked import CheckedProgram
+from cbdsl.program.checked import CheckedProgram, PriorLook
 from cbdsl.program.controller import Controller
 from cbdsl.program.schema import Ranking, Schema, components
 from cbdsl.program.state_values import state_values
@@ -109,7 +112,27 @@ class _SchemaCheck:
             least_reward=document.least_reward,
             worth=worth,
         )
-        return allocate(variants, schema)
+        return allocate(variants, schema)._replace(looks=self._looks(base))
+
+    def _looks(self, program: CheckedProgram) -> dict[str, PriorLook]:
+        """The programs that define features, each for one of them."""
+        looks, document = {}, self._document
+        for name, use in document.look.items():
+            if name not in document.features:
+                place, names = self._source.key("look", name), list(document.features)
+                self._findings.add("CB638", place, names=names, name=name)
+                continue
+            values = {
+                key: program.parameters.get(text[1:], text) if text.startswith("$") else text
+                for key, text in use.with_.items()
+            }
+            look = look_of(use, values, self._loaded.path, self._session, self._examine)
+            if isinstance(look, str):
+                place = self._source.key("look", name)
+                self._findings.add("CB645", place, name=name, program=use.program, problem=look)
+            else:
+                looks[name] = look
+        return looks
 
     def _policy(self) -> Loaded[PolicyDocument] | None:
         place, library = self._source.place("policy"), self._session.library
@@ -134,12 +157,14 @@ class _SchemaCheck:
     ) -> CheckedProgram | None:
         """The program under one allocation and the declarative policy."""
         library = self._session.library
-        known = library.read(path, ProgramDocument).document.parameters
+        document = library.read(path, ProgramDocument).document
+        known, programs = document.parameters, exchangeable(document)
         for key in values:
-            if key not in known and key != WHOLE:
+            if key not in known and key not in programs:
                 place = self._source.key("allocations", name, key)
                 details = {"name": key, "program": self._document.program}
-                self._findings.add("CB606", place, names=list(known), **details)
+                names = [*known, *sorted(programs)]
+                self._findings.add("CB606", place, names=names, **details)
                 return None
         program, problem = self._allocated({**self._values, **values}, path)
         if program is None:
@@ -158,15 +183,24 @@ class _SchemaCheck:
         self, values: Mapping[str, str], path: Path
     ) -> tuple[CheckedProgram | None, str]:
         """The program with some values, or one that stands in for it; else the reason why not."""
+        known = self._session.library.read(path, ProgramDocument).document.parameters
+        own = {key: value for key, value in values.items() if key in known}
+        members = {k: value for k, value in values.items() if k not in known and k != WHOLE}
+        if WHOLE in values and members:
+            return None, f"'{values[WHOLE]}' takes the place of all members already"
         if WHOLE in values:
-            own = {key: value for key, value in values.items() if key != WHOLE}
             return stand_in(values[WHOLE], path, own, self._session, self._examine)
         faults = Findings()
-        program = self._examine(path, values, faults)
-        if program is not None and not faults.failed:
-            return program, ""
-        fault = next((each for each in faults.sorted() if each.is_error), None)
-        return None, fault.message if fault else "it has findings"
+        program = self._examine(path, own, faults)
+        if program is None or faults.failed:
+            fault = next((each for each in faults.sorted() if each.is_error), None)
+            return None, fault.message if fault else "it has findings"
+        exchange, refusal = MemberExchange(path, self._session, self._examine), ""
+        for member, name in members.items():
+            program, refusal = exchange.exchanged(program, member, name)
+            if program is None:
+                return None, refusal
+        return program, ""
 
     def _actions(self, program: CheckedProgram) -> None:
         """The abstract actions are those of the program's controllers."""

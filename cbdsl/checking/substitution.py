@@ -85,7 +85,7 @@ def stand_in(
 
 def _wanted(document: ProgramDocument) -> set[str]:
     """Types of what programs in its place have to be rewarded for."""
-    kinds = [allotment(text) for group in document.resources.values() for text in group.values()]
+    kinds = [allotment(group[WHOLE]) for group in document.resources.values() if WHOLE in group]
     return {each.type for each in kinds if each is not None and each.kind == PROGRAM}
 
 

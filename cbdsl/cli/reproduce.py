@@ -88,8 +88,8 @@ def reproduce(
 
     Experiments in which the robot learns run trials, and share those of the same programs. With
     --keep each of their episodes is kept as soon as it is over, and so is each of engines,
-    fig-5.2, fig-5.3-5.5 and fig-5.6, and each trial of fig-5.10-5.11, fig-7.13-7.14, fig-7.16-7.17
-    and table-7.1-7.2.
+    fig-5.2, fig-5.3-5.5, fig-5.6 and fig-5.12, and each trial of fig-5.10-5.11, fig-7.13-7.14,
+    fig-7.16-7.17 and table-7.1-7.2.
 
     Exit 0 when it ran, whatever the verdicts, and 2 when it could not run.
     """

@@ -9,6 +9,7 @@ from pydantic import Field
 from cbdsl.documents.document import Document, Name, Section, quantity
 from cbdsl.documents.kind import Kind
 from cbdsl.documents.policy import Curve, Provenance
+from cbdsl.documents.program import Use
 
 Probability = Annotated[float, quantity(ge=0, le=1)]
 
@@ -68,8 +69,11 @@ class SchemaDocument(Document):
     """Catalog whose probabilities of reward features can be, such as ``affords.reachtouch``."""
     features: Annotated[dict[Name, str], Field(min_length=1)]
     """Signals by which it allocates, with ``$name`` for parameters of the program."""
+    look: dict[Name, Use] = {}
+    """Programs that define features before anything is allocated, by the feature's name."""
     allocations: Annotated[dict[Name, dict[Name, str]], Field(min_length=1)]
-    """Values of the program's parameters by the name of the allocation (Eq 5.2)."""
+    """Values of the program's parameters, and programs in the place of its members, by the name of
+    the allocation (Eq 5.2)."""
     choose: ChoiceTree
     """The procedural policy psi (Eq 5.3): which allocation, by features."""
     otherwise: Annotated[tuple[Name, ...], Field(min_length=1)]

@@ -17,11 +17,19 @@ class TriedContext(NamedTuple):
 
     Attributes:
         features: by name.
-        outcomes: whether each that was tried was rewarded.
+        outcomes: whether each that was tried was rewarded, in their order.
+        counts: whether what was tried tells something although none was rewarded.
     """
 
     features: Mapping[str, float]
     outcomes: Mapping[str, bool]
+    counts: bool = False
+
+    def first_alone(self) -> TriedContext:
+        """The same with the first that was tried, as far as it could have done: later ones find
+        things where it has left them.
+        """
+        return TriedContext(self.features, dict([*self.outcomes.items()][:1]), counts=True)
 
     @property
     def rewarded(self) -> bool:
@@ -66,14 +74,15 @@ def grow_tallies(contexts: Sequence[TriedContext], names: Sequence[str], least: 
     """The tree that has similar contexts together, with what was tried in them.
 
     Where the first allocation that was tried is rewarded, nobody knows of the others: they count
-    neither as rewarded nor as failed. Where none was, none can be preferred.
+    neither as rewarded nor as failed. Where none was, none can be preferred, unless the context
+    counts all the same.
 
     Args:
         contexts: in which something was tried.
         names: of all allocations.
         least: fewest contexts of a leaf.
     """
-    kept = [each for each in contexts if each.rewarded]
+    kept = [each for each in contexts if each.rewarded or each.counts]
     if not kept:
         return Leaf(Tally((0.0,) * len(names), (0.0,) * len(names)))
     counts = (

@@ -10,6 +10,7 @@ import numpy as np
 
 from cbdsl.documents.document import Document, PositiveCount, Section, quantity
 from cbdsl.documents.model import Gaussian, Kernel
+from cbdsl.documents.program import Use
 from cbdsl.documents.schema import (
     AbstractAction,
     ChoiceQuestion,
@@ -23,7 +24,7 @@ from cbdsl.learning.knowledge import curve_of
 from cbdsl.learning.learner import TrialSummary
 from cbdsl.learning.tree_growth import Outcomes, grow
 from cbdsl.program.attempts import attempts
-from cbdsl.program.checked import CheckedProgram
+from cbdsl.program.checked import CheckedProgram, PriorLook
 from cbdsl.program.schema import Ranking, Schema
 from cbdsl.program.schema_policy import Features, Rank, SchemaPolicy
 from cbdsl.program.transition import Transition
@@ -42,6 +43,8 @@ class AssimilateConstants(Section):
     """Whether allocations are chosen as often as each is likely to be the best."""
     epsilon: Annotated[float, quantity(ge=0, le=1)] = 0.2
     """Share of allocations chosen at random where they are not drawn."""
+    blames_first: bool = False
+    """Whether what was tried first in an episode without reward counts as failed there."""
     least_samples: PositiveCount = 2
     """Fewest contexts in a leaf of a tree."""
     least_reward: Probability = 0.5
@@ -128,7 +131,10 @@ class Assimilate:
         return tuple(schema.allocations) if schema is not None else ()
 
     def _tallies(self) -> Tree[Tally]:
-        return grow_tallies(self._contexts, self._names, self._constants.least_samples)
+        contexts = self._contexts
+        if self._constants.blames_first:
+            contexts = [each if each.rewarded else each.first_alone() for each in contexts]
+        return grow_tallies(contexts, self._names, self._constants.least_samples)
 
     def choice(self) -> Tree[Ranking]:
         """The tree of allocations that were rewarded (Eq 5.4)."""
@@ -174,6 +180,7 @@ class Assimilate:
             policy=schema.policy,
             actions=_abstract_actions(self._program),
             features={n: _text(r.name, parameters) for n, r in schema.features.items()},
+            look={name: _use(look, parameters) for name, look in self._program.looks.items()},
             allocations={name: dict(each) for name, each in schema.allocations.items()},
             choose=_written(self.choice(), units, ChoiceQuestion, _answer),
             otherwise=tuple(schema.allocations),
@@ -215,6 +222,13 @@ def _text(name: str, parameters: Mapping[str, str]) -> str:
     """A resource's name with the values of parameters replaced by the parameters."""
     by_value = {value: f"${key}" for key, value in parameters.items()}
     return ".".join(by_value.get(part, part) for part in name.split("."))
+
+
+def _use(look: PriorLook, parameters: Mapping[str, str]) -> Use:
+    """The program that looks for a feature, as documents have it."""
+    values = {key: _text(value, parameters) for key, value in look.values.items()}
+    written = {"program": look.name, "policy": look.policy, "with": values}
+    return Use.model_validate({key: value for key, value in written.items() if value})
 
 
 def _abstract_actions(program: CheckedProgram) -> dict[str, AbstractAction]:

@@ -43,7 +43,7 @@ class Concurrent:
         self._abstract = {action.name: action.abstract for action in schema.actions}
         names = tuple(dict.fromkeys(self._abstract.values()))
         programs = {
-            schema.members.index(each.name): each.name
+            schema.members.index(each.part): each.part
             for each in schema.actions
             if each.program is not None
         }

@@ -30,7 +30,7 @@ def allocate(variants: Mapping[str, CheckedProgram], schema: Schema) -> CheckedP
         allocated.name: allocated
         for name, variant in variants.items()
         for action in variant.actions
-        for allocated in [_allocated(action, name if action.name in replaced else "")]
+        for allocated in [_allocated(action, name if action.name in replaced else "", variant)]
     }
     backgrounds = [each.background for each in variants.values() if each.background is not None]
     return base._replace(
@@ -38,9 +38,13 @@ def allocate(variants: Mapping[str, CheckedProgram], schema: Schema) -> CheckedP
     )
 
 
-def _allocated(action: Action, allocation: str) -> Action:
-    name = f"{action.name} with {allocation}" if allocation else action.name
-    return action._replace(name=name, abstract=action.name, allocation=allocation)
+def _allocated(action: Action, allocation: str, variant: CheckedProgram) -> Action:
+    if not allocation:
+        return action._replace(abstract=action.name)
+    name = f"{action.name} with {allocation}"
+    return action._replace(
+        name=name, abstract=action.name, allocation=allocation, background=variant.background
+    )
 
 
 def _joined(backgrounds: list[Composition]) -> Composition | None:

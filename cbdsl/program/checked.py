@@ -15,9 +15,13 @@ class Action(NamedTuple):
     Attributes:
         name: the action as its program writes it, in canonical spelling.
         composition: the controllers that it runs, or ``None`` where it is a program.
-        program: the program that it runs, or ``None`` where it is a composition.
+        program: the program that it runs, or ``None`` where it is a composition. Where it has
+            both, the program is in the place of a member of that composition.
         abstract: the action that it is one allocation of, as its program writes it; in a schema.
         allocation: name of that allocation; empty where no allocation changes the action.
+        member: that its program is in the place of, in a composition; empty in all other cases.
+        above: how many controllers of the composition have priority over that program.
+        background: what runs below it under its allocation; ``None`` for that of its program.
     """
 
     name: str
@@ -25,11 +29,35 @@ class Action(NamedTuple):
     program: CheckedProgram | None = None
     abstract: str = ""
     allocation: str = ""
+    member: str = ""
+    above: int = 0
+    background: Composition | None = None
+
+    @property
+    def part(self) -> str:
+        """Name of the member whose predicate its program gives."""
+        return self.member or self.abstract or self.name
 
     @property
     def controllers(self) -> tuple[Controller, ...]:
         """Controllers of its composition, in written order; none where it is a program."""
         return () if self.composition is None else self.composition.controllers
+
+
+class PriorLook(NamedTuple):
+    """A program that defines a feature, run before anything is allocated where that is undefined.
+
+    Attributes:
+        program: what runs, such as SEARCHTRACK of the feature's channel.
+        name: of that program.
+        policy: name of the learned policy that it runs under, if it does.
+        values: of its parameters.
+    """
+
+    program: CheckedProgram
+    name: str
+    policy: str | None
+    values: Mapping[str, str]
 
 
 class Guards(NamedTuple):
@@ -78,6 +106,8 @@ class CheckedProgram(NamedTuple):
         failure: patterns of states in which it has failed.
         guards: bounds on what it may press with.
         is_learned: whether its policy was learned.
+        looks: what defines features of its schema, by their names, in the order in which it is
+            done.
     """
 
     name: str
@@ -99,6 +129,7 @@ class CheckedProgram(NamedTuple):
     failure: tuple[str, ...] = ()
     guards: Guards = NO_GUARDS
     is_learned: bool = False
+    looks: Mapping[str, PriorLook] = {}
 
     @property
     def all_guards(self) -> Guards:

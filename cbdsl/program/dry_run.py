@@ -93,7 +93,7 @@ def rewarding(action: Action) -> tuple[str, ...]:
     """Controllers and programs that can earn the reward while an action runs (Eq 4.3), by name."""
     if action.program is not None:
         earns = any(rewarding(inner) for inner in action.program.actions)
-        return (action.name,) if earns else ()
+        return (action.part,) if earns else ()
     assert action.composition is not None, "an action is a program or a composition"
     return tuple(p.name for p in action.composition.primitives if p.rewarded)
 

@@ -30,9 +30,9 @@ class LearnedPolicy:
     def __init__(self, program: CheckedProgram) -> None:
         self._table = WrittenPolicy(program.policy)
         self._places = {
-            action.name: program.members.index(action.name)
+            action.name: program.members.index(action.part)
             for action in program.actions
-            if action.program is not None
+            if action.program is not None and action.composition is None
         }
         # Where references are drawn, the next round goes elsewhere.
         self._counts_rests = program.reward_ends and not any(

@@ -11,6 +11,7 @@ from cbdsl.program.checked import CheckedProgram
 from cbdsl.program.schema import Ranking, Schema
 from cbdsl.types.decision_tree import decide
 from cbdsl.types.policy import Policy, ReasonedPolicy, WrittenPolicy
+from cbdsl.types.state import Predicate
 
 Features = Mapping[str, float]
 """Numbers by name, in SI; NaN where a signal is undefined."""
@@ -43,7 +44,9 @@ class SchemaPolicy:
 
     An allocation is kept as long as it makes progress; after a failure the next one is tried, none
     of them twice in an episode (Figure 5.9). Before that, what failed goes back to where it hides
-    nothing and is in nobody's way, so that each has the same chance.
+    nothing and is in nobody's way, so that each has the same chance. Where an allocation brings
+    programs of its own, it begins as at the beginning: what another's program has led to, such as
+    which hand holds a thing, is nothing that it could go on from.
 
     Args:
         program: the schema with all allocated actions.
@@ -77,6 +80,9 @@ class SchemaPolicy:
         self._actions: dict[str, dict[str, str]] = {}
         for action in program.actions:
             self._actions.setdefault(action.abstract, {})[action.allocation] = action.name
+        self._brings_programs = any(
+            action.program is not None and action.allocation for action in program.actions
+        )
         self.begin(dict)
 
     def begin(self, read: Callable[[], Features]) -> None:
@@ -84,19 +90,22 @@ class SchemaPolicy:
         self._read = read
         self._failed: set[str] = set()
         self._allocation = self._before = self.reason = ""
-        self._is_informed = self.withdraws = False
+        self._is_informed = self.withdraws = self._begins_anew = False
 
     def choose(self, state: str, *, changed: bool) -> str | None:
         """The next action under its allocation, or ``None``; see ``reason``."""
         self.reason, self.withdraws = "", False
         before, self._before = self._before, state
         if self._allocation and self._progress.fails(before, state):
+            self._begins_anew = self._brings_programs
             if self._is_informed:
                 self._failed.add(self._allocation)
                 self.withdraws = self._is_left()
             self._allocation, changed = "", True
         if self.withdraws:
             return None
+        if self._begins_anew:
+            state, self._begins_anew = Predicate.INACTIVE * len(state), False
         abstract = self._declarative.choose(state, changed=changed)
         if abstract is None:
             return None

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import NamedTuple
 
 from cbdsl.program.checked import CheckedProgram
-from cbdsl.program.controller import Primitive
+from cbdsl.program.controller import Controller, Primitive
 
 
 class RewardKind(NamedTuple):
@@ -19,6 +19,12 @@ class RewardKind(NamedTuple):
     potential: str
     feedback: str
     effector: str
+
+    @classmethod
+    def of(cls, controller: Controller) -> RewardKind:
+        """The kind of a rewarded controller's quiescence."""
+        types = (str(each.type.name) for each in (controller.feedback, controller.effector))
+        return cls(controller.potential, *types)
 
     def __str__(self) -> str:
         return f"{self.potential} of {self.feedback}, by {self.effector}"
@@ -44,7 +50,7 @@ def stand_ins(program: CheckedProgram, other: CheckedProgram) -> list[StandIn]:
     Both are rewarded for the same kind of quiescence. A program that uses the first one can be no
     part of it.
     """
-    if program.name in _used(other) | {other.name}:
+    if program.name in used_names(other) | {other.name}:
         return []
     children = {each.name: each.program for each in program.actions if each.program is not None}
     theirs = _all_rewards(other)
@@ -70,13 +76,10 @@ def _all_rewards(program: CheckedProgram) -> set[RewardKind]:
 
 def rewards_of(primitive: Primitive) -> set[RewardKind]:
     """Kinds of quiescence that a member is rewarded for."""
-    return {
-        RewardKind(each.potential, str(each.feedback.type.name), str(each.effector.type.name))
-        for each in primitive.earners
-    }
+    return {RewardKind.of(each) for each in primitive.earners}
 
 
-def _used(program: CheckedProgram) -> set[str]:
+def used_names(program: CheckedProgram) -> set[str]:
     """Names of the programs that a program uses, at any depth."""
     children = [action.program for action in program.actions if action.program is not None]
-    return {child.name for child in children}.union(*(_used(child) for child in children))
+    return {child.name for child in children}.union(*(used_names(child) for child in children))

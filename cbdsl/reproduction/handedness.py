@@ -192,7 +192,8 @@ class HandednessTrials:
             "program": program.sha256,
             "policies": dict(program.policies),
             "limits": _LIMITS,
-            "allocating": _ALLOCATING.model_dump(),
+            # Trials of before that constant are the same as with its default.
+            "allocating": _ALLOCATING.model_dump(exclude={"blames_first"}),
             "stage": digest(self._at.everything),
             "robot": digest(dexter.robot),
             "renderer": dexter.renderer,

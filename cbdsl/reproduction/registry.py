@@ -29,6 +29,7 @@ _ALL: tuple[Experiment, ...] = (
     Experiment("fig-5.8", "Three ways to learn which arm to reach with", "Section 5.3.1.2, Figure 5.8", "three_learners", learns=True, backend="kinematic"),  # noqa: E501
     Experiment("fig-5.9", "Reaching again with other arms", "Section 5.3.1.2, Figure 5.9", "three_learners", learns=True, backend="kinematic"),  # noqa: E501
     Experiment("fig-5.10-5.11", "Which arm to reach with, and when not at all", "Section 5.3.1, Figures 5.10 and 5.11", "schema_trees", keeps=True),  # noqa: E501
+    Experiment("fig-5.12", "TACTILEPROBE in the place of TOUCH", "Section 5.3.2, Figure 5.12", "fig_5_12", keeps=True, backend="mujoco"),  # noqa: E501
     Experiment("fig-6.2", "What a green table affords", "Section 6.2.2, Figure 6.2", "catalogs", learns=True, backend="kinematic"),  # noqa: E501
     Experiment("fig-6.3", "What a small basketball affords", "Section 6.2.2, Figure 6.3", "catalogs", learns=True, backend="kinematic"),  # noqa: E501
     Experiment("fig-6.4", "What a red ball with two patches affords", "Section 6.2.2, Figure 6.4", "catalogs", learns=True, backend="kinematic"),  # noqa: E501
@@ -38,6 +39,7 @@ _ALL: tuple[Experiment, ...] = (
     Experiment("fig-6.8", "Novelty and surprise", "Section 6.3.1, Figure 6.8", "model_programs", learns=True, backend="kinematic"),  # noqa: E501
     Experiment("fig-7.2", "Transitions of PICKANDPLACE's policy", "Section 7.1.1, Figure 7.2", "transition_diagrams", learns=True, backend="mujoco"),  # noqa: E501
     Experiment("fig-7.3", "What PICKANDPLACE earns while it is learned", "Section 7.1.1, Figure 7.3", "reward_curve", learns=True, backend="mujoco"),  # noqa: E501
+    Experiment("fig-7.4-7.6", "PICKANDPLACE with either hand, and from hand to hand", "Section 7.1.2, Figures 7.4 to 7.6", "hand_transfer", learns=True, backend="mujoco"),  # noqa: E501
     Experiment("fig-7.7", "PICKANDPLACE joins the catalog of a green table", "Section 7.1.3, Figure 7.7", "grown_catalogs", learns=True, backend="mujoco"),  # noqa: E501
     Experiment("fig-7.8", "PICKANDPLACE joins the catalog of a small basketball", "Section 7.1.3, Figure 7.8", "grown_catalogs", learns=True, backend="mujoco"),  # noqa: E501
     Experiment("fig-7.9", "PICKANDPLACE joins the catalog of a red ball with two patches", "Section 7.1.3, Figure 7.9", "grown_catalogs", learns=True, backend="mujoco"),  # noqa: E501

@@ -19,10 +19,15 @@ class ContextReader:
 
     def __init__(self, schema: Schema, signals: Signals) -> None:
         self._signals = signals
+        self._bound = {name: signals.bind(each) for name, each in schema.features.items()}
         self._rows = [
-            (signals.bind(resource), tuple(components(name, resource)))
+            (self._bound[name], tuple(components(name, resource)))
             for name, resource in schema.features.items()
         ]
+
+    def lacks(self, feature: str) -> bool:
+        """Whether a feature is undefined now."""
+        return self._signals.reading(self._bound[feature]) is None
 
     def read(self) -> Mapping[str, float]:
         """The numbers of all features now, by name, in SI; NaN where a signal is undefined."""

@@ -366,4 +366,6 @@ def resources_of(program: CheckedProgram) -> Sequence[Resource]:
             resources.update(dict.fromkeys(resources_of(action.program)))
     if program.schema is not None:
         resources.update(dict.fromkeys(program.schema.features.values()))
+    for look in program.looks.values():
+        resources.update(dict.fromkeys(resources_of(look.program)))
     return list(resources)

@@ -74,8 +74,9 @@ class ProgramRun:
         self._background = make.stack(program.background) if program.background else ()
         self._withdrawal = self._above_background(())
         self._acting = {
-            name: self._above_background(self._together(runs))
+            name: self._above_background(self._together(runs, below))
             for name, runs in self._stacks.items()
+            for below in [self._below(self._actions[name], make)]
         }
         self._leads = {
             action.name: [
@@ -86,13 +87,10 @@ class ProgramRun:
             if action.composition is not None
         }
         self.runs: tuple[ControllerRun, ...] = make.all
-        self.children: dict[str, ProgramRun] = {
-            action.name: ProgramRun(action.program, signals, plan, period, depth + 1)
-            for action in program.actions
-            if action.program is not None
-        }
+        self.children = self._make_children(signals, plan, period)
         # What the child that runs now lets act, and the same above the background.
         self._of_child: Sequence[Active] | None = None
+        self._of_action = ""
         self._all_active: Sequence[Active] = ()
         # What predicates read as while an action runs, and the numbers that they had then.
         self._noted, self._reading = b"", ""
@@ -116,7 +114,7 @@ class ProgramRun:
         self._reward_ends = self.program.reward_ends or policy is not None
         for run in self.runs:
             run.begin(rng)
-        for child in self.children.values():
+        for child in dict.fromkeys(self.children.values()):
             child.begin(rng, listener)
         self.deactivate()
 
@@ -134,6 +132,9 @@ class ProgramRun:
         self.is_open = self._was_changed = False
         self._action: Action | None = None
         self._withdraws = False
+        self._look: ProgramRun | None = None
+        self._to_look_for: list[str] = []
+        self._of_action = ""
         self._composed: Sequence[Active] | None = None
         self._features: Mapping[str, float] = {}
         self._ticks = self._idle_ticks = self._all_ticks = 0
@@ -148,7 +149,30 @@ class ProgramRun:
             self._contextual.begin(self._context.read)
         for run in self._background:
             run.activate()
-        self._choose(changed=True)
+        if self._contextual is not None:
+            self._to_look_for = list(self._looks)
+        if not self._begin_look():
+            self._choose(changed=True)
+
+    def _begin_look(self) -> bool:
+        """Begin to look for the next feature that is undefined; whether there is one."""
+        while self._to_look_for and self._context is not None:
+            feature = self._to_look_for.pop(0)
+            if self._context.lacks(feature):
+                self._look = self._looks[feature]
+                self._look.activate()
+                return True
+        self._look = None
+        return False
+
+    def _look_on(self, look: ProgramRun) -> None:
+        """Go on to look; choose as soon as all that is looked for was found, or was not."""
+        self._all_ticks += 1
+        look.advance()
+        if look.predicate != "0":
+            look.deactivate()
+            if not self._begin_look():
+                self._choose(changed=True)
 
     @property
     def background(self) -> Sequence[ControllerRun]:
@@ -169,15 +193,31 @@ class ProgramRun:
             return self._composed
         if self._withdraws:
             return self._withdrawal
+        if self._look is not None:
+            acting = self._look.active()
+            if acting is not self._of_child:
+                self._of_child, self._all_active = acting, self._above_background(acting)
+            return self._all_active
         if self._action is None:
             return ()
         name = self._action.name
-        if name in self._acting:
+        if name not in self.children:
             return self._acting[name]
         acting = self.children[name].active()
-        if acting is not self._of_child:
-            self._of_child, self._all_active = acting, self._above_background(acting)
+        if acting is not self._of_child or name != self._of_action:
+            self._of_child, self._all_active = acting, self._with_child(self._action, acting)
+            self._of_action = name
         return self._all_active
+
+    def _with_child(self, action: Action, acting: Sequence[Active]) -> Sequence[Active]:
+        """Levels of a program, among the controllers that it is composed with, if any."""
+        runs = self._stacks.get(action.name)
+        if runs is None:
+            return self._above_background(acting)
+        own = self._acting[action.name][: len(runs)]
+        taken = {item.run for item in (*own, *acting)}
+        below = [item for item in self._above_background(()) if item.run not in taken]
+        return (*own[: action.above], *acting, *own[action.above :], *below)
 
     def compose(self, names: Sequence[str] | None) -> None:
         """Let a stack act instead of actions, and the background below it.
@@ -206,10 +246,38 @@ class ProgramRun:
         self._composed, self.state = None, "X" * len(self.program.members)
         self._choose(changed=True)
 
-    def _together(self, runs: Sequence[ControllerRun]) -> list[Active]:
+    def _together(
+        self, runs: Sequence[ControllerRun], below: Sequence[ControllerRun] | None = None
+    ) -> list[Active]:
         """The controllers of an action, which may require what is in the background, too."""
-        peers = {run.controller.name: run for run in (*self._background, *runs)}
+        below = self._background if below is None else below
+        peers = {run.controller.name: run for run in (*below, *runs)}
         return [Active(run, peers) for run in runs]
+
+    def _below(self, action: Action, make: ControllerRuns) -> Sequence[ControllerRun]:
+        """The background of an action's own allocation: of several, that of the same hand."""
+        own = action.background
+        return self._background if own is None else make.stack(own)
+
+    def _make_children(
+        self, signals: Signals, plan: ControllerPlan, period: float
+    ) -> dict[str, ProgramRun]:
+        """Runs of the programs by action; one for all actions that run it for the same member."""
+        made: dict[tuple[str, str], ProgramRun] = {}
+        children = {}
+        for action in self.program.actions:
+            if action.program is None:
+                continue
+            key = action.part, action.allocation
+            if key not in made:
+                made[key] = ProgramRun(action.program, signals, plan, period, self._depth + 1)
+            children[action.name] = made[key]
+        self._looks = {
+            feature: ProgramRun(look.program, signals, plan, period, self._depth + 1)
+            for feature, look in self.program.looks.items()
+        }
+        # An action has no such name: it would be two.
+        return children | {f"look for {feature}": each for feature, each in self._looks.items()}
 
     def _above_background(self, acting: Sequence[Active]) -> Sequence[Active]:
         running = [item.run for item in acting]
@@ -224,7 +292,9 @@ class ProgramRun:
         """Take in the predicates of this tick; change the action where the state changed."""
         if self.predicate != "0" or self.is_open or self._composed is not None:
             return
-        if self._withdraws:
+        if self._look is not None:
+            self._look_on(self._look)
+        elif self._withdraws:
             self._withdraw()
         elif self._action is not None:
             self._act(self._action)
@@ -244,6 +314,8 @@ class ProgramRun:
 
     def _act(self, action: Action) -> None:
         child = self.children.get(action.name)
+        if child is not None and self._is_awaited(action):
+            child.activate()
         if child is not None:
             child.advance()
         self._ticks += 1
@@ -252,9 +324,18 @@ class ProgramRun:
         state = self._read_state(action)
         # A program has transitions of its own to run out of. It may also end the way it ended
         # before, within one tick, and then it is over although the state has not changed.
-        overdue = child.predicate != "0" if child else self._is_overdue(action, state)
+        if child is None or action.composition is not None:
+            overdue = self._is_overdue(action, state)
+        else:
+            overdue = child.predicate != "0"
         if state != self.state or overdue:
             self._transit(state)
+
+    def _is_awaited(self, action: Action) -> bool:
+        """Whether a program that waits for what it is composed with begins now."""
+        if action.composition is None or self.children[action.name].predicate != "X":
+            return False
+        return all(lead.predicate == "1" for lead in self._leads[action.name])
 
     def _is_overdue(self, action: Action, state: str) -> bool:
         """Whether an action has lasted as long as it may, in all or with nothing on its way."""
@@ -284,7 +365,9 @@ class ProgramRun:
         """The same as each member has it."""
         state = ["X"] * len(self.program.members)
         if action.program is not None:
-            state[self.program.members.index(action.name)] = self.children[action.name].predicate
+            own = self.children[action.name].predicate
+            is_waiting = action.composition is not None and own == "X"
+            state[self.program.members.index(action.part)] = "-" if is_waiting else own
         for lead in self._leads.get(action.name, ()):
             state[lead.place] = lead.predicate
         return "".join(state)
@@ -332,12 +415,20 @@ class ProgramRun:
         return False
 
     def _rewarding(self, action: Action, state: str) -> tuple[str, ...]:
-        """The members that newly quiesce on a signal from the environment (Eq 4.2-4.4)."""
-        return tuple(
+        """The members that newly quiesce on a signal from the environment (Eq 4.2-4.4).
+
+        A program in the place of a rewarded controller is rewarded as that would have been.
+        """
+        own = tuple(
             self.program.members[lead.place]
             for lead in self._leads.get(action.name, ())
             if state[lead.place] == "1" != self.state[lead.place] and lead.is_earned
         )
+        child, stood_for = self.children.get(action.name), self.program.primitives.get(action.part)
+        if child is None or stood_for is None or not stood_for.rewarded or not child.rewarded:
+            return own
+        place = self.program.members.index(action.part)
+        return (*own, action.part) if state[place] == "1" != self.state[place] else own
 
     def _choose(self, *, changed: bool) -> None:
         if isinstance(self._policy, DeferredPolicy):
@@ -372,11 +463,12 @@ class ProgramRun:
         self._ticks = self._idle_ticks = 0
         if before is not None:
             self._leave(before, self._action)
-        if self._action.program is not None:
+        if self._action.program is not None and self._action.composition is None:
             self.children[name].activate()
-        else:
-            for run in self._stacks[name]:
-                run.activate()
+        elif self._action.program is not None and self.children[name].predicate in "1-":
+            self.children[name].deactivate()  # it waits again
+        for run in self._stacks.get(name, ()):
+            run.activate()
 
     def _begin_withdrawal(self) -> None:
         """Leave everything to the background until that is at rest."""
@@ -390,8 +482,9 @@ class ProgramRun:
         self._action, self._withdraws, self._ticks = None, True, 0
 
     def _leave(self, before: Action, after: Action) -> None:
-        if before.program is not None and before is not after:
-            self.children[before.name].deactivate()
+        child = self.children.get(before.name)
+        if child is not None and child is not self.children.get(after.name):
+            child.deactivate()
         kept = self._stacks.get(after.name, ())
         for run in self._stacks.get(before.name, ()):
             if run not in kept:

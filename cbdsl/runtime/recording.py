@@ -240,6 +240,8 @@ def members(program: CheckedProgram) -> dict[str, tuple[str, ...]]:
     for action in program.actions:
         if action.program is not None:
             own |= members(action.program)
+    for look in program.looks.values():
+        own |= members(look.program)
     return own
 
 

@@ -95,7 +95,7 @@ class Trial:
 def used_programs(program: CheckedProgram) -> dict[int, str]:
     """Actions that are programs, by the place of their predicates in a state."""
     return {
-        program.members.index(action.name): action.name
+        program.members.index(action.part): action.part
         for action in program.actions
         if action.program is not None
     }

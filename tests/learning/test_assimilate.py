@@ -198,3 +198,29 @@ def test_a_tally_ranks_by_chance_and_leaves_out_what_never_worked() -> None:
     rng = np.random.default_rng(1)
     first = [tally.drawn(("a", "b", "c"), rng)[0] for _ in range(400)]
     assert first.count("b") > first.count("a") > first.count("c") > 0
+
+
+def test_the_first_attempt_is_to_blame_where_nothing_was_rewarded(schema: CheckedProgram) -> None:
+    """What comes after it finds the thing where the first has left it."""
+    left, right = (TriedContext({"x": x}, {"a": x > 0}) for x in (0.4, -0.4))
+    spoiled = TriedContext({"x": -0.5}, {"a": False, "b": False})
+    names = ("a", "b")
+    silent = grow_tallies([left, left, spoiled, spoiled], names, 2)
+    assert decide(silent, {"x": -0.5}) == Tally((2.0, 0.0), (0.0, 0.0))
+    blamed = [each if each.rewarded else each.first_alone() for each in (spoiled, right)]
+    tree = grow_tallies([left, left, *blamed], names, 2)
+    assert decide(tree, {"x": -0.5}) == Tally((0.0, 0.0), (2.0, 0.0)), "b was not to blame"
+    assert decide(tree, {"x": 0.5}) == Tally((2.0, 0.0), (0.0, 0.0))
+
+
+@pytest.mark.parametrize("blames", [True, False])
+def test_it_is_a_constant_whether_it_is(schema: CheckedProgram, blames: bool) -> None:
+    learner = Assimilate(["any"], AssimilateConstants(blames_first=blames))
+    learner.adopt(schema)
+    here, there = features(schema, 0.5, 0.4), features(schema, 0.5, -0.4)
+    won = TriedContext(here, {"left_arm": True})
+    lost = TriedContext(there, {"left_arm": False, "right_arm": False})
+    learner.recall([won, won, lost, lost])
+    rank = learner.ranking(np.random.default_rng(1))
+    firsts = [rank(there)[0] for _ in range(200)]
+    assert (firsts.count("left_arm") < 50) is blames

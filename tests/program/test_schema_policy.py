@@ -109,3 +109,33 @@ def test_what_needs_no_allocation_ends_the_attempt(schema: CheckedProgram) -> No
     assert policy.choose("X--", changed=True) == "searchtrack"
     features["place.y"] = -0.3
     assert allocation(policy.choose("1XX", changed=True)) == "right_arm"
+
+
+def test_what_brings_programs_begins_anew_after_a_failure() -> None:
+    """Which hand holds a thing is nothing that another allocation could go on from."""
+    library = Library(ROOT)
+    path = library.locate(ProgramDocument, "pick_and_place")
+    learned = library.read(library.locate(PolicyDocument, "pick_and_place"), PolicyDocument)
+    program = program_to_assimilate(path, learned, Session(library), {})
+    assert program.schema is not None
+    known = dict.fromkeys(program.schema.components, 0.5)
+    policy = SchemaPolicy(program, lambda _: ("right_arm", "left_arm_handover"), gives_up=False)
+    policy.begin(lambda: known)
+    assert policy.choose("XXX", changed=True) == "reachtouch with right_arm"
+    assert allocation(policy.choose("0XX", changed=True)) == "right_arm"
+    assert allocation(policy.choose("1XX", changed=True)) == "right_arm"
+    assert allocation(policy.choose("X0-", changed=True)) == "right_arm"
+    # The goal is out of reach.
+    assert retried(policy, "X0-") == "reachtouch with left_arm_handover"
+
+
+def test_places_of_several_things_are_looked_for_and_what_is_taken_last() -> None:
+    library = Library(ROOT)
+    path = library.locate(ProgramDocument, "pick_and_place")
+    learned = library.read(library.locate(PolicyDocument, "pick_and_place"), PolicyDocument)
+    program = program_to_assimilate(path, learned, Session(library), {})
+    assert program.schema is not None
+    features = {name: each.name for name, each in program.schema.features.items()}
+    assert features == {"feature_place": "stereo.red", "goal_place": "stereo.green"}
+    assert list(program.looks) == ["goal_place", "feature_place"]
+    assert program.looks["goal_place"].values == {"feature": "green"}

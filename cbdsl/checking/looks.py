@@ -1,0 +1,120 @@
+"""Looks: programs that find what features of a schema are of, before anything is allocated."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+
+from cbdsl.checking.findings import Findings
+from cbdsl.checking.knowledge.learned import check_policy, with_policy
+from cbdsl.checking.session import Session
+from cbdsl.checking.substitution import Examine
+from cbdsl.documents.policy import PolicyDocument
+from cbdsl.documents.program import ProgramDocument, Use
+from cbdsl.errors.errors import DiagnosticsError
+from cbdsl.program.checked import CheckedProgram, PriorLook
+from cbdsl.program.member_exchange import earned_signals
+from cbdsl.types.resource import Resource
+
+_HEADING = "heading"
+
+
+def look_of(
+    use: Use, values: Mapping[str, str], beside: Path, session: Session, examine: Examine
+) -> PriorLook | str:
+    """A program that defines a feature, or the reason why it cannot be run.
+
+    Args:
+        use: names the program, and its policy where that was learned.
+        values: of its parameters.
+        beside: a document that names it.
+        session: documents that were read before.
+        examine: checks a program with values of its parameters.
+    """
+    library, findings = session.library, Findings()
+    path = library.find(ProgramDocument, use.program, beside)
+    if path is None:
+        return f"there is no program '{use.program}'"
+    known = library.read(path, ProgramDocument).document.parameters
+    for key in values:
+        if key not in known:
+            return f"it has no parameter '{key}'"
+    program = examine(path, values, findings)
+    if program is not None and use.policy is not None and not findings.failed:
+        file = library.find(PolicyDocument, use.policy, beside)
+        if file is None:
+            return f"there is no policy '{use.policy}'"
+        try:
+            loaded = library.read(file, PolicyDocument)
+        except DiagnosticsError:
+            return f"policy '{use.policy}' has findings of its own"
+        if loaded.document.program != program.name:
+            return f"policy '{use.policy}' is one of '{loaded.document.program}'"
+        check_policy(loaded, program, path, session, findings)
+        program = with_policy(program, loaded, library)
+    if program is None or findings.failed:
+        fault = next((each for each in findings.sorted() if each.is_error), None)
+        return fault.message if fault else "it has findings"
+    return PriorLook(program, use.program, use.policy, dict(values))
+
+
+def derived_looks(
+    program: CheckedProgram,
+    features: Mapping[str, Resource],
+    path: Path,
+    session: Session,
+    examine: Examine,
+) -> dict[str, PriorLook]:
+    """For each thing that features are of, how the program looks for things, in their order.
+
+    A program that has an action of its own for that looks by itself. Else it is the first one,
+    of those that its own programs use, that is rewarded for the heading of a channel, with the
+    channel of the feature instead.
+
+    Args:
+        program: the program under its own allocation.
+        features: resources of its context by name.
+        path: its file.
+        session: documents that were read before.
+        examine: checks a program with values of its parameters.
+    """
+    if any(
+        action.program is not None and _looked_for(action.program) for action in program.actions
+    ):
+        return {}
+    for file, use in _uses(path, session, set()):
+        looking = session.library.find(ProgramDocument, use.program, file)
+        plain = None if looking is None else examine(looking, {}, Findings())
+        parameter = None if plain is None else _looked_for(plain)
+        if parameter is None:
+            continue
+        looks: dict[str, PriorLook] = {}
+        for name, resource in features.items():
+            channel = resource.name.partition(".")[2]
+            look = look_of(use, {parameter: channel}, file, session, examine)
+            if isinstance(look, PriorLook):
+                looks[name] = look
+        return looks
+    return {}
+
+
+def _looked_for(program: CheckedProgram) -> str | None:
+    """The parameter whose channel a program is rewarded for tracking, if it is."""
+    for earned in earned_signals(program):
+        if earned.kind.feedback == _HEADING:
+            channel = earned.signal.partition(".")[2]
+            return next((k for k, value in program.parameters.items() if value == channel), None)
+    return None
+
+
+def _uses(path: Path, session: Session, seen: set[Path]) -> Iterator[tuple[Path, Use]]:
+    """The programs that a program uses, at any depth, with the file that names each."""
+    if path in seen:
+        return
+    seen.add(path)
+    document = session.library.read(path, ProgramDocument).document
+    for use in document.use.values():
+        yield path, use
+        used = session.library.find(ProgramDocument, use.program, path)
+        if used is not None:
+            yield from _uses(used, session, seen)

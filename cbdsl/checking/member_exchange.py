@@ -1,0 +1,187 @@
+"""Programs of a library in the place of a member of another program, and why others are not."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterator, Mapping
+from pathlib import Path
+from typing import NamedTuple
+
+from cbdsl.checking.findings import Findings
+from cbdsl.checking.session import Session
+from cbdsl.checking.substitution import Allocation, Examine
+from cbdsl.documents.program import ProgramDocument
+from cbdsl.documents.robot import RobotDocument
+from cbdsl.errors.errors import DiagnosticsError
+from cbdsl.program.checked import CheckedProgram
+from cbdsl.program.member_exchange import (
+    EarnedSignal,
+    earned_signals,
+    exchange,
+    member_places,
+    member_program,
+    member_signals,
+    places_seen,
+    signals_at_its_end,
+)
+from cbdsl.program.stand_in import used_names
+
+
+class OpenMember(NamedTuple):
+    """A member that a program lets be exchanged.
+
+    Attributes:
+        group: name of the group of its section ``resources``.
+        member: its name.
+        type: of the signals that what stands in for it has to be rewarded for.
+    """
+
+    group: str
+    member: str
+    type: str
+
+
+class MemberExchange:
+    """Puts other programs in the place of members.
+
+    Args:
+        path: the file of the program whose members are exchanged, without findings.
+        session: documents that were read before.
+        examine: checks a program with values of its parameters.
+    """
+
+    def __init__(self, path: Path, session: Session, examine: Examine) -> None:
+        self._path, self._library, self._examine = path, session.library, examine
+        self._checked: dict[tuple[str, tuple[tuple[str, str], ...]], CheckedProgram | None] = {}
+
+    def allocations(self, base: Allocation, member: OpenMember) -> Iterator[Allocation]:
+        """An allocation with each program of the library that is rewarded for the same kind.
+
+        Args:
+            base: an allocation that fits.
+            member: what is exchanged.
+        """
+        program = base.program
+        if program is None:
+            return
+        wanted = _of_type(member_signals(program, member.member), member.type)
+        kinds = {each.kind for each in wanted}
+        for name in self._library.names(ProgramDocument, self._path):
+            some = next(iter(self._candidates(program, member.member, name)), None)
+            if some is None or some.name == _current(program, member.member):
+                continue
+            if not kinds & {each.kind for each in earned_signals(some)}:
+                continue
+            exchanged, refusal = self.exchanged(program, member.member, name)
+            yield Allocation(
+                {**base.values, member.member: name},
+                {**base.choices, member.group: name},
+                exchanged,
+                refusal,
+            )
+
+    def exchanged(
+        self, program: CheckedProgram, member: str, name: str
+    ) -> tuple[CheckedProgram | None, str]:
+        """A program with another one in the place of a member, or ``None`` with the reason.
+
+        The other takes over what the member's own program is given: the channels that it goes by,
+        and if it is needed for that the effectors, too. It has to end with the same signal at rest
+        that the member is rewarded for, since what follows goes by that, and to go by the same
+        seen things.
+
+        Args:
+            program: under values of its parameters.
+            member: one of its members.
+            name: of the other program.
+        """
+        candidates = list(self._candidates(program, member, name))
+        if not candidates:
+            return None, f"there is no sound program '{name}' for robot '{program.robot}'"
+        if program.name in used_names(candidates[0]):
+            return None, f"'{name}' uses '{program.name}' itself"
+        own = member_program(program, member)
+        if own is not None and name in used_names(own):
+            return None, f"'{own.name}' uses '{name}' itself"
+        wanted, places = member_signals(program, member), member_places(program, member)
+        reason = ""
+        for other in candidates:
+            reason = _refusal(wanted, places, other)
+            if not reason:
+                return exchange(program, member, other), ""
+        return None, reason
+
+    def _candidates(
+        self, program: CheckedProgram, member: str, name: str
+    ) -> Iterator[CheckedProgram]:
+        """The other program with its own effectors, and with those of the member."""
+        file = self._library.find(ProgramDocument, name, self._path)
+        if file is None or self._library.real(file) == self._library.real(self._path):
+            return
+        try:
+            document = self._library.read(file, ProgramDocument).document
+        except DiagnosticsError:
+            return
+        if document.robot != program.robot:
+            return
+        given = _given(program, member)
+        shared = {key: given[key] for key in document.parameters if key in given}
+        effectors = self._effectors(document.robot)
+        seen = {key: value for key, value in shared.items() if value not in effectors}
+        for values in (seen, shared):
+            key = name, tuple(values.items())
+            if key not in self._checked:
+                findings = Findings()
+                other = self._examine(file, values, findings)
+                self._checked[key] = None if findings.failed else other
+            checked = self._checked[key]
+            if checked is not None:
+                yield checked
+
+    def _effectors(self, robot: str) -> Collection[str]:
+        file = self._library.find(RobotDocument, robot, self._path)
+        if file is None:
+            return ()
+        document = self._library.read(file, RobotDocument).document
+        return {*document.effectors, *document.groups}
+
+
+def _given(program: CheckedProgram, member: str) -> Mapping[str, str]:
+    """Values of the parameters of a member that is a program; else those of the program."""
+    child = member_program(program, member)
+    return program.parameters if child is None else child.parameters
+
+
+def _current(program: CheckedProgram, member: str) -> str:
+    """Name of the program that a member is; empty where it is a controller."""
+    child = member_program(program, member)
+    return "" if child is None else child.name
+
+
+def _of_type(signals: Collection[EarnedSignal], type_: str) -> set[EarnedSignal]:
+    return {each for each in signals if each.kind.feedback == type_}
+
+
+def _refusal(
+    wanted: Collection[EarnedSignal], places: Collection[str], other: CheckedProgram
+) -> str:
+    """Why a program cannot stand in for a member; empty where it can.
+
+    Args:
+        wanted: signals that the member is rewarded for.
+        places: seen positions that it goes by.
+        other: what is to stand in for it.
+    """
+    earned = earned_signals(other)
+    kinds = sorted({str(each.kind) for each in wanted})
+    if not {each.kind for each in wanted} & {each.kind for each in earned}:
+        return f"'{other.name}' is not rewarded for {' or '.join(kinds)}"
+    if not set(wanted) & earned:
+        ours = " or ".join(sorted({each.signal for each in wanted}))
+        theirs = " and ".join(sorted({each.signal for each in earned}))
+        return f"'{other.name}' is rewarded for {theirs}, and what follows goes by {ours}"
+    if not set(wanted) & signals_at_its_end(other):
+        return f"'{other.name}' does not end with what it is rewarded for"
+    missing = sorted(set(places) - places_seen(other))
+    if missing:
+        return f"'{other.name}' does not go by {' and '.join(missing)}"
+    return ""

@@ -1,0 +1,137 @@
+"""Programs stand in for members by what they are rewarded for, and each other has a reason."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from cbdsl.checking.allocations import allocations
+from cbdsl.checking.document import check_document
+from cbdsl.checking.program import check_program
+from cbdsl.checking.session import Session
+from cbdsl.checking.substitution import Allocation
+from cbdsl.documents.program import ProgramDocument
+from cbdsl.errors.errors import DiagnosticsError
+from cbdsl.yaml_text.library import Library
+from tests.conftest import ROOT
+
+SCHEMA = """\
+cbdsl: 1
+kind: schema
+name: probing
+program: reachtouch
+policy: reachtouch
+features: {place: stereo.$feature}
+allocations:
+  own: {arm: right_arm, hand: right_hand}
+  probe: {arm: left_arm, hand: left_hand, touch: tactileprobe}
+choose: [own, probe]
+otherwise: [own]
+"""
+
+
+@pytest.fixture(scope="module")
+def found() -> list[Allocation]:
+    """All allocations of PICKANDPLACE."""
+    return allocations(
+        Library(ROOT).locate(ProgramDocument, "pick_and_place"), Session(Library(ROOT))
+    )
+
+
+def test_a_transfer_from_hand_to_hand_stands_in_for_the_grasp(found: list[Allocation]) -> None:
+    fitting = {"_".join(each.choices.values()): each for each in found if each.program is not None}
+    assert fitting.keys() == {
+        "left_arm",
+        "right_arm",
+        "left_arm_handover",
+        "left_arm_bimanualtouch",
+    }
+    handed = fitting["left_arm_handover"]
+    assert handed.values["reachtouch"] == "handover" and handed.program is not None
+    (taking,) = [each for each in handed.program.actions if each.name == "reachtouch"]
+    assert taking.program is not None and taking.program.name == "handover"
+    # It goes by the same thing, and hands it to the hand that carries it.
+    assert taking.program.parameters["feature"] == "red"
+    assert taking.program.parameters["to_hand"] == "left_hand"
+
+
+@pytest.mark.parametrize(
+    ("arm", "program", "reason"),
+    [
+        ("right_arm", "handover", "goes by right_hand.finger_forces"),
+        ("left_arm", "pick_and_lift", "does not end with what it is rewarded for"),
+        ("left_arm", "tactileprobe", "does not go by stereo.red"),
+        ("right_arm", "reachtouch", "'grasp' uses 'reachtouch' itself"),
+    ],
+)
+def test_what_does_not_stand_in_has_a_reason(
+    found: list[Allocation], arm: str, program: str, reason: str
+) -> None:
+    (refused,) = [
+        each
+        for each in found
+        if (each.values.get("arm"), each.values.get("reachtouch")) == (arm, program)
+    ]
+    assert refused.program is None and reason in refused.refusal
+    # What is rewarded for something else is not even asked.
+    assert "searchtrack" not in {each.values.get("reachtouch") for each in found}
+
+
+def test_names_do_not_matter(tmp_path: Path) -> None:
+    """A copy of the handover under another name stands in as well."""
+    for name in ("pick_and_place", "handover"):
+        text = (ROOT / "programs" / f"{name}.yaml").read_text(encoding="utf-8")
+        other = name.replace("handover", "entrust")
+        path = tmp_path / "programs" / f"{other}.yaml"
+        path.parent.mkdir(exist_ok=True)
+        path.write_text(text.replace("name: handover", "name: entrust"), encoding="utf-8")
+    library = Library(tmp_path)
+    path = library.locate(ProgramDocument, "pick_and_place")
+    fitting = [each for each in allocations(path, Session(library)) if each.program is not None]
+    assert "entrust" in {each.values.get("reachtouch") for each in fitting}
+
+
+def test_only_members_are_opened(tmp_path: Path) -> None:
+    text = (ROOT / "programs" / "reachtouch.yaml").read_text(encoding="utf-8")
+    path = tmp_path / "reachtouch.yaml"
+    for member, is_sound in (("touch", True), ("approach", False), ("feature", False)):
+        opened = text.replace("whole: {program:", f"part: {{{member}:")
+        path.write_text(opened, encoding="utf-8")
+        if is_sound:
+            check_program(path, {}, Library(ROOT))
+            continue
+        with pytest.raises(DiagnosticsError) as caught:
+            check_program(path, {}, Library(ROOT))
+        assert [each.code for each in caught.value.diagnostics] == ["CB402"]
+
+
+def findings(folder: Path, text: str) -> list[str]:
+    path = folder / "knowledge" / "schemas" / "probing.yaml"
+    path.parent.mkdir(parents=True, exist_ok=True)
+    path.write_text(text, encoding="utf-8")
+    return [
+        f"{each.code} {each.message}" for each in check_document(path, Session(Library(folder)))
+    ]
+
+
+def test_a_schema_may_exchange_members(tmp_path: Path) -> None:
+    assert findings(tmp_path, SCHEMA) == []
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "finding"),
+    [
+        ("touch: tactileprobe", "tuch: tactileprobe", "CB606"),
+        ("touch: tactileprobe", "touch: tactileprob", "no sound program 'tactileprob'"),
+        ("touch: tactileprobe", "touch: searchtrack", "'searchtrack' is not rewarded for spring"),
+        ("touch: tactileprobe", "touch: bimanualtouch", "'bimanualtouch' uses 'reachtouch' itself"),
+        ("touch: tactileprobe", "touch: tactileprobe, program: reachtouch_bimanual", "CB634"),
+        ("choose", "look: {place: {program: searchtrack, with: {channel: red}}}\nchoose", "CB645"),
+        ("choose", "look: {plce: {program: searchtrack}}\nchoose", "CB638"),
+        ("choose", "look: {place: {program: serchtrack}}\nchoose", "CB645"),
+    ],
+)
+def test_what_does_not_fit_is_found(tmp_path: Path, old: str, new: str, finding: str) -> None:
+    (only,) = findings(tmp_path, SCHEMA.replace(old, new, 1))
+    assert finding in only
