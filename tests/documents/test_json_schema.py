@@ -34,6 +34,7 @@ BEYOND_SCHEMAS = {
     "place_nowhere",
     "gap_without_hand",
     "field_obstacle_shape",
+    "thrown_and_shaken",
     # To a schema a reference that is text is a text like any other.
     "reference_in_parentheses",
     "reference_quoted",

@@ -8,8 +8,9 @@ import numpy as np
 import pytest
 
 from cbdsl.documents.catalog import AffordanceSection, CatalogDocument, StepColumns
+from cbdsl.reproduction.action_counts import tally
 from cbdsl.reproduction.bar_chart import Bar, BarChart
-from cbdsl.reproduction.catalogs import FIGURES, _afforded, _counts, _habituation, _shares, _tally
+from cbdsl.reproduction.catalogs import FIGURES, _afforded, _counts, _habituation, _shares
 from cbdsl.reproduction.habituation import (
     change_chart,
     negligible_after,
@@ -55,8 +56,8 @@ TEN = catalog("TtTTS.T...", [4.0, 0.0, 2.0, 1.0, 0.5, 0.0, 0.1, 0.0, 0.0, 0.0])
 
 
 def test_counts_are_of_all_trials() -> None:
-    assert _tally([TEN, TEN], "reachtouch") == (8, 10)
-    assert _tally([TEN], "visualinspect") == (0, 0)
+    assert tally([TEN, TEN], "reachtouch") == (8, 10)
+    assert tally([TEN], "visualinspect") == (0, 0)
     assert _afforded(TEN) == {"reachtouch", "searchtrack"}
     (taken, *_) = _counts([TEN, TEN])
     assert (taken.name, taken.ours) == ("reachtouch taken", 5.0)
