@@ -221,8 +221,9 @@ def _layer(name: str, hits: Sequence[bool]) -> Layer:
 
 
 def _growth(stacks: Sequence[GrowingStack]) -> Iterator[BlobPanels]:
-    """The first stack that stands and is tracked, if there is one, as the left camera sees it."""
-    shown = next((each for each in stacks if each.tracked and each.stands), None)
+    """The first stack that stands, is tracked and was seen all along, in the left image."""
+    whole = (each for each in stacks if len(each.views) == len(_MOMENTS))
+    shown = next((each for each in whole if each.tracked and each.stands), None)
     if shown is not None:
-        panels = dict(zip(_MOMENTS, shown.views, strict=False))
+        panels = dict(zip(_MOMENTS, shown.views, strict=True))
         yield BlobPanels("fig-7.16", "A stack of three grows (Figure 7.16)", panels, _COLORS)

@@ -78,7 +78,8 @@ class _BlobReader:
     def note(self, tick: Tick) -> None:
         """Take in a tick."""
         two = tick.run.children["stack"].state.startswith(_TWO_STAND)
-        if len(self.views) < 1 + two:
+        # Where all three were never in view at once, the second view is none without the first.
+        if len(self.views) == int(two):
             seen = self.look(tick.signals)
             # The third one may be out of view of a head that looks at the two that stand.
             if seen.keys() >= {*(ORDER[:2] if two else ORDER)}:

@@ -218,7 +218,7 @@ class _AssimilatedTrials:
             "far stage": digest(self._stage),
             "limits": _LIMITS,
             "constants": _CONSTANTS.model_dump(),
-            "parts": self._parts[:2],
+            "parts": list(self._parts[:2]),
         }
 
 

@@ -92,7 +92,7 @@ def test_the_hierarchy_has_the_pair_below_the_stack(tmp_path: Path) -> None:
 
 @pytest.mark.slow
 def test_a_stack_of_three_is_tracked_once_it_stands() -> None:
-    (trial,) = run_growing_stacks(CONTEXT, [1], "mujoco", "ideal")
+    (trial,) = run_growing_stacks(CONTEXT, [11], "mujoco", "ideal")
     assert trial.tracked and trial.stands, trial.ending
     first, second, last = trial.views
     assert first.keys() == last.keys() == set(ORDER)
