@@ -15,9 +15,9 @@ from cbdsl.control.stack import Stack
 from cbdsl.control.tick import RESTED, UNSOUND, tick
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.program.checked import NO_GUARDS, Guards
+from cbdsl.runtime.action_levels import Active
 from cbdsl.runtime.controller_run import ControllerRun
 from cbdsl.runtime.load_guards import LoadGuards
-from cbdsl.runtime.program_run import Active
 from cbdsl.sensing.signals import Selection, Signals
 from cbdsl.types.potential import POTENTIALS
 
