@@ -73,7 +73,7 @@ def calibrate(
     Exit 0 when the calibration was written, 1 when a document has errors, 2 when it could not be
     made.
     """
-    from cbdsl.cli.quiet import shown_on_failure
+    from cbdsl.cli.native_output import shown_on_failure
     from cbdsl.errors.errors import UsageError
     from cbdsl.yaml_text.writer import make_room
 

@@ -198,7 +198,7 @@ def learn(
     from cbdsl.cli.assignments import read_assignments
     from cbdsl.cli.learning_tasks import one_by_one, side_by_side
     from cbdsl.cli.live import live_options
-    from cbdsl.cli.quiet import shown_on_failure
+    from cbdsl.cli.native_output import shown_on_failure
     from cbdsl.cli.simulation import needing_simulation
     from cbdsl.cli.termination import termination_interrupts
 

@@ -223,8 +223,8 @@ def _run(experiment: Experiment, settings: RunSettings, workers: int) -> Result:
     from dataclasses import replace
 
     from cbdsl.backends.quiet import quiet_stderr
+    from cbdsl.cli.native_output import shown_on_failure
     from cbdsl.cli.progress import Progress
-    from cbdsl.cli.quiet import shown_on_failure
     from cbdsl.cli.trial_jobs import run_jobs
     from cbdsl.errors.errors import UsageError
 

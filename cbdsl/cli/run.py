@@ -147,7 +147,7 @@ def run(
     from cbdsl.api.run_request import read_request
     from cbdsl.cli.assignments import read_assignments
     from cbdsl.cli.live import live_options, live_page
-    from cbdsl.cli.quiet import shown_on_failure
+    from cbdsl.cli.native_output import shown_on_failure
     from cbdsl.cli.recorder import Recorder
     from cbdsl.cli.simulation import simulation
     from cbdsl.cli.termination import termination_interrupts
