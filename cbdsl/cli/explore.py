@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from cbdsl.cli.learn import Cameras, Resume, Seed, Set
 from cbdsl.cli.live import Fast, Live, LiveClose, LivePort, LiveWait
+from cbdsl.cli.options import Cameras, Resume, Seed, Set
 from cbdsl.cli.simulation import BackendName
 
 if TYPE_CHECKING:
