@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from cbdsl.cli.options import Json
 from cbdsl.cli.show_allocations import show_allocations
 from cbdsl.cli.show_catalog import show_catalog
 from cbdsl.cli.show_mesh import show_mesh
@@ -32,7 +33,6 @@ show = typer.Typer(
     pretty_exceptions_enable=False,
 )
 
-Json = Annotated[bool, typer.Option("--json", help="Print JSON instead of tables.")]
 Robot = Annotated[str, typer.Option("--robot", help="Name or file of a robot document.")]
 
 

@@ -2,20 +2,17 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING
 
-import typer
-
+from cbdsl.cli.options import ShownProgram
 from cbdsl.cli.show_program import Json, With
 
 if TYPE_CHECKING:
     from cbdsl.checking.substitution import Allocation
 
-Program = Annotated[str, typer.Argument(metavar="NAME", help="Name or file of a program.")]
-
 
 def show_allocations(
-    name: Program,
+    name: ShownProgram,
     with_: With = [],  # noqa: B006 (typer)
     as_json: Json = False,
 ) -> None:

@@ -3,14 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Any
 
-import typer
+from cbdsl.cli.options import Json
 
 if TYPE_CHECKING:
     from cbdsl.types.registry import Registry
-
-Json = Annotated[bool, typer.Option("--json", help="Print JSON instead of tables.")]
 
 
 def show_learners(as_json: Json = False) -> None:

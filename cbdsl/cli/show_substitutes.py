@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from cbdsl.cli.show_allocations import Program
+from cbdsl.cli.options import ShownProgram
 from cbdsl.cli.show_program import Json, With
 
 
 def show_substitutes(
-    name: Program,
+    name: ShownProgram,
     with_: With = [],  # noqa: B006 (typer)
     as_json: Json = False,
 ) -> None:
