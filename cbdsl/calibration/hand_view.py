@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from functools import partial
 from typing import NamedTuple
 
 import numpy as np
@@ -92,8 +93,9 @@ class ViewRecorder:
                 forces = touch.loads[first : first + FINGERS, :3].copy()
                 posture = tick.signals.vision.field.posture
                 assert posture is not None
-                with self._kinematics.posed(posture):
-                    self._record(camera, np.array((region.column, region.row)), region.area, forces)
+                point = np.array((region.column, region.row))
+                record = partial(self._record, camera, point, region.area, forces)
+                self._kinematics.posed(posture, record)
 
     def _is_new(self, camera: str, positions: Floats) -> bool:
         """Whether the robot has another posture than in the camera's last view."""

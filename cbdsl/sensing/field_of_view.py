@@ -68,8 +68,7 @@ class FieldOfView:
     def placed(self, links: tuple[str, ...]) -> list[Frame]:
         """The placements of links when the newest images were taken."""
         assert self.posture is not None
-        with self._kinematics.posed(self.posture):
-            return self._kinematics.placed(links)
+        return self._kinematics.posed(self.posture, lambda: self._kinematics.placed(links))
 
     def place(self, row: int, name: str, frame: Frame) -> None:
         """Take in where a camera, the ``row``-th, was at its newest image."""
@@ -106,11 +105,14 @@ class FieldOfView:
     def is_hidden_by_hand(self, position: Floats) -> bool:
         """Whether a wrist, palm or fingertip is near some camera's line of sight to a position."""
         if self._hands is None and self.posture is not None:
-            with self._kinematics.posed(self.posture):
-                self._hands = self._kinematics.origins(self._wrists, self._hand_links)
+            self._hands = self._kinematics.posed(self.posture, self._place_hands)
         if self._hands is None:
             return False
         return _is_beside(self._hands, self._eyes, position, self._hand_radius)
+
+    def _place_hands(self) -> Floats:
+        """Where the points of the hands are that may hide things, m, shape (k, 3)."""
+        return self._kinematics.origins(self._wrists, self._hand_links)
 
     def hands_have_closed_on(self, position: Floats, radius: float) -> bool:
         """Whether all fingertips of a hand were inside of a ball when the cameras last looked.

@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from collections.abc import Callable, Mapping, Sequence
 from functools import cached_property
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, TypeVar
 
 import numpy as np
 import pinocchio
@@ -33,6 +32,7 @@ from cbdsl.sensing.forward import (
 Floats = NDArray[np.float64]
 Integers = NDArray[np.int64]
 Vector = tuple[float, float, float]
+Answer = TypeVar("Answer")
 
 
 class Frame(NamedTuple):
@@ -112,6 +112,10 @@ class Kinematics:
         self.frames = np.zeros((len(self.tree) + 1, 12))
         self.frames[0, [0, 4, 8]] = 1.0
         self.axes = np.zeros((len(self.tree), 3))
+        # The same in another posture, see ``posed``.
+        self._other = self.positions.copy(), self.frames.copy(), self.axes.copy()
+        self._other_posture: Floats | None = None
+        self._other_placed = -1
         self._links: dict[str, Link] = {}
         self._corrections = {
             camera.link: camera.correction
@@ -121,28 +125,37 @@ class Kinematics:
         self._origins: dict[tuple[tuple[str, ...], ...], tuple[Integers, Floats]] = {}
         self._together: dict[tuple[str, ...], tuple[Integers, Floats, Floats]] = {}
         self._needed: Integers = np.zeros(0, dtype=np.int64)
+        # How many of these are placed in the posture; none of a new one.
         self._weighing: tuple[Any, list[tuple[int, int]]] | None = None
         self.update(np.minimum(np.maximum(0.0, self.lower), self.upper))
 
     def update(self, positions: Floats) -> None:
         """Set the actuated joint positions, rad, shape (n,)."""
-        self.positions[:], self._is_placed = positions, False
+        self.positions[:], self._placed = positions, -1
 
-    @contextmanager
-    def posed(self, positions: Floats) -> Iterator[None]:
-        """Answer as of another posture, rad, shape (n,), for a while."""
-        newest = self.positions.copy()
-        self.update(positions)
+    def posed(self, posture: Floats, ask: Callable[[], Answer]) -> Answer:
+        """Ask something in another posture.
+
+        Args:
+            posture: rad, shape (n,); while it is the same array, joints are placed once.
+            ask: gives the answer.
+        """
+        newest = self.positions, self.frames, self.axes, self._placed
+        if self._other_posture is not posture:
+            self._other[0][:], self._other_posture, self._other_placed = posture, posture, -1
+        self.positions, self.frames, self.axes = self._other
+        self._placed = self._other_placed
         try:
-            yield
+            return ask()
         finally:
-            self.update(newest)
+            self._other_placed = self._placed
+            self.positions, self.frames, self.axes, self._placed = newest
 
     def place(self) -> None:
         """Place the joints in the newest posture, unless they are there."""
-        if not self._is_placed:
+        if self._placed != len(self._needed):
             place_joints(self.positions, self._needed, self.tree, self.frames, self.axes)
-            self._is_placed = True
+            self._placed = len(self._needed)
 
     def link(self, name: str) -> Link:
         """A link, whose frame is up to date after ``place``.
@@ -153,8 +166,7 @@ class Kinematics:
         link = self._links.get(name)
         if link is None:
             link = self._links[name] = self._find(name)
-        if not self._is_placed:
-            self.place()
+        self.place()
         return link
 
     def frame(self, link: str) -> Frame:
@@ -285,7 +297,7 @@ class Kinematics:
         """Have joints placed from now on."""
         needed = np.union1d(self._needed, np.array(numbers, dtype=np.int64) - 1)
         if len(needed) > len(self._needed):
-            self._needed, self._is_placed = needed, False
+            self._needed = needed
 
     def _find(self, name: str) -> Link:
         numbers, frame = self._support(name), self._model.frames[self._frame(name)]
