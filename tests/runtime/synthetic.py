@@ -107,7 +107,7 @@ class SyntheticBackend:
             time=self._tick * self.control_period,
             positions=self._positions.copy(),
             velocities=self._velocities.copy(),
-            loads={**self._loads(), **self.world.broken},
+            loads=self._loads(),
             images={name: self._paint(name) for name in self._sights} if frame > before else {},
         )
 
@@ -138,8 +138,9 @@ class SyntheticBackend:
                 normal = self._kinematics.frame(cell.link).rotation @ np.array(cell.normal)
                 body = self._kinematics.inertial(cell.link)
                 weight = np.array([0.0, 0.0, 9.81 * body.mass if body else 0.0])
-                force = self._robot.control.stiffness * excess * normal + weight
-                loads[hand, finger] = np.r_[force, np.zeros(3)]
+                force = self._robot.control.stiffness * excess * normal
+                felt = self.world.broken.get((hand, finger), np.r_[force, np.zeros(3)])
+                loads[hand, finger] = felt + np.r_[weight, np.zeros(3)]
         return loads
 
     def _paint(self, name: str) -> Image:
