@@ -10,6 +10,8 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from cbdsl.cli.simulation import BackendName
+
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
@@ -34,7 +36,6 @@ Stage = Annotated[
     typer.Option("--stage", help="Where the ball is handed over [the program's own]."),
 ]
 Seed = Annotated[int, typer.Option("--seed", min=0, help="Seed of all chance.")]
-BackendName = Annotated[str, typer.Option("--backend", help="What embodies the robot.")]
 Cameras = Annotated[
     str | None,
     typer.Option("--cameras", help="Its cameras: rendered or ideal [the backend's own]."),

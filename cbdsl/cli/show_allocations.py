@@ -6,7 +6,8 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from cbdsl.cli.show_program import Json, With
+from cbdsl.cli.show_format import PLAIN, Format, Json, PlainFormat, read_format
+from cbdsl.cli.show_program import With
 
 if TYPE_CHECKING:
     from cbdsl.checking.substitution import Allocation
@@ -17,6 +18,7 @@ Program = Annotated[str, typer.Argument(metavar="NAME", help="Name or file of a 
 def show_allocations(
     name: Program,
     with_: With = [],  # noqa: B006 (typer)
+    format_: PlainFormat = "text",
     as_json: Json = False,
 ) -> None:
     """The resources that the parameters of a program may stand for, and why others cannot.
@@ -30,11 +32,12 @@ def show_allocations(
     from cbdsl.cli.terminal import print_json, print_table
     from cbdsl.documents.program import ProgramDocument
 
+    form = read_format(format_, as_json, PLAIN)
     session, values = Session(), read_assignments(with_)
     check_program(name, values, session.library)
     path = session.library.locate(ProgramDocument, name)
     combinations = sorted(allocations(path, session, values), key=lambda each: bool(each.refusal))
-    if as_json:
+    if form is Format.JSON:
         print_json([_data(each) for each in combinations])
     elif not session.library.read(path, ProgramDocument).document.resources:
         print(f"{path.stem} lets no parameter stand for another resource: it has no 'resources'")
