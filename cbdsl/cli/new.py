@@ -93,18 +93,11 @@ def new_robot(
 
 
 def _untouchable(model: UrdfModel) -> list[str]:
-    """A sentence about links that are to be seen, and go through everything."""
-    from cbdsl.robot.urdf import UrdfError
+    """A sentence about links that go through everything."""
+    from cbdsl.errors.counting import some
 
-    try:
-        bodies = model.bodies
-    except UrdfError:
-        return []  # which is a finding of the document
-    names = [name for name, body in bodies.items() if body.visuals and not body.collisions]
-    if not names:
-        return []
-    others = f" and {len(names) - 3} more" if len(names) > 3 else ""
-    return [f"links without <collision> touch nothing: {', '.join(names[:3])}{others}"]
+    names = model.shapeless
+    return [f"links without <collision> touch nothing: {some(names)}"] if names else []
 
 
 def _semantics(reader: ModelReader, srdf: Path, model: UrdfModel) -> SemanticGroups:

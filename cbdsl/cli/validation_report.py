@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import NamedTuple
 
-from cbdsl.errors.diagnostic import Diagnostic
+from cbdsl.errors.diagnostic import Diagnostic, Severity
 
 
 class ValidationReport(NamedTuple):
@@ -26,9 +26,17 @@ class ValidationReport(NamedTuple):
     @property
     def errors(self) -> int:
         """How many findings are errors."""
-        return sum(diagnostic.is_error for diagnostic in self.findings)
+        return self._count(Severity.ERROR)
 
     @property
     def warnings(self) -> int:
         """How many findings are warnings."""
-        return len(self.findings) - self.errors
+        return self._count(Severity.WARNING)
+
+    @property
+    def notes(self) -> int:
+        """How many findings tell what is assumed, and ask for nothing."""
+        return self._count(Severity.NOTE)
+
+    def _count(self, severity: Severity) -> int:
+        return sum(diagnostic.severity is severity for diagnostic in self.findings)
