@@ -9,7 +9,7 @@ if TYPE_CHECKING:
 
 
 def notes(request: RunRequest) -> list[str]:
-    """What is assumed of a robot, one sentence each, unless its document silences it."""
+    """Assumptions about a robot, one sentence each, unless its document silences it."""
     from cbdsl.checking.document import check_document
     from cbdsl.checking.session import Session
     from cbdsl.cli.ignores import apply_suppressions

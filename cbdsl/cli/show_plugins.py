@@ -97,7 +97,7 @@ def _show(
 
 
 def _backend(name: str) -> dict[str, str]:
-    """What a backend is, or why it cannot be used here."""
+    """Summary of a backend, or why it cannot be used here."""
     from cbdsl.backends.backend import BackendError, find_backend
 
     try:

@@ -21,6 +21,10 @@ class JournalError(UsageError):
     """A journal cannot be used; the message says why and what to do."""
 
 
+class DamagedJournalError(JournalError):
+    """A line of a journal cannot be used; the message says which, and what to do."""
+
+
 class LineJournal:
     """File of JSON lines: the identity of an undertaking, then each step as soon as it is done.
 
@@ -122,11 +126,14 @@ def _row(line: bytes, path: Path, number: int, what: str) -> dict[str, Any]:
 def damaged(path: Path, number: int, problem: str, what: str = "trial") -> JournalError:
     """The error of a line that cannot be used."""
     if number == 1:
-        return JournalError(f"{path} is no journal of a {what}: of line 1, {problem}")
-    how = "the same command goes on there" if what == "calibration" else "--resume goes on there"
-    return JournalError(
-        f"{path}, line {number}: {problem}; the journal is damaged. What stands above is whole: "
-        f"delete this line and those below, and {how}"
+        return DamagedJournalError(f"{path} is no journal of a {what}: of line 1, {problem}")
+    how = "the same command goes on there"
+    if what != "calibration":
+        how += ", with --resume where it has that"
+    return DamagedJournalError(
+        f"{path}, line {number}: {problem}; the journal is damaged, and was left as it is. What "
+        f"stands above is whole: mv {path} {path}.damaged && head -n {number - 1} {path}.damaged "
+        f"> {path} keeps that, and {how}"
     )
 
 

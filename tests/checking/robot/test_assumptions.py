@@ -27,7 +27,9 @@ base: base
 effectors:
   arm: {joints: [turn, bend]}
 %s
-control: {rate: 120 Hz, tasks: {configuration: {gain: 4 /s, quiescence: {rate: 0.05, window: 0.2 s}}}}
+control:
+  rate: 120 Hz
+  tasks: {configuration: {gain: 4 /s, quiescence: {rate: 0.05, window: 0.2 s}}}
 """
 PROGRAM = """cbdsl: 1
 kind: program
