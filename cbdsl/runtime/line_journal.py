@@ -8,6 +8,7 @@ import os
 import time
 from collections.abc import Iterator, Mapping
 from pathlib import Path
+from shlex import quote
 from types import TracebackType
 from typing import Any, BinaryIO, Self
 
@@ -127,13 +128,12 @@ def damaged(path: Path, number: int, problem: str, what: str = "trial") -> Journ
     """The error of a line that cannot be used."""
     if number == 1:
         return DamagedJournalError(f"{path} is no journal of a {what}: of line 1, {problem}")
-    how = "the same command goes on there"
-    if what != "calibration":
-        how += ", with --resume where it has that"
+    option = "" if what == "calibration" else ", with --resume where it has that"
+    whole, aside = quote(str(path)), quote(f"{path}.damaged")
     return DamagedJournalError(
         f"{path}, line {number}: {problem}; the journal is damaged, and was left as it is. What "
-        f"stands above is whole: mv {path} {path}.damaged && head -n {number - 1} {path}.damaged "
-        f"> {path} keeps that, and {how}"
+        f"stands above is whole, and the same command goes on there{option}, after\n"
+        f"  mv {whole} {aside} && head -n {number - 1} {aside} > {whole}"
     )
 
 
