@@ -87,7 +87,7 @@ def new_robot(
     if proposal.left_out:
         counts = proposal.left_out
         remarks.append(f"left out what programs cannot move: {counts}; its comments say more")
-    remarks += _untouchable(source.model)
+    remarks += [*_untouchable(source.model), *proposal.remarks]
     template = _Template(RobotDocument, "robot", name, to)
     template.write(proposal.values, force, source.files, remarks)
 
