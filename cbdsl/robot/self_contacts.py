@@ -24,8 +24,8 @@ _SAMPLES = 100
 _TURN = math.pi
 
 
-class LinkShape(NamedTuple):
-    """A convex shape of a link.
+class ConvexPart(NamedTuple):
+    """A convex part of a link.
 
     Attributes:
         geometry: coal's.
@@ -122,11 +122,11 @@ class SelfContacts:
         leader = self._model.joints[mimic.joint]
         return mimic.ratio * positions.get(leader.name, at_first(leader)) + mimic.offset
 
-    def _shapes(self, shapes: tuple[UrdfShape, ...]) -> Iterator[LinkShape]:
+    def _shapes(self, shapes: tuple[UrdfShape, ...]) -> Iterator[ConvexPart]:
         for shape in shapes:
             geometry = self._geometry(shape)
             if geometry is not None:
-                yield LinkShape(geometry, _pose(shape.origin))
+                yield ConvexPart(geometry, _pose(shape.origin))
 
     def _geometry(self, shape: UrdfShape) -> Any:
         """A shape as coal has it, or ``None`` where it has no volume."""
