@@ -105,7 +105,7 @@ def _require_distinct(root: ElementTree.Element) -> None:
     """
     if not root.get("name"):
         raise ValueError('its <robot> has no name; write <robot name="...">')
-    for kind in ("link", "joint"):
+    for kind in ("link", "joint", "material"):
         names = [element.get("name", "") for element in root.findall(kind)]
         if "" in names:
             raise ValueError(f"one of its {kind}s has no name")

@@ -55,7 +55,8 @@ def examine_robot(loaded: Loaded[RobotDocument], findings: Findings) -> CheckedR
         _ModelCheck(body, findings, model).all()
         check_margins(loaded, model, findings)
         check_meshes(loaded, model, findings)
-        note_assumptions(loaded, model, findings)
+        if not findings.failed:
+            note_assumptions(loaded, model, findings)
     return body
 
 
