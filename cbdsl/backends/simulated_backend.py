@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections import deque
 from collections.abc import Collection
 from pathlib import Path
 from typing import Any, Generic, TypeVar
@@ -13,7 +14,9 @@ from numpy.typing import NDArray
 from cbdsl.backends.backend import BackendError, embody
 from cbdsl.backends.cameras.camera_system import CameraSystem, Chance, Exposure
 from cbdsl.backends.cameras.rendered import RenderedCameras
+from cbdsl.backends.staging.cell_offsets import CellOffsets
 from cbdsl.backends.staging.context import choose_context, starting_posture
+from cbdsl.backends.staging.encoders import Encoders
 from cbdsl.backends.staging.engine import Engine
 from cbdsl.backends.staging.experimenter import Experimenter
 from cbdsl.backends.staging.load_cells import LoadCells
@@ -23,13 +26,14 @@ from cbdsl.documents.robot import RobotDocument
 from cbdsl.documents.stage import StageDocument
 from cbdsl.robot.joints import Joints
 from cbdsl.robot.urdf import UrdfModel
-from cbdsl.sensing.observation import Observation
+from cbdsl.sensing.observation import Loads, Observation
 
 Floats = NDArray[np.float64]
 SomeEngine = TypeVar("SomeEngine", bound=Engine)
 
 # For how many ticks the noise of load cells is drawn at once where nothing else draws from it.
 _AHEAD = 64
+_NOTHING = Exposure()
 
 
 class SimulatedBackend(Generic[SomeEngine]):
@@ -62,6 +66,7 @@ class SimulatedBackend(Generic[SomeEngine]):
         substeps: int = 1,
     ) -> None:
         self._robot, self.truth, self._cameras = robot, engine, cameras
+        self._model = model
         self._joints = Joints(robot)
         limits = [model.joints[name] for name in self._joints.names]
         self._nearest_to_zero = np.array([min(max(0.0, j.lower), j.upper) for j in limits])
@@ -69,6 +74,8 @@ class SimulatedBackend(Generic[SomeEngine]):
         self.control_period = 1 / rate
         self.renderer = cameras.renderer
         self._shutter = Shutter(robot.vision.rate, self.control_period)
+        self._encoders = Encoders(robot, self.control_period)
+        self._latency = round(robot.vision.latency * rate)
         # The stage and the context that the world is of.
         self._world: tuple[StageDocument, str] | None = None
 
@@ -102,12 +109,12 @@ class SimulatedBackend(Generic[SomeEngine]):
         )
         self._reached = self._reference
         self.truth.begin(self._reference)
-        self._cells = self._load_cells(noise)
+        self._cells, self._offsets = self._load_cells(noise), self._cell_offsets(noise)
         sampler = ScenarioSampler(stage, self._robot, self.truth.link_pose, rng)
         self._experimenter = Experimenter(sampler, chosen, self.truth)
         self._cameras.begin(self.truth, stage.disturbance, channels, Chance(rng, noise))
         self._world = stage, name
-        self._observation = self._sense()
+        self._observation = self._begin()
         return name
 
     def resume(
@@ -128,7 +135,7 @@ class SimulatedBackend(Generic[SomeEngine]):
         if not undisturbed:
             self._experimenter.take_turn(stage.world)
         self._cameras.look_for(channels)
-        self._observation = self._sense()
+        self._observation = self._begin()
         return name
 
     def _load_cells(self, noise: np.random.Generator) -> LoadCells:
@@ -138,23 +145,48 @@ class SimulatedBackend(Generic[SomeEngine]):
         ahead = 1 if isinstance(self._cameras, RenderedCameras) else _AHEAD
         return LoadCells(self.truth.cells, self._robot.contact, (own, physical), noise, ahead)
 
+    def _cell_offsets(self, noise: np.random.Generator) -> CellOffsets:
+        links = [self._robot.load_cells[hand][finger].link for hand, finger in self.truth.cells]
+        tips, rows = [self._model.bodies[k] for k in links], [self.truth.rows[k] for k in links]
+        # A stream of its own, as noise may be drawn ahead.
+        own = noise.spawn(1)[0]
+        return CellOffsets(tips, rows, self._robot.contact, self.control_period, own)
+
     def observe(self) -> Observation:
         """The sensors now."""
         return self._observation
 
+    def _begin(self) -> Observation:
+        """First observation of an episode.
+
+        Cameras had been running, and nothing had moved: the newest image shows how it is.
+        """
+        self._exposures: deque[tuple[int, Exposure]] = deque()
+        positions, velocities = self._encoders.begin(self.truth.read()[0])
+        return self._sensed(positions, velocities, self._expose(), self._tick)
+
     def _sense(self) -> Observation:
-        positions, velocities = self.truth.read()
-        # Every episode begins with an image.
-        begins = self._tick == self._began
-        exposure = self._expose() if begins or self._shutter.opens(self._tick) else None
+        positions, velocities = self._encoders.read(self.truth.read()[0])
+        if self._shutter.opens(self._tick):
+            self._exposures.append((self._tick, self._expose()))
+        if not self._exposures or self._exposures[0][0] + self._latency > self._tick:
+            return self._sensed(positions, velocities)
+        taken, exposure = self._exposures.popleft()
+        return self._sensed(positions, velocities, exposure, taken)
+
+    def _sensed(
+        self, positions: Floats, velocities: Floats, exposure: Exposure = _NOTHING, taken: int = 0
+    ) -> Observation:
+        loads = self._cells.read()
         return Observation(
             time=(self._tick - self._began) * self.control_period,
             positions=positions,
             velocities=velocities,
-            loads=self._cells.read(),
-            images=exposure.images if exposure else {},
-            regions=exposure.regions if exposure else {},
+            loads=Loads(loads.cells, self._offsets.added(loads.wrenches, self.truth.placements)),
+            images=exposure.images,
+            regions=exposure.regions,
             efforts=self.truth.efforts() if self._robot.joint_torques is not None else None,
+            exposed=(taken - self._began) * self.control_period,
         )
 
     def _expose(self) -> Exposure:
@@ -178,6 +210,7 @@ class SimulatedBackend(Generic[SomeEngine]):
             self._experimenter.act(begun * self.control_period)
             self.truth.step(self._reference if count == 1 else self._between(substep / count))
             self._cells.sample(self.truth.wrenches())
+        self._offsets.drift()
         self._reached = self._reference
         self._tick += 1
         self._observation = self._sense()

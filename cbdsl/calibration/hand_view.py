@@ -90,7 +90,10 @@ class ViewRecorder:
             if slow and not region.clipped and self._is_new(camera, observation.positions):
                 first, _ = touch.span(self._hand)
                 forces = touch.loads[first : first + FINGERS, :3].copy()
-                self._record(camera, np.array((region.column, region.row)), region.area, forces)
+                posture = tick.signals.vision.field.posture
+                assert posture is not None
+                with self._kinematics.posed(posture):
+                    self._record(camera, np.array((region.column, region.row)), region.area, forces)
 
     def _is_new(self, camera: str, positions: Floats) -> bool:
         """Whether the robot has another posture than in the camera's last view."""

@@ -11,6 +11,7 @@ from cbdsl.documents.document import (
     AnySpeed,
     Coordinate,
     Count,
+    Distance,
     Document,
     Duration,
     Force,
@@ -56,6 +57,8 @@ class Effector(Section):
     """Named joint postures: an angle per joint, or a length where it slides."""
     start: Name | None = None
     """Posture at the start of an episode; without it, zero within the limits."""
+    resolution: Distance = 1e-4
+    """Step of its joints' encoders: an angle, or a length where they slide; ``0`` without steps."""
 
 
 class Group(Section):
@@ -181,6 +184,11 @@ class VisionSection(Section):
 
     rate: Rate = 15.0
     """Images per second."""
+    latency: Time = 1 / 15
+    """From an exposure until its image can be read."""
+    noise: NonNegative = 2.0
+    """Standard deviation of a pixel's value, of 255; ideal cameras measure regions as much worse as
+    that makes them."""
     renderer: Literal["auto", "opengl", "tiny", "mujoco"] = "auto"
     """``opengl`` needs EGL; ``tiny``, of the backend bullet, runs everywhere; ``mujoco`` is that of
     the backend mujoco, and needs EGL; ``auto`` takes the first that works of the former two."""
@@ -240,14 +248,21 @@ class Control(Section):
 
 
 class Contact(Section):
-    """Threshold and noise of contact on a load cell."""
+    """Threshold of contact on a load cell, and errors of what it measures."""
 
     threshold: Force = 0.1
     """Smaller forces are noise."""
     noise: Force = 0.03
     """Standard deviation of each measured component."""
+    bias: Force = 0.2
+    """Standard deviation of what each component reads without load, in the cell's own frame."""
+    drift: Force = 0.003
+    """Standard deviation of how far that has wandered after a second; it grows with the square root
+    of the time."""
     filter: Time = 0.02
     """Time constant of the load cells' low-pass filter."""
+    zero_tracking: Duration = 5.0
+    """Time constant with which a cell that feels nothing follows its drift."""
     self_contact: Length = 0.04
     """Fingertips of two hands that feel something and are no farther apart feel each other."""
 

@@ -112,7 +112,7 @@ class Recording:
         runs = list(named_runs(tick.run))
         observation = tick.observation
         self._controllers = {name: run.controller for name, run in runs}
-        self._cells = tuple(".".join(key) for key in observation.loads)
+        self._cells = tuple(".".join(key) for key in tick.signals.touch.cells)
         self._singular_value = tick.actuation.settings.singular_value
         self._predicates.append("".join(run.predicate for _, run in runs))
         row = {
@@ -121,7 +121,7 @@ class Recording:
             "references": tick.actuation.reference.copy(),
             "potentials": [run.phi for _, run in runs],
             "errors": [run.error for _, run in runs],
-            "loads": list(observation.loads.values()),
+            "loads": list(tick.signals.touch.loads.copy()),
         }
         self._guards = tick.actuation.load_guards.names
         row["guard_held"] = tick.actuation.load_guards.records["held"].tolist()

@@ -30,6 +30,7 @@ class FieldOfView:
 
     Attributes:
         frames: of the cameras at their newest images, by name.
+        posture: in which the newest images were taken, rad, shape (n,); ``None`` before any.
     """
 
     def __init__(self, robot: RobotDocument, kinematics: Kinematics) -> None:
@@ -54,10 +55,21 @@ class FieldOfView:
         # No line of sight leaves a camera that has not seen anything yet.
         self._eyes: Floats = np.full((len(self._cameras), 3), math.nan)
         self._hands: Floats | None = None
+        self.posture: Floats | None = None
 
-    def renew(self) -> None:
-        """Take in that there are new images; hands are placed when they are asked for."""
-        self._hands = None
+    def renew(self, posture: Floats) -> None:
+        """Take in that there are new images; hands are placed when they are asked for.
+
+        Args:
+            posture: in which the images were taken, rad, shape (n,).
+        """
+        self._hands, self.posture = None, posture
+
+    def placed(self, links: tuple[str, ...]) -> list[Frame]:
+        """The placements of links when the newest images were taken."""
+        assert self.posture is not None
+        with self._kinematics.posed(self.posture):
+            return self._kinematics.placed(links)
 
     def place(self, row: int, name: str, frame: Frame) -> None:
         """Take in where a camera, the ``row``-th, was at its newest image."""
@@ -93,8 +105,11 @@ class FieldOfView:
 
     def is_hidden_by_hand(self, position: Floats) -> bool:
         """Whether a wrist, palm or fingertip is near some camera's line of sight to a position."""
+        if self._hands is None and self.posture is not None:
+            with self._kinematics.posed(self.posture):
+                self._hands = self._kinematics.origins(self._wrists, self._hand_links)
         if self._hands is None:
-            self._hands = self._kinematics.origins(self._wrists, self._hand_links)
+            return False
         return _is_beside(self._hands, self._eyes, position, self._hand_radius)
 
     def hands_have_closed_on(self, position: Floats, radius: float) -> bool:

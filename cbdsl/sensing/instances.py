@@ -61,7 +61,7 @@ class Instances:
 
     def reset(self) -> None:
         """Forget everything."""
-        self.attended = 0
+        self.attended, self._exposed = 0, 0.0
         self.sightings: list[dict[int, Sighting]] = [{} for _ in range(self._cameras)]
         self._candidates: list[Floats] = []
         self._place: Floats | None = None
@@ -102,13 +102,15 @@ class Instances:
         azimuth = math.atan2(offset[1], offset[0])
         return (-azimuth if selection == "leftmost" else azimuth), number
 
-    def look(self, time: float, seen: Sightings) -> None:
+    def look(self, time: float, exposed: float, seen: Sightings) -> None:
         """Take in the newest images.
 
         Args:
             time: s.
+            exposed: when the images were taken, s.
             seen: by camera, the sightings of the channel's regions, the largest first.
         """
+        self._exposed = exposed
         for each in self.sightings:
             each.clear()
         known = self.known
@@ -153,7 +155,7 @@ class Instances:
             position, _, sizes = sighting
             if memory.looks_smaller(sizes) and not self._field.is_hidden_by_hand(position):
                 memory.forget_size()
-            if memory.see(time, position, sizes):
+            if memory.see(time, position + memory.moved_since(self._exposed), sizes):
                 return
         if memory.position is not None:
             memory.miss(time, explained=self._explains(time, number))

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from functools import cached_property
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -13,7 +15,8 @@ from numpy.typing import NDArray
 
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.robot.joints import Joints
-from cbdsl.robot.urdf import UrdfError
+from cbdsl.robot.urdf import UrdfError, UrdfInertial, UrdfLink
+from cbdsl.robot.urdf_reader import read_urdf
 from cbdsl.sensing.forward import (
     JOINT,
     bend_point,
@@ -97,7 +100,7 @@ class Kinematics:
             model = pinocchio.buildModelFromUrdf(str(urdf))
         except ValueError as error:
             raise UrdfError(f"Pinocchio cannot read the model: {error}") from None
-        self.joints = Joints(robot)
+        self._urdf, self.joints = urdf, Joints(robot)
         numbers = [model.getJointId(name) for name in self.joints.names]
         own = [model.joints[number].idx_q for number in numbers]
         # A joint without end has two coordinates, of a point on the unit circle.
@@ -124,6 +127,16 @@ class Kinematics:
     def update(self, positions: Floats) -> None:
         """Set the actuated joint positions, rad, shape (n,)."""
         self.positions[:], self._is_placed = positions, False
+
+    @contextmanager
+    def posed(self, positions: Floats) -> Iterator[None]:
+        """Answer as of another posture, rad, shape (n,), for a while."""
+        newest = self.positions.copy()
+        self.update(positions)
+        try:
+            yield
+        finally:
+            self.update(newest)
 
     def place(self) -> None:
         """Place the joints in the newest posture, unless they are there."""
@@ -231,6 +244,15 @@ class Kinematics:
         own = [self._model.joints[self._model.getJointId(n)].idx_v for n in self.joints.names]
         weight: Floats = torques[own]
         return weight
+
+    def inertial(self, link: str) -> UrdfInertial | None:
+        """The mass of a link, without those that it carries; ``None`` where the model has none."""
+        return self._bodies[link].inertial
+
+    @cached_property
+    def _bodies(self) -> Mapping[str, UrdfLink]:
+        """The model's links; Pinocchio adds the masses of those that are fixed to each other."""
+        return read_urdf(self._urdf).bodies
 
     def moving(self, link: str) -> frozenset[str]:
         """Names of the model's joints that move a link, passive ones too."""

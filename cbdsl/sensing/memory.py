@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections import deque
 from collections.abc import Sequence
 
 import numpy as np
@@ -14,6 +15,9 @@ from cbdsl.numeric.compiled import compiled_once
 Floats = NDArray[np.float64]
 
 _STILL = np.zeros(3)
+# Ticks whose displacements are kept at most.
+_MOST = 256
+_SLACK = 1e-6
 
 
 class PositionMemory:
@@ -43,6 +47,9 @@ class PositionMemory:
         self.since = self._seen = self._accounted = 0.0
         self._sightings = 0
         self._largest: Sequence[float] | None = None
+        # Displacements of the last ticks, m, and when they began, s.
+        self._moves: deque[tuple[float, Floats]] = deque(maxlen=_MOST)
+        self._time = 0.0
 
     @property
     def velocity(self) -> Floats | None:
@@ -65,7 +72,7 @@ class PositionMemory:
 
         Args:
             time: s.
-            position: triangulated, m, shape (3,).
+            position: triangulated, and displaced as since the images, m, shape (3,).
             sizes: apparent area times squared distance in each camera, m^2.
         """
         largest, least = self._largest or sizes, self._settings.least_visible
@@ -84,10 +91,11 @@ class PositionMemory:
 
     def predict(self, period: float, time: float) -> None:
         """Carry a moving position on by ``period`` seconds."""
+        self._time = time
         if self.position is None or time - self._seen > self._settings.prediction:
             return
         if self._speed > self._settings.least_speed:
-            self.position = self.position + self._velocity * period
+            self._move(time - period, self._velocity * period)
 
     def miss(self, time: float, *, explained: bool) -> None:
         """Take in that there was no believable sighting, and whether something explains it."""
@@ -104,7 +112,19 @@ class PositionMemory:
     def carry(self, displacement: Floats) -> None:
         """Take the thing to have moved with the hands that hold it, m, shape (3,)."""
         if self.position is not None:
-            self.position = self.position + displacement
+            self._move(self._time, displacement)
+
+    def moved_since(self, time: float) -> Floats:
+        """How far the thing is taken to have moved since an image was taken, m, shape (3,)."""
+        moves = self._moves
+        while moves and moves[0][0] < time - _SLACK:
+            moves.popleft()
+        return sum([displacement for _, displacement in moves], _STILL)
+
+    def _move(self, begun: float, displacement: Floats) -> None:
+        assert self.position is not None
+        self.position = self.position + displacement
+        self._moves.append((begun, displacement))
 
     def rest(self) -> None:
         """Take the thing to stand still, as when a hand has touched it."""

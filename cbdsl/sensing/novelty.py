@@ -124,11 +124,16 @@ class Novelty:
     def _whole_regions(self, name: str, source: NovelHeading) -> Iterator[_WholeRegion]:
         """Regions of a channel that a camera sees whole, the largest first."""
         camera = self._robot.cameras[name]
-        frame = self._kinematics.frame(camera.link)
-        for region in self._vision.seen.get(name, {}).get(source.channel, ()):
+        regions = self._vision.seen.get(name, {}).get(source.channel, ())
+        if not regions:
+            return
+        # The head may have turned since the image was taken.
+        frame = self._vision.field.frames[name]
+        turned = self._kinematics.frame(camera.link).rotation.T.dot(frame.rotation)
+        for region in regions:
             if not region.clipped:
                 line = sight(camera, region.column, region.row)
-                posture = self._tracking(source.effector, camera.link, line)
+                posture = self._tracking(source.effector, camera.link, turned.dot(line))
                 yield _WholeRegion(frame.rotation.dot(line), posture)
 
     def _tracking(self, effector: str, link: str, line: Floats) -> Floats:

@@ -51,12 +51,14 @@ class Observation:
         positions: actuated joints in the order of the robot file's effectors, rad, shape (n,).
         velocities: of the same joints, rad/s, shape (n,).
         loads: force and torque exerted by each load cell on the world, in the world frame, N and
-            N m, by (hand, finger), shape (6,) each.
+            N m, by (hand, finger), shape (6,) each. They include the weight of what is beyond the
+            cell, and a bias.
         images: RGB, shape (height, width, 3), top row first, by camera; empty between images.
         regions: instead of images, what the channels of an ideal camera's image would hold, by
             camera and channel, the largest region first; empty between images.
         efforts: torques of the joints' drives, as these measure them, N m, shape (n,); ``None``
             where they measure none.
+        exposed: when the images were taken, s, in the same clock as ``time``; ``None`` for now.
     """
 
     time: float
@@ -66,3 +68,4 @@ class Observation:
     images: Mapping[str, Image]
     regions: Mapping[str, Mapping[str, Regions]] = field(default_factory=dict)
     efforts: Floats | None = None
+    exposed: float | None = None

@@ -126,7 +126,7 @@ class Signals:
         self.touch = Touch(robot, kinematics, self.tips)
         self.strain = Strain(robot.joint_torques, kinematics)
         self.sight = VisualSignals(robot, kinematics, self.vision, self.tips, self.touch)
-        self.surfaces = Surfaces(robot, kinematics, self.vision, resources)
+        self.surfaces = Surfaces(robot, self.vision, resources)
         self.blobs = BlobSignals(robot, self.vision, self.sight, resources)
         self.novelty = Novelty(robot, kinematics, self.vision, resources)
         self._binders: dict[type, Callable[[Any], int]] = {
@@ -192,7 +192,7 @@ class Signals:
         self.kinematics.update(observation.positions)
         self.strain.update(observation)
         if self.robot.load_cells:
-            self.touch.update(wrenches)
+            self.touch.update(wrenches, observation.time)
             self.sight.update()
         if self.robot.cameras:
             self.vision.update(observation)

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Iterable
 
 from cbdsl.documents.robot import RobotDocument
-from cbdsl.sensing.kinematics import Kinematics
 from cbdsl.sensing.observation import Observation
 from cbdsl.sensing.surface import LevelSurface, SurfaceView
 from cbdsl.sensing.vision import Vision
@@ -17,7 +16,6 @@ class Surfaces:
 
     Args:
         robot: has two cameras.
-        kinematics: of the same robot.
         vision: what they see.
         resources: that are read.
     """
@@ -25,11 +23,10 @@ class Surfaces:
     def __init__(
         self,
         robot: RobotDocument,
-        kinematics: Kinematics,
         vision: Vision,
         resources: Iterable[Resource],
     ) -> None:
-        self._robot, self._kinematics, self._vision = robot, kinematics, vision
+        self._robot, self._vision = robot, vision
         sources = [each.source for each in resources]
         self.by_channel = {
             source.channel: LevelSurface() for source in sources if isinstance(source, SurfacePoint)
@@ -56,4 +53,4 @@ class Surfaces:
         if extent is None:
             return None
         camera = self._robot.cameras[name]
-        return SurfaceView(camera, self._kinematics.frame(camera.link), extent)
+        return SurfaceView(camera, self._vision.field.frames[name], extent)

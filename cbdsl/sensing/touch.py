@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cbdsl.documents.robot import LoadCell, RobotDocument
-from cbdsl.numeric.compiled import compiled_once
+from cbdsl.sensing.cell_zeros import CellZeros
 from cbdsl.sensing.kinematics import Kinematics
 from cbdsl.sensing.net_wrench import Fingertips, net_wrench
 from cbdsl.sensing.observation import Cell, Loads
@@ -26,13 +26,14 @@ _PARTS = {"force": slice(0, 3), "torque": slice(3, 6), "wrench": slice(0, 6)}
 
 
 class Touch:
-    """Reads the load cells; their first values are taken as zero, since they carry weight.
+    """Reads the load cells, whose first values are taken as zero; see ``CellZeros``.
 
     Where a signal's Jacobian is asked for, it is the cast force -> displacement (Eq 3.37 to 3.39):
     things are taken to be springs of the stiffness that the robot's document states.
 
     Attributes:
-        loads: of the load cells without their tare, N and N m, world frame, shape (cells, 6).
+        cells: the load cells, as (hand, finger), in the robot document's order.
+        loads: of the load cells without weight and bias, N and N m, world frame, shape (cells, 6).
         feeling: whether each of them is in contact, shape (cells,).
     """
 
@@ -40,10 +41,9 @@ class Touch:
         self._robot = robot
         self._kinematics = kinematics
         self._tips = tips
-        self._cells = tuple(
+        self.cells = tuple(
             (hand, finger) for hand, fingers in robot.load_cells.items() for finger in fingers
         )
-        self._threshold = robot.contact.threshold
         #: By hand, which of the cells are its own.
         self._own = {hand: self._span(hand) for hand in robot.load_cells}
         #: By hand, indices of the joints that flex its fingers.
@@ -69,13 +69,15 @@ class Touch:
         control = robot.control
         self._yielding = np.array((control.contact_stiffness, control.contact_torsion))
         self._fingertips: dict[str, Fingertips] = {}
-        self.loads: Floats = np.zeros((len(self._cells), 6))
-        self.feeling: Booleans = np.zeros(len(self._cells), dtype=np.bool_)
+        links = [robot.load_cells[hand][finger].link for hand, finger in self.cells]
+        self._zeros = CellZeros(robot.contact, kinematics, links)
+        self.loads: Floats = np.zeros((len(self.cells), 6))
+        self.feeling: Booleans = np.zeros(len(self.cells), dtype=np.bool_)
         self.reset()
 
     def reset(self) -> None:
         """Forget the episode before."""
-        self._tare: Floats | None = None
+        self._zeros.reset()
         self._forget()
 
     def resume(self, before: Touch) -> None:
@@ -87,7 +89,10 @@ class Touch:
         Args:
             before: felt the last tick of the episode before; it may be this one.
         """
-        self._tare = before._tare if before.touching_anything() else None
+        if before.touching_anything():
+            self._zeros.resume(before._zeros)
+        else:
+            self._zeros.reset()
         self._forget()
 
     def _forget(self) -> None:
@@ -97,19 +102,20 @@ class Touch:
 
     def gathered(self, loads: Mapping[Cell, Floats]) -> Floats:
         """Wrenches in the order of the robot's document, shape (cells, 6)."""
-        if isinstance(loads, Loads) and loads.cells == self._cells:
+        if isinstance(loads, Loads) and loads.cells == self.cells:
             return loads.wrenches
-        wrenches = [loads[cell] for cell in self._cells]
+        wrenches = [loads[cell] for cell in self.cells]
         return np.array(wrenches).reshape(len(wrenches), 6)
 
-    def update(self, wrenches: Floats) -> None:
-        """Take in one tick's wrenches, as ``gathered`` has them, N and N m in the world frame."""
-        if self._tare is None:
-            self._tare = wrenches.copy()
+    def update(self, wrenches: Floats, time: float) -> None:
+        """Take in one tick's wrenches; the kinematics have its posture.
+
+        Args:
+            wrenches: as ``gathered`` has them, N and N m, world frame, shape (cells, 6).
+            time: s.
+        """
         before = self._touching
-        self._touching = _set_feedback(
-            wrenches, self._tare, self._threshold, self.loads, self.feeling
-        )
+        self._touching = self._zeros.remove(wrenches, time, self.loads, self.feeling)
         if before or self._touching:
             self._in_contact = self.feeling.tolist()
 
@@ -162,7 +168,7 @@ class Touch:
 
     def finger_load(self, source: FingerLoad) -> Reading | None:
         """The load of one finger, or ``None`` without contact."""
-        if not self._in_contact[self._cells.index((source.hand, source.finger))]:
+        if not self._in_contact[self.cells.index((source.hand, source.finger))]:
             return None
         return self._load(source.hand, source.finger, source.part)
 
@@ -253,7 +259,7 @@ class Touch:
         jacobian = self._kinematics.jacobian(self._fingers(hand)[finger].link)
         yielding = np.repeat(self._yielding, 3)[:, None]
         where = _PARTS[part]
-        value = self.loads[self._cells.index((hand, finger)), where]
+        value = self.loads[self.cells.index((hand, finger)), where]
         return Reading(value, (yielding * jacobian)[where], self._tips.stamp)
 
     def _flexion(self, hand: str) -> Floats:
@@ -278,34 +284,8 @@ class Touch:
         return self._own[hand].start, self._own[hand].stop
 
     def _span(self, hand: str) -> slice:
-        first = next(row for row, (owner, _) in enumerate(self._cells) if owner == hand)
+        first = next(row for row, (owner, _) in enumerate(self.cells) if owner == hand)
         return slice(first, first + len(self._fingers(hand)))
-
-
-@compiled_once
-def _set_feedback(
-    wrenches: Floats, tare: Floats, threshold: float, loads: Floats, feeling: Booleans
-) -> bool:
-    """Find the loads, and which cells feel more than a threshold.
-
-    Args:
-        wrenches: as measured, N and N m, shape (cells, 6).
-        tare: wrenches without contact, shape (cells, 6).
-        threshold: of the force, N.
-        loads: becomes their difference, shape (cells, 6).
-        feeling: becomes whether each cell's force is more, shape (cells,).
-
-    Returns:
-        Whether any of them does.
-    """
-    touching = False
-    for cell in range(len(loads)):
-        for part in range(6):
-            loads[cell, part] = wrenches[cell, part] - tare[cell, part]
-        x, y, z = loads[cell, 0], loads[cell, 1], loads[cell, 2]
-        feeling[cell] = math.sqrt(x * x + y * y + z * z) > threshold
-        touching |= feeling[cell]
-    return touching
 
 
 def _carrier(robot: RobotDocument, kinematics: Kinematics, hand: str) -> str | None:

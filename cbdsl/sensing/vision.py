@@ -16,6 +16,7 @@ from cbdsl.sensing.instances import Instances
 from cbdsl.sensing.kinematics import Frame, Kinematics
 from cbdsl.sensing.memory import PositionMemory
 from cbdsl.sensing.observation import Observation
+from cbdsl.sensing.posture_history import PostureHistory
 from cbdsl.sensing.sighting import Sighting
 from cbdsl.sensing.stereo import Ray, triangulate
 
@@ -70,6 +71,7 @@ class Vision:
             for name in robot.cameras
         }
         self.field = FieldOfView(robot, kinematics)
+        self._history = PostureHistory()
         self.instances = {
             name: Instances(settings, self.field, len(robot.cameras)) for name in self.channels
         }
@@ -81,7 +83,9 @@ class Vision:
         self.headings: dict[tuple[str, str, int], SeenHeading] = {}
         self.images = 0
         self._lingering: dict[tuple[str, str, int], Sighting] = {}
-        self._time = self._image_time = 0.0
+        self._time = self._image_time = self._exposed = 0.0
+        self._axes: Mapping[str, Floats] = {}
+        self._history.reset()
         self._looking: Collection[str] = ()
         self.seen: Mapping[str, Mapping[str, Sequence[Region]]] = {}
         self.field.reset()
@@ -140,11 +144,13 @@ class Vision:
             if memory.position is not None:
                 memory.predict(time - self._time, time)
         self._time = time
+        self._history.note(time, observation.positions)
         if not (observation.images or observation.regions):
             return
         self.images += 1
         self._image_time = time
-        self.field.renew()
+        self._exposed = time if observation.exposed is None else observation.exposed
+        self.field.renew(self._history.at(self._exposed))
         self.headings.clear()
         seen = self.seen = self._seen(observation)
         self._looking = seen.keys()
@@ -180,8 +186,8 @@ class Vision:
         if seen_heading is None and self._lingering and camera in self._looking:
             seen = self._lingering.get(key)
             if seen is not None:
-                frame = self.field.frames[camera]
-                angles = heading(frame.rotation.T.dot(seen.ray.direction))
+                # Where the camera looks now: the head may have turned since the image was taken.
+                angles = heading(self._axes[camera].T.dot(seen.ray.direction))
                 seen_heading = self.headings[key] = SeenHeading(angles, seen.image)
         return seen_heading
 
@@ -214,7 +220,9 @@ class Vision:
         by_channel: dict[str, list[list[Sighting]]] = {
             channel: [[] for _ in self._cameras] for channel in self.channels
         }
-        frames, turned = self._kinematics.placed(self._links), set[str]()
+        frames, turned = self.field.placed(self._links), set[str]()
+        placed = zip(self._cameras, self._kinematics.placed(self._links), strict=True)
+        self._axes = {name: frame.rotation for name, frame in placed}
         for row, (name, frame) in enumerate(zip(self._cameras, frames, strict=True)):
             if name not in seen:
                 continue
@@ -232,7 +240,7 @@ class Vision:
                 ]
             self.field.place(row, name, frame)
         for channel, sightings in by_channel.items():
-            self.instances[channel].look(self._image_time, sightings)
+            self.instances[channel].look(self._image_time, self._exposed, sightings)
         self._linger(turned)
 
     def _linger(self, turned: Collection[str]) -> None:

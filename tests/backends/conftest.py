@@ -12,6 +12,7 @@ from cbdsl.backends.backend import BackendError
 from cbdsl.backends.simulated_backend import SimulatedBackend
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.documents.stage import StageDocument
+from cbdsl.sensing.observation import Loads
 from cbdsl.yaml_text.library import Library
 from tests.conftest import ROOT
 
@@ -44,12 +45,25 @@ def with_vision(robot: RobotDocument, **changes: Any) -> RobotDocument:
     return robot.model_copy(update={"vision": robot.vision.model_copy(update=changes)})
 
 
+def exact(robot: RobotDocument) -> RobotDocument:
+    """A robot whose sensors have neither steps nor noise, bias, drift and latency."""
+    contact = robot.contact.model_copy(update={"noise": 0.0, "bias": 0.0, "drift": 0.0})
+    effectors = {
+        name: effector.model_copy(update={"resolution": 0.0})
+        for name, effector in robot.effectors.items()
+    }
+    changed = robot.model_copy(update={"contact": contact, "effectors": effectors})
+    return with_vision(changed, noise=0.0, latency=0.0)
+
+
 def sightless(robot: RobotDocument) -> RobotDocument:
-    """A robot for which no time is spent on images, with load cells that have no noise."""
-    contact = robot.contact.model_copy(update={"noise": 0.0})
-    return with_vision(
-        robot.model_copy(update={"cameras": {}, "contact": contact}), renderer="tiny"
-    )
+    """A robot with exact sensors for which no time is spent on images."""
+    return with_vision(exact(robot).model_copy(update={"cameras": {}}), renderer="tiny")
+
+
+def contact_loads(backend: Simulated) -> Loads:
+    """What load cells would measure without the weight of the tips, and without bias."""
+    return backend._cells.read()
 
 
 def run(backend: Simulated, seconds: float) -> None:
@@ -84,7 +98,7 @@ def rendered(dexter: RobotDocument, request: pytest.FixtureRequest) -> Iterator[
     """A backend with each renderer that works here."""
     engine = BACKENDS["mujoco" if request.param == "mujoco" else "bullet"]
     try:
-        backend = engine(with_vision(dexter, renderer=request.param), URDF)
+        backend = engine(with_vision(exact(dexter), renderer=request.param), URDF)
     except BackendError as error:
         pytest.skip(str(error))
     yield backend

@@ -78,7 +78,9 @@ def test_it_resets_to_a_context_of_the_stage(backend: Backend) -> None:
 def test_an_observation_holds_sensors_only(backend: Backend, dexter: RobotDocument) -> None:
     observation = begin(backend)
     fields = {field.name for field in dataclasses.fields(observation)}
-    assert fields == {"time", "positions", "velocities", "efforts", "loads", "images", "regions"}
+    assert fields == {
+        "time", "positions", "velocities", "efforts", "loads", "images", "regions", "exposed",
+    }  # fmt: skip
     joints = len(Joints(dexter).names)
     assert observation.time == 0.0
     assert observation.positions.shape == observation.velocities.shape == (joints,)

@@ -37,7 +37,9 @@ def _driven(backend: Backend, limits: list[UrdfJoint]) -> tuple[np.ndarray, np.n
         backend.apply(reference)
         for _ in range(round(0.6 / backend.control_period)):
             backend.step()
-            speeds = np.maximum(speeds, np.abs(backend.observe().velocities))
+            simulated = isinstance(backend, SimulatedBackend)
+            now = backend.truth.read()[1] if simulated else backend.observe().velocities
+            speeds = np.maximum(speeds, np.abs(now))
             # A kinematic engine has no forces: nothing but speeds to keep.
             if (
                 isinstance(backend, SimulatedBackend)

@@ -41,7 +41,7 @@ def test_sensor_noise_does_not_depend_on_who_else_draws(simulated: Simulated) ->
 def test_cameras_look_at_their_rate(
     make: type[Simulated], dexter: RobotDocument, rate: float
 ) -> None:
-    backend = make(with_vision(dexter, rate=rate), URDF)
+    backend = make(with_vision(dexter, rate=rate, latency=0.0), URDF)
     backend.reset(stage_named("absent"), None, np.random.default_rng(0))
     times = []
     for _ in range(round(1.0 / backend.control_period)):
@@ -55,6 +55,26 @@ def test_cameras_look_at_their_rate(
     assert times[0] == 0
     assert len(times) == rate
     assert np.diff(times) == pytest.approx(1 / rate, abs=backend.control_period + 1e-9)
+
+
+@pytest.mark.parametrize("latency", [0.0, 0.1, 0.3])
+def test_images_come_as_late_as_the_robot_says(
+    make: type[Simulated], dexter: RobotDocument, latency: float
+) -> None:
+    """The first one was taken before, while nothing moved; late ones come one after the other."""
+    backend = make(with_vision(dexter, latency=latency), URDF, cameras="ideal")
+    backend.reset(stage_named("table_right"), "in_view", np.random.default_rng(0))
+    late = []
+    for _ in range(round(1.0 / backend.control_period)):
+        observation = backend.observe()
+        if observation.regions:
+            assert observation.exposed is not None
+            late.append(observation.time - observation.exposed)
+        backend.step()
+    backend.close()
+    assert late[0] == 0
+    assert len(late) >= 10
+    assert late[1:] == pytest.approx([latency] * (len(late) - 1))
 
 
 @pytest.mark.parametrize("name", STAGES)

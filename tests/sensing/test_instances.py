@@ -253,7 +253,7 @@ def test_what_a_hand_leaves_of_a_thing_is_no_other_thing(
         parts.append([vision._sighted(camera, frame, each) for each in (half, rest)])
     monkeypatch.setattr(vision.field, "is_hidden_by_hand", lambda position: hidden)
     for tick in range(1, 5):
-        red.look(1.0 + tick / 15, parts)
+        red.look(1.0 + tick / 15, 1.0 + tick / 15, parts)
     assert len(scene.places()) == (1 if hidden else 2)
     assert scene.places()[0] == near(RIGHT)
 

@@ -34,9 +34,9 @@ def feel(touch: Touch, *cells: int) -> None:
     """Have some load cells feel 1 N, after a tick without contact."""
     touch.reset()
     wrenches = np.zeros_like(touch.loads)
-    touch.update(wrenches.copy())
+    touch.update(wrenches.copy(), 0.0)
     wrenches[list(cells), 0] = 1.0
-    touch.update(wrenches)
+    touch.update(wrenches, 0.0)
 
 
 def test_fingers_close_in_the_direction_in_which_they_press(touch_of: Make) -> None:
@@ -73,8 +73,8 @@ def test_net_torque_has_the_moments_of_the_fingers_forces(
     rng = np.random.default_rng(1)
     touch = touch_of(robot)
     touch.reset()
-    touch.update(np.zeros_like(touch.loads))
-    touch.update(rng.normal(size=touch.loads.shape))
+    touch.update(np.zeros_like(touch.loads), 0.0)
+    touch.update(rng.normal(size=touch.loads.shape), 0.0)
     document, kinematics = touch._robot, touch._kinematics
     cells, (first, last) = document.load_cells[hand], touch.span(hand)
     tip = document.effectors[touch.carriers[hand]].tip
@@ -105,10 +105,10 @@ def test_net_wrench_of_a_couple_is_a_torque_alone(touch_of: Make) -> None:
     touch = touch_of("dexter")
     touch.reset()
     wrenches = np.zeros_like(touch.loads)
-    touch.update(wrenches.copy())
+    touch.update(wrenches.copy(), 0.0)
     first = touch.span("right_hand")[0]
     wrenches[first, 1], wrenches[first + 2, 1] = 2.0, -2.0
-    touch.update(wrenches)
+    touch.update(wrenches, 0.0)
     cells = list(touch._robot.load_cells["right_hand"].values())
     one, other = (touch._kinematics.frame(cells[i].link).position for i in (0, 2))
     wrench = touch.net_load(NetLoad("right_hand", "wrench"))
@@ -148,7 +148,7 @@ def test_load_cells_are_tared_anew_only_while_nothing_is_felt(touch_of: Make, he
     touch.reset()
     touch.resume(before)
     wrenches = drifted + (1.0 if held else 0.0)
-    touch.update(wrenches)
+    touch.update(wrenches, 0.0)
     # What is held goes on to be felt; where nothing is, what the cells read now is nothing.
     assert touch.loads == pytest.approx(wrenches if held else np.zeros_like(drifted))
     assert touch.feeling.any() == held

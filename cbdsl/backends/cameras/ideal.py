@@ -41,6 +41,11 @@ _FINE = 60
 # What has moved less from one image to the next does not count as motion, m.
 _LEAST_MOTION = 2e-3
 _ROUNDING = 1e-9
+# Share of a region's border, px, by which its area is off, per deviation of a pixel's value of 255:
+# pixels that are half within it count or do not, and the noise of a sensor of 2 decides which.
+_UNSURE = 0.15
+# For how many regions errors are drawn at once.
+_AHEAD = 256
 
 
 class VisibleSurface(NamedTuple):
@@ -128,9 +133,10 @@ class _Scene:
 
 
 class IdealCameras(CameraSystem):
-    """Cameras without noise of pixels and shading; see ``CameraSystem``.
+    """Cameras without pixels and shading; see ``CameraSystem``.
 
-    They see nothing that is printed on boxes but spots.
+    Regions are off as if they had been counted pixel by pixel. They see nothing that is printed on
+    boxes but spots.
 
     Args:
         robot: names the cameras and their links.
@@ -160,6 +166,8 @@ class IdealCameras(CameraSystem):
     ) -> None:
         """Begin an episode."""
         super().begin(engine, disturbance, channels, chance)
+        deviation = math.hypot(self._robot.vision.noise, disturbance.image_noise)
+        self._errors_of = RegionErrors(_UNSURE * deviation, chance.noise.spawn(1)[0])
         self.look_for(channels)
         self._rows = np.array([engine.rows[link] for link in self._links.values()], np.intp)
         self._carriers = np.array([engine.rows[link] for link in self._limbs.links], np.intp)
@@ -201,6 +209,7 @@ class IdealCameras(CameraSystem):
                 scene.whole(shapes),
                 moved,
                 filled,
+                self._errors_of,
                 partial(self._extent, placed, lens, cameras[row]),
             )
             for name, shapes, lens, filled, row in zip(
@@ -243,10 +252,35 @@ class IdealCameras(CameraSystem):
         return placements
 
 
+class RegionErrors:
+    """Errors of regions whose border pixels count or do not.
+
+    Args:
+        unsure: standard deviation of the area, px, per square root of the border's length, px.
+        rng: draws them.
+    """
+
+    def __init__(self, unsure: float, rng: np.random.Generator) -> None:
+        self._unsure, self._rng = unsure, rng
+        self._drawn: list[list[float]] = []
+
+    def added(self, area: float, column: float, row: float) -> tuple[float, float, float]:
+        """Area and centroid, px, with errors; a region keeps a pixel at least."""
+        if not self._drawn:
+            self._drawn = self._rng.standard_normal((_AHEAD, 3)).tolist()
+        larger, aside, below = self._drawn.pop()
+        radius = math.sqrt(area / math.pi)
+        off = self._unsure * math.sqrt(2 * math.pi * radius)
+        # Pixels of the border are a radius away from the centroid, on either side.
+        shift = off * radius / area / math.sqrt(2)
+        return max(area + off * larger, 1.0), column + shift * aside, row + shift * below
+
+
 def _regions(
     surfaces: Iterable[tuple[VisibleSurface, Sequence[float]]],
     moved: set[str],
     filled: float,
+    errors: RegionErrors,
     extent: Callable[[VisibleSurface], Extent | None],
 ) -> Mapping[str, Regions]:
     """Regions of each channel, the largest first, from the shapes of all surfaces in an image.
@@ -255,9 +289,11 @@ def _regions(
     """
     by_channel: dict[str, dict[int, Region]] = {}
     for surface, (area, column, row, clipped, columns, mixed, rows) in surfaces:
-        whole, channels = round(area), surface.channels
-        if whole == 0:
+        if round(area) == 0:
             continue
+        channels = surface.channels
+        area, column, row = errors.added(area, column, row)
+        whole = round(area)
         fills = clipped and channels and area >= filled
         moments, visible = Moments(columns, mixed, rows), extent(surface) if fills else None
         region = Region(whole, column, row, clipped != 0.0, moments, visible)

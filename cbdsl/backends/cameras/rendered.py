@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Collection, Mapping
 
 import numpy as np
 
 from cbdsl.backends.cameras.camera_system import CameraSystem, Chance, Exposure
+from cbdsl.backends.cameras.pixel_noise import PixelNoise
 from cbdsl.backends.cameras.renderer import Renderer
 from cbdsl.backends.cameras.view import View
 from cbdsl.backends.staging.engine import Engine
@@ -36,7 +38,8 @@ class RenderedCameras(CameraSystem):
     ) -> None:
         """Begin an episode; images hold all channels."""
         super().begin(engine, disturbance, channels, chance)
-        self._deviation, self._noise = disturbance.image_noise, chance.noise
+        deviation = math.hypot(self._robot.vision.noise, disturbance.image_noise)
+        self._noise = PixelNoise(deviation, chance.noise)
 
     def views(self) -> dict[str, View]:
         """True views of all cameras, errors included."""
@@ -49,13 +52,13 @@ class RenderedCameras(CameraSystem):
     def take(self) -> Exposure:
         """An image by every camera."""
         images = self.render(self.views())
-        return Exposure({name: self._disturbed(image) for name, image in images.items()})
+        return Exposure({name: self._noise.added(image) for name, image in images.items()})
 
     def take_in_the_dark(self) -> Exposure:
         """A black image by every camera, with the noise of its sensor."""
         return Exposure(
             {
-                name: self._disturbed(np.zeros((camera.height, camera.width, 3), np.uint8))
+                name: self._noise.added(np.zeros((camera.height, camera.width, 3), np.uint8))
                 for name, camera in self._cameras.items()
             }
         )
@@ -68,14 +71,6 @@ class RenderedCameras(CameraSystem):
         """Noiseless images from any views."""
         images = self._renderer.render(self._engine, list(views.values()))
         return dict(zip(views, images, strict=True))
-
-    def _disturbed(self, image: Image) -> Image:
-        if not self._deviation:
-            return image
-        values = self._noise.standard_normal(image.shape, dtype=np.float32)
-        values *= self._deviation
-        values += image
-        return np.clip(np.rint(values, out=values), 0, 255, out=values).astype(np.uint8)
 
     def close(self) -> None:
         """Free the renderer."""

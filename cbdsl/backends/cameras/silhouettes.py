@@ -7,6 +7,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
+from cbdsl.backends.cameras.components import keep_largest
 from cbdsl.backends.cameras.ray import Triple, direction_at, entered, met_rows
 from cbdsl.backends.cameras.solid_view import VIEW, Window, view_of, views_before
 from cbdsl.backends.staging.solids import WIDTH, attach
@@ -38,19 +39,20 @@ def _within(patch: Patch, origin: Triple, ray: Triple, distance: float) -> bool:
 
 
 @compiled
-def _scanned(
-    views: Floats, window: Window, samples: int, patch: Patch
-) -> tuple[int, float, float, Triple, Window]:
-    """Number of lines of sight in a window that meet a patch of the first solid, unhidden.
+def _scan(views: Floats, window: Window, samples: int, patch: Patch, seen_at: Booleans) -> bool:
+    """Find which lines of sight in a window meet a patch of the first solid, unhidden.
 
-    Also the mean and the mean products of their slopes, and between which they lie. The loops hand
-    no arrays to other functions, which would cost more than all else in them.
+    The loops hand no arrays to other functions, which would cost more than all else in them.
+
+    Args:
+        seen_at: becomes whether a line does, shape (samples, samples) or larger.
+
+    Returns:
+        Whether others hide a part of the solid.
     """
     left, right, bottom, top = window
     across, up = (right - left) / samples, (top - bottom) / samples
-    hits, mean_y, mean_z = 0, 0.0, 0.0
-    square_y, product, square_z = 0.0, 0.0, 0.0
-    least_y, most_y, least_z, most_z = math.inf, -math.inf, math.inf, -math.inf
+    hides = False
     first = views[0]
     kind, halves = first[0], (first[1], first[2], first[3])
     origin, slope = (first[4], first[5], first[6]), (first[13], first[14], first[15])
@@ -65,6 +67,8 @@ def _scanned(
             if views[index, 16] <= y <= views[index, 17]:
                 before[others] = index
                 others += 1
+        for row in range(samples):
+            seen_at[column, row] = False
         for row in range(start, end):
             z, seen, distance = bottom + (row + 0.5) * up, True, math.inf
             if others > 0 or not whole:
@@ -87,7 +91,29 @@ def _scanned(
                         ),
                     )
                     seen = not met < distance
-            if seen:
+                    hides |= not seen
+            seen_at[column, row] = seen
+    return hides
+
+
+@compiled
+def _sum(
+    window: Window, samples: int, seen_at: Booleans
+) -> tuple[int, float, float, Triple, Window]:
+    """Number of lines of sight in a window that see something.
+
+    Also the mean and the mean products of their slopes, and between which they lie.
+    """
+    left, right, bottom, top = window
+    across, up = (right - left) / samples, (top - bottom) / samples
+    hits, mean_y, mean_z = 0, 0.0, 0.0
+    square_y, product, square_z = 0.0, 0.0, 0.0
+    least_y, most_y, least_z, most_z = math.inf, -math.inf, math.inf, -math.inf
+    for column in range(samples):
+        y = left + (column + 0.5) * across
+        for row in range(samples):
+            if seen_at[column, row]:
+                z = bottom + (row + 0.5) * up
                 hits += 1
                 mean_y += y
                 mean_z += z
@@ -104,7 +130,13 @@ def _scanned(
 
 @compiled
 def _silhouette(
-    views: Floats, window: Window, samples: int, patch: Patch, lens: Floats, shapes: Floats
+    views: Floats,
+    window: Window,
+    samples: int,
+    patch: Patch,
+    lens: Floats,
+    seen_at: Booleans,
+    shapes: Floats,
 ) -> None:
     """Silhouette of the first of some solids in a window, as ``silhouettes`` has it."""
     focal = lens[0]
@@ -112,7 +144,9 @@ def _silhouette(
     # The outermost pixel belongs to a region that covers its centre.
     rim_y, rim_z = aside - 0.5 / focal, above - 0.5 / focal
     left, right, bottom, top = window
-    hits, y, z, products, ends = _scanned(views, window, samples, patch)
+    if _scan(views, window, samples, patch, seen_at):
+        keep_largest(seen_at, samples)
+    hits, y, z, products, ends = _sum(window, samples, seen_at)
     if hits > 0:
         area = hits * (right - left) * (top - bottom) / samples**2
         shapes[0] = area * focal * focal
@@ -142,6 +176,8 @@ def silhouettes(
 ) -> bool:
     """Find what pinhole cameras see of solids, which all of them, and parts of links, may hide.
 
+    Of what is cut in two by something before it, the larger part counts.
+
     Args:
         things: the solids, shape (k, 16).
         parts: of links, in their frames, shape (m, 16).
@@ -169,6 +205,8 @@ def silhouettes(
             solids[index, i] = things[index, i]
     attached = False
     views = np.empty((len(solids), VIEW))
+    finest = targets[:, 1].max() if len(targets) > 0 else 0
+    seen_at = np.empty((finest, finest), np.bool_)
     for which in range(len(rows)):
         camera, lens = cameras[rows[which]], lenses[which]
         # Slopes at the image's border.
@@ -188,7 +226,8 @@ def silhouettes(
             window = (left, right, bottom, top)
             count = views_before(solids, camera, target, window, views)
             patch = (patches[index, 0], patches[index, 1], patches[index, 2], patches[index, 3])
-            _silhouette(views[:count], window, samples, patch, lens, shapes[which, index])
+            shape = shapes[which, index]
+            _silhouette(views[:count], window, samples, patch, lens, seen_at, shape)
             seen |= shapes[which, index, 0] > 0.0
     return seen
 
@@ -222,7 +261,8 @@ def unhidden(
     view_of(solids[target], camera, views[0])
     window = (slopes[:, 0].min(), slopes[:, 0].max(), slopes[:, 1].min(), slopes[:, 1].max())
     count = views_before(solids, camera, target, window, views)
+    one = np.empty((1, 1), np.bool_)
     for index in range(len(slopes)):
         y, z = slopes[index, 0], slopes[index, 1]
-        hits, _, _, _, _ = _scanned(views[:count], (y, y, z, z), 1, WHOLE)
-        seen[index] = hits > 0
+        _scan(views[:count], (y, y, z, z), 1, WHOLE, one)
+        seen[index] = one[0, 0]

@@ -17,7 +17,7 @@ Floats = NDArray[np.float64]
 Triple = tuple[float, float, float]
 
 #: Noise of the torques per noise of the forces, m: about the radius of a fingertip.
-_LEVER = 0.012
+LEVER = 0.012
 
 
 class ContactPoint(NamedTuple):
@@ -79,7 +79,7 @@ class LoadCells:
         self._cells = cells
         self._gain, often = (_gain(contact.filter, period) for period in periods)
         passed = often / (2 - often) / (self._gain / (2 - self._gain))
-        levers = np.array([1.0, 1.0, 1.0, _LEVER, _LEVER, _LEVER])
+        levers = np.array([1.0, 1.0, 1.0, LEVER, LEVER, LEVER])
         self._noise = contact.noise * math.sqrt(passed) * levers
         self._rng = rng
         self._readings: Floats = np.zeros((len(cells), 6))

@@ -46,7 +46,7 @@ def frame(
         "errors": [_number(each.error) for each in runs],
         "levels": _levels(explained, names),
         "points": {each.name: _point(each, tick) for each in places},
-        "forces": [_number(float(np.linalg.norm(w[:3]))) for w in observation.loads.values()],
+        "forces": [_number(float(np.linalg.norm(w[:3]))) for w in tick.signals.touch.loads],
         "limits": list(explained.at_limits),
         "guards": list(explained.guards),
     }

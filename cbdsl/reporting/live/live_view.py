@@ -152,7 +152,7 @@ class LiveView:
             "triples": {name: triple(run.controller) for name, run in runs.items()},
             "gains": {name: run.gain for name, run in runs.items()},
             "own": [] if self._composer is None else self._composer.own,
-            "cells": [".".join(key) for key in tick.observation.loads],
+            "cells": [".".join(key) for key in tick.signals.touch.cells],
         }
         self._feed.append(message("controllers", content))
 

@@ -7,11 +7,11 @@ import pytest
 
 from cbdsl.backends.bullet.backend import BulletBackend
 from cbdsl.robot.joints import Joints
-from tests.backends.conftest import made_stage
+from tests.backends.conftest import contact_loads, made_stage
 
 
 def _forces(backend: BulletBackend) -> np.ndarray:
-    loads = backend.observe().loads
+    loads = contact_loads(backend)
     return np.array([loads["right_hand", f"finger_{k}"][:3] for k in (1, 2, 3)])
 
 
@@ -45,7 +45,7 @@ def test_fingers_that_press_on_a_plate_push_it_away(blind: BulletBackend) -> Non
         own = [np.array(touch.force) for touch in touches if touch.cell[1] == finger]
         assert force == pytest.approx(sum(own), abs=0.1), "the filter has settled"
         assert force[2] < -0.5, "the palm faces down, so fingertips push down"
-        torque = blind.observe().loads["right_hand", finger][3:]
+        torque = contact_loads(blind)["right_hand", finger][3:]
         assert 0 < np.linalg.norm(torque) < 0.015 * np.linalg.norm(force)
 
 

@@ -8,7 +8,7 @@ import pytest
 from cbdsl.backends.bullet.backend import BulletBackend
 from cbdsl.backends.kinematic.backend import KinematicBackend
 from cbdsl.documents.robot import RobotDocument
-from tests.backends.conftest import URDF, made_stage, run, with_vision
+from tests.backends.conftest import URDF, exact, made_stage, run
 
 BALL = {"form": {"shape": "ball", "radius": 0.05}, "mass": 0.25, "color": [1, 0, 0]}
 SHOWN = {"things": ["ball"], "place": {"x": 0.6, "z": -0.2, "held": True}}
@@ -28,7 +28,7 @@ def test_images_go_black(rendered: BulletBackend) -> None:
 
 
 def test_ideal_cameras_see_nothing(dexter: RobotDocument) -> None:
-    backend = KinematicBackend(dexter, URDF)
+    backend = KinematicBackend(exact(dexter), URDF)
     stage = made_stage({**SHOWN, "joints": AHEAD, "dark_after": 0.2}, things={"ball": BALL})
     backend.reset(stage, None, np.random.default_rng(0))
     assert all(backend.observe().regions[camera] for camera in dexter.cameras)
@@ -41,7 +41,7 @@ def test_ideal_cameras_see_nothing(dexter: RobotDocument) -> None:
 
 @pytest.mark.parametrize("cameras", ["rendered", "ideal"])
 def test_it_may_be_dark_from_the_start(dexter: RobotDocument, cameras: str) -> None:
-    backend = BulletBackend(with_vision(dexter), URDF, cameras=cameras)
+    backend = BulletBackend(exact(dexter), URDF, cameras=cameras)
     stage = made_stage({**SHOWN, "joints": AHEAD, "dark_after": 0.0}, things={"ball": BALL})
     backend.reset(stage, None, np.random.default_rng(0))
     observation = backend.observe()

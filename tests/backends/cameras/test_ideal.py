@@ -13,7 +13,7 @@ from cbdsl.backends.cameras.ideal import _connected
 from cbdsl.backends.kinematic.backend import KinematicBackend
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.sensing.channels import Moments, Region, Regions, connected_regions
-from tests.backends.conftest import URDF, stage_named
+from tests.backends.conftest import URDF, exact, stage_named
 
 Reported = Mapping[str, Mapping[str, Regions]]
 
@@ -31,7 +31,7 @@ def _reported(backend: KinematicBackend, channels: Collection[str] | None) -> li
 
 @pytest.fixture(scope="module")
 def backend(dexter: RobotDocument) -> KinematicBackend:
-    return KinematicBackend(dexter, URDF)
+    return KinematicBackend(exact(dexter), URDF)
 
 
 @pytest.mark.parametrize("channels", [{"sat_10"}, {"motion"}, {"hue_7", "motion"}, ()])

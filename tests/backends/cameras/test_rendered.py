@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from pathlib import Path
 
 import numpy as np
@@ -70,11 +71,13 @@ def test_cameras_are_where_the_model_has_them_without_disturbance(
 
 
 def test_image_noise_has_the_stated_deviation(bullet: BulletBackend) -> None:
+    """That of the sensor and that of the stage add up."""
     bullet.reset(made_stage({}), None, np.random.default_rng(0))
-    clean = bullet.observe().images["left"].astype(float)
+    clean = bullet.cameras.render(bullet.cameras.views())["left"].astype(float)
     noisy_stage = made_stage({}, disturbance={"image_noise": 4})
     bullet.reset(noisy_stage, None, np.random.default_rng(0))
     noise = bullet.observe().images["left"] - clean
     inside = (clean > 30) & (clean < 225)
-    assert noise[inside].std() == pytest.approx(4, rel=0.05)
+    own = bullet._robot.vision.noise
+    assert own > 1 and noise[inside].std() == pytest.approx(math.hypot(4, own), rel=0.05)
     assert noise[inside].mean() == pytest.approx(0, abs=0.1)

@@ -11,7 +11,7 @@ import pytest
 from cbdsl.backends.kinematic.backend import KinematicBackend
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.documents.stage import StageDocument
-from tests.backends.conftest import URDF
+from tests.backends.conftest import URDF, exact
 
 
 @pytest.fixture
@@ -23,9 +23,8 @@ def backend(dexter: RobotDocument) -> Iterator[KinematicBackend]:
 
 @pytest.fixture
 def quiet(dexter: RobotDocument) -> Iterator[KinematicBackend]:
-    """A backend whose load cells have no noise."""
-    contact = dexter.contact.model_copy(update={"noise": 0.0})
-    backend = KinematicBackend(dexter.model_copy(update={"contact": contact}), URDF)
+    """A backend with exact sensors."""
+    backend = KinematicBackend(exact(dexter), URDF)
     yield backend
     backend.close()
 

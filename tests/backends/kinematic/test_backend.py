@@ -10,7 +10,7 @@ from cbdsl.backends.kinematic.backend import KinematicBackend
 from cbdsl.backends.kinematic.grasp import STIFFNESS
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.robot.joints import Joints
-from tests.backends.conftest import URDF, made_stage, run
+from tests.backends.conftest import URDF, contact_loads, made_stage, run
 from tests.backends.kinematic.conftest import begin
 
 FINGERS = ("finger_1", "finger_2", "finger_3")
@@ -19,23 +19,23 @@ HELD_OUT = {"hand": "right_arm", "gap": 0.01, "held": True}
 
 
 def test_joints_follow_their_references_within_speeds_and_limits(
-    backend: KinematicBackend, dexter: RobotDocument
+    quiet: KinematicBackend, dexter: RobotDocument
 ) -> None:
-    begin(backend, made_stage({}))
-    start = backend.observe().positions
+    begin(quiet, made_stage({}))
+    start = quiet.observe().positions
     goal = start + np.where(start > 0, -0.02, 0.02)
-    backend.apply(goal)
-    backend.step()
-    observation = backend.observe()
+    quiet.apply(goal)
+    quiet.step()
+    observation = quiet.observe()
     assert observation.positions == pytest.approx(goal)
-    assert observation.velocities == pytest.approx((goal - start) / backend.control_period)
+    assert observation.velocities == pytest.approx((goal - start) / quiet.control_period)
     pan = Joints(dexter).index["pan"]
     goal[pan] = 9.0
-    backend.apply(goal)
-    backend.step()
-    assert backend.observe().velocities[pan] == pytest.approx(4.0), "the URDF's limit"
-    run(backend, 2.0)
-    assert backend.observe().positions[pan] == pytest.approx(1.7), "the URDF's limit"
+    quiet.apply(goal)
+    quiet.step()
+    assert quiet.observe().velocities[pan] == pytest.approx(4.0), "the URDF's limit"
+    run(quiet, 2.0)
+    assert quiet.observe().positions[pan] == pytest.approx(1.7), "the URDF's limit"
 
 
 def test_there_is_no_window(dexter: RobotDocument) -> None:
@@ -44,7 +44,7 @@ def test_there_is_no_window(dexter: RobotDocument) -> None:
 
 
 def _forces(backend: KinematicBackend) -> np.ndarray:
-    loads = backend.observe().loads
+    loads = contact_loads(backend)
     return np.array([loads["right_hand", finger][:3] for finger in FINGERS])
 
 

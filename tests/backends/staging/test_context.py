@@ -27,7 +27,7 @@ def test_joints_start_in_their_postures_or_where_the_context_says(
     simulated: Simulated, dexter: RobotDocument
 ) -> None:
     simulated.reset(made_stage({"joints": {"pan": [0.2, 0.3]}}), None, np.random.default_rng(0))
-    start = simulated.observe().positions
+    start = simulated.truth.read()[0]
     joints = Joints(dexter)
     assert 0.2 <= start[joints.index["pan"]] <= 0.3
     for name, effector in dexter.effectors.items():

@@ -28,9 +28,16 @@ class IdealBackend:
         self._robot = robot
         self._joints = Kinematics(robot, urdf).joints
         self.control_period = 1 / robot.control.rate
-        limits = read_urdf(urdf).joints
-        speeds = [limits[name].velocity for name in self._joints.names]
+        model = read_urdf(urdf)
+        speeds = [model.joints[name].velocity for name in self._joints.names]
         self._farthest = self.control_period * np.array(speeds)
+        # A load cell that touches nothing bears the weight of its tip, N.
+        self._loads = {
+            (hand, finger): np.array([0, 0, 9.81 * body.mass if body else 0, 0, 0, 0])
+            for hand, cells in robot.load_cells.items()
+            for finger, cell in cells.items()
+            for body in [model.bodies[cell.link].inertial]
+        }
 
     def reset(
         self,
@@ -49,12 +56,7 @@ class IdealBackend:
         return context or next(iter(stage.contexts))
 
     def observe(self) -> Observation:
-        loads = {
-            (hand, finger): np.zeros(6)
-            for hand, cells in self._robot.load_cells.items()
-            for finger in cells
-        }
-        return Observation(self._time, self._positions, self._velocities, loads, images={})
+        return Observation(self._time, self._positions, self._velocities, self._loads, {})
 
     def apply(self, reference: Floats) -> None:
         self._reference = np.array(reference)

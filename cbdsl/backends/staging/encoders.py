@@ -1,0 +1,62 @@
+"""Encoders: joint positions in steps, and velocities by their differences."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cbdsl.documents.robot import RobotDocument
+from cbdsl.numeric.compiled import compiled_once
+
+Floats = NDArray[np.float64]
+
+
+class Encoders:
+    """Encoders of a robot's actuated joints.
+
+    Args:
+        robot: states their resolution, effector by effector.
+        period: between two readings, s.
+    """
+
+    def __init__(self, robot: RobotDocument, period: float) -> None:
+        self._steps = np.array(
+            [each.resolution for each in robot.effectors.values() for _ in each.joints]
+        )
+        self._period = period
+
+    def begin(self, positions: Floats) -> tuple[Floats, Floats]:
+        """First reading of joints at rest; see ``read``."""
+        self._before = positions
+        self._before, _ = self.read(positions)
+        return self._before, np.zeros_like(positions)
+
+    def read(self, positions: Floats) -> tuple[Floats, Floats]:
+        """Read the joints, one period after the reading before.
+
+        Args:
+            positions: where they are, rad or m, shape (n,).
+
+        Returns:
+            Positions and velocities, rad and rad/s or m and m/s, shape (n,) each.
+        """
+        read, velocities = np.empty_like(positions), np.empty_like(positions)
+        _read(positions, self._steps, self._period, self._before, read, velocities)
+        self._before = read
+        return read, velocities
+
+
+@compiled_once
+def _read(
+    positions: Floats,
+    steps: Floats,
+    period: float,
+    before: Floats,
+    read: Floats,
+    velocities: Floats,
+) -> None:
+    """Round positions to steps, and compare them with those ``before``."""
+    for joint in range(len(positions)):
+        step = steps[joint]
+        read[joint] = round(positions[joint] / step) * step if step > 0.0 else positions[joint]
+        velocities[joint] = (read[joint] - before[joint]) / period

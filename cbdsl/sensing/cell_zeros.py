@@ -1,0 +1,145 @@
+"""Zeros of load cells: the weight and the bias that they measure without contact."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cbdsl.documents.robot import Contact
+from cbdsl.numeric.compiled import compiled_once
+from cbdsl.sensing.forward import place_link
+from cbdsl.sensing.kinematics import Kinematics
+
+Floats = NDArray[np.float64]
+Integers = NDArray[np.int64]
+Booleans = NDArray[np.bool_]
+
+_GRAVITY = 9.81
+
+
+class CellZeros:
+    """Zeros of load cells, which are what these measure without contact.
+
+    The weight of the links that carry them is known from the model, as far as it has one. The bias
+    is constant in a cell's frame but for its drift: it is what the cell measures first, and follows
+    what it measures while it feels nothing.
+
+    Args:
+        contact: threshold of contact, and how fast the bias is followed.
+        kinematics: of the robot.
+        links: that carry the cells.
+    """
+
+    def __init__(self, contact: Contact, kinematics: Kinematics, links: Sequence[str]) -> None:
+        self._threshold, self._tracking = contact.threshold, contact.zero_tracking
+        self._kinematics = kinematics
+        placed = [kinematics.link(link) for link in links]
+        self._frames = np.array([link.frame for link in placed], dtype=np.int64)
+        self._axes = np.array([link.rotation for link in placed]).reshape(len(links), 3, 3)
+        bodies = [kinematics.inertial(link) for link in links]
+        self._weights = np.array([_GRAVITY * body.mass if body else 0.0 for body in bodies])
+        levers = [body.origin.xyz if body else (0.0, 0.0, 0.0) for body in bodies]
+        self._levers = np.array(levers).reshape(len(links), 3)
+        self._bias: Floats = np.zeros((len(links), 6))
+        self.reset()
+
+    def reset(self) -> None:
+        """Take the next wrenches for those without contact."""
+        self._time: float | None = None
+
+    def remove(self, wrenches: Floats, time: float, loads: Floats, feeling: Booleans) -> bool:
+        """Find the loads, and which cells feel more than the threshold.
+
+        Args:
+            wrenches: as measured in the kinematics' posture, N and N m, world frame, shape
+                (cells, 6).
+            time: s.
+            loads: becomes the wrenches without weight and bias, world frame, shape (cells, 6).
+            feeling: becomes whether each cell's force is more, shape (cells,).
+
+        Returns:
+            Whether any of them does.
+        """
+        is_first, elapsed, self._time = self._time is None, time - (self._time or 0.0), time
+        share = 1.0 if is_first else -math.expm1(-elapsed / self._tracking)
+        self._kinematics.place()
+        return _remove(
+            wrenches, self._kinematics.frames, self._frames, self._axes, self._weights,
+            self._levers, self._threshold, share, is_first, self._bias, loads, feeling,
+        )  # fmt: skip
+
+    def resume(self, before: CellZeros) -> None:
+        """Keep the biases that were known in another episode; the clock begins anew."""
+        self._bias, self._time = before._bias.copy(), 0.0
+
+
+@compiled_once
+def _remove(
+    wrenches: Floats,
+    frames: Floats,
+    numbers: Integers,
+    axes: Floats,
+    weights: Floats,
+    levers: Floats,
+    threshold: float,
+    share: float,
+    is_first: bool,
+    bias: Floats,
+    loads: Floats,
+    feeling: Booleans,
+) -> bool:
+    """Find loads and follow biases; see ``CellZeros``.
+
+    Args:
+        wrenches: as measured, shape (cells, 6).
+        frames, numbers, axes: frames of the model's joints, which of them carry the cells, and the
+            cells' axes there, as columns.
+        weights: of the links beyond the cells, N, shape (cells,).
+        levers: of these weights, in the cells' axes, m, shape (cells, 3).
+        threshold: of the force, N.
+        share: of a load below the threshold that is taken for bias.
+        is_first: whether all is taken for bias, however large.
+        bias: in the cells' frames, shape (cells, 6).
+        loads, feeling: become the results.
+    """
+    touching = False
+    origin, turned = np.empty(3), np.empty((3, 3))
+    for cell in range(len(loads)):
+        place_link(frames[numbers[cell]], origin, axes[cell], origin, turned)
+        load, own = loads[cell], bias[cell]
+        load[:] = wrenches[cell]
+        _put_down(weights[cell], levers[cell], turned, load)
+        if is_first:
+            own[:] = 0.0
+        _add_turned(turned, own, -1.0, load)
+        feels = math.sqrt(load[0] ** 2 + load[1] ** 2 + load[2] ** 2) > threshold
+        feeling[cell] = feels and not is_first
+        if feeling[cell]:
+            touching = True
+            continue
+        _add_turned(turned.T, load, share, own)
+        if is_first:
+            load[:] = 0.0
+    return touching
+
+
+@compiled_once
+def _put_down(weight: float, lever: Floats, turned: Floats, load: Floats) -> None:
+    """Take a weight, N, behind a lever in a cell's axes, m, from the load that bears it upwards."""
+    x = turned[0, 0] * lever[0] + turned[0, 1] * lever[1] + turned[0, 2] * lever[2]
+    y = turned[1, 0] * lever[0] + turned[1, 1] * lever[1] + turned[1, 2] * lever[2]
+    load[2] -= weight
+    load[3] -= y * weight
+    load[4] += x * weight
+
+
+@compiled_once
+def _add_turned(turned: Floats, wrench: Floats, share: float, total: Floats) -> None:
+    """Add a share of a wrench in other axes to a sum, shape (6,) each."""
+    for i in range(3):
+        for k in range(3):
+            total[i] += share * turned[i, k] * wrench[k]
+            total[3 + i] += share * turned[i, k] * wrench[3 + k]
