@@ -42,7 +42,7 @@ class Cursor(NamedTuple):
         return self.steps[-1] if self.steps else ""
 
 
-class Outline:
+class EnclosingKeys:
     """Keys that enclose each line of a text, found once for all places in it.
 
     Args:
@@ -66,7 +66,7 @@ def cursor(lines: Sequence[str], line: int, column: int) -> Cursor:
         line: from 0; a line after the last is empty.
         column: characters before the cursor.
     """
-    return Outline(lines).cursor(line, column)
+    return EnclosingKeys(lines).cursor(line, column)
 
 
 def _cursor(

@@ -124,20 +124,20 @@ def _client(scheduler: str) -> Client:
     try:
         return Client(scheduler, timeout="10s")
     except (OSError, ValueError) as error:
-        told = f"nothing answers there ({error})"
+        problem = f"nothing answers there ({error})"
         if "certificate" in str(error):
-            told = (
+            problem = (
                 f"the certificates of both ends are not signed by the same authority ({_CA_FILE})"
             )
     except MemoryError:  # Dask takes the first bytes of an answer for its length
-        told = "what answers there is no scheduler of Dask"
+        problem = "what answers there is no scheduler of Dask"
     except TypeError:  # as Dask says that it lacks certificates
-        told = f"TLS needs certificates, which Dask's settings name, such as {_CA_FILE}"
+        problem = f"TLS needs certificates, which Dask's settings name, such as {_CA_FILE}"
     except RuntimeError as error:
         if "encryption required" not in str(error):
             raise
-        told = "Dask's settings require encryption, and this address has none; write tls://"
-    raise UsageError(f"--scheduler {scheduler}: {told}")
+        problem = "Dask's settings require encryption, and this address has none; write tls://"
+    raise UsageError(f"--scheduler {scheduler}: {problem}")
 
 
 def _absent_certificates() -> list[str]:
