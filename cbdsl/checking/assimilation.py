@@ -54,24 +54,22 @@ def program_to_assimilate(
     }
     base = next(iter(variants.values()))
     features = _features(base, _resources(base, path, session))
-    places = {name: each for name, each in features.items() if name.endswith("place")}
+    if not features:
+        raise UsageError(f"{path}: no controller goes by a seen position, so there is no context")
 
     def examine(file: Path, with_: Mapping[str, str], findings: Findings) -> CheckedProgram | None:
         return examine_program(file, with_, session, findings)
 
-    if not features:
-        raise UsageError(f"{path}: no controller goes by a seen position, so there is no context")
+    places = {
+        name: each for name, each in features.items() if isinstance(each.source, StereoPosition)
+    }
     worth = state_values(policy.document.policy, policy.document.transitions)
     allotted = {name: values for name, (_, values) in fitting.items()}
     # The last one is looked at when the program begins: what it takes first.
     last_first = dict(reversed(places.items()))
     looks = derived_looks(base, last_first, path, session, examine)
     schema = Schema(
-        policy.document.name,
-        features,
-        allotted,
-        otherwise=tuple(variants),
-        worth=worth,
+        policy.document.name, features, allotted, otherwise=tuple(variants), worth=worth
     )
     return allocate(variants, schema)._replace(looks=looks)
 

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from cbdsl.cli.options import BodyNumber, Cameras, Seed, With
 from cbdsl.cli.simulation import BackendName
 
 if TYPE_CHECKING:
@@ -34,19 +35,6 @@ Program = Annotated[
 Stage = Annotated[
     str | None,
     typer.Option("--stage", help="Where the ball is handed over [the program's own]."),
-]
-Seed = Annotated[int, typer.Option("--seed", min=0, help="Seed of all chance.")]
-Cameras = Annotated[
-    str | None,
-    typer.Option("--cameras", help="Its cameras: rendered or ideal [the backend's own]."),
-]
-BodyNumber = Annotated[
-    int | None,
-    typer.Option("--body", min=0, help="Number of the body, which keeps its cameras' errors."),
-]
-With = Annotated[
-    list[str],
-    typer.Option("--with", help="A parameter of the program, as arm=left_arm; may be repeated."),
 ]
 Json = Annotated[bool, typer.Option("--json", help="Print one JSON object.")]
 
@@ -74,7 +62,7 @@ def calibrate(
     Exit 0 when the calibration was written, 1 when a document has errors, 2 when it could not be
     made.
     """
-    from cbdsl.cli.quiet import shown_on_failure
+    from cbdsl.cli.native_output import shown_on_failure
     from cbdsl.errors.errors import UsageError
     from cbdsl.yaml_text.writer import make_room
 

@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from cbdsl.cli.learn import Cameras, Resume, Seed, Set
 from cbdsl.cli.live import Fast, Live, LiveClose, LivePort, LiveWait
+from cbdsl.cli.options import Cameras, Resume, Seed, Set
 from cbdsl.cli.simulation import BackendName
 
 if TYPE_CHECKING:
@@ -111,7 +111,7 @@ def explore(
     from cbdsl.cli.assignments import read_assignments
     from cbdsl.cli.explored_actions import read_actions
     from cbdsl.cli.live import live_options
-    from cbdsl.cli.quiet import shown_on_failure
+    from cbdsl.cli.native_output import shown_on_failure
     from cbdsl.cli.simulation import needing_simulation
     from cbdsl.cli.termination import termination_interrupts
     from cbdsl.errors.errors import UsageError

@@ -26,7 +26,7 @@ def explore_pairs(context: typer.Context, command: str) -> None:
     """
     from cbdsl.cli.assignments import read_assignments
     from cbdsl.cli.explored_pairs import read_pairs, read_things
-    from cbdsl.cli.quiet import shown_on_failure
+    from cbdsl.cli.native_output import shown_on_failure
     from cbdsl.cli.simulation import needing_simulation
     from cbdsl.cli.termination import termination_interrupts
     from cbdsl.documents.meta_catalog import Relation

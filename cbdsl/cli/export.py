@@ -7,6 +7,8 @@ from typing import Annotated
 
 import typer
 
+from cbdsl.cli.options import Policy, Program, Recording
+
 export = typer.Typer(
     help="Write programs and recordings in formats of other tools.",
     no_args_is_help=True,
@@ -14,15 +16,6 @@ export = typer.Typer(
     pretty_exceptions_enable=False,
 )
 
-Program = Annotated[str, typer.Argument(help="A program: its file, or its name.")]
-Policy = Annotated[
-    str | None,
-    typer.Option("--policy", help="A policy: its file, or its name [the program's own]."),
-]
-What = Annotated[
-    Path,
-    typer.Argument(metavar="FILE|FOLDER", help="What cb run --record wrote: a file, or all of it."),
-]
 Out = Annotated[
     Path | None, typer.Option("--out", help="The file to write [beside the recording, .mcap].")
 ]
@@ -42,7 +35,7 @@ def export_tree(program: Program, policy: Policy = None) -> None:
 
 
 @export.command("mcap")
-def export_mcap(what: What, out: Out = None) -> None:
+def export_mcap(what: Recording, out: Out = None) -> None:
     """Write recorded episodes as MCAP, which Foxglove and other viewers open.
 
     Joint states, transforms, things, images, potentials, predicates and transitions, by simulated

@@ -7,10 +7,8 @@ from typing import Annotated
 
 import typer
 
-Paths = Annotated[
-    list[str],
-    typer.Argument(help="Documents, names of them, folders of them, or - for the standard input."),
-]
+from cbdsl.cli.options import Paths
+
 Check = Annotated[
     bool, typer.Option("--check", help="Write nothing; exit with 1 if a document would change.")
 ]

@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from cbdsl.cli.live import Fast, Live, LiveClose, LivePort, LiveWait
+from cbdsl.cli.options import Cameras, Program, Resume, Seed, Set, With
 from cbdsl.cli.simulation import BackendName
 from cbdsl.cli.workers import require_workers, warn_of_open_scheduler
 from cbdsl.documents.json_schema import docstrings
@@ -34,7 +35,6 @@ _NEVER = (
     "fast", *AccommodateConstants.model_fields,
 )  # fmt: skip
 
-Program = Annotated[str, typer.Argument(help="A program: its file, or its name.")]
 Out = Annotated[
     Path,
     typer.Option("--out", help="File for the policy, NAME.yaml; internal models go beside it."),
@@ -44,11 +44,6 @@ Stage = Annotated[
     typer.Option("--stage", help="Training context: a file or a name [the program's own]."),
 ]
 Episodes = Annotated[int, typer.Option("--episodes", min=1, help="How many episodes in all.")]
-Seed = Annotated[int, typer.Option("--seed", min=0, help="Seed of all chance.")]
-Cameras = Annotated[
-    str | None,
-    typer.Option("--cameras", help="Its cameras: rendered or ideal [the backend's own]."),
-]
 Trials = Annotated[
     int,
     typer.Option(
@@ -73,13 +68,6 @@ Scheduler = Annotated[
         help="Address of a Dask cluster, such as tcp://host:8786, whose workers see these files.",
     ),
 ]
-With = Annotated[
-    list[str],
-    typer.Option("--with", help="A parameter of the program, as arm=left_arm; may be repeated."),
-]
-Resume = Annotated[
-    bool, typer.Option("--resume", help="Go on where trials were interrupted, or make them longer.")
-]
 Sequential = Annotated[
     bool, typer.Option("--sequential", help="Leave out the actions that are compositions.")
 ]
@@ -91,10 +79,6 @@ From = Annotated[
     typer.Option(
         "--from", help="Learned policy that a schema keeps to, its file or name; for assimilate."
     ),
-]
-Set = Annotated[
-    list[str],
-    typer.Option("--set", help="A constant of the learner, as epsilon=0.1; may be repeated."),
 ]
 Transitions = Annotated[
     int | None,
@@ -198,7 +182,7 @@ def learn(
     from cbdsl.cli.assignments import read_assignments
     from cbdsl.cli.learning_tasks import one_by_one, side_by_side
     from cbdsl.cli.live import live_options
-    from cbdsl.cli.quiet import shown_on_failure
+    from cbdsl.cli.native_output import shown_on_failure
     from cbdsl.cli.simulation import needing_simulation
     from cbdsl.cli.termination import termination_interrupts
 

@@ -7,21 +7,15 @@ from typing import Annotated
 
 import typer
 
+from cbdsl.cli.options import Open, Recording
 from cbdsl.cli.pages import open_page, require_room, write_page
 
-What = Annotated[
-    Path,
-    typer.Argument(metavar="FILE|FOLDER", help="What cb run --record wrote: a file, or all of it."),
-]
 Out = Annotated[
     Path | None, typer.Option("--out", help="The page's file [beside the recording, .html].")
 ]
-Open = Annotated[
-    bool, typer.Option("--open/--no-open", help="Show the page in the browser when it is made.")
-]
 
 
-def replay(what: What, out: Out = None, open_: Open = True) -> None:
+def replay(what: Recording, out: Out = None, open_: Open = True) -> None:
     """Make one page of a recorded episode: everything in it, nothing loaded.
 
     Exit 0 when the page was written, 2 when it could not be made.

@@ -7,6 +7,7 @@ from typing import Annotated
 
 import typer
 
+from cbdsl.cli.options import Above, Open
 from cbdsl.cli.pages import open_page, require_room, write_page
 
 What = Annotated[
@@ -16,13 +17,6 @@ What = Annotated[
 Out = Annotated[
     Path | None,
     typer.Option("--out", help="The page's file [beside FILE, .html; FOLDER/report.html]."),
-]
-Above = Annotated[
-    float,
-    typer.Option("--above", min=0, max=1, help="Leave out arcs of this share and less."),
-]
-Open = Annotated[
-    bool, typer.Option("--open/--no-open", help="Show the page in the browser when it is made.")
 ]
 
 

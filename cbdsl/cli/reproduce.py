@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from cbdsl.cli.options import Cameras, Json
 from cbdsl.cli.workers import require_workers
 
 if TYPE_CHECKING:
@@ -33,10 +34,6 @@ BackendName = Annotated[
         help="What embodies the robot in experiments that learn, fig-5.2, fig-5.6, fig-7.13-7.14, "
         "fig-7.16-7.17 and table-7.1-7.2 [kinematic; mujoco in fig-5.6 and Chapter 7].",
     ),
-]
-Cameras = Annotated[
-    str | None,
-    typer.Option("--cameras", help="Its cameras: rendered or ideal [the backend's own]."),
 ]
 Trials = Annotated[
     int | None,
@@ -67,7 +64,6 @@ Out = Annotated[
         "--out", help="File to write as well: .md for a page with pictures beside it, or .json."
     ),
 ]
-Json = Annotated[bool, typer.Option("--json", help="Print JSON instead of tables.")]
 
 
 def reproduce(
@@ -242,8 +238,8 @@ def _run(experiment: Experiment, settings: RunSettings, workers: int) -> Result:
     from dataclasses import replace
 
     from cbdsl.backends.quiet import quiet_stderr
+    from cbdsl.cli.native_output import shown_on_failure
     from cbdsl.cli.progress import Progress
-    from cbdsl.cli.quiet import shown_on_failure
     from cbdsl.cli.trial_jobs import run_jobs
     from cbdsl.errors.errors import UsageError
 

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from cbdsl.cli.live import Fast, Live, LiveClose, LivePort, LiveWait
+from cbdsl.cli.options import BodyNumber, Cameras, Policy, Program, With
 from cbdsl.cli.simulation import BackendName
 
 if TYPE_CHECKING:
@@ -30,7 +31,6 @@ if TYPE_CHECKING:
     from cbdsl.runtime.recording import Recording
     from cbdsl.sensing.kinematics import Kinematics
 
-Program = Annotated[str, typer.Argument(help="A program: its file, or its name.")]
 Stage = Annotated[
     str | None,
     typer.Option("--stage", help="Who is shown what, where: a file or a name [the program's own]."),
@@ -42,29 +42,13 @@ Seed = Annotated[int, typer.Option("--seed", min=0, help="Seed of the first epis
 Episodes = Annotated[
     int, typer.Option("--episodes", min=1, help="How many, with successive seeds.")
 ]
-Cameras = Annotated[
-    str | None,
-    typer.Option("--cameras", help="Its cameras: rendered or ideal [the backend's own]."),
-]
-Policy = Annotated[
-    str | None,
-    typer.Option("--policy", help="A policy: its file, or its name [the program's own]."),
-]
 Schema = Annotated[
     str | None,
     typer.Option("--schema", help="A schema that chooses the resources: its file, or its name."),
 ]
-With = Annotated[
-    list[str],
-    typer.Option("--with", help="A parameter of the program, as arm=left_arm; may be repeated."),
-]
 Calibration = Annotated[
     str | None,
     typer.Option("--calibration", help="Where its cameras are: a file or a name [the robot's]."),
-]
-BodyNumber = Annotated[
-    int | None,
-    typer.Option("--body", min=0, help="Number of the body, which keeps its cameras' errors."),
 ]
 Gui = Annotated[bool, typer.Option("--gui", help="Open the simulator's window.")]
 Record = Annotated[
@@ -147,8 +131,8 @@ def run(
     from cbdsl.api.run_request import read_request
     from cbdsl.cli.assignments import read_assignments
     from cbdsl.cli.live import live_options, live_page
+    from cbdsl.cli.native_output import shown_on_failure
     from cbdsl.cli.notes import notes
-    from cbdsl.cli.quiet import shown_on_failure
     from cbdsl.cli.recorder import Recorder
     from cbdsl.cli.simulation import simulation
     from cbdsl.cli.termination import termination_interrupts

@@ -2,21 +2,18 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING
 
-import typer
-
+from cbdsl.cli.options import ShownProgram
 from cbdsl.cli.show_format import PLAIN, Format, Json, PlainFormat, read_format
 from cbdsl.cli.show_program import With
 
 if TYPE_CHECKING:
     from cbdsl.checking.substitution import Allocation
 
-Program = Annotated[str, typer.Argument(metavar="NAME", help="Name or file of a program.")]
-
 
 def show_allocations(
-    name: Program,
+    name: ShownProgram,
     with_: With = [],  # noqa: B006 (typer)
     format_: PlainFormat = "text",
     as_json: Json = False,

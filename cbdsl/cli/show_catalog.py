@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from cbdsl.cli.learn import Cameras, Seed
+from cbdsl.cli.options import Cameras, Seed
 from cbdsl.cli.show_format import PICTURED, Format, Json, read_format
 from cbdsl.cli.simulation import BackendName
 

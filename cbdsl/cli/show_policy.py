@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from cbdsl.cli.options import Above
 from cbdsl.cli.show_format import Format, Json, drawing, read_format
 
 if TYPE_CHECKING:
@@ -16,10 +17,6 @@ if TYPE_CHECKING:
 Policy = Annotated[
     str,
     typer.Argument(metavar="FILE|NAME", help="A policy, or a program for the one written in it."),
-]
-Above = Annotated[
-    float,
-    typer.Option("--above", min=0, max=1, help="Leave out arcs of this share and less."),
 ]
 All = Annotated[bool, typer.Option("--all", help="Draw states that no drawn arc leads to, too.")]
 FormatOption = Annotated[

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from cbdsl.cli.options import ShownProgram
 from cbdsl.cli.show_format import Format, Json, drawing, read_format
 
 if TYPE_CHECKING:
@@ -13,7 +14,6 @@ if TYPE_CHECKING:
     from cbdsl.program.controller import Controller
 
 
-Program = Annotated[str, typer.Argument(metavar="NAME", help="Name or file of a program.")]
 With = Annotated[list[str], typer.Option("--with", help="A parameter, as name=value.")]
 FormatOption = Annotated[
     str,
@@ -22,7 +22,7 @@ FormatOption = Annotated[
 
 
 def show_program(
-    name: Program,
+    name: ShownProgram,
     with_: With = [],  # noqa: B006 (typer)
     format_: FormatOption = "text",
     as_json: Json = False,

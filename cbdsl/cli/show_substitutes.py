@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from cbdsl.cli.show_allocations import Program
+from cbdsl.cli.options import ShownProgram
 from cbdsl.cli.show_format import PLAIN, Format, Json, PlainFormat, read_format
 from cbdsl.cli.show_program import With
 
 
 def show_substitutes(
-    name: Program,
+    name: ShownProgram,
     with_: With = [],  # noqa: B006 (typer)
     format_: PlainFormat = "text",
     as_json: Json = False,

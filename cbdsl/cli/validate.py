@@ -7,12 +7,9 @@ from typing import Annotated
 import typer
 
 from cbdsl.cli.findings import STANDARD_INPUT_NAME
+from cbdsl.cli.options import Paths
 
 # Texts instead of paths: typer's conversion of paths costs a tenth of the whole command.
-Paths = Annotated[
-    list[str],
-    typer.Argument(help="Documents, names of them, folders of them, or - for the standard input."),
-]
 With = Annotated[
     list[str],
     typer.Option("--with", help="A parameter of a program, as arm=left_arm; may be repeated."),

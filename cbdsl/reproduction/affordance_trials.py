@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping
-from typing import Any, NamedTuple, Self
+from collections.abc import Iterable, Iterator
+from typing import NamedTuple
 
 from cbdsl.reproduction.constellation_trials import CHANNELS
 from cbdsl.reproduction.simulation_fixture import simulation_fixture
@@ -27,21 +27,6 @@ class AffordanceTrial(NamedTuple):
     seed: int
     rewarded: bool
     ending: str
-
-    def as_data(self) -> dict[str, Any]:
-        """Plain data, for JSON."""
-        return self._asdict()
-
-    @classmethod
-    def from_data(cls, data: Mapping[str, Any]) -> Self:
-        """Trial that ``as_data`` wrote.
-
-        Raises:
-            ValueError: it is none.
-        """
-        if set(data) != set(cls._fields):
-            raise ValueError("no trial of an affordance")
-        return cls(**data)
 
 
 def attempt(program: str, thing: str) -> str:

@@ -11,8 +11,8 @@ from cbdsl.documents.catalog import CatalogDocument
 from cbdsl.learning.action_outcome import NOOP
 from cbdsl.reporting.drawing.catalog_icon import Layer, catalog_icon
 from cbdsl.reproduction.action_counts import action_bars, tally
-from cbdsl.reproduction.claim import Claim, above, at_least, at_most, below, between
-from cbdsl.reproduction.estimate import chance_of_samples, mean, median
+from cbdsl.reproduction.claim import Claim, above, at_least, at_most, below
+from cbdsl.reproduction.estimate import chance_of_samples, mean
 from cbdsl.reproduction.experiment import Picture, Result, RunSettings
 from cbdsl.reproduction.exploration_series import (
     BASKETBALL,
@@ -23,11 +23,10 @@ from cbdsl.reproduction.exploration_series import (
 from cbdsl.reproduction.habituation import (
     actions_of,
     change_chart,
-    negligible_after,
+    negligible_reward,
     reward_chart,
-    rewards,
 )
-from cbdsl.reproduction.interval import bootstrap_interval, median_interval
+from cbdsl.reproduction.interval import bootstrap_interval
 from cbdsl.reproduction.percentage import percentage
 from cbdsl.reproduction.quantity import Quantity
 from cbdsl.reproduction.trial_runner import TrialRunner, trial_runner
@@ -173,17 +172,7 @@ def _counts(catalogs: Sequence[CatalogDocument]) -> Iterator[Quantity]:
 
 
 def _habituation(catalogs: Sequence[CatalogDocument], seed: int) -> Iterator[Quantity]:
-    after = np.array([negligible_after(row) for row in rewards(catalogs)])
-    claim, middle = between(40, 60), float(np.median(after))
-    yield Quantity(
-        "reward negligible after, median",
-        "actions",
-        "40 to 60",
-        middle,
-        claim,
-        interval=median_interval(after, seed) if len(after) > 1 and np.isfinite(middle) else None,
-        chance=chance_of_samples(claim, after[np.isfinite(after)], median, seed),
-    )
+    yield negligible_reward(catalogs, 40, 60, seed)
     more = np.array([_more_often(actions_of(each)) for each in catalogs])
     grows = above(0.0)
     yield Quantity(

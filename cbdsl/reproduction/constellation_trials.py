@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping
-from typing import Any, NamedTuple, Self
+from typing import NamedTuple
 
 from cbdsl.reproduction.simulation_fixture import simulation_fixture
 from cbdsl.reproduction.stack_trials import StackJudge
@@ -46,25 +46,6 @@ class ConstellationTrial(NamedTuple):
     before: Features
     after: Features
     ending: str
-
-    def as_data(self) -> dict[str, Any]:
-        """Plain data, for JSON."""
-        return self._asdict()
-
-    @classmethod
-    def from_data(cls, data: Mapping[str, Any]) -> Self:
-        """Trial that ``as_data`` wrote.
-
-        Raises:
-            ValueError: it is none.
-        """
-        if set(data) != set(cls._fields):
-            raise ValueError("no trial of a constellation")
-        seen = {
-            key: {name: tuple(own) for name, own in data[key].items()}
-            for key in ("before", "after")
-        }
-        return cls(**{**data, **seen})
 
 
 def constellation_digest(things: str) -> str:

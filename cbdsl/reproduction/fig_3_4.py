@@ -158,7 +158,7 @@ def _tip(tick: Tick, columns: Any) -> Floats:
     """The arm's manipulator Jacobian, in its own joints, row by row."""
     signals = tick.signals
     names = [signals.joints.names[column] for column in columns]
-    tip = signals.reading(signals.bind_manipulator(_ARM, "position", names))
+    tip = signals.reading(signals.kinematic_rows.manipulator(_ARM, "position", names))
     assert tip is not None
     return tip.value
 

@@ -57,7 +57,7 @@ def run(settings: RunSettings) -> Result:
         settings.folder / f"motion_{settings.backend}_{settings.cameras}.jsonl",
         seeds,
         motion_digest,
-        MotionEpisode.from_data,
+        MotionEpisode,
         partial(run_motion_episodes, engine=settings.backend, cameras=settings.cameras),
         settings.progress,
     )

@@ -44,7 +44,7 @@ def run(settings: RunSettings) -> Result:
         settings.folder / f"{settings.backend}_{settings.cameras}.jsonl",
         dict.fromkeys(PAIRS, seeds),
         impedance_digest,
-        ImpedanceTrial.from_data,
+        ImpedanceTrial,
         partial(run_trials, engine=settings.backend, cameras=settings.cameras),
         settings.progress,
     )

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 from cbdsl.reporting.drawing.catalog_hierarchy import CatalogNode
 from cbdsl.reporting.drawing.catalog_icon import Layer
@@ -106,17 +106,17 @@ def _gather(settings: RunSettings) -> _Trials:
     settings = replace(settings, progress=parts.note)
     alone = _kept(
         settings, "affordances", dict.fromkeys(attempts, seeds), affordance_digest,
-        AffordanceTrial.from_data, run_affordances,
+        AffordanceTrial, run_affordances,
     )  # fmt: skip
     parts.pass_by(count * len(attempts))
     pairs = _kept(
         settings, "constellations", dict.fromkeys((_LOWER_PAIR, _UPPER_PAIR), seeds),
-        constellation_digest, ConstellationTrial.from_data, run_constellations,
+        constellation_digest, ConstellationTrial, run_constellations,
     )  # fmt: skip
     parts.pass_by(2 * count)
     stacks = _kept(
         settings, "growing_stacks", {CONTEXT: seeds}, growing_digest,
-        GrowingStack.from_data, run_growing_stacks,
+        GrowingStack, run_growing_stacks,
     )  # fmt: skip
     return _Trials(alone, pairs, stacks[CONTEXT])
 
@@ -126,13 +126,13 @@ def _kept(
     kind: str,
     seeds: Mapping[str, Sequence[int]],
     digest: Callable[[str], str],
-    read: Callable[[Mapping[str, Any]], Some],
+    trial: type[Some],
     run_them: Callable[[str, Sequence[int], str, str | None], Iterable[Some]],
 ) -> dict[str, list[Some]]:
     """Trials of one kind, those that are kept in a file and those that are run."""
     path = settings.folder / f"{kind}_{settings.backend}_{settings.cameras}.jsonl"
     return kept_trials(
-        path, seeds, digest, read,
+        path, seeds, digest, trial,
         lambda things, missing: run_them(things, missing, settings.backend, settings.cameras),
         settings.progress,
     )  # fmt: skip

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from typing import Any, NamedTuple, Self
+from typing import NamedTuple
 
 from cbdsl.reproduction.constellation_trials import CHANNELS, STAGE
 from cbdsl.reproduction.simulation_fixture import simulation_fixture
@@ -50,22 +50,6 @@ class GrowingStack(NamedTuple):
     stands: bool
     views: Sequence[Blobs]
     ending: str
-
-    def as_data(self) -> dict[str, Any]:
-        """Plain data, for JSON."""
-        return self._asdict()
-
-    @classmethod
-    def from_data(cls, data: Mapping[str, Any]) -> Self:
-        """Trial that ``as_data`` wrote.
-
-        Raises:
-            ValueError: it is none.
-        """
-        if set(data) != set(cls._fields):
-            raise ValueError("no trial of a stack that grows")
-        views = tuple({key: tuple(own) for key, own in view.items()} for view in data["views"])
-        return cls(**{**data, "views": views})
 
 
 class _BlobReader:

@@ -12,7 +12,10 @@ from cbdsl.documents.catalog import CatalogDocument, StepColumns
 from cbdsl.learning.action_outcome import NOOP
 from cbdsl.learning.exploration_constants import ExplorationConstants
 from cbdsl.reproduction.chart import Chart, Line
-from cbdsl.reproduction.interval import bootstrap_interval
+from cbdsl.reproduction.claim import between
+from cbdsl.reproduction.estimate import chance_of_samples, median
+from cbdsl.reproduction.interval import bootstrap_interval, median_interval
+from cbdsl.reproduction.quantity import Quantity
 
 Floats = NDArray[np.float64]
 
@@ -63,6 +66,29 @@ def negligible_after(reward: Floats) -> float:
         return 0.0
     last = int(large[-1]) + _WINDOW
     return float(last) if last < len(reward) else math.inf
+
+
+def negligible_reward(
+    catalogs: Sequence[CatalogDocument], low: int, high: int, seed: int
+) -> Quantity:
+    """Actions after which reward is negligible, median of the trials.
+
+    Args:
+        catalogs: of the trials.
+        low, high: between which it is in the source.
+        seed: of the resampling.
+    """
+    after = np.array([negligible_after(row) for row in rewards(catalogs)])
+    claim, middle = between(low, high), float(np.median(after))
+    return Quantity(
+        "reward negligible after, median",
+        "actions",
+        f"{low} to {high}",
+        middle,
+        claim,
+        interval=median_interval(after, seed) if len(after) > 1 and np.isfinite(middle) else None,
+        chance=chance_of_samples(claim, after[np.isfinite(after)], median, seed),
+    )
 
 
 def tries_until_habituated(catalog: CatalogDocument, name: str, share: float = 0.1) -> float:

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping
-from typing import Any, NamedTuple, Self
+from collections.abc import Iterable, Iterator
+from typing import NamedTuple
 
 from cbdsl.learning.impedance import ImpedanceProfile
 from cbdsl.reproduction.simulation_fixture import simulation_fixture
@@ -30,21 +30,6 @@ class ImpedanceTrial(NamedTuple):
     profile: ImpedanceProfile
     ending: str
     sim_seconds: float
-
-    def as_data(self) -> dict[str, Any]:
-        """Plain data, for JSON."""
-        return {**self._asdict(), "profile": self.profile.as_data()}
-
-    @classmethod
-    def from_data(cls, data: Mapping[str, Any]) -> Self:
-        """Trial that ``as_data`` wrote.
-
-        Raises:
-            ValueError: it is no trial, or a test of its profile is none.
-        """
-        if set(data) != set(cls._fields):
-            raise ValueError(f"no trial of impedance: it has {', '.join(sorted(data))}")
-        return cls(**{**data, "profile": ImpedanceProfile.from_data(data["profile"])})
 
 
 def impedance_digest(name: str) -> str:

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from pathlib import Path
-from typing import Any, Generic, Protocol, TypeVar
+from typing import Generic, Protocol, TypeVar
 
 from cbdsl.reproduction.kept_rows import KeptRows
+from cbdsl.reproduction.trial_record import plain_data, read_record
 
 
 class ThingTrial(Protocol):
@@ -23,10 +24,6 @@ class ThingTrial(Protocol):
     @property
     def seed(self) -> int: ...
 
-    def as_data(self) -> dict[str, Any]:
-        """Plain data, for JSON."""
-        ...
-
 
 Some = TypeVar("Some", bound=ThingTrial)
 
@@ -37,17 +34,17 @@ class KeptTrials(Generic[Some]):
     Args:
         path: the file, a line of JSON for each trial; it need not be there.
         what: a digest of all that decides the outcome beside that; others are left alone.
-        read: makes a trial of its data, or raises ValueError.
+        kind: class of the trials, a named tuple.
     """
 
-    def __init__(self, path: Path, what: str, read: Callable[[Mapping[str, Any]], Some]) -> None:
+    def __init__(self, path: Path, what: str, kind: type[Some]) -> None:
         self._rows, self._what = KeptRows(path), what
         self._known: dict[tuple[str, int], Some] = {}
         for row in self._rows:
             if row.pop("what") != what:
                 continue
             try:
-                trial = read(row)
+                trial = read_record(kind, row)
             except ValueError:
                 continue
             self._known[trial.things, trial.seed] = trial
@@ -59,14 +56,14 @@ class KeptTrials(Generic[Some]):
     def add(self, trial: Some) -> None:
         """Keep a trial."""
         self._known[trial.things, trial.seed] = trial
-        self._rows.add({"what": self._what, **trial.as_data()})
+        self._rows.add({"what": self._what, **plain_data(trial)})
 
 
 def kept_trials(
     path: Path,
     seeds: Mapping[str, Sequence[int]],
     digest: Callable[[str], str],
-    read: Callable[[Mapping[str, Any]], Some],
+    kind: type[Some],
     run: Callable[[str, Sequence[int]], Iterable[Some]],
     progress: Callable[[int, int], None],
 ) -> dict[str, list[Some]]:
@@ -76,7 +73,7 @@ def kept_trials(
         path: the file; see ``KeptTrials``.
         seeds: of the trials, by the things' names.
         digest: makes a digest of what decides the trials of some things.
-        read: makes a trial of its data, or raises ValueError.
+        kind: class of the trials, a named tuple.
         run: runs the trials of some things; where none is missing it is not called.
         progress: hears of the trials that are there, and of all.
 
@@ -86,7 +83,7 @@ def kept_trials(
     trials: dict[str, list[Some]] = {}
     before, total = 0, sum(map(len, seeds.values()))
     for things, own in seeds.items():
-        kept = KeptTrials(path, digest(things), read)
+        kept = KeptTrials(path, digest(things), kind)
         missing = [seed for seed in own if kept.get(things, seed) is None]
         done = before + len(own) - len(missing)
         for trial in run(things, missing) if missing else ():

@@ -8,8 +8,8 @@ from itertools import pairwise
 import numpy as np
 
 from cbdsl.documents.catalog import CatalogDocument
-from cbdsl.reproduction.claim import above, at_least, between
-from cbdsl.reproduction.estimate import chance_of_samples, mean, median
+from cbdsl.reproduction.claim import above, at_least
+from cbdsl.reproduction.estimate import chance_of_samples, mean
 from cbdsl.reproduction.experiment import Picture, Result, RunSettings
 from cbdsl.reproduction.exploration_series import (
     NOVEL,
@@ -20,12 +20,11 @@ from cbdsl.reproduction.exploration_series import (
 from cbdsl.reproduction.habituation import (
     actions_of,
     change_chart,
-    negligible_after,
+    negligible_reward,
     reward_chart,
-    rewards,
     tries_until_habituated,
 )
-from cbdsl.reproduction.interval import bootstrap_interval, median_interval
+from cbdsl.reproduction.interval import bootstrap_interval
 from cbdsl.reproduction.percentage import percentage
 from cbdsl.reproduction.quantity import Quantity
 from cbdsl.reproduction.trial_runner import TrialRunner, trial_runner
@@ -76,17 +75,7 @@ def _rewarded(catalogs: Sequence[CatalogDocument]) -> Iterator[Quantity]:
 
 
 def _table(catalogs: Sequence[CatalogDocument], seed: int) -> Iterator[Quantity]:
-    after = np.array([negligible_after(row) for row in rewards(catalogs)])
-    claim, middle = between(20, 30), float(np.median(after))
-    yield Quantity(
-        "reward negligible after, median",
-        "actions",
-        "20 to 30",
-        middle,
-        claim,
-        interval=median_interval(after, seed) if len(after) > 1 and np.isfinite(middle) else None,
-        chance=chance_of_samples(claim, after[np.isfinite(after)], median, seed),
-    )
+    yield negligible_reward(catalogs, 20, 30, seed)
 
 
 def _balls(catalogs: Sequence[CatalogDocument], seed: int) -> Iterator[Quantity]:

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator
 from dataclasses import replace
-from typing import Any, NamedTuple, Self
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -37,21 +37,6 @@ class MotionEpisode(NamedTuple):
     posture: tuple[float, ...]
     off: float
     ending: str
-
-    def as_data(self) -> dict[str, Any]:
-        """Plain data, for JSON."""
-        return self._asdict()
-
-    @classmethod
-    def from_data(cls, data: Mapping[str, Any]) -> Self:
-        """Episode that ``as_data`` wrote.
-
-        Raises:
-            ValueError: it is none.
-        """
-        if set(data) != set(cls._fields):
-            raise ValueError("no episode in which motion was looked for")
-        return cls(**{**data, "posture": tuple(data["posture"])})
 
 
 class _EpisodeEye:

@@ -31,17 +31,8 @@ def percentage(
         note: follows the counts in the note.
     """
     counts = f"{hits} of {trials}{of and ' '}{of}"
-    return Quantity(
-        name,
-        "%",
-        source,
-        100 * hits / trials if trials else math.nan,
-        expected,
-        ordering,
-        _interval(hits, trials) if trials > 1 else None,
-        chance_of_counts(expected, trials) if expected is not None and trials else 0.0,
-        f"{counts}; {note}" if note else counts,
-    )
+    noted = f"{counts}; {note}" if note else counts
+    return _share(name, source, hits, trials, expected, ordering, noted)
 
 
 def clustered_percentage(
@@ -62,7 +53,19 @@ def clustered_percentage(
         name, source, expected, ordering, note: see ``Quantity``; claims are about percentages.
         shares: of hits, one for each trial.
     """
-    trials, hits = len(shares), min(sum(shares), len(shares))
+    hits = min(sum(shares), len(shares))
+    return _share(name, source, hits, len(shares), expected, ordering, note)
+
+
+def _share(
+    name: str,
+    source: str,
+    hits: float,
+    trials: int,
+    expected: Claim | None,
+    ordering: Claim | None,
+    note: str,
+) -> Quantity:
     return Quantity(
         name,
         "%",
@@ -71,7 +74,7 @@ def clustered_percentage(
         expected,
         ordering,
         _interval(hits, trials) if trials > 1 else None,
-        chance_of_counts(expected, trials) if trials else 0.0,
+        chance_of_counts(expected, trials) if expected is not None and trials else 0.0,
         note,
     )
 

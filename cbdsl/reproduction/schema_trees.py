@@ -6,10 +6,10 @@ asked about what is seen at the first choice of episodes that they did not learn
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import partial
-from typing import Any, NamedTuple, Self
+from typing import Any, NamedTuple
 
 from cbdsl.backends.backend import embody
 from cbdsl.checking.assimilation import program_to_assimilate
@@ -75,21 +75,6 @@ class AssimilationTrial(NamedTuple):
     seed: int
     tried: tuple[TriedContext, ...]
 
-    def as_data(self) -> dict[str, Any]:
-        """Plain data, for JSON."""
-        return {**self._asdict(), "tried": [each._asdict() for each in self.tried]}
-
-    @classmethod
-    def from_data(cls, data: Mapping[str, Any]) -> Self:
-        """Trial that ``as_data`` wrote.
-
-        Raises:
-            ValueError: it is none.
-        """
-        if set(data) != set(cls._fields):
-            raise ValueError("no trial of ASSIMILATE")
-        return cls(**{**data, "tried": tuple(TriedContext(**each) for each in data["tried"])})
-
 
 class Trees(NamedTuple):
     """Trees of a trial: which allocation first, and how likely reward is."""
@@ -132,7 +117,7 @@ def run(settings: RunSettings) -> Result:
         settings.folder / "assimilations.jsonl",
         {_PROGRAM: range(count)},
         partial(_digest, settings.seed, episodes),
-        AssimilationTrial.from_data,
+        AssimilationTrial,
         partial(_run_trials, program, runner, settings.seed, episodes),
         settings.progress,
     )

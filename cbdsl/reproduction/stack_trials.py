@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Iterator, Mapping
-from typing import Any, NamedTuple, Self
+from collections.abc import Iterable, Iterator
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -38,21 +38,6 @@ class StackTrial(NamedTuple):
     pace: float
     seconds: float
     ending: str
-
-    def as_data(self) -> dict[str, Any]:
-        """Plain data, for JSON."""
-        return self._asdict()
-
-    @classmethod
-    def from_data(cls, data: Mapping[str, Any]) -> Self:
-        """Trial that ``as_data`` wrote.
-
-        Raises:
-            ValueError: it is none.
-        """
-        if set(data) != set(cls._fields):
-            raise ValueError("no trial of a stack")
-        return cls(**data)
 
 
 class StackJudge:

@@ -53,7 +53,7 @@ def run(settings: RunSettings) -> Result:
         settings.folder / f"{settings.backend}_{settings.cameras}.jsonl",
         {name: _seeds(name, settings) for name in STACKS},
         stack_digest,
-        StackTrial.from_data,
+        StackTrial,
         partial(run_stacks, engine=settings.backend, cameras=settings.cameras),
         settings.progress,
     )

@@ -70,7 +70,7 @@ def gather(settings: RunSettings) -> dict[str, list[TouchTrial]]:
     total = wanted * len(SOURCES)
     path = settings.folder / f"touch_{settings.backend}_{settings.cameras}.jsonl"
     for name in SOURCES:
-        kept = KeptTrials(path, touch_digest(name), TouchTrial.from_data)
+        kept = KeptTrials(path, touch_digest(name), TouchTrial)
 
         def tell(hits: int, before: int = wanted * len(trials)) -> None:
             settings.progress(before + hits, total)

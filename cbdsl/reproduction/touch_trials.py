@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
-from typing import Any, NamedTuple, Self
+from typing import NamedTuple
 
 from cbdsl.reproduction.simulation_fixture import simulation_fixture
 from cbdsl.reproduction.trial_digest import trial_digest
@@ -63,21 +63,6 @@ class TouchTrial(NamedTuple):
     things: str
     seed: int
     place: Place
-
-    def as_data(self) -> dict[str, Any]:
-        """Plain data, for JSON."""
-        return self._asdict()
-
-    @classmethod
-    def from_data(cls, data: Mapping[str, Any]) -> Self:
-        """Trial that ``as_data`` wrote.
-
-        Raises:
-            ValueError: it is none.
-        """
-        if set(data) != set(cls._fields):
-            raise ValueError("no trial of a touch")
-        return cls(data["things"], data["seed"], tuple(data["place"]))
 
 
 def touch_digest(source: str) -> str:

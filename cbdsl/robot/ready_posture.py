@@ -4,13 +4,15 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from itertools import pairwise
+from typing import NamedTuple
 
-from cbdsl.robot.urdf import Numbers, Rotation, UrdfJoint, UrdfModel, Vector
+import numpy as np
+from numpy.typing import NDArray
 
-_Frame = tuple[Rotation, Vector]
+from cbdsl.robot.urdf import Numbers, UrdfJoint, UrdfModel, Vector
 
-_IDENTITY: Rotation = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
+_Floats = NDArray[np.float64]
+
 # Angles that are tried: multiples of this, within that of zero, and not in the outer part of a
 # joint's range.
 _STEP = math.radians(15)
@@ -31,6 +33,43 @@ _NEIGHBOURHOOD = 0.3
 # What a violation and a turn away from zero cost, in logarithms of manipulability.
 _FORBIDDEN = 100.0
 _AWAY = 0.02
+
+
+class _Frame(NamedTuple):
+    """A frame in the root's: rotation, shape (3, 3), and position, m, shape (3,)."""
+
+    rotation: _Floats
+    position: _Floats
+
+    def placed(self, vector: _Floats) -> _Floats:
+        """A vector of this frame in the root's, m."""
+        place: _Floats = self.position + self.rotation @ vector
+        return place
+
+
+class _Hinge(NamedTuple):
+    """A joint as arrays.
+
+    Attributes:
+        joint: of the model.
+        origin: in the frame of its parent.
+        axis: of unit length, shape (3,).
+        cross: matrix of the cross product of the axis with a vector, shape (3, 3).
+    """
+
+    joint: UrdfJoint
+    origin: _Frame
+    axis: _Floats
+    cross: _Floats
+
+    def moved(self, frame: _Frame, position: float) -> _Frame:
+        """The frame of its child, from its own (Rodrigues' formula)."""
+        if self.joint.slides:
+            return _Frame(frame.rotation, frame.placed(position * self.axis))
+        turn = (
+            math.sin(position) * self.cross + (1.0 - math.cos(position)) * self.cross @ self.cross
+        )
+        return _Frame(frame.rotation + frame.rotation @ turn, frame.position)
 
 
 class ReadyPosture:
@@ -57,10 +96,10 @@ class ReadyPosture:
         tip: str,
         offset: Numbers = (0.0, 0.0, 0.0),
     ) -> None:
-        self._joints, self._offset = tuple(joints), offset
-        self._way = _way(model, tip)
-        self.length = sum(_length(joint.origin.xyz) for joint in self._beyond()) or 1.0
-        self.length += _length(offset)
+        self._joints, self._offset = tuple(joints), np.array(offset)
+        self._way = [_hinge(joint) for joint in _way(model, tip)]
+        self.length = sum(math.hypot(*joint.origin.xyz) for joint in self._beyond()) or 1.0
+        self.length += math.hypot(*offset)
         at_first = self.at_first
         points = self._points(at_first)
         self._floor = points[0][2] >= -1e-6 and points[-1][2] > points[0][2] - 0.1 * self.length
@@ -99,80 +138,85 @@ class ReadyPosture:
 
     def tip_at(self, positions: Sequence[float]) -> Vector:
         """The position of the tip in the root's frame, m."""
-        return self._points(positions)[-1]
+        return _vector(self._points(positions)[-1])
 
     @property
     def shoulder(self) -> Vector:
         """The position of the first joint in the root's frame, m."""
-        return self._points(self.at_first)[0]
+        return _vector(self._points(self.at_first)[0])
 
     def _beyond(self) -> list[UrdfJoint]:
         """The joints past the first one of the row."""
-        names = [joint.name for joint in self._way]
-        return self._way[names.index(self._joints[0].name) + 1 :]
+        joints = [hinge.joint for hinge in self._way]
+        names = [joint.name for joint in joints]
+        return joints[names.index(self._joints[0].name) + 1 :]
 
     def _score(self, positions: Sequence[float]) -> float:
-        frames = self._frames(positions)
-        points = self._points_of(frames)
+        hinges, frames = self._frames(positions)
+        points = np.array([each.position for each in frames])
+        jacobian = self._jacobian(hinges, frames)
+        square = jacobian.T @ jacobian + _DAMPING * np.eye(jacobian.shape[1])
         turns = math.fsum(
             abs(position) for position, joint in zip(positions, self._joints, strict=True)
             if not joint.slides
         )  # fmt: skip
         return (
-            _log_determinant(self._jacobian(frames, points[-1])) / 2
+            float(np.linalg.slogdet(square)[1]) / 2
             - _FORBIDDEN * (self._crowded(points) + self._underground(points))
             - _AWAY * turns
         )
 
-    def _jacobian(self, frames: Sequence[_Frame], tip: Vector) -> list[list[float]]:
-        """Motions of the tip by joint: along, in parts of the length, and about."""
-        columns = []
-        for joint, (rotation, place) in zip(self._joints, frames, strict=True):
-            axis = _unit(_turned(rotation, joint.axis))
-            arm = tuple((a - b) / self.length for a, b in zip(tip, place, strict=True))
-            along = axis if joint.slides else _cross(axis, arm)
-            about = (0.0, 0.0, 0.0) if joint.slides else axis
-            full = len(self._joints) >= _TURNING
-            columns.append([*along, *about] if full else [*along])
-        return columns
+    def _jacobian(self, hinges: Sequence[_Hinge], frames: Sequence[_Frame]) -> _Floats:
+        """Motions of the tip by joint: along, in parts of the length, and about.
 
-    def _crowded(self, points: Sequence[Vector]) -> float:
-        """How far parts of the row are into each other, in parts of its length."""
-        along = [0.0]
-        for one, next_one in pairwise(points):
-            along.append(along[-1] + math.dist(one, next_one))
-        return math.fsum(
-            max(0.0, _CLEARANCE - math.dist(points[first], points[second]) / self.length)
-            for first in range(len(points))
-            for second in range(first)
-            if along[first] - along[second] > _NEIGHBOURHOOD * self.length
+        Returns:
+            A row per joint, shape (n, 3), or (n, 6) where the tip can be turned, too.
+        """
+        slides = np.array([hinge.joint.slides for hinge in hinges])[:, None]
+        axes = np.array(
+            [frame.rotation @ hinge.axis for hinge, frame in zip(hinges, frames[:-1], strict=True)]
         )
+        places = np.array([frame.position for frame in frames])
+        arms = (places[-1] - places[:-1]) / self.length
+        along = np.where(slides, axes, np.cross(axes, arms))
+        if len(hinges) < _TURNING:
+            return along
+        return np.hstack([along, np.where(slides, 0.0, axes)])
 
-    def _underground(self, points: Sequence[Vector]) -> float:
+    def _crowded(self, points: _Floats) -> float:
+        """How far parts of the row are into each other, in parts of its length."""
+        steps = np.linalg.norm(np.diff(points, axis=0), axis=1)
+        along = np.concatenate([[0.0], np.cumsum(steps)])
+        second, first = np.triu_indices(len(points), 1)
+        far = along[first] - along[second] > _NEIGHBOURHOOD * self.length
+        apart = np.linalg.norm(points[first] - points[second], axis=1) / self.length
+        return float(np.maximum(0.0, _CLEARANCE - apart)[far].sum())
+
+    def _underground(self, points: _Floats) -> float:
         if not self._floor:
             return 0.0
         below = _CLEARANCE * self.length
-        return math.fsum(max(0.0, below - z) for *_, z in points[-2:]) / self.length
+        return float(np.maximum(0.0, below - points[-2:, 2]).sum()) / self.length
 
-    def _points(self, positions: Sequence[float]) -> list[Vector]:
-        return self._points_of(self._frames(positions))
+    def _points(self, positions: Sequence[float]) -> _Floats:
+        """Where the joints and the tip are, m, shape (n + 1, 3)."""
+        return np.array([frame.position for frame in self._frames(positions)[1]])
 
-    def _points_of(self, frames: Sequence[_Frame]) -> list[Vector]:
-        """Where the joints and the tip are."""
-        return [*(place for _, place in frames), _placed(self._end, self._offset)]
-
-    def _frames(self, positions: Sequence[float]) -> list[_Frame]:
-        """The frames of the joints; that of the last link becomes known, too."""
+    def _frames(self, positions: Sequence[float]) -> tuple[list[_Hinge], list[_Frame]]:
+        """The row's joints, their frames, and that of the tip behind them."""
         given = dict(zip((joint.name for joint in self._joints), positions, strict=True))
-        frame: _Frame = (_IDENTITY, (0.0, 0.0, 0.0))
-        frames: dict[str, _Frame] = {}
-        for joint in self._way:
-            frame = _product(frame[0], joint.origin.rotation), _placed(frame, joint.origin.xyz)
-            frames[joint.name] = frame
+        frame = _Frame(np.eye(3), np.zeros(3))
+        hinges, frames = [], []
+        for hinge in self._way:
+            joint = hinge.joint
+            rotation = frame.rotation @ hinge.origin.rotation
+            frame = _Frame(rotation, frame.placed(hinge.origin.position))
+            if joint.name in given:
+                hinges.append(hinge)
+                frames.append(frame)
             if joint.movable:
-                frame = _moved(frame, joint, given.get(joint.name, at_first(joint)))
-        self._end = frame
-        return [frames[joint.name] for joint in self._joints]
+                frame = hinge.moved(frame, given.get(joint.name, at_first(joint)))
+        return hinges, [*frames, _Frame(frame.rotation, frame.placed(self._offset))]
 
 
 def at_first(joint: UrdfJoint) -> float:
@@ -207,70 +251,12 @@ def _way(model: UrdfModel, link: str) -> list[UrdfJoint]:
     return way[::-1]
 
 
-def _moved(frame: _Frame, joint: UrdfJoint, position: float) -> _Frame:
-    axis = _unit(joint.axis)
-    if joint.slides:
-        return frame[0], _placed(frame, [position * each for each in axis])
-    (x, y, z), sine, cosine = axis, math.sin(position), math.cos(position)
-    rest = 1.0 - cosine
-    turn = (
-        (cosine + x * x * rest, x * y * rest - z * sine, x * z * rest + y * sine),
-        (y * x * rest + z * sine, cosine + y * y * rest, y * z * rest - x * sine),
-        (z * x * rest - y * sine, z * y * rest + x * sine, cosine + z * z * rest),
-    )
-    return _product(frame[0], turn), frame[1]
+def _hinge(joint: UrdfJoint) -> _Hinge:
+    axis = np.array(joint.axis) / (math.hypot(*joint.axis) or 1.0)
+    origin = _Frame(np.array(joint.origin.rotation), np.array(joint.origin.xyz))
+    return _Hinge(joint, origin, axis, np.cross(axis, np.eye(3)).T)
 
 
-def _product(one: Rotation, other: Rotation) -> Rotation:
-    columns = tuple(zip(*other, strict=True))
-    x, y, z = ((_dot(row, columns[0]), _dot(row, columns[1]), _dot(row, columns[2])) for row in one)
+def _vector(point: _Floats) -> Vector:
+    x, y, z = point.tolist()
     return x, y, z
-
-
-def _turned(rotation: Rotation, vector: Sequence[float]) -> Vector:
-    x, y, z = (_dot(row, vector) for row in rotation)
-    return x, y, z
-
-
-def _placed(frame: _Frame, vector: Sequence[float]) -> Vector:
-    x, y, z = (a + b for a, b in zip(frame[1], _turned(frame[0], vector), strict=True))
-    return x, y, z
-
-
-def _dot(one: Sequence[float], other: Sequence[float]) -> float:
-    return one[0] * other[0] + one[1] * other[1] + one[2] * other[2]
-
-
-def _cross(one: Sequence[float], other: Sequence[float]) -> Vector:
-    (a, b, c), (x, y, z) = one, other
-    return b * z - c * y, c * x - a * z, a * y - b * x
-
-
-def _length(vector: Sequence[float]) -> float:
-    return math.hypot(*vector)
-
-
-def _unit(vector: Sequence[float]) -> Vector:
-    length = _length(vector) or 1.0
-    x, y, z = (each / length for each in vector)
-    return x, y, z
-
-
-def _log_determinant(columns: Sequence[Sequence[float]]) -> float:
-    """The logarithm of the damped determinant of J J^T, by elimination."""
-    size = len(columns[0])
-    square = [
-        [math.fsum(each[row] * each[col] for each in columns) for col in range(size)]
-        for row in range(size)
-    ]
-    for index in range(size):
-        square[index][index] += _DAMPING
-    total = 0.0
-    for pivot in range(size):
-        head = square[pivot][pivot]
-        total += math.log(head)
-        for row in range(pivot + 1, size):
-            factor = square[row][pivot] / head
-            for col in range(pivot, size):
-                square[row][col] -= factor * square[pivot][col]
-    return total

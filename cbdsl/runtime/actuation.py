@@ -15,10 +15,11 @@ from cbdsl.control.stack import Stack
 from cbdsl.control.tick import RESTED, UNSOUND, tick
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.program.checked import NO_GUARDS, Guards
+from cbdsl.runtime.action_levels import Active
 from cbdsl.runtime.controller_run import ControllerRun
 from cbdsl.runtime.load_guards import LoadGuards
-from cbdsl.runtime.program_run import Active
-from cbdsl.sensing.signals import Selection, Signals
+from cbdsl.sensing.signal_rows import Selection
+from cbdsl.sensing.signals import Signals
 from cbdsl.types.potential import POTENTIALS
 
 Floats = NDArray[np.float64]

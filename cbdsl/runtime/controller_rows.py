@@ -75,7 +75,9 @@ def _bind_feedback(controller: Controller, signals: Signals) -> int:
         return signals.bind_normal_forces(_palms(source))
     if controller.manipulator is not None:
         assert isinstance(source, EffectorConfiguration)
-        return signals.bind_manipulator(source.effector, controller.manipulator, controller.joints)
+        return signals.kinematic_rows.manipulator(
+            source.effector, controller.manipulator, controller.joints
+        )
     return signals.bind(controller.feedback, controller.chains)
 
 

@@ -106,7 +106,7 @@ def _arms(guards: Guards, signals: Signals) -> Iterator[tuple[str, NDArray[np.in
     for name, effector in signals.robot.effectors.items():
         if guards.joint_torque is not None and effector.tip is not None:
             joints = signals.joints.of(name)
-            yield name, joints, signals.bind_joints(name)
+            yield name, joints, signals.kinematic_rows.joints(name)
 
 
 def _bounds(guards: Guards, signals: Signals) -> Iterator[tuple[str, tuple[int, int], int, float]]:
@@ -116,7 +116,7 @@ def _bounds(guards: Guards, signals: Signals) -> Iterator[tuple[str, tuple[int, 
         links = [cell.link for cell in cells.values()]
         if guards.finger_force is not None:
             for place, (finger, link) in enumerate(zip(cells, links, strict=True), first):
-                row = signals.bind_links([link])
+                row = signals.kinematic_rows.links([link])
                 yield f"{hand}.{finger}", (place, place + 1), row, guards.finger_force
         if guards.hand_force is not None:
-            yield hand, (first, last), signals.bind_links(links), guards.hand_force
+            yield hand, (first, last), signals.kinematic_rows.links(links), guards.hand_force

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping, Sequence
-from typing import NamedTuple
 
 import numpy as np
 
@@ -13,21 +12,16 @@ from cbdsl.program.checked import Action, CheckedProgram
 from cbdsl.program.own_policy import own_policy
 from cbdsl.program.schema_policy import ContextPolicy
 from cbdsl.program.transition import Transition
+from cbdsl.runtime.action_levels import ActionLevels, Active
 from cbdsl.runtime.context import ContextReader
 from cbdsl.runtime.controller_run import ControllerRun
 from cbdsl.runtime.controller_runs import ControllerRuns
+from cbdsl.runtime.feature_looks import FeatureLooks, LookingProgram
 from cbdsl.sensing.signals import Signals
 from cbdsl.types.policy import DeferredPolicy, Policy, ReasonedPolicy
 from cbdsl.types.state import matches
 
 Listener = Callable[[Transition], None]
-
-
-class Active(NamedTuple):
-    """A controller that acts now, and the controllers it acts together with."""
-
-    run: ControllerRun
-    peers: Mapping[str, ControllerRun]
 
 
 class ProgramRun:
@@ -61,33 +55,16 @@ class ProgramRun:
         self._actions = {action.name: action for action in program.actions}
         first = len(plan.slots)
         make = ControllerRuns(signals, plan, period)
-        self._stacks = {
-            action.name: make.stack(action.composition)
-            for action in program.actions
-            if action.composition is not None
-        }
-        self._waiting = {
-            action.name: list(make.waiting(action.composition))
-            for action in program.actions
-            if action.composition is not None
-        }
-        self._background = make.stack(program.background) if program.background else ()
-        self._withdrawal = self._above_background(())
-        self._acting = {
-            name: self._above_background(self._together(runs, below))
-            for name, runs in self._stacks.items()
-            for below in [self._below(self._actions[name], make)]
-        }
-        self._leads = {
-            action.name: [
-                make.lead(primitive, program.members.index(primitive.name))
-                for primitive in action.composition.primitives
-            ]
-            for action in program.actions
-            if action.composition is not None
-        }
+        self._levels = ActionLevels(program, make)
         self.runs: tuple[ControllerRun, ...] = make.all
         self.children = self._make_children(signals, plan, period)
+        looks = {
+            feature: ProgramRun(look.program, signals, plan, period, depth + 1)
+            for feature, look in program.looks.items()
+        }
+        self._looks = FeatureLooks(looks, self._context)
+        # An action has no such name: it would be two.
+        self.children |= {f"look for {feature}": each for feature, each in looks.items()}
         # What the child that runs now lets act, and the same above the background.
         self._of_child: Sequence[Active] | None = None
         self._of_action = ""
@@ -132,8 +109,7 @@ class ProgramRun:
         self.is_open = self._was_changed = False
         self._action: Action | None = None
         self._withdraws = False
-        self._look: ProgramRun | None = None
-        self._to_look_for: list[str] = []
+        self._looks.forget()
         self._of_action = ""
         self._composed: Sequence[Active] | None = None
         self._features: Mapping[str, float] = {}
@@ -147,37 +123,21 @@ class ProgramRun:
         self.predicate = "0"
         if self._contextual is not None and self._context is not None:
             self._contextual.begin(self._context.read)
-        for run in self._background:
+        for run in self.background:
             run.activate()
-        if self._contextual is not None:
-            self._to_look_for = list(self._looks)
-        if not self._begin_look():
+        if self._contextual is None or not self._looks.begin():
             self._choose(changed=True)
 
-    def _begin_look(self) -> bool:
-        """Begin to look for the next feature that is undefined; whether there is one."""
-        while self._to_look_for and self._context is not None:
-            feature = self._to_look_for.pop(0)
-            if self._context.lacks(feature):
-                self._look = self._looks[feature]
-                self._look.activate()
-                return True
-        self._look = None
-        return False
-
-    def _look_on(self, look: ProgramRun) -> None:
+    def _look_on(self, look: LookingProgram) -> None:
         """Go on to look; choose as soon as all that is looked for was found, or was not."""
         self._all_ticks += 1
-        look.advance()
-        if look.predicate != "0":
-            look.deactivate()
-            if not self._begin_look():
-                self._choose(changed=True)
+        if not self._looks.advance(look):
+            self._choose(changed=True)
 
     @property
     def background(self) -> Sequence[ControllerRun]:
         """Controllers that act below every action, highest priority first."""
-        return self._background
+        return self._levels.background
 
     @property
     def action(self) -> Action | None:
@@ -192,32 +152,23 @@ class ProgramRun:
         if self._composed is not None:
             return self._composed
         if self._withdraws:
-            return self._withdrawal
-        if self._look is not None:
-            acting = self._look.active()
+            return self._levels.alone
+        look = self._looks.current
+        if look is not None:
+            acting = look.active()
             if acting is not self._of_child:
-                self._of_child, self._all_active = acting, self._above_background(acting)
+                self._of_child, self._all_active = acting, self._levels.above_background(acting)
             return self._all_active
         if self._action is None:
             return ()
         name = self._action.name
         if name not in self.children:
-            return self._acting[name]
+            return self._levels.acting[name]
         acting = self.children[name].active()
         if acting is not self._of_child or name != self._of_action:
-            self._of_child, self._all_active = acting, self._with_child(self._action, acting)
+            self._of_child, self._all_active = acting, self._levels.with_child(self._action, acting)
             self._of_action = name
         return self._all_active
-
-    def _with_child(self, action: Action, acting: Sequence[Active]) -> Sequence[Active]:
-        """Levels of a program, among the controllers that it is composed with, if any."""
-        runs = self._stacks.get(action.name)
-        if runs is None:
-            return self._above_background(acting)
-        own = self._acting[action.name][: len(runs)]
-        taken = {item.run for item in (*own, *acting)}
-        below = [item for item in self._above_background(()) if item.run not in taken]
-        return (*own[: action.above], *acting, *own[action.above :], *below)
 
     def compose(self, names: Sequence[str] | None) -> None:
         """Let a stack act instead of actions, and the background below it.
@@ -233,7 +184,7 @@ class ProgramRun:
         if self.predicate != "0":
             return  # its episode is over
         for run in self.runs:
-            if run not in stack and run not in self._background:
+            if run not in stack and run not in self.background:
                 run.deactivate()
         for child in self.children.values():
             child.deactivate()
@@ -241,23 +192,10 @@ class ProgramRun:
             run.activate()
         self._action, self._withdraws = None, False
         if names is not None:
-            self._composed = self._above_background(self._together(stack))
+            self._composed = self._levels.of_stack(stack)
             return
         self._composed, self.state = None, "X" * len(self.program.members)
         self._choose(changed=True)
-
-    def _together(
-        self, runs: Sequence[ControllerRun], below: Sequence[ControllerRun] | None = None
-    ) -> list[Active]:
-        """The controllers of an action, which may require what is in the background, too."""
-        below = self._background if below is None else below
-        peers = {run.controller.name: run for run in (*below, *runs)}
-        return [Active(run, peers) for run in runs]
-
-    def _below(self, action: Action, make: ControllerRuns) -> Sequence[ControllerRun]:
-        """The background of an action's own allocation: of several, that of the same hand."""
-        own = action.background
-        return self._background if own is None else make.stack(own)
 
     def _make_children(
         self, signals: Signals, plan: ControllerPlan, period: float
@@ -272,28 +210,19 @@ class ProgramRun:
             if key not in made:
                 made[key] = ProgramRun(action.program, signals, plan, period, self._depth + 1)
             children[action.name] = made[key]
-        self._looks = {
-            feature: ProgramRun(look.program, signals, plan, period, self._depth + 1)
-            for feature, look in self.program.looks.items()
-        }
-        # An action has no such name: it would be two.
-        return children | {f"look for {feature}": each for feature, each in self._looks.items()}
-
-    def _above_background(self, acting: Sequence[Active]) -> Sequence[Active]:
-        running = [item.run for item in acting]
-        below = [Active(run, {}) for run in self._background if run not in running]
-        return (*acting, *below)
+        return children
 
     def leads(self, action: Action) -> list[ControllerRun]:
         """The leading controllers of an action's primitives, highest priority first."""
-        return [lead.run for lead in reversed(self._leads.get(action.name, []))]
+        return [lead.run for lead in reversed(self._levels.leads.get(action.name, []))]
 
     def advance(self) -> None:
         """Take in the predicates of this tick; change the action where the state changed."""
         if self.predicate != "0" or self.is_open or self._composed is not None:
             return
-        if self._look is not None:
-            self._look_on(self._look)
+        look = self._looks.current
+        if look is not None:
+            self._look_on(look)
         elif self._withdraws:
             self._withdraw()
         elif self._action is not None:
@@ -308,7 +237,7 @@ class ProgramRun:
         self._ticks += 1
         self._all_ticks += 1
         is_over = self._ticks * self._period > self.program.transition_time
-        if is_over or all(run.predicate != "0" for run in self._background):
+        if is_over or all(run.predicate != "0" for run in self.background):
             self._withdraws = False
             self._choose(changed=True)
 
@@ -335,7 +264,7 @@ class ProgramRun:
         """Whether a program that waits for what it is composed with begins now."""
         if action.composition is None or self.children[action.name].predicate != "X":
             return False
-        return all(lead.predicate == "1" for lead in self._leads[action.name])
+        return all(lead.predicate == "1" for lead in self._levels.leads[action.name])
 
     def _is_overdue(self, action: Action, state: str) -> bool:
         """Whether an action has lasted as long as it may, in all or with nothing on its way."""
@@ -343,13 +272,13 @@ class ProgramRun:
             return True
         if self.program.idle_time is None:
             return False
-        strives = "0" in state or any(run.seeking for run in self._stacks[action.name])
+        strives = "0" in state or any(run.seeking for run in self._levels.stacks[action.name])
         self._idle_ticks = 0 if strives else self._idle_ticks + 1
         return self._idle_ticks * self._period > self.program.idle_time
 
     def _restart_quiescence(self, action: Action) -> None:
         """Judge anew whether what waits for a search is at rest, as long as the search goes on."""
-        for seeker, waiting in self._waiting.get(action.name, ()):
+        for seeker, waiting in self._levels.waiting.get(action.name, ()):
             if seeker.seeking:
                 for run in waiting:
                     run.restart_quiescence()
@@ -368,7 +297,7 @@ class ProgramRun:
             own = self.children[action.name].predicate
             is_waiting = action.composition is not None and own == "X"
             state[self.program.members.index(action.part)] = "-" if is_waiting else own
-        for lead in self._leads.get(action.name, ()):
+        for lead in self._levels.leads.get(action.name, ()):
             state[lead.place] = lead.predicate
         return "".join(state)
 
@@ -421,7 +350,7 @@ class ProgramRun:
         """
         own = tuple(
             self.program.members[lead.place]
-            for lead in self._leads.get(action.name, ())
+            for lead in self._levels.leads.get(action.name, ())
             if state[lead.place] == "1" != self.state[lead.place] and lead.is_earned
         )
         child, stood_for = self.children.get(action.name), self.program.primitives.get(action.part)
@@ -467,16 +396,17 @@ class ProgramRun:
             self.children[name].activate()
         elif self._action.program is not None and self.children[name].predicate in "1-":
             self.children[name].deactivate()  # it waits again
-        for run in self._stacks.get(name, ()):
+        for run in self._levels.stacks.get(name, ()):
             run.activate()
 
     def _begin_withdrawal(self) -> None:
         """Leave everything to the background until that is at rest."""
-        if self._action is not None and self._action.program is not None:
-            self.children[self._action.name].deactivate()
-        for run in self._stacks.get(self._action.name, ()) if self._action is not None else ():
-            run.deactivate()
-        for run in self._background:
+        if self._action is not None:
+            if self._action.program is not None:
+                self.children[self._action.name].deactivate()
+            for run in self._levels.stacks.get(self._action.name, ()):
+                run.deactivate()
+        for run in self.background:
             run.deactivate()
             run.activate()
         self._action, self._withdraws, self._ticks = None, True, 0
@@ -485,8 +415,8 @@ class ProgramRun:
         child = self.children.get(before.name)
         if child is not None and child is not self.children.get(after.name):
             child.deactivate()
-        kept = self._stacks.get(after.name, ())
-        for run in self._stacks.get(before.name, ()):
+        kept = self._levels.stacks.get(after.name, ())
+        for run in self._levels.stacks.get(before.name, ()):
             if run not in kept:
                 run.deactivate()
 
@@ -505,7 +435,7 @@ class ProgramRun:
         A program that nothing in the environment can reward has done what it can when its last
         action came to rest.
         """
-        leads = [lead for some in self._leads.values() for lead in some]
+        leads = [lead for some in self._levels.leads.values() for lead in some]
         rewardable = any(lead.earners for lead in leads)
         if self.rewarded and not self._reward_ends:
             return "1"

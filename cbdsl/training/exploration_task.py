@@ -234,7 +234,7 @@ class ExplorationTask:
 
 
 def exploration_journal(path: Path) -> Path:
-    """File of the actions of a catalog."""
+    """File of the actions of a catalog or meta-catalog."""
     return path.with_suffix(".actions.jsonl")
 
 

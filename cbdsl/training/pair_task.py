@@ -26,6 +26,7 @@ from cbdsl.sensing.kinematics import Kinematics
 from cbdsl.training.explorable_pair import ExplorablePair
 from cbdsl.training.exploration_task import (
     ExplorationObserver,
+    exploration_journal,
     identity_of,
     outcome_of,
     require_writable,
@@ -76,7 +77,7 @@ class PairTask:
     @property
     def journal(self) -> Path:
         """File of its actions, each as soon as it is over."""
-        return self.path.with_suffix(".actions.jsonl")
+        return exploration_journal(self.path)
 
     def require_ready(self, *, resume: bool) -> None:
         """Check, before anything moves, that the outcome can be written.

@@ -1,4 +1,4 @@
-"""A probe is judged beside a TOUCH that waits; episodes that are kept are not run again."""
+"""A probe is judged beside two ways of TOUCH; episodes that are kept are not run again."""
 
 from __future__ import annotations
 
@@ -20,15 +20,19 @@ def episodes(rewards: list[int]) -> tuple[Experience, ...]:
     return tuple(map(one, rewards))
 
 
-def test_the_probe_is_compared_with_a_touch_that_waits() -> None:
+def test_the_probe_is_compared_with_a_touch_that_waits_and_with_the_shipped_one() -> None:
     probing, passive, seeking = [1, 0] * 10, [0] * 20, [1] * 20
     some = {PASSIVE: passive, SEEKING: seeking, PROBING: probing}
-    more, *rates = quantities({way: episodes(each) for way, each in some.items()}, 0)
+    more, less, *rates = quantities({way: episodes(each) for way, each in some.items()}, 0)
     assert more.verdict is Verdict.REPRODUCED and more.ours == 50.0
+    assert less.verdict is Verdict.MISSED and less.ours == -50.0
     assert [round(each.ours) for each in rates] == [0, 100, 50]
     even = {PASSIVE: probing, SEEKING: seeking, PROBING: probing}
     same, *_ = quantities({way: episodes(each) for way, each in even.items()}, 0)
     assert same.verdict is not Verdict.REPRODUCED
+    best = {PASSIVE: passive, SEEKING: passive, PROBING: seeking}
+    _, also, *_ = quantities({way: episodes(each) for way, each in best.items()}, 0)
+    assert also.verdict is Verdict.REPRODUCED and "closes the fingers" in also.name
 
 
 def test_only_touch_differs() -> None:

@@ -27,7 +27,7 @@ def outcome(folder: Path, *, spread: float, phantoms: bool) -> Result:
     """What is shaken is tracked always, within a spread; what is not, never or always."""
     path, rng = folder / "motion_kinematic_None.jsonl", np.random.default_rng(0)
     for context in (SHAKEN, NOTHING):
-        kept = KeptTrials(path, motion_digest(context), MotionEpisode.from_data)
+        kept = KeptTrials(path, motion_digest(context), MotionEpisode)
         for trial in range(TRIALS):
             for seed in seeds_of(trial, context, 0):
                 pan, tilt = np.array((0.0, 0.4)) + rng.uniform(-spread, spread, 2)

@@ -32,9 +32,7 @@ def profile(stiff: set[str]) -> ImpedanceProfile:
 
 def keep(folder: Path, *, right: bool) -> RunSettings:
     for name, pair in PAIRS.items():
-        kept = KeptTrials(
-            folder / "mujoco_ideal.jsonl", impedance_digest(name), ImpedanceTrial.from_data
-        )
+        kept = KeptTrials(folder / "mujoco_ideal.jsonl", impedance_digest(name), ImpedanceTrial)
         stiff = set(pair.stiff) if right else set(DIRECTIONS) - set(pair.stiff)
         for seed in range(TRIALS):
             kept.add(ImpedanceTrial(name, seed, profile(stiff), "", 60.0))

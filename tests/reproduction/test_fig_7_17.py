@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from pathlib import Path
 
 import pytest
@@ -24,6 +25,7 @@ from cbdsl.reproduction.growing_stack_trials import (
 )
 from cbdsl.reproduction.kept_trials import KeptTrials
 from cbdsl.reproduction.quantity import Verdict
+from cbdsl.reproduction.trial_record import plain_data, read_record
 
 TRIALS = 30
 ROUND, LONG = (0.0, 0.1, 0.05, 0.05), (0.0, 0.0, 0.1, 0.05, 0.7)
@@ -37,7 +39,7 @@ def outcome(folder: Path, *, lifted: bool, stands: bool) -> Result:
         for program in own:
             what = attempt(program, thing)
             kept = KeptTrials(
-                folder / f"affordances_{name}", affordance_digest(what), AffordanceTrial.from_data
+                folder / f"affordances_{name}", affordance_digest(what), AffordanceTrial
             )
             for seed in range(TRIALS):
                 done = lifted if (program, thing) == ("bimanualtouch", "blue_box") else True
@@ -46,13 +48,11 @@ def outcome(folder: Path, *, lifted: bool, stands: bool) -> Result:
         pairs = KeptTrials(
             folder / f"constellations_{name}",
             constellation_digest(pair),
-            ConstellationTrial.from_data,
+            ConstellationTrial,
         )
         for seed in range(TRIALS):
             pairs.add(ConstellationTrial(pair, seed, True, stands, {}, {"offset": (0.0, 0.1)}, ""))
-    stacks = KeptTrials(
-        folder / f"growing_stacks_{name}", growing_digest(CONTEXT), GrowingStack.from_data
-    )
+    stacks = KeptTrials(folder / f"growing_stacks_{name}", growing_digest(CONTEXT), GrowingStack)
     view = {"blue_box": LONG, "football": ROUND}
     for seed in range(TRIALS):
         stacks.add(GrowingStack(CONTEXT, seed, True, stands, (view, view, view), ""))
@@ -100,7 +100,7 @@ def test_a_stack_of_three_is_tracked_once_it_stands() -> None:
     lower = [abs(v["purple_box"][0] - v["blue_box"][0]) for v in (first, second, last)]
     upper = [abs(v["football"][0] - v["purple_box"][0]) for v in (first, last)]
     assert max(lower[1:]) < lower[0] / 2 and upper[1] < upper[0] / 2
-    assert GrowingStack.from_data(trial.as_data()) == trial
+    assert read_record(GrowingStack, json.loads(json.dumps(plain_data(trial)))) == trial
 
 
 @pytest.mark.slow

@@ -18,29 +18,29 @@ def trial(seed: int) -> ImpedanceTrial:
 
 def test_trials_are_kept_for_what_was_run(tmp_path: Path) -> None:
     path = tmp_path / "folder" / "kept.jsonl"
-    kept = KeptTrials(path, "one", ImpedanceTrial.from_data)
+    kept = KeptTrials(path, "one", ImpedanceTrial)
     kept.add(trial(1))
     kept.add(trial(2))
-    again = KeptTrials(path, "one", ImpedanceTrial.from_data)
+    again = KeptTrials(path, "one", ImpedanceTrial)
     assert again.get("box_on_box", 2) == trial(2)
     assert again.get("box_on_box", 3) is None and again.get("box_in_box", 2) is None
-    assert KeptTrials(path, "other", ImpedanceTrial.from_data).get("box_on_box", 2) is None
+    assert KeptTrials(path, "other", ImpedanceTrial).get("box_on_box", 2) is None
 
 
 def test_a_line_that_was_cut_off_is_run_again(tmp_path: Path) -> None:
     path = tmp_path / "kept.jsonl"
-    KeptTrials(path, "one", ImpedanceTrial.from_data).add(trial(1))
+    KeptTrials(path, "one", ImpedanceTrial).add(trial(1))
     text = path.read_text()
     path.write_text(text + text[:40])
-    kept = KeptTrials(path, "one", ImpedanceTrial.from_data)
+    kept = KeptTrials(path, "one", ImpedanceTrial)
     assert kept.get("box_on_box", 1) == trial(1)
     kept.add(trial(2))
-    assert KeptTrials(path, "one", ImpedanceTrial.from_data).get("box_on_box", 2) == trial(2)
+    assert KeptTrials(path, "one", ImpedanceTrial).get("box_on_box", 2) == trial(2)
 
 
 def test_only_what_is_missing_is_run_and_all_of_it_is_counted(tmp_path: Path) -> None:
     path, ran, heard = tmp_path / "kept.jsonl", list[int](), list[tuple[int, int]]()
-    KeptTrials(path, "of box_on_box", ImpedanceTrial.from_data).add(trial(1))
+    KeptTrials(path, "of box_on_box", ImpedanceTrial).add(trial(1))
 
     def run(things: str, seeds: Sequence[int]) -> Iterator[ImpedanceTrial]:
         ran.extend(seeds)
@@ -51,7 +51,7 @@ def test_only_what_is_missing_is_run_and_all_of_it_is_counted(tmp_path: Path) ->
             path,
             {"box_on_box": range(3), "box_in_box": range(2)},
             "of {}".format,
-            ImpedanceTrial.from_data,
+            ImpedanceTrial,
             run,
             lambda done, total: heard.append((done, total)),
         )

@@ -19,7 +19,7 @@ FLAT = "purple_box_on_blue_box"
 def keep(folder: Path, flat: int, *, others: bool) -> RunSettings:
     """Flat on flat stands in some of 80 trials, and all others always or never."""
     for name in STACKS:
-        kept = KeptTrials(folder / "mujoco_ideal.jsonl", stack_digest(name), StackTrial.from_data)
+        kept = KeptTrials(folder / "mujoco_ideal.jsonl", stack_digest(name), StackTrial)
         for seed in range(80 if name == FLAT else 40):
             stands = seed < flat if name == FLAT else others
             kept.add(StackTrial(name, seed, True, stands, 0.0, 0.02, 2.0, ""))

@@ -28,7 +28,7 @@ def keep(folder: Path, higher: float = 0.0, vain: int = 0) -> RunSettings:
     """Episodes that are there, the first few of each source without reward."""
     rng, file = np.random.default_rng(0), folder / "touch_mujoco_ideal.jsonl"
     for name in SOURCES:
-        kept = KeptTrials(file, touch_digest(name), TouchTrial.from_data)
+        kept = KeptTrials(file, touch_digest(name), TouchTrial)
         kind = name.partition("_")[0]
         for seed in range(WANTED + vain):
             spread = (0.02, 0.02, 0.002) if kind == "bimanual" else (0.1, 0.2, 0.002)

@@ -17,10 +17,10 @@ from cbdsl.documents.robot import RobotDocument
 from cbdsl.program.checked import CheckedProgram
 from cbdsl.program.controller import Controller, Literal
 from cbdsl.robot.resources import resources
+from cbdsl.runtime.action_levels import Active
 from cbdsl.runtime.actuation import Actuation
 from cbdsl.runtime.controller_run import ControllerRun
 from cbdsl.runtime.episode import resources_of
-from cbdsl.runtime.program_run import Active
 from cbdsl.sensing.kinematics import Kinematics
 from cbdsl.sensing.signals import Signals
 from cbdsl.types.resource import NetForces, Tip

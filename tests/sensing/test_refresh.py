@@ -78,8 +78,8 @@ def bind(case: Case, signals: Signals) -> int:
     if case.kind == "standoff":
         seen = signals.bind_written(3)
         signals.table.write(seen, Reading(np.zeros(3), None, 0, RADIUS))
-        return signals.bind_tip(Tip(case.of, "position"), seen, STANDOFF)
-    return signals.bind_manipulator(case.of, case.kind.split()[0], robot.joints(case.of))
+        return signals.kinematic_rows.tip_off(Tip(case.of, "position"), seen, STANDOFF)
+    return signals.kinematic_rows.manipulator(case.of, case.kind.split()[0], robot.joints(case.of))
 
 
 def expected(case: Case, model: Kinematics, loads: Floats) -> Floats:

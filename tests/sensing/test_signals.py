@@ -87,7 +87,7 @@ def test_curvature_by_finite_differences(
     dexter: RobotDocument, signals: Signals, posture: np.ndarray, effector: str, part: str
 ) -> None:
     """The Jacobian of a tip's Jacobian."""
-    row = signals.bind_manipulator(effector, part, dexter.joints(effector))
+    row = signals.kinematic_rows.manipulator(effector, part, dexter.joints(effector))
     signals.update(observe(dexter, posture))
     here = signals.reading(row)
     assert here is not None and here.jacobian is not None
@@ -150,7 +150,7 @@ def test_a_standoff_moves_the_control_point_along_the_tips_normal(
     signals.update(observe(dexter, posture))
     ball = signals.bind_written(3)
     near = signals.bind(resources(dexter)["left_arm.position"])
-    far = signals.bind_tip(source, ball, (0.03, 0.05, 0.12))
+    far = signals.kinematic_rows.tip_off(source, ball, (0.03, 0.05, 0.12))
     normal = signals.kinematics.frame("left_palm").rotation[:, 2]
     for radius, distance in ((0.0, 0.05), (0.07, 0.1), (0.2, 0.12)):
         signals.table.write(ball, Reading(np.zeros(3), None, 0, radius))

@@ -29,7 +29,7 @@ def bind(form: SlotForm, onset: Onset, setting: SlotSetting) -> SlotForm:
     carrier = signals.touch.carriers.get(source.hand)
     tip = -1
     if carrier is not None:
-        tip = signals.bind_tip(Tip(carrier, "position"), -1, (0.0, 0.0, 0.0))
+        tip = signals.kinematic_rows.tip_off(Tip(carrier, "position"), -1, (0.0, 0.0, 0.0))
     offset = signals.table.values(form.offset)
     along = offset / math.hypot(*offset.tolist())
     form_of_load = OnsetForm(onset.change, along, onset.window, onset.pace, tip, setting.period)

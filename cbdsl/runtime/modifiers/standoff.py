@@ -29,7 +29,7 @@ def bind(form: SlotForm, standoff: Standoff, setting: SlotSetting) -> SlotForm:
     """The slot of a controller whose feedback is the control point."""
     source = setting.controller.feedback.source
     assert isinstance(source, Tip)
-    row = setting.signals.bind_tip(source, form.reference, standoff)
+    row = setting.signals.kinematic_rows.tip_off(source, form.reference, standoff)
     return form._replace(feedback=row)
 
 

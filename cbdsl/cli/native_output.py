@@ -1,4 +1,4 @@
-"""Standard output that C code is kept out of."""
+"""Output of C code, kept out of the standard output that belongs to ``print``."""
 
 from __future__ import annotations
 

@@ -7,7 +7,7 @@ import sys
 
 SCRIPT = """
 import ctypes, sys
-from cbdsl.cli.quiet import shown_on_failure
+from cbdsl.cli.native_output import shown_on_failure
 
 with shown_on_failure():
     ctypes.CDLL(None).puts(b"noise")

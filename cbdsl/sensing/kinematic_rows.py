@@ -1,0 +1,138 @@
+"""Rows of what the joint positions alone tell: configurations, tips, and what is made of those."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from cbdsl.documents.robot import RobotDocument
+from cbdsl.program.controller import Standoff
+from cbdsl.sensing.kinematics import Kinematics
+from cbdsl.sensing.reading import Reading
+from cbdsl.sensing.refresh import CONFIGURATION, MANIPULATOR, MIXTURE, TIP
+from cbdsl.sensing.signal_rows import SignalRows
+from cbdsl.sensing.table import Form, RowPart
+from cbdsl.sensing.tips import Tips
+from cbdsl.types.resource import Centroid, EffectorConfiguration, Posture, Separation, Tip
+
+
+class KinematicRows:
+    """Binds rows that are compiled from the robot's kinematics.
+
+    Args:
+        robot, kinematics, tips: of the same robot.
+        rows: that are bound.
+    """
+
+    def __init__(
+        self, robot: RobotDocument, kinematics: Kinematics, tips: Tips, rows: SignalRows
+    ) -> None:
+        self._robot, self._kinematics, self._tips, self._rows = robot, kinematics, tips, rows
+
+    def joints(self, effector: str) -> int:
+        """The row of an effector's joint positions, rad."""
+        return self.configuration(EffectorConfiguration(effector))
+
+    def links(self, links: Sequence[str]) -> int:
+        """The row of the mean position of some links' frames, m, world frame."""
+        return self._rows.bound(("links", *links), lambda: self._bind_links(links))
+
+    def tip_off(
+        self, source: Tip, facing: int, standoff: tuple[float, float, float] | Standoff
+    ) -> int:
+        """The row of a tip whose control point stands off along its z axis.
+
+        Args:
+            source: an effector's tip.
+            facing: number of the row whose radius it stands off from.
+            standoff: clearance beyond that radius, and the least and most distance, m.
+        """
+        key = "tip", source, facing, standoff
+        return self._rows.bound(key, lambda: self._bind_point(source, facing, standoff))
+
+    def manipulator(self, effector: str, part: str, joints: Sequence[str]) -> int:
+        """The row of the Jacobian of an effector's tip, or of all of a group's, by some joints.
+
+        Its own Jacobian is the curvature (Eq 3.5).
+
+        Args:
+            part: ``position`` for three rows a tip, ``pose`` for six.
+            joints: whose columns it has, n of them.
+        """
+        columns = self._kinematics.joints.pick(joints).tolist()
+        tips = [self._tips.part(member) for member in self._robot.members(effector)]
+        size = len(tips) * (3 if part == "position" else 6) * len(columns)
+        form = Form(MANIPULATOR, size, size, tips, columns, angular=part != "position")
+        key = "manipulator", effector, part, *joints
+        return self._rows.bound(key, lambda: self._rows.bind(form))
+
+    def configuration(self, source: EffectorConfiguration) -> int:
+        """The row of an effector's joint positions, rad."""
+        key = EffectorConfiguration, source
+        return self._rows.bound(key, lambda: self._bind_configuration(source))
+
+    def posture(self, source: Posture) -> int:
+        """A row of the joint positions of a declared posture, rad."""
+        angles = [
+            angle
+            for member in self._robot.members(source.effector)
+            for angle in self._robot.effectors[member].postures[source.posture]
+        ]
+        number = self._rows.bind_written(len(angles))
+        self._rows.table.write(number, Reading(np.array(angles), None, 0))
+        return number
+
+    def tip(self, source: Tip) -> int:
+        """The row of an effector's tip, or of those of a group one behind the other."""
+        return self._rows.bound((Tip, source), lambda: self._bind_tip(source))
+
+    def centroid(self, source: Centroid) -> int:
+        """A row of the mean position of a group's tips, m, world frame."""
+        members = self._robot.members(source.group)
+        return self._bind_mixture(members, [1.0 / len(members)] * len(members), 0)
+
+    def separation(self, source: Separation) -> int:
+        """A row of the way from a group's first tip to its second, m, world frame."""
+        return self._bind_mixture(self._robot.members(source.group), [-1.0, 1.0], 0)
+
+    def _bind_links(self, links: Sequence[str]) -> int:
+        if len(links) > 1:
+            rows = [self.links([link]) for link in links]
+            parts = [RowPart(source=row, weight=1.0 / len(rows)) for row in rows]
+            return self._rows.bind(Form(MIXTURE, 3, 3, parts), rows)
+        link = self._kinematics.link(links[0])
+        part = RowPart(link.frame, link.position, link.rotation.ravel(), link.support)
+        return self._rows.bind(Form(TIP, 3, 3, (part,)))
+
+    def _bind_configuration(self, source: EffectorConfiguration) -> int:
+        columns = self._kinematics.joints.of(source.effector).tolist()
+        number = self._rows.bind(Form(CONFIGURATION, len(columns), len(columns), (), columns))
+        self._rows.table.rows(number)[np.arange(len(columns)), columns] = 1.0
+        return number
+
+    def _bind_tip(self, source: Tip) -> int:
+        members = self._robot.members(source.effector)
+        if members == (source.effector,):
+            return self._bind_point(source, -1, (0.0, 0.0, 0.0))
+        return self._bind_mixture(members, [1.0] * len(members), 3)
+
+    def _bind_point(
+        self, source: Tip, facing: int, standoff: tuple[float, float, float] | Standoff
+    ) -> int:
+        linear, angular = source.part != "orientation", source.part != "position"
+        form = Form(
+            TIP, 3 * linear + 9 * angular, 3 * linear + 3 * angular,
+            (self._tips.part(source.effector),), (), linear, angular, facing, standoff,
+        )  # fmt: skip
+        return self._rows.bind(form, () if facing < 0 else (facing,))
+
+    def _bind_mixture(self, members: Sequence[str], weights: Sequence[float], shift: int) -> int:
+        """A row of weighted positions of tips, each ``shift`` components behind the one before."""
+        tips = [self.tip(Tip(member, "position")) for member in members]
+        parts = [
+            RowPart(source=tip, weight=weight, shift=shift * place)
+            for place, (tip, weight) in enumerate(zip(tips, weights, strict=True))
+        ]
+        size = 3 + shift * (len(members) - 1)
+        return self._rows.bind(Form(MIXTURE, size, size, parts), tips)
