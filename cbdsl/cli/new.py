@@ -87,17 +87,9 @@ def new_robot(
     if proposal.left_out:
         counts = proposal.left_out
         remarks.append(f"left out what programs cannot move: {counts}; its comments say more")
-    remarks += [*_untouchable(source.model), *proposal.remarks]
+    remarks += proposal.remarks
     template = _Template(RobotDocument, "robot", name, to)
     template.write(proposal.values, force, source.files, remarks)
-
-
-def _untouchable(model: UrdfModel) -> list[str]:
-    """A sentence about links that go through everything."""
-    from cbdsl.errors.counting import some
-
-    names = model.shapeless
-    return [f"links without <collision> touch nothing: {some(names)}"] if names else []
 
 
 def _semantics(reader: ModelReader, srdf: Path, model: UrdfModel) -> SemanticGroups:
@@ -233,7 +225,8 @@ class _Template:
             print(f"wrote {path}", flush=True)
         for remark in remarks:
             print_problem(remark)
-        raise typer.Exit(check_paths([str(file)], {}))
+        # What is assumed of the robot was told when that was written.
+        raise typer.Exit(check_paths([str(file)], {}, notes_elsewhere=False))
 
 
 def _require_name(name: str) -> None:

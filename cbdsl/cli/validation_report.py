@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Collection
 from typing import NamedTuple
 
 from cbdsl.errors.diagnostic import Diagnostic, Severity
@@ -37,6 +37,15 @@ class ValidationReport(NamedTuple):
     def notes(self) -> int:
         """How many findings tell what is assumed, and ask for nothing."""
         return self._count(Severity.NOTE)
+
+    def without_notes_elsewhere(self, files: Collection[str]) -> ValidationReport:
+        """The same without the notes on other files than these."""
+        kept = (
+            finding
+            for finding in self.findings
+            if finding.severity is not Severity.NOTE or finding.place.file in files
+        )
+        return self._replace(findings=tuple(kept))
 
     def _count(self, severity: Severity) -> int:
         return sum(diagnostic.severity is severity for diagnostic in self.findings)
