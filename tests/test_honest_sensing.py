@@ -24,7 +24,7 @@ from cbdsl.sensing.kinematics import Kinematics
 from cbdsl.sensing.observation import Observation
 from tests.conftest import Checked
 
-SENSORS = {"time", "positions", "velocities", "loads", "images", "regions", "efforts"}
+SENSORS = {"time", "positions", "velocities", "loads", "images", "regions", "efforts", "exposed"}
 
 
 class Only:

@@ -136,9 +136,10 @@ class SyntheticBackend:
                 angle = self._positions[self._joints.index[cell.joint]]
                 excess = max(angle - self.world.contact_angle, 0.0)
                 normal = self._kinematics.frame(cell.link).rotation @ np.array(cell.normal)
-                loads[hand, finger] = np.r_[
-                    self._robot.control.stiffness * excess * normal, np.zeros(3)
-                ]
+                body = self._kinematics.inertial(cell.link)
+                weight = np.array([0.0, 0.0, 9.81 * body.mass if body else 0.0])
+                force = self._robot.control.stiffness * excess * normal + weight
+                loads[hand, finger] = np.r_[force, np.zeros(3)]
         return loads
 
     def _paint(self, name: str) -> Image:

@@ -69,7 +69,10 @@ def episode(
     runner = Runner(dexter, kinematics, schema, backend, policy)
     for seed in range(SEED, SEED + 10):
         transitions: list[Transition] = []
-        if runner.run(stage("table_right"), seed, on_transition=transitions.append).rewarded:
+        result = runner.run(
+            stage("table_right"), seed, "out_of_view", on_transition=transitions.append
+        )
+        if result.rewarded:
             break
     backend.close()
     return transitions

@@ -171,7 +171,8 @@ def test_what_a_hand_closes_on_is_forgotten_unless_it_is_felt(
     look(backend, signals)
     assert position(signals, "hue_1") == pytest.approx(middle, abs=0.01)
     backend.world.ball = None
-    backend.world.broken["right_hand", "finger_1"] = np.array([0.0, 0, force, 0, 0, 0])
+    weight = 9.81 * 0.02  # of the fingertip
+    backend.world.broken["right_hand", "finger_1"] = np.array([0.0, 0, force + weight, 0, 0, 0])
     look(backend, signals)
     assert (position(signals, "hue_1") is not None) == is_there
 
