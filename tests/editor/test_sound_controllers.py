@@ -18,7 +18,7 @@ WORDS = {
     "right_arm": ("left_arm", "right_hand", "$arm"),
     "8 /s": ("8 m", "0 /s", "9 /s"),
     "robot: dexter": ("robot: panda", "robot: dextre", "robot: dexter "),
-    "controllers:": ("controllers: {}", "controler:", "controllers:\n  more: {potential: spring}"),
+    "controllers:": ("controllers: {}", "controls:", "controllers:\n  more: {potential: spring}"),
 }
 
 
