@@ -1,16 +1,17 @@
 """Latency of the language server's check: from a changed text to its findings, a keystroke each.
 
 A program of 500 lines is typed into, letter by letter, with what is wrong in between. Prints JSON:
-the median and the 95th percentile in milliseconds of processor time, the memory of the process in
-MB, and what it takes to colour and to format the program, in milliseconds. Exit 1 where the 95th
-percentile is above 50 ms.
+the median and the 95th percentile in milliseconds of processor time, the latter of wall time, too,
+the memory of the process in MB, and what it takes to colour and to format the program, in
+milliseconds. Exit 1 where the 95th percentile of processor time is above 50 ms.
 
-    python benchmarks/editor_latency.py [--keystrokes 200]
+    python benchmarks/editor_latency.py [--keystrokes 200] [--controllers 100]
 """
 
 from __future__ import annotations
 
 import argparse
+import gc
 import json
 import resource
 import sys
@@ -46,26 +47,30 @@ def program(controllers: int) -> str:
 def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
     parser.add_argument("--keystrokes", type=int, default=200)
+    parser.add_argument("--controllers", type=int, default=100, help="of five lines each")
     options = parser.parse_args()
-    path, text = shipped() / "programs" / "long.yaml", program(100)
-    buffers, times = Buffers(Path.cwd()), []
+    path, text = shipped() / "programs" / "long.yaml", program(options.controllers)
+    gc.set_threshold(100_000)  # as cb does
+    buffers, times, walls = Buffers(Path.cwd()), [], []
     buffers.change(path, text)
     buffers.findings(path)
-    place = text.index("  c50:")
+    place = text.index(f"  c{options.controllers // 2}:")
     for stroke in range(options.keystrokes):
         typed = TYPED[: 1 + stroke % len(TYPED)]
         changed = text[:place] + typed + text[place:]
         # Processor time: what else the machine does is not the server's.
-        began = time.process_time()
+        began, started = time.process_time(), time.perf_counter()
         buffers.change(path, changed)
         buffers.findings(path)
         times.append(1000 * (time.process_time() - began))
+        walls.append(1000 * (time.perf_counter() - started))
     worst = float(np.percentile(times, 95))
     memory = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
     colored = _milliseconds(lambda: list(colored_words(buffers, path)))
     laid_out = _milliseconds(lambda: formatted(text))
     lines = text.count("\n")
     figures = {"lines": lines, "median": float(np.median(times)), "p95": worst, "memory": memory}
+    figures |= {"wall_p95": float(np.percentile(walls, 95))}
     figures |= {"colours": colored, "format": laid_out}
     print(json.dumps({key: round(value, 1) for key, value in figures.items()}))
     return int(worst > TARGET)

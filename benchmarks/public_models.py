@@ -148,7 +148,7 @@ def proposed(urdf: Path) -> RobotDocument:
 
     with TemporaryDirectory() as place, redirect_stdout(StringIO()) as said:
         try:
-            new_robot("public", urdf, Path(place))
+            new_robot("public", urdf, to=Path(place))
         except typer.Exit as end:
             if end.exit_code == 1:
                 first = next((line for line in said.getvalue().splitlines() if "error" in line), "")

@@ -349,7 +349,7 @@ def _findings() -> str:
 
 
 def _finding(entry: Entry) -> str:
-    kind = "" if entry.severity.value == "error" else " (warning)"
+    kind = "" if entry.severity.value == "error" else f" ({entry.severity.value})"
     return f"[{entry.code}](diagnostics.md#{anchor(f'{entry.code}: {entry.title}{kind}')})"
 
 

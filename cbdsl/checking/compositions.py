@@ -6,6 +6,7 @@ from collections.abc import Iterator, Mapping
 
 from cbdsl.checking.context import ProgramContext, Steps
 from cbdsl.checking.controller.triple import check_triple
+from cbdsl.checking.lookup.scope import Scope
 from cbdsl.documents import program as written
 from cbdsl.errors.counting import count
 from cbdsl.errors.diagnostic import Place
@@ -135,10 +136,28 @@ class Compositions:
         places: Mapping[str, Place],
     ) -> tuple[Controller, ...] | None:
         if name not in self._built:
-            scope = self._context.scope.inside(arguments, places)
-            controller = check_triple(self._context, key, name, document, scope)
+            controller = None if arguments else self._recalled(name, document)
+            if controller is None:
+                scope = self._context.scope.inside(arguments, places)
+                controller = self._checked(key, name, document, scope)
             self._built[name] = None if controller is None else (controller,)
         return self._built[name]
+
+    def _recalled(self, name: str, document: written.ControllerSection) -> Controller | None:
+        """A controller that was sound when the program was checked before."""
+        context = self._context
+        return context.sound.recall(name, document, context.body) if context.has_body else None
+
+    def _checked(
+        self, key: str, name: str, document: written.ControllerSection, scope: Scope
+    ) -> Controller | None:
+        context = self._context
+        before = context.findings.added
+        controller = check_triple(context, key, name, document, scope)
+        is_clean = context.findings.added == before and not context.loaded.faults
+        if controller is not None and is_clean and key == name:
+            context.sound.remember(name, document, context.body, controller)
+        return controller
 
     def _composite(
         self, key: str, text: str, stack: tuple[str, ...]

@@ -10,6 +10,7 @@ from cbdsl.checking.lookup.parsing import parse_at
 from cbdsl.checking.lookup.resources import MissingResources
 from cbdsl.checking.lookup.scope import Scope
 from cbdsl.checking.robot.checked_robot import CheckedRobot
+from cbdsl.checking.sound_controllers import SoundControllers
 from cbdsl.documents.program import ProgramDocument
 from cbdsl.errors.diagnostic import Place
 from cbdsl.language.expression import Expression, Span
@@ -36,6 +37,7 @@ class ProgramContext:
         scope: values of its parameters.
         findings: where findings go.
         is_unknown: whether a name is that of a resource that nobody can know.
+        sound: controllers that were sound when it was checked before.
 
     Attributes:
         loaded: the program's document.
@@ -46,6 +48,7 @@ class ProgramContext:
         controllers: the program's controllers and compositions.
         programs: the programs that it uses.
         used: names of controllers and programs that something refers to.
+        sound: see above.
     """
 
     def __init__(
@@ -55,6 +58,7 @@ class ProgramContext:
         scope: Scope,
         findings: Findings,
         is_unknown: Callable[[str], bool],
+        sound: SoundControllers,
     ) -> None:
         self.loaded = loaded
         self.has_body = body is not None
@@ -67,6 +71,7 @@ class ProgramContext:
         robot, known = loaded.document.robot, {} if body is None else body.resources
         self._missing = MissingResources(robot, known, loaded.source, findings)
         self._is_unknown = is_unknown
+        self.sound = sound
 
     @property
     def body(self) -> CheckedRobot:

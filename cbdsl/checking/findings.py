@@ -23,10 +23,15 @@ _MOST_PLACES = 6
 
 
 class Findings:
-    """All findings so far, each once, in the order of discovery."""
+    """All findings so far, each once, in the order of discovery.
+
+    Attributes:
+        added: how many times one was added, the same ones again, too.
+    """
 
     def __init__(self) -> None:
         self._diagnostics: dict[Diagnostic, None] = {}
+        self.added = 0
 
     def add(self, code: str | Entry, place: Place, **details: Any) -> None:
         """Add a finding in the catalogue's words; see ``diagnostic``."""
@@ -34,7 +39,9 @@ class Findings:
 
     def extend(self, diagnostics: Iterable[Diagnostic]) -> None:
         """Add findings made elsewhere."""
-        self._diagnostics.update(dict.fromkeys(diagnostics))
+        new = list(diagnostics)
+        self._diagnostics.update(dict.fromkeys(new))
+        self.added += len(new)
 
     @property
     def failed(self) -> bool:

@@ -134,7 +134,12 @@ class _ProgramCheck:
         self._used, programs = used, used.check()
         body = dependencies.body()
         context = self._context = ProgramContext(
-            loaded, body, self._scope, findings, dependencies.is_unknown
+            loaded,
+            body,
+            self._scope,
+            findings,
+            dependencies.is_unknown,
+            session.sound(loaded.path),
         )
         self._compositions = Compositions(context)
         self._actions = Actions(context, self._compositions, programs)

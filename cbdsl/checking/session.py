@@ -10,6 +10,7 @@ from cbdsl.checking.findings import Findings
 from cbdsl.checking.lookup.uses import Uses
 from cbdsl.checking.robot.checked_robot import CheckedRobot
 from cbdsl.checking.robot.robot import examine_robot
+from cbdsl.checking.sound_controllers import SoundControllers
 from cbdsl.documents.document import Document
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.errors.errors import DiagnosticsError
@@ -40,6 +41,7 @@ class Session:
         self.uses = Uses(self.library)
         self._bodies: dict[Path, tuple[CheckedRobot | None, Findings]] = {}
         self._programs: dict[_Key, tuple[CheckedProgram | None, Findings]] = {}
+        self._sound: dict[Path, SoundControllers] = {}
 
     def read(self, path: Path | None, kind: type[D], findings: Findings) -> Loaded[D] | None:
         """A file's document, or ``None`` without one or where it has faults, which are added."""
@@ -75,6 +77,10 @@ class Session:
         findings.extend(loaded.faults)
         body = examine_robot(loaded, findings)
         return None if loaded.faults else body
+
+    def sound(self, path: Path) -> SoundControllers:
+        """Controllers of a program's file that were sound whenever it was checked."""
+        return self._sound.setdefault(self.library.real(path), SoundControllers())
 
     def replace(self, path: Path, data: bytes) -> bool:
         """Have other bytes stand in for those of a file.

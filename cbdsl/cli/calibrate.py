@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from cbdsl.cli.options import BodyNumber, Cameras, Seed, With
+from cbdsl.cli.simulation import BackendName
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -35,7 +36,6 @@ Stage = Annotated[
     str | None,
     typer.Option("--stage", help="Where the ball is handed over [the program's own]."),
 ]
-BackendName = Annotated[str, typer.Option("--backend", help="What embodies the robot.")]
 Json = Annotated[bool, typer.Option("--json", help="Print one JSON object.")]
 
 

@@ -34,7 +34,7 @@ def page(entries: Iterable[Entry]) -> str:
 
 
 def _section(entry: Entry) -> str:
-    kind = "" if entry.severity.value == "error" else " (warning)"
+    kind = "" if entry.severity.value == "error" else f" ({entry.severity.value})"
     example = "\n".join(_difference(entry))
     block = f"\n```diff\n{example}\n```\n" if example else ""
     return (

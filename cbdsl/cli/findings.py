@@ -35,6 +35,8 @@ def check_paths(
     form: str = "text",
     strict: bool = False,
     stdin_name: str = STANDARD_INPUT_NAME,
+    *,
+    notes_elsewhere: bool = True,
 ) -> int:
     """Check documents and folders of documents, and print what was found.
 
@@ -44,6 +46,7 @@ def check_paths(
         form: a key of ``FORMATS``.
         strict: whether a warning counts as an error.
         stdin_name: the file that the standard input stands for.
+        notes_elsewhere: whether notes on other files than these are told, too.
 
     Returns:
         The exit code: 0 without errors, 1 with errors.
@@ -53,6 +56,8 @@ def check_paths(
     """
     write = _writer(form)
     report = _examine(paths, values, Path(stdin_name))
+    if not notes_elsewhere:
+        report = report.without_notes_elsewhere(set(paths))
     written = write(report)
     if written:
         print(written)

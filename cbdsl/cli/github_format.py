@@ -5,8 +5,9 @@ from __future__ import annotations
 from pathlib import Path
 
 from cbdsl.cli.validation_report import ValidationReport
-from cbdsl.errors.diagnostic import Diagnostic
+from cbdsl.errors.diagnostic import Diagnostic, Severity
 
+_COMMANDS = {Severity.ERROR: "error", Severity.WARNING: "warning", Severity.NOTE: "notice"}
 # What a workflow command may not hold as it is; the sign of the escapes comes first.
 _IN_MESSAGES = {"%": "%25", "\r": "%0D", "\n": "%0A"}
 _IN_PROPERTIES = {**_IN_MESSAGES, ":": "%3A", ",": "%2C"}
@@ -31,7 +32,8 @@ def _annotation(diagnostic: Diagnostic) -> str:
         f"{key}={_escaped(str(value), _IN_PROPERTIES)}" for key, value in properties.items()
     )
     return (
-        f"::{diagnostic.severity.value} {written}::{_escaped(_message(diagnostic), _IN_MESSAGES)}"
+        f"::{_COMMANDS[diagnostic.severity]} {written}"
+        f"::{_escaped(_message(diagnostic), _IN_MESSAGES)}"
     )
 
 

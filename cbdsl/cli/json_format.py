@@ -19,6 +19,7 @@ def json_report(report: ValidationReport) -> str:
         "documents": report.documents,
         "errors": report.errors,
         "warnings": report.warnings,
+        "notes": report.notes,
         "left_out": report.left_out,
         "findings": [_finding(diagnostic) for diagnostic in report.findings],
     }

@@ -8,6 +8,8 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from cbdsl.cli.show_format import PLAIN, Format, Json, PlainFormat, read_format
+
 if TYPE_CHECKING:
     from cbdsl.documents.document import Document
     from cbdsl.yaml_text.library import Library
@@ -15,25 +17,24 @@ if TYPE_CHECKING:
 Kind = Annotated[
     str | None, typer.Argument(metavar="[KIND]", help="Only robots, programs, stages and so on.")
 ]
-Json = Annotated[bool, typer.Option("--json", help="Print JSON instead of a table.")]
 
 # Of a description; the rest is in the document.
 _LONGEST = 76
 
 
-def list(kind: Kind = None, as_json: Json = False) -> None:
+def list(kind: Kind = None, format_: PlainFormat = "text", as_json: Json = False) -> None:
     """List the documents that commands find by name from here, and where they are."""
     from cbdsl.cli.plugins import warn_of_faults
     from cbdsl.cli.terminal import print_json, print_table
     from cbdsl.documents.kinds import KINDS, models
     from cbdsl.yaml_text.library import Library
 
-    known = models()
+    form, known = read_format(format_, as_json, PLAIN), models()
     warn_of_faults(KINDS)
     chosen = known if kind is None else {name: known[name] for name in [_kind(kind, known)]}
     library = Library()
     rows = [row for name, model in chosen.items() for row in _rows(name, model, library)]
-    if as_json:
+    if form is Format.JSON:
         print_json(rows)
     elif rows:
         print_table("Documents", rows)

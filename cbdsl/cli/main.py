@@ -10,7 +10,7 @@ from collections.abc import Iterable
 from importlib import import_module
 from typing import TYPE_CHECKING
 
-from cbdsl.cli.words import require_words
+from cbdsl.cli.words import asks_for_backends, require_words
 
 if TYPE_CHECKING:
     import typer
@@ -52,12 +52,14 @@ def main() -> None:
     words = sys.argv[1:]
     try:
         require_words(words)
+        if asks_for_backends(words):
+            words = ["show", "backends"]
         if _plain_validation(words):
             from cbdsl.cli.findings import check_paths
 
             sys.exit(check_paths(words[1:], {}))
         # To put only the command together that is asked for saves a twentieth of its time, too.
-        build_app(words[:1] if words[:1] and words[0] in COMMANDS else COMMANDS)()
+        build_app(words[:1] if words[:1] and words[0] in COMMANDS else COMMANDS)(words)
     except KeyboardInterrupt:
         sys.exit(130)
     except BrokenPipeError:

@@ -87,24 +87,9 @@ def new_robot(
     if proposal.left_out:
         counts = proposal.left_out
         remarks.append(f"left out what programs cannot move: {counts}; its comments say more")
-    remarks += _untouchable(source.model)
+    remarks += proposal.remarks
     template = _Template(RobotDocument, "robot", name, to)
     template.write(proposal.values, force, source.files, remarks)
-
-
-def _untouchable(model: UrdfModel) -> list[str]:
-    """A sentence about links that are to be seen, and go through everything."""
-    from cbdsl.robot.urdf import UrdfError
-
-    try:
-        bodies = model.bodies
-    except UrdfError:
-        return []  # which is a finding of the document
-    names = [name for name, body in bodies.items() if body.visuals and not body.collisions]
-    if not names:
-        return []
-    others = f" and {len(names) - 3} more" if len(names) > 3 else ""
-    return [f"links without <collision> touch nothing: {', '.join(names[:3])}{others}"]
 
 
 def _semantics(reader: ModelReader, srdf: Path, model: UrdfModel) -> SemanticGroups:
@@ -240,7 +225,8 @@ class _Template:
             print(f"wrote {path}", flush=True)
         for remark in remarks:
             print_problem(remark)
-        raise typer.Exit(check_paths([str(file)], {}))
+        # What is assumed of the robot was told when that was written.
+        raise typer.Exit(check_paths([str(file)], {}, notes_elsewhere=False))
 
 
 def _require_name(name: str) -> None:

@@ -6,12 +6,13 @@ import json
 import math
 import os
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from textwrap import TextWrapper
 from typing import NamedTuple
 
-from cbdsl.errors.counting import count
+from cbdsl.cli.start_contacts import Postures, StartContacts, start_contacts
+from cbdsl.errors.counting import count, some
 from cbdsl.errors.errors import UsageError
 from cbdsl.robot.chains import chains, root
 from cbdsl.robot.ready_posture import ReadyPosture, at_first
@@ -51,10 +52,12 @@ class Proposal(NamedTuple):
     Attributes:
         values: the parts of the document, as text for its template.
         left_out: how many joints of the model it leaves out, by what they are; or nothing.
+        remarks: sentences on links that touch each other where the robot starts.
     """
 
     values: dict[str, str]
     left_out: str
+    remarks: tuple[str, ...] = ()
 
 
 def propose(model: UrdfModel, folder: Path, semantics: SemanticGroups | None = None) -> Proposal:
@@ -75,19 +78,28 @@ def propose(model: UrdfModel, folder: Path, semantics: SemanticGroups | None = N
     joints = sum(len(effector.joints) for effector in effectors.values())
     description = f"A robot with {count(joints, 'joint')} that programs can move."
     idle = _left_out(model, effectors)
+    tips = {name: _offset(model, effector) for name, effector in effectors.items()}
+    postures = {
+        name: dict(each.postures) or _proposed(model, each, tips[name])
+        for name, each in effectors.items()
+    }
+    contacts = start_contacts(model, effectors, postures)
     values = {
         "description": _scalar(description),
         "model": _scalar(Path(os.path.relpath(model.path, folder)).as_posix()),
         "base": _scalar(root(model)),
-        "effectors": "\n".join(_effector(model, *item) for item in effectors.items()),
+        "effectors": "\n".join(
+            _effector(name, each, tips[name], contacts.postures[name])
+            for name, each in effectors.items()
+        ),
         "groups": _groups(_alike(effectors) if semantics is None else semantics.groups),
         "couplings": _couplings(model, effectors),
-        "simulation": _simulation(() if semantics is None else semantics.separated),
+        "simulation": _simulation(() if semantics is None else semantics.separated, contacts),
         "left_out": _comment(idle),
         "limit_margin": f"{_margin(effectors):.2g} rad",
     }
     counts = [f"{len(joints)} {_word(why)}" for why, joints in idle.items()]
-    return Proposal(values, ", ".join(counts))
+    return Proposal(values, ", ".join(counts), tuple(_remarks(contacts)))
 
 
 def _rows(model: UrdfModel) -> dict[str, SemanticGroup]:
@@ -98,13 +110,16 @@ def _rows(model: UrdfModel) -> dict[str, SemanticGroup]:
 _TIP = "  # The frame that has a position and an orientation; its offset is in the link's frame."
 
 
-def _effector(model: UrdfModel, name: str, effector: SemanticGroup) -> str:
-    offset: Numbers = (0.0, 0.0, 0.0)
-    if effector.tip is not None:
-        offset = tip_offset(model, effector.joints[-1], effector.tip)
+def _offset(model: UrdfModel, effector: SemanticGroup) -> Numbers:
+    """Place of an effector's tip in the tip's link, m."""
+    if effector.tip is None:
+        return (0.0, 0.0, 0.0)
+    return tip_offset(model, effector.joints[-1], effector.tip)
+
+
+def _effector(name: str, effector: SemanticGroup, offset: Numbers, postures: Postures) -> str:
     lengths = ", ".join(f"{each:g} m" for each in offset)
     tip = f"  tip: {{link: {_scalar(effector.tip or '')}, offset: [{lengths}]}}"
-    postures = effector.postures or _proposed(model, effector, offset)
     lines = [
         f"{name}:",
         *(f"  # {joint.name}: {_limits(joint)}" for joint in effector.joints),
@@ -116,9 +131,7 @@ def _effector(model: UrdfModel, name: str, effector: SemanticGroup) -> str:
     return "\n".join(f"  {line}" for line in lines)
 
 
-def _proposed(
-    model: UrdfModel, effector: SemanticGroup, offset: Numbers
-) -> dict[str, tuple[float, ...]]:
+def _proposed(model: UrdfModel, effector: SemanticGroup, offset: Numbers) -> Postures:
     """A posture to start from, from which the tip can go every way, and another to go to.
 
     That is the model's own, where the limb is clear of itself and the ground there, or beside it.
@@ -193,12 +206,37 @@ def _groups(groups: Mapping[str, Sequence[str]]) -> str:
     )
 
 
-def _simulation(separated: Sequence[tuple[str, str]]) -> str:
+def _simulation(separated: Sequence[tuple[str, str]], contacts: StartContacts) -> str:
     """Lines of links whose contacts are ignored."""
-    if not separated:
+    known = {frozenset(pair) for pair in separated}
+    sections = {
+        "as the SRDF says": separated,
+        "in every posture that was tried": contacts.always,
+        "where it starts": contacts.there,
+    }
+    lines = []
+    for where, pairs in sections.items():
+        if pairs is not separated:
+            pairs = [pair for pair in pairs if frozenset(pair) not in known]
+        if pairs:
+            lines += [f"    # {where}\n"]
+            lines += [f"    - [{_scalar(one)}, {_scalar(other)}]\n" for one, other in pairs]
+    if not lines:
         return ""
-    pairs = "".join(f"    - [{_scalar(one)}, {_scalar(other)}]\n" for one, other in separated)
-    return f"\nsimulation:\n  # Links whose mutual contacts are ignored.\n  no_contact:\n{pairs}"
+    head = "\nsimulation:\n  # Links whose mutual contacts are ignored, since they touch\n"
+    return "".join((head, "  no_contact:\n", *lines))
+
+
+def _remarks(contacts: StartContacts) -> Iterator[str]:
+    """Sentences on links that touch each other."""
+    if contacts.unknown:
+        yield f"links that touch each other were not looked for; {contacts.unknown}"
+    if contacts.there:
+        pairs = [f"{one} and {other}" for one, other in contacts.there]
+        yield (
+            f"links that touch each other where it starts, but not everywhere: {some(pairs)}; "
+            "their contacts are ignored, so a better posture to start from deserves a thought"
+        )
 
 
 def _limits(joint: UrdfJoint) -> str:

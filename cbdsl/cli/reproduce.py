@@ -170,7 +170,7 @@ def _kept(folder: Path | None) -> Iterator[Path]:
     from cbdsl.cli.terminal import print_problem
     from cbdsl.errors.errors import UsageError
     from cbdsl.errors.reason import reason
-    from cbdsl.runtime.line_journal import JournalError
+    from cbdsl.runtime.line_journal import DamagedJournalError, JournalError
 
     if folder is None:
         with TemporaryDirectory() as passing:
@@ -180,14 +180,33 @@ def _kept(folder: Path | None) -> Iterator[Path]:
         folder.mkdir(parents=True, exist_ok=True)
     except OSError as error:
         raise UsageError(f"--keep {folder}: {reason(error)}") from error
+    _require_sound(folder)
     try:
         yield folder
+    except DamagedJournalError:
+        raise
     except JournalError as error:
         raise UsageError(f"--keep {folder} holds other trials: {error}") from error
     except KeyboardInterrupt:
         kept = f"{folder} holds the episodes that are over; the same command goes on with them"
         print_problem(f"interrupted; {kept}")
         raise
+
+
+def _require_sound(folder: Path) -> None:
+    """Tell of damaged lines in what is kept.
+
+    Raises:
+        UsageError: one cannot be passed over.
+    """
+    from cbdsl.cli.kept_files import damaged_lines
+    from cbdsl.cli.terminal import print_problem
+    from cbdsl.errors.errors import UsageError
+
+    for line in damaged_lines(folder):
+        if not line.passed:
+            raise UsageError(line.format_message())
+        print_problem(f"warning: {line.format_message()}")
 
 
 def _list(as_json: bool) -> None:

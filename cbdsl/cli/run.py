@@ -132,6 +132,7 @@ def run(
     from cbdsl.cli.assignments import read_assignments
     from cbdsl.cli.live import live_options, live_page
     from cbdsl.cli.native_output import shown_on_failure
+    from cbdsl.cli.notes import notes
     from cbdsl.cli.recorder import Recorder
     from cbdsl.cli.simulation import simulation
     from cbdsl.cli.termination import termination_interrupts
@@ -164,6 +165,7 @@ def run(
         telling = Telling(recorder, explain, as_json, within.enter_context(page))
         if not as_json:
             print(_introduction(request, embodied))
+            print(*(f"note: {note}\n" for note in notes(request)), sep="", end="")
         results = _run_all(runner, request, seeds, context, telling)
     _conclude(request, results)
 

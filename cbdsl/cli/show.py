@@ -6,9 +6,9 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from cbdsl.cli.options import Json
 from cbdsl.cli.show_allocations import show_allocations
 from cbdsl.cli.show_catalog import show_catalog
+from cbdsl.cli.show_format import PLAIN, Format, Json, PlainFormat, read_format
 from cbdsl.cli.show_mesh import show_mesh
 from cbdsl.cli.show_meta_catalog import show_meta_catalog
 from cbdsl.cli.show_plugins import (
@@ -37,12 +37,13 @@ Robot = Annotated[str, typer.Option("--robot", help="Name or file of a robot doc
 
 
 @show.command("types")
-def show_types(as_json: Json = False) -> None:
+def show_types(format_: PlainFormat = "text", as_json: Json = False) -> None:
     """The types of resources (Table 3.1) and the casts between them."""
     from cbdsl.cli.terminal import print_json, print_table
     from cbdsl.types.casts import CASTS
     from cbdsl.types.resource_type import TYPES
 
+    form = read_format(format_, as_json, PLAIN)
     types = [
         {"type": t.name, "space": t.space, "components": t.dimension or "n", "unit": t.unit}
         for t in TYPES.values()
@@ -57,7 +58,7 @@ def show_types(as_json: Json = False) -> None:
         }
         for cast in CASTS
     ]
-    if as_json:
+    if form is Format.JSON:
         print_json({"types": types, "casts": casts})
     else:
         print_table("Types", types)
@@ -65,15 +66,15 @@ def show_types(as_json: Json = False) -> None:
 
 
 @show.command("potentials")
-def show_potentials(as_json: Json = False) -> None:
+def show_potentials(format_: PlainFormat = "text", as_json: Json = False) -> None:
     """The artificial potentials, and how good a guide each is."""
     from cbdsl.cli.plugins import warn_of_faults
     from cbdsl.cli.terminal import print_json, print_table
     from cbdsl.types.potential import POTENTIALS
 
+    form = read_format(format_, as_json, PLAIN)
     warn_of_faults(POTENTIALS.registry)
-
-    if as_json:
+    if form is Format.JSON:
         print_json([_potential(potential) for potential in POTENTIALS.values()])
         return
     print_table("Potentials", [_signature(potential) for potential in POTENTIALS.values()])
@@ -84,14 +85,16 @@ def show_potentials(as_json: Json = False) -> None:
 
 
 @show.command("resources")
-def show_resources(robot: Robot = "dexter", as_json: Json = False) -> None:
+def show_resources(
+    robot: Robot = "dexter", format_: PlainFormat = "text", as_json: Json = False
+) -> None:
     """List the resources that programs can name on a robot."""
     from cbdsl.cli.terminal import print_json, print_table
     from cbdsl.documents.robot import RobotDocument
     from cbdsl.robot.resources import resources
     from cbdsl.yaml_text.library import Library
 
-    library = Library()
+    form, library = read_format(format_, as_json, PLAIN), Library()
     document = library.read(library.locate(RobotDocument, robot), RobotDocument).document
     rows = [
         {
@@ -103,7 +106,7 @@ def show_resources(robot: Robot = "dexter", as_json: Json = False) -> None:
         }
         for resource in resources(document).values()
     ]
-    if as_json:
+    if form is Format.JSON:
         print_json(rows)
     else:
         print_table(f"Resources of {document.name}", rows)

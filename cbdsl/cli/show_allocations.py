@@ -5,7 +5,8 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from cbdsl.cli.options import ShownProgram
-from cbdsl.cli.show_program import Json, With
+from cbdsl.cli.show_format import PLAIN, Format, Json, PlainFormat, read_format
+from cbdsl.cli.show_program import With
 
 if TYPE_CHECKING:
     from cbdsl.checking.substitution import Allocation
@@ -14,6 +15,7 @@ if TYPE_CHECKING:
 def show_allocations(
     name: ShownProgram,
     with_: With = [],  # noqa: B006 (typer)
+    format_: PlainFormat = "text",
     as_json: Json = False,
 ) -> None:
     """The resources that the parameters of a program may stand for, and why others cannot.
@@ -27,11 +29,12 @@ def show_allocations(
     from cbdsl.cli.terminal import print_json, print_table
     from cbdsl.documents.program import ProgramDocument
 
+    form = read_format(format_, as_json, PLAIN)
     session, values = Session(), read_assignments(with_)
     check_program(name, values, session.library)
     path = session.library.locate(ProgramDocument, name)
     combinations = sorted(allocations(path, session, values), key=lambda each: bool(each.refusal))
-    if as_json:
+    if form is Format.JSON:
         print_json([_data(each) for each in combinations])
     elif not session.library.read(path, ProgramDocument).document.resources:
         print(f"{path.stem} lets no parameter stand for another resource: it has no 'resources'")

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from cbdsl.cli.options import Cameras, Seed
-from cbdsl.cli.show_program import Json
+from cbdsl.cli.show_format import PICTURED, Format, Json, read_format
 from cbdsl.cli.simulation import BackendName
 
 if TYPE_CHECKING:
@@ -24,7 +24,8 @@ Expect = Annotated[
     typer.Option("--expect", metavar="STAGE", help="Predict what is rewarded there, and try it."),
 ]
 Scenes = Annotated[int, typer.Option("--scenes", min=1, help="How many, with --expect.")]
-Icon = Annotated[bool, typer.Option("--svg", help="Print the icon as SVG.")]
+FormatOption = Annotated[str, typer.Option("--format", help="text or json; svg for its icon.")]
+Icon = Annotated[bool, typer.Option("--svg", help="Short for --format svg.")]
 
 
 def show_catalog(
@@ -36,6 +37,7 @@ def show_catalog(
     seed: Seed = 1_000_000,
     backend: BackendName = "bullet",
     cameras: Cameras = None,
+    format_: FormatOption = "text",
     svg: Icon = False,
     as_json: Json = False,
 ) -> None:
@@ -50,14 +52,15 @@ def show_catalog(
 
     if expect is not None and against is not None:
         raise UsageError("--expect predicts and --against compares: choose one")
+    form = read_format("svg" if svg else format_, as_json, PICTURED)
     catalog = _read(name)
     if expect is not None:
-        _predict(catalog, expect, scenes, seed, backend, cameras, as_json)
+        _predict(catalog, expect, scenes, seed, backend, cameras, form is Format.JSON)
     elif against is not None:
         print(_difference(_read(against), catalog), end="")
-    elif svg:
+    elif form is Format.SVG:
         print(_icon(catalog), end="")
-    elif as_json:
+    elif form is Format.JSON:
         print_json(catalog.model_dump(mode="json", by_alias=True, exclude_none=True))
     else:
         print(catalog_text(catalog), end="")

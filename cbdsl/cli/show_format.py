@@ -1,9 +1,12 @@
-"""How ``cb show`` shows a program or a policy."""
+"""Formats of ``cb show``."""
 
 from __future__ import annotations
 
+from collections.abc import Collection
 from enum import StrEnum
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Annotated
+
+import typer
 
 from cbdsl.errors.errors import UsageError
 
@@ -12,7 +15,7 @@ if TYPE_CHECKING:
 
 
 class Format(StrEnum):
-    """How a program or a policy is shown."""
+    """How something is shown."""
 
     TEXT = "text"
     JSON = "json"
@@ -21,17 +24,27 @@ class Format(StrEnum):
     SVG = "svg"
 
 
-def read_format(word: str, as_json: bool) -> Format:
+#: Formats of what has no graph.
+PLAIN = (Format.TEXT, Format.JSON)
+#: Formats of what has one picture.
+PICTURED = (*PLAIN, Format.SVG)
+
+PlainFormat = Annotated[str, typer.Option("--format", help="text or json.")]
+Json = Annotated[bool, typer.Option("--json", help="Short for --format json.")]
+
+
+def read_format(word: str, as_json: bool, offered: Collection[Format] = tuple(Format)) -> Format:
     """The format of a name.
 
     Args:
         word: its name.
         as_json: whether it is JSON, whatever the word.
+        offered: those that there are.
 
     Raises:
         UsageError: there is none of this name.
     """
-    known = {form.value: form for form in Format}
+    known = {form.value: form for form in offered}
     if word not in known:
         raise UsageError.unknown("format", word, known)
     return Format.JSON if as_json else known[word]

@@ -2,10 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
+
+from cbdsl.cli.show_format import PLAIN, Format, Json, PlainFormat, read_format
+
+if TYPE_CHECKING:
+    from cbdsl.numeric.box_cover import Cover
 
 Mesh = Annotated[Path, typer.Argument(help="A closed mesh, .stl or .obj.")]
 Pieces = Annotated[
@@ -14,14 +20,23 @@ Pieces = Annotated[
 Scale = Annotated[float, typer.Option("--scale", help="Metres in the mesh's unit: 0.001 for mm.")]
 
 
-def show_mesh(mesh: Mesh, *, pieces: Pieces = 16, scale: Scale = 1.0) -> None:
+def show_mesh(
+    mesh: Mesh,
+    *,
+    pieces: Pieces = 16,
+    scale: Scale = 1.0,
+    format_: PlainFormat = "text",
+    as_json: Json = False,
+) -> None:
     """Print the boxes that fill a closed mesh, as the form of a thing of a stage.
 
     Exit 0 when there are any, 2 when the mesh is not there, not closed, or of no thing's size.
     """
     from cbdsl.cli.simulation import needing_simulation
+    from cbdsl.cli.terminal import print_json
     from cbdsl.errors.errors import UsageError
 
+    form = read_format(format_, as_json, PLAIN)
     with needing_simulation():
         from cbdsl.numeric.box_cover import cover
         from cbdsl.robot.triangles import read_triangles
@@ -30,10 +45,24 @@ def show_mesh(mesh: Mesh, *, pieces: Pieces = 16, scale: Scale = 1.0) -> None:
     filling = cover(read_triangles(mesh, scale), pieces)
     if not len(filling.boxes):
         raise UsageError(f"{mesh}: thinner than a 32nd of its length, which no box fills")
+    if form is Format.JSON:
+        print_json({"fills": filling.share, "form": _form(filling)})
+        return
     print(f"# {len(filling.boxes)} boxes, which fill {100 * filling.share:.0f} % of {mesh.name}")
     print("form:\n  shape: composed\n  pieces:")
     for centre, edges in filling.boxes:
-        position, size = (
-            ", ".join(f"{1000 * value:.1f} mm" for value in values) for values in (centre, edges)
-        )
+        position, size = ", ".join(_lengths(centre)), ", ".join(_lengths(edges))
         print(f"    - {{form: {{shape: box, size: [{size}]}}, position: [{position}]}}")
+
+
+def _form(filling: Cover) -> dict[str, object]:
+    """Boxes as the form of a thing."""
+    pieces = [
+        {"form": {"shape": "box", "size": _lengths(edges)}, "position": _lengths(centre)}
+        for centre, edges in filling.boxes
+    ]
+    return {"shape": "composed", "pieces": pieces}
+
+
+def _lengths(values: Iterable[float]) -> list[str]:
+    return [f"{1000 * value:.1f} mm" for value in values]

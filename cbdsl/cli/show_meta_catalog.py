@@ -6,14 +6,15 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from cbdsl.cli.show_program import Json
+from cbdsl.cli.show_format import PICTURED, Format, Json, read_format
 
 if TYPE_CHECKING:
     from cbdsl.documents.meta_catalog import MetaCatalogDocument
     from cbdsl.learning.stack_plan import StackPlan
 
 MetaCatalog = Annotated[str, typer.Argument(metavar="FILE|NAME", help="A meta-catalog.")]
-Graph = Annotated[bool, typer.Option("--svg", help="Print the graph as SVG.")]
+FormatOption = Annotated[str, typer.Option("--format", help="text or json; svg for its graph.")]
+Graph = Annotated[bool, typer.Option("--svg", help="Short for --format svg.")]
 Stack = Annotated[
     int | None, typer.Option("--stack", min=2, help="Plan a stack of so many things.")
 ]
@@ -26,6 +27,7 @@ Of = Annotated[
 def show_meta_catalog(
     name: MetaCatalog,
     *,
+    format_: FormatOption = "text",
     svg: Graph = False,
     stack: Stack = None,
     of: Of = None,
@@ -42,12 +44,13 @@ def show_meta_catalog(
 
     if of is not None and stack is None:
         raise UsageError("--of means nothing without --stack")
+    form = read_format("svg" if svg else format_, as_json, PICTURED)
     catalog = _read(name)
     if stack is not None:
-        _print_plan(catalog, plan(catalog, stack, of), as_json=as_json)
-    elif svg:
+        _print_plan(catalog, plan(catalog, stack, of), as_json=form is Format.JSON)
+    elif form is Format.SVG:
         print(meta_catalog_graph(catalog), end="")
-    elif as_json:
+    elif form is Format.JSON:
         print_json(catalog.model_dump(mode="json", by_alias=True, exclude_none=True))
     else:
         print(meta_catalog_text(catalog), end="")

@@ -5,19 +5,20 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
-from cbdsl.cli.options import Json
+from cbdsl.cli.show_format import PLAIN, Format, Json, PlainFormat, read_format
 
 if TYPE_CHECKING:
     from cbdsl.types.registry import Registry
 
 
-def show_learners(as_json: Json = False) -> None:
+def show_learners(format_: PlainFormat = "text", as_json: Json = False) -> None:
     """The algorithms of cb learn and their constants."""
     from cbdsl.cli.plugins import warn_of_faults
     from cbdsl.cli.simulation import needing_simulation
     from cbdsl.cli.terminal import print_json, print_table
     from cbdsl.documents.json_schema import meaning, properties
 
+    form = read_format(format_, as_json, PLAIN)
     with needing_simulation():
         from cbdsl.learning.learner import LEARNERS, first_line
 
@@ -34,7 +35,7 @@ def show_learners(as_json: Json = False) -> None:
         {"learner": name, "package": LEARNERS.package(name), "algorithm": first_line(learner)}
         for name, learner in learners.items()
     ]
-    if as_json:
+    if form is Format.JSON:
         print_json([{**row, "constants": constants[str(row["learner"])]} for row in rows])
         return
     print_table("Learners", rows)
@@ -43,38 +44,42 @@ def show_learners(as_json: Json = False) -> None:
         print_table(f"Constants of {name}", table)
 
 
-def show_kinds(as_json: Json = False) -> None:
+def show_kinds(format_: PlainFormat = "text", as_json: Json = False) -> None:
     """The kinds of documents, and where each is looked up by name."""
     from cbdsl.documents.kinds import KINDS
 
-    _show("Kinds of documents", KINDS, as_json, lambda name: {"folder": KINDS.get(name).folder})
+    form = read_format(format_, as_json, PLAIN)
+    _show("Kinds of documents", KINDS, form, lambda name: {"folder": KINDS.get(name).folder})
 
 
-def show_sources(as_json: Json = False) -> None:
+def show_sources(format_: PlainFormat = "text", as_json: Json = False) -> None:
     """The kinds of sensors that packages add, for robots' documents."""
     from cbdsl.robot.source_kind import SOURCES
 
-    _show("Kinds of sensors", SOURCES, as_json, lambda n: {"summary": SOURCES.get(n).summary})
+    form = read_format(format_, as_json, PLAIN)
+    _show("Kinds of sensors", SOURCES, form, lambda n: {"summary": SOURCES.get(n).summary})
 
 
-def show_modifiers(as_json: Json = False) -> None:
+def show_modifiers(format_: PlainFormat = "text", as_json: Json = False) -> None:
     """The changes of controllers' references that packages add, for programs."""
     from cbdsl.types.modifier import MODIFIERS
 
-    _show("Modifiers", MODIFIERS, as_json, lambda n: {"summary": MODIFIERS.get(n).summary})
+    form = read_format(format_, as_json, PLAIN)
+    _show("Modifiers", MODIFIERS, form, lambda n: {"summary": MODIFIERS.get(n).summary})
 
 
-def show_backends(as_json: Json = False) -> None:
-    """The bodies that programs run on."""
+def show_backends(format_: PlainFormat = "text", as_json: Json = False) -> None:
+    """The bodies that programs run on, and which lack something that is to be installed."""
     from cbdsl.cli.simulation import needing_simulation
 
+    form = read_format(format_, as_json, PLAIN)
     with needing_simulation():
         from cbdsl.backends.backend import BACKENDS
-    _show("Backends", BACKENDS, as_json, lambda _: {})
+    _show("Backends", BACKENDS, form, _backend)
 
 
 def _show(
-    title: str, registry: Registry[Any], as_json: bool, more: Callable[[str], dict[str, str]]
+    title: str, registry: Registry[Any], form: Format, more: Callable[[str], dict[str, str]]
 ) -> None:
     """Entries of a registry that can be used, their packages, and more of each."""
     from cbdsl.cli.plugins import warn_of_faults
@@ -85,10 +90,21 @@ def _show(
         {registry.noun: name, "package": registry.package(name), **more(name)}
         for name in registry.usable_names()
     ]
-    if as_json:
+    if form is Format.JSON:
         print_json(rows)
     else:
         print_table(title, rows)
+
+
+def _backend(name: str) -> dict[str, str]:
+    """Summary of a backend, or why it cannot be used here."""
+    from cbdsl.backends.backend import BackendError, find_backend
+
+    try:
+        factory = find_backend(name)
+    except BackendError as error:
+        return {"summary": str(error)}
+    return {"summary": (factory.__doc__ or "").strip().partition("\n")[0]}
 
 
 def _described(described: tuple[str, str]) -> dict[str, str]:

@@ -8,8 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from cbdsl.cli.options import Above
-from cbdsl.cli.show_format import Format, drawing, read_format
-from cbdsl.cli.show_program import Json
+from cbdsl.cli.show_format import Format, Json, drawing, read_format
 
 if TYPE_CHECKING:
     from cbdsl.documents.policy import PolicyDocument

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from cbdsl.cli.options import ShownProgram
-from cbdsl.cli.show_format import Format, drawing, read_format
+from cbdsl.cli.show_format import Format, Json, drawing, read_format
 
 if TYPE_CHECKING:
     from cbdsl.program.checked import Action, CheckedProgram
@@ -19,7 +19,6 @@ FormatOption = Annotated[
     str,
     typer.Option("--format", help="text or json; dot, mermaid or svg for a graph of its states."),
 ]
-Json = Annotated[bool, typer.Option("--json", help="Short for --format json.")]
 
 
 def show_program(

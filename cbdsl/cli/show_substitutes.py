@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 from cbdsl.cli.options import ShownProgram
-from cbdsl.cli.show_program import Json, With
+from cbdsl.cli.show_format import PLAIN, Format, Json, PlainFormat, read_format
+from cbdsl.cli.show_program import With
 
 
 def show_substitutes(
     name: ShownProgram,
     with_: With = [],  # noqa: B006 (typer)
+    format_: PlainFormat = "text",
     as_json: Json = False,
 ) -> None:
     """The programs that are rewarded for the same as a program, or as one of its members.
@@ -22,6 +24,7 @@ def show_substitutes(
     from cbdsl.cli.terminal import print_json, print_table
     from cbdsl.documents.program import ProgramDocument
 
+    form = read_format(format_, as_json, PLAIN)
     session, values = Session(), read_assignments(with_)
     check_program(name, values, session.library)
     path = session.library.locate(ProgramDocument, name)
@@ -33,7 +36,7 @@ def show_substitutes(
         }
         for each in stand_ins_of(path, session, values)
     ]
-    if as_json:
+    if form is Format.JSON:
         print_json(rows)
     elif not rows:
         print(f"no program is rewarded for what {path.stem} is rewarded for")

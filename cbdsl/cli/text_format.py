@@ -21,7 +21,7 @@ def text(report: ValidationReport) -> str:
 
 
 def _tally(report: ValidationReport) -> str:
-    numbers = {"error": report.errors, "warning": report.warnings}
+    numbers = {"error": report.errors, "warning": report.warnings, "note": report.notes}
     tally = ", ".join(count(number, noun) for noun, number in numbers.items() if number)
     return tally + (f"; {report.left_out} more are left out" if report.left_out else "")
 

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Collection
 from typing import NamedTuple
 
-from cbdsl.errors.diagnostic import Diagnostic
+from cbdsl.errors.diagnostic import Diagnostic, Severity
 
 
 class ValidationReport(NamedTuple):
@@ -26,9 +26,26 @@ class ValidationReport(NamedTuple):
     @property
     def errors(self) -> int:
         """How many findings are errors."""
-        return sum(diagnostic.is_error for diagnostic in self.findings)
+        return self._count(Severity.ERROR)
 
     @property
     def warnings(self) -> int:
         """How many findings are warnings."""
-        return len(self.findings) - self.errors
+        return self._count(Severity.WARNING)
+
+    @property
+    def notes(self) -> int:
+        """How many findings tell what is assumed, and ask for nothing."""
+        return self._count(Severity.NOTE)
+
+    def without_notes_elsewhere(self, files: Collection[str]) -> ValidationReport:
+        """The same without the notes on other files than these."""
+        kept = (
+            finding
+            for finding in self.findings
+            if finding.severity is not Severity.NOTE or finding.place.file in files
+        )
+        return self._replace(findings=tuple(kept))
+
+    def _count(self, severity: Severity) -> int:
+        return sum(diagnostic.severity is severity for diagnostic in self.findings)

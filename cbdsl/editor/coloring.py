@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Collection, Iterator, Sequence
+from collections.abc import Collection, Iterator
 from pathlib import Path
 from typing import NamedTuple
 
 from cbdsl.editor.buffers import Buffers
-from cbdsl.editor.cursor import cursor
+from cbdsl.editor.cursor import EnclosingKeys
 from cbdsl.editor.names import is_composed, robot_resources, section
 from cbdsl.types.potential import POTENTIALS
 
@@ -40,18 +40,18 @@ def colored_words(buffers: Buffers, path: Path) -> Iterator[ColoredWord]:
     lines = buffers.text(path).splitlines()
     members = dict.fromkeys(section(lines, "controllers"), "function")
     members |= dict.fromkeys(section(lines, "use"), "namespace")
-    resources = robot_resources(buffers, path)
+    resources, enclosing = robot_resources(buffers, path), EnclosingKeys(lines)
     for number, line in enumerate(lines):
         code = re.split(r"(?:^|\s)#", line, maxsplit=1)[0]
         for match in _WORD.finditer(code):
-            kind = _kind(match[0], lines, (number, match.start()), members, resources)
+            kind = _kind(match[0], enclosing, (number, match.start()), members, resources)
             if kind:
                 yield ColoredWord(number, match.start(), match.end(), kind)
 
 
 def _kind(
     word: str,
-    lines: Sequence[str],
+    enclosing: EnclosingKeys,
     place: tuple[int, int],
     members: dict[str, str],
     resources: Collection[str],
@@ -64,7 +64,7 @@ def _kind(
     known = word in members or word in POTENTIALS
     if not known and word not in resources:
         return ""
-    at = cursor(lines, *place)
+    at = enclosing.cursor(*place)
     if at.on_key:
         is_member = at.steps[:1] in (("controllers",), ("use",)) and len(at.steps) == 1
         return members.get(word, "") if is_member else ""

@@ -6,7 +6,7 @@ Read from the text alone, since a document that is being typed is seldom valid.
 from __future__ import annotations
 
 import re
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from typing import NamedTuple
 
 _KEY = re.compile(
@@ -42,6 +42,22 @@ class Cursor(NamedTuple):
         return self.steps[-1] if self.steps else ""
 
 
+class EnclosingKeys:
+    """Keys that enclose each line of a text, found once for all places in it.
+
+    Args:
+        lines: the text.
+    """
+
+    def __init__(self, lines: Sequence[str]) -> None:
+        self._lines, self._above = lines, list(_keys_above(lines))
+
+    def cursor(self, line: int, column: int) -> Cursor:
+        """Where the cursor stands; see ``cursor``."""
+        above = self._above[min(line, len(self._lines))]
+        return _cursor(self._lines, line, column, above)
+
+
 def cursor(lines: Sequence[str], line: int, column: int) -> Cursor:
     """Where the cursor stands.
 
@@ -50,6 +66,12 @@ def cursor(lines: Sequence[str], line: int, column: int) -> Cursor:
         line: from 0; a line after the last is empty.
         column: characters before the cursor.
     """
+    return EnclosingKeys(lines).cursor(line, column)
+
+
+def _cursor(
+    lines: Sequence[str], line: int, column: int, above: tuple[tuple[int, str], ...]
+) -> Cursor:
     text = lines[line] if 0 <= line < len(lines) else ""
     before, after = text[:column], text[column:]
     head, tail = _BEFORE.search(before), _AFTER.search(after)
@@ -57,7 +79,7 @@ def cursor(lines: Sequence[str], line: int, column: int) -> Cursor:
     word, start = head[0] + tail[0], len(before) - len(head[0])
     opened, own = _in_line(before)
     indent = len(text) - len(text.lstrip()) if text.strip() else column
-    outer = _above(lines, line, indent)
+    outer = [key for its_indent, key in above if its_indent < indent]
     written = re.match(r"\s*:(\s|$)", after[len(tail[0]) :]) is not None
     on_key = written or (own is None)
     steps = (*outer, *opened) if own is None else (*outer, *opened, own)
@@ -83,14 +105,17 @@ def _in_line(before: str) -> tuple[list[str], str | None]:
     return [key for bracket, key in frames if bracket == "{" and key is not None], own
 
 
-def _above(lines: Sequence[str], line: int, indent: int) -> tuple[str, ...]:
-    """Keys on the lines above that enclose a line of some indentation, the outermost first."""
-    steps: list[str] = []
-    for text in reversed(lines[:line]):
+def _keys_above(lines: Sequence[str]) -> Iterator[tuple[tuple[int, str], ...]]:
+    """For each line, and after the last, the keys above that may enclose it, with their indents.
+
+    Indents grow from key to key: a key that is not indented more than an earlier one ends it.
+    """
+    open_keys: tuple[tuple[int, str], ...] = ()
+    yield open_keys
+    for text in lines:
         match = _KEY.match(text)
-        if indent == 0:
-            break
-        if match and len(match["indent"]) < indent:
-            steps.append(match["key"].strip())
+        if match:
             indent = len(match["indent"])
-    return tuple(reversed(steps))
+            outer = tuple(each for each in open_keys if each[0] < indent)
+            open_keys = (*outer, (indent, match["key"].strip()))
+        yield open_keys

@@ -28,6 +28,7 @@ NAME = "cbdsl"
 _SEVERITIES = {
     Severity.ERROR: lsp.DiagnosticSeverity.Error,
     Severity.WARNING: lsp.DiagnosticSeverity.Warning,
+    Severity.NOTE: lsp.DiagnosticSeverity.Information,
 }
 # Beyond this an editor shows nothing that anybody reads.
 _MOST_CHOICES = 500

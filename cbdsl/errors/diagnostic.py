@@ -7,10 +7,11 @@ from cbdsl.errors.nearest import nearest_name
 
 
 class Severity(Enum):
-    """Errors keep a document from being used; warnings do not."""
+    """Errors keep a document from being used; warnings do not, and notes tell what is assumed."""
 
     ERROR = "error"
     WARNING = "warning"
+    NOTE = "note"
 
 
 class Place(NamedTuple):

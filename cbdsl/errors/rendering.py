@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from functools import lru_cache
 
-from cbdsl.errors.diagnostic import Diagnostic, Place
+from cbdsl.errors.diagnostic import Diagnostic, Place, Severity
 from cbdsl.errors.legible import seen
 from cbdsl.errors.lines import lines_of
 
@@ -15,6 +15,7 @@ _MOST_COLUMNS = 160
 _BEFORE = 40
 
 _RESET, _BOLD, _RED, _YELLOW, _CYAN = "\033[0m", "\033[1m", "\033[1;31m", "\033[1;33m", "\033[36m"
+_TINTS = {Severity.ERROR: _RED, Severity.WARNING: _YELLOW, Severity.NOTE: _CYAN}
 
 
 def render(diagnostic: Diagnostic, source: str | None = None, color: bool = False) -> str:
@@ -25,8 +26,8 @@ def render(diagnostic: Diagnostic, source: str | None = None, color: bool = Fals
         source: text of its file, for the snippet; without it there is none.
         color: whether to mark parts with a terminal's escape sequences.
     """
-    tint = _RED if diagnostic.is_error else _YELLOW
-    mark = "" if diagnostic.is_error else " (warning)"
+    tint = _TINTS[diagnostic.severity]
+    mark = "" if diagnostic.is_error else f" ({diagnostic.severity.value})"
     place = _paint(str(diagnostic.place), _BOLD, color)
     code = _paint(f"{diagnostic.code}{mark}", tint, color)
     snippet = _snippet(diagnostic.place, source, tint if color else "")

@@ -105,7 +105,8 @@ class UrdfJoint(NamedTuple):
         origin: its frame at zero in the frame of its parent.
         axis: along or about which it moves, in its own frame.
         velocity, effort: largest rate, rad/s or m/s, and torque or force, N m or N; infinite
-            without a limit, or with one of 0, which is the format's way to leave it open.
+            without a limit, or with one of 0, which most models mean by it.
+        zero_effort: whether the model says 0 for the effort.
     """
 
     name: str
@@ -120,6 +121,7 @@ class UrdfJoint(NamedTuple):
     axis: Numbers = (1.0, 0.0, 0.0)
     velocity: float = math.inf
     effort: float = math.inf
+    zero_effort: bool = False
 
     @property
     def movable(self) -> bool:
@@ -163,6 +165,8 @@ class UrdfModel:
         joints: all joints by name.
         moving: by link, the names of the movable joints above it, from the link upwards.
         meshes: their files as the model names them, each with a link that it is a part of.
+        shapeless: names of the links that are visible or weigh something, and have no collision
+            geometry.
     """
 
     path: Path
@@ -170,6 +174,7 @@ class UrdfModel:
     joints: Mapping[str, UrdfJoint]
     moving: Mapping[str, tuple[str, ...]]
     meshes: Mapping[str, str]
+    shapeless: tuple[str, ...]
     _read_links: Callable[[], Iterable[UrdfLink]] = field(repr=False)
 
     @cached_property

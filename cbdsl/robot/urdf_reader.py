@@ -61,7 +61,7 @@ def parse_urdf(text: bytes | str, path: Path) -> UrdfModel:
     moving = {link: tuple(j.name for j in way if j.movable) for link, way in ways.items()}
     return UrdfModel(
         path, links, {joint.name: joint for joint in joints}, moving, _meshes(root),
-        lambda: _links(root, path),
+        tuple(_shapeless(root)), lambda: _links(root, path),
     )  # fmt: skip
 
 
@@ -72,6 +72,16 @@ def _meshes(root: ElementTree.Element) -> Mapping[str, str]:
         for link in root.findall("link")
         for mesh in link.iter("mesh")
     }
+
+
+def _shapeless(root: ElementTree.Element) -> Iterator[str]:
+    """Names of the links that things go through, although there is something of them."""
+    for link in root.findall("link"):
+        mass = link.find("inertial/mass")
+        text = "0" if mass is None else mass.get("value", "0")
+        weighs = _are_numbers(text, 1) and float(text) > 0
+        if link.find("collision") is None and (weighs or link.find("visual") is not None):
+            yield link.get("name", "")
 
 
 def _links(root: ElementTree.Element, path: Path) -> list[UrdfLink]:
@@ -95,7 +105,7 @@ def _require_distinct(root: ElementTree.Element) -> None:
     """
     if not root.get("name"):
         raise ValueError('its <robot> has no name; write <robot name="...">')
-    for kind in ("link", "joint"):
+    for kind in ("link", "joint", "material"):
         names = [element.get("name", "") for element in root.findall(kind)]
         if "" in names:
             raise ValueError(f"one of its {kind}s has no name")
@@ -148,6 +158,7 @@ def _joint(element: ElementTree.Element, links: frozenset[str]) -> UrdfJoint:
         axis=(1.0, 0.0, 0.0) if axis is None else _numbers(axis.get("xyz", "1 0 0")),
         velocity=_most(limit, "velocity"),
         effort=_most(limit, "effort"),
+        zero_effort=_limit(limit, "effort") == 0,
     )
 
 

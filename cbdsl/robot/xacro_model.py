@@ -45,7 +45,19 @@ def expand_xacro(path: Path, arguments: Mapping[str, str], packages: PackageFold
             f"{path}: it has no argument '{unknown}'"
             f"{suggestion(unknown, known.asked)} (known: {names})"
         )
+    _drop_repeated_materials(document.documentElement)
     return str(document.documentElement.toxml())
+
+
+def _drop_repeated_materials(robot: Any) -> None:
+    """Keep one of the materials that a macro gives anew wherever it is used: readers want one."""
+    seen: set[str] = set()
+    for element in list(robot.childNodes):
+        if getattr(element, "tagName", "") == "material":
+            text = "".join(element.toxml().split())
+            if text in seen:
+                robot.removeChild(element)
+            seen.add(text)
 
 
 class _AskedArguments(dict[str, str]):

@@ -8,6 +8,7 @@ import os
 import time
 from collections.abc import Iterator, Mapping
 from pathlib import Path
+from shlex import quote
 from types import TracebackType
 from typing import Any, BinaryIO, Self
 
@@ -19,6 +20,10 @@ _PATIENCE = 60.0
 
 class JournalError(UsageError):
     """A journal cannot be used; the message says why and what to do."""
+
+
+class DamagedJournalError(JournalError):
+    """A line of a journal cannot be used; the message says which, and what to do."""
 
 
 class LineJournal:
@@ -122,11 +127,13 @@ def _row(line: bytes, path: Path, number: int, what: str) -> dict[str, Any]:
 def damaged(path: Path, number: int, problem: str, what: str = "trial") -> JournalError:
     """The error of a line that cannot be used."""
     if number == 1:
-        return JournalError(f"{path} is no journal of a {what}: of line 1, {problem}")
-    how = "the same command goes on there" if what == "calibration" else "--resume goes on there"
-    return JournalError(
-        f"{path}, line {number}: {problem}; the journal is damaged. What stands above is whole: "
-        f"delete this line and those below, and {how}"
+        return DamagedJournalError(f"{path} is no journal of a {what}: of line 1, {problem}")
+    option = "" if what == "calibration" else ", with --resume where it has that"
+    whole, aside = quote(str(path)), quote(f"{path}.damaged")
+    return DamagedJournalError(
+        f"{path}, line {number}: {problem}; the journal is damaged, and was left as it is. What "
+        f"stands above is whole, and the same command goes on there{option}, after\n"
+        f"  mv {whole} {aside} && head -n {number - 1} {aside} > {whole}"
     )
 
 

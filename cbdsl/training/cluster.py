@@ -44,6 +44,8 @@ _UNWATCHED = {
 }
 # No lines about workers that come and go: the supervisor hears of them.
 _LOGGERS = ("distributed", "distributed.client", "distributed.core", "tornado.application")
+# Names the authority whose signature lets one in.
+_CA_FILE = "DASK_DISTRIBUTED__COMM__TLS__CA_FILE"
 _GONE = "the cluster's scheduler is gone, or gave the trials up"
 
 
@@ -110,23 +112,47 @@ def _silence() -> Iterator[None]:
             logger.setLevel(level)
 
 
+def _client(scheduler: str) -> Client:
+    """Client of a scheduler.
+
+    Raises:
+        UsageError: none is reached, or it does not let this one in.
+    """
+    absent = _absent_certificates() if scheduler.startswith("tls://") else []
+    if absent:
+        raise UsageError(f"--scheduler {scheduler}: there is no file {', '.join(absent)}")
+    try:
+        return Client(scheduler, timeout="10s")
+    except (OSError, ValueError) as error:
+        problem = f"nothing answers there ({error})"
+        if "certificate" in str(error):
+            problem = (
+                f"the certificates of both ends are not signed by the same authority ({_CA_FILE})"
+            )
+    except MemoryError:  # Dask takes the first bytes of an answer for its length
+        problem = "what answers there is no scheduler of Dask"
+    except TypeError:  # as Dask says that it lacks certificates
+        problem = f"TLS needs certificates, which Dask's settings name, such as {_CA_FILE}"
+    except RuntimeError as error:
+        if "encryption required" not in str(error):
+            raise
+        problem = "Dask's settings require encryption, and this address has none; write tls://"
+    raise UsageError(f"--scheduler {scheduler}: {problem}")
+
+
+def _absent_certificates() -> list[str]:
+    """Files of certificates that Dask's settings name and that are not there."""
+    keys = ("ca-file", "client.cert", "client.key")
+    named = (dask.config.get(f"distributed.comm.tls.{key}", None) for key in keys)
+    return [
+        name for name in named if name and "-----BEGIN" not in name and not Path(name).is_file()
+    ]
+
+
 @contextmanager
 def _connected(workers: int, scheduler: str | None) -> Iterator[Client]:
     if scheduler is not None:
-        try:
-            client = Client(scheduler, timeout="10s")
-        except (OSError, ValueError) as error:
-            raise UsageError(f"--scheduler {scheduler}: nothing answers there ({error})") from error
-        except MemoryError as error:  # Dask takes the first bytes of an answer for its length
-            raise UsageError(
-                f"--scheduler {scheduler}: what answers there is no scheduler of Dask"
-            ) from error
-        except TypeError as error:  # as Dask says that it lacks certificates
-            raise UsageError(
-                f"--scheduler {scheduler}: TLS needs certificates, which Dask's settings name, "
-                "such as DASK_DISTRIBUTED__COMM__TLS__CA_FILE"
-            ) from error
-        with client:
+        with _client(scheduler) as client:
             yield client
         return
     with dask.config.set(_UNWATCHED), ExitStack() as begun:

@@ -19,6 +19,7 @@ from cbdsl.errors.wording import diagnostic
 from cbdsl.yaml_text.characters import is_suspect
 from cbdsl.yaml_text.composer import (
     MOST_BYTES,
+    Composed,
     SyntaxFaultError,
     compose,
     require_readable,
@@ -71,11 +72,12 @@ def read_sound_parts(path: Path, kind: type[D], text: str | None = None) -> Load
         DiagnosticsError: there is nothing that could be checked.
     """
     text = read_text(path) if text is None else text
-    loaded = _read_clean(path, kind, text)
+    composed = _composed(path, text)
+    loaded = None if composed is None else _read_clean(path, kind, composed)
     if loaded is None:
         from cbdsl.yaml_text.repair.repair import repair  # only a fault needs it
 
-        loaded = repair(path, kind, text)
+        loaded = repair(path, kind, text, composed)
     return loaded
 
 
@@ -100,12 +102,19 @@ def formatted_text(text: str, file: str) -> str:
         raise DiagnosticsError(repair(Path(file), Document, text).faults) from None
 
 
-def _read_clean(path: Path, kind: type[D], text: str) -> Loaded[D] | None:
-    """A document of one kind, or ``None`` where there may be anything wrong with its text."""
+def _composed(path: Path, text: str) -> Composed | None:
+    """The nodes of a text as it stands, or ``None`` where it is no YAML, or has to be mended."""
     if is_suspect(text):
         return None
     try:
-        composed = compose(text, str(path))
+        return compose(text, str(path))
+    except (SyntaxFaultError, DiagnosticsError):
+        return None
+
+
+def _read_clean(path: Path, kind: type[D], composed: Composed) -> Loaded[D] | None:
+    """A document of one kind, or ``None`` where there may be anything wrong with its text."""
+    try:
         data = composed.root.plain()
         name = data.get("kind") if isinstance(data, dict) else None
         if composed.findings or not isinstance(name, str):
@@ -115,7 +124,7 @@ def _read_clean(path: Path, kind: type[D], text: str) -> Loaded[D] | None:
             return None
         source = SourceMap(path, composed.lines, composed.root)
         return Loaded(model.model_validate(data, context={"folder": path.parent}), source)
-    except (SyntaxFaultError, DiagnosticsError, UsageError, ValidationError):
+    except (DiagnosticsError, UsageError, ValidationError):
         return None
 
 

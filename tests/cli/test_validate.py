@@ -65,7 +65,8 @@ def test_json_is_versioned_and_complete(printed: Any) -> None:
     code, text = printed("--json", str(CLASH))
     data = json.loads(text)
     assert code == 1
-    assert list(data) == ["version", "documents", "errors", "warnings", "left_out", "findings"]
+    counts = ["errors", "warnings", "notes", "left_out"]
+    assert list(data) == ["version", "documents", *counts, "findings"]
     assert (data["version"], data["documents"], data["errors"]) == (VERSION, 1, 1)
     (finding,) = data["findings"]
     assert (finding["code"], finding["severity"]) == ("CB504", "error")

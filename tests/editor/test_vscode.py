@@ -41,6 +41,22 @@ def test_it_activates_and_tells_of_findings(folder: Path) -> None:
     assert "# fail 0" in done.stdout and "# pass 3" in done.stdout
 
 
+@pytest.mark.parametrize(
+    ("given", "told"),
+    [
+        ({"CB": "/nowhere/cb"}, "'/nowhere/cb' does not start (ENOENT): CB=/path/to/cb npm test"),
+        ({"CBDSL": "/nowhere"}, "'/nowhere' is not the folder of the project: CBDSL="),
+    ],
+)
+def test_what_its_tests_need_and_is_not_there_is_told(
+    given: dict[str, str], told: str, folder: Path
+) -> None:
+    sound = {"CB": str(Path(sys.executable).with_name("cb")), "CBDSL": str(ROOT)}
+    env = {**os.environ, **sound, **given}
+    done = subprocess.run(["npm", "test"], cwd=folder, capture_output=True, text=True, env=env)
+    assert done.returncode != 0 and told in done.stdout + done.stderr
+
+
 def test_it_is_packaged_with_nothing_but_what_it_needs(folder: Path) -> None:
     done = subprocess.run(["npm", "run", "package"], cwd=folder, capture_output=True, text=True)
     if "E404" in done.stderr or "ENOTFOUND" in done.stderr:

@@ -24,7 +24,8 @@ def test_programs_run_on_it(
 def test_it_is_listed(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
     assert cb(monkeypatch, "show", "backends", "--json") == 0
     shown = json.loads(capsys.readouterr().out)
-    assert shown[-1] == {"backend": "ideal", "package": "demo 1.0"}
+    summary = "Joints without errors; see ``cbdsl.backends.backend.Backend``."
+    assert shown[-1] == {"backend": "ideal", "package": "demo 1.0", "summary": summary}
     assert [each["backend"] for each in shown[:-1]] == list(BACKENDS.builtins)
 
 

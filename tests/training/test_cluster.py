@@ -24,6 +24,7 @@ from cbdsl.errors.errors import UsageError
 from cbdsl.training.learning_task import LearningTask
 from cbdsl.training.provenance import versions
 from tests.conftest import ROOT
+from tests.test_docs import blocks
 from tests.training.tasks import made_tasks, outcome, run_here
 
 distributed = pytest.importorskip("distributed", reason="trials side by side: extra 'learn'")
@@ -307,6 +308,67 @@ if __name__ == "__main__":
         print(error)
     print(notes.failures, len(notes.files))
 """
+
+
+PAGE = ROOT / "docs" / "how_to" / "learn_on_a_cluster.md"
+
+
+def of_page(word: str) -> list[str]:
+    """Lines of the page's block that has a word."""
+    (found,) = [each for each in blocks(PAGE) if each.language == "sh" and word in each.text]
+    return found.text.splitlines()
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(not shutil.which("openssl"), reason="makes the certificates")
+def test_the_page_leads_to_trials_over_tls_and_each_mistake_is_told(tmp_path: Path) -> None:
+    """Its lines as they are, but for the port and fewer episodes without physics."""
+    for line in of_page("openssl x509"):
+        subprocess.run(["bash", "-ec", line], cwd=tmp_path, check=True, capture_output=True)
+    with socket.create_server(("127.0.0.1", 0)) as free:
+        port = str(free.getsockname()[1])
+    settings, begin, join, learn = (
+        "; ".join(of_page("--protocol tls")[k] for k in part) for part in ([0, 1], [2], [3], [4])
+    )
+    place = f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}"
+    environment = {**os.environ, "PATH": place}
+    learn = learn.replace(
+        "--episodes 100 --trials 40", "--backend kinematic --episodes 2 --trials 2"
+    )
+
+    def started(command: str, before: str = settings) -> subprocess.Popen[str]:
+        script = f"{before}\nexec {command}".replace("8786", port).replace("//login", "//localhost")
+        return subprocess.Popen(
+            ["bash", "-ec", script],
+            cwd=tmp_path,
+            env=environment,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.STDOUT,
+            text=True,
+        )
+
+    def told(command: str, before: str = settings) -> str:
+        return started(command, before).communicate(timeout=120)[0]
+
+    cluster = [started(begin), started(join.replace("--nworkers 4", "--nworkers 1"))]
+    try:
+        assert "wrote" in told(learn)
+        assert len(list(tmp_path.glob("many_*.yaml"))) == 4
+        other = learn.replace("many.yaml", "other.yaml")
+        gone = f"{settings}; export DASK_DISTRIBUTED__COMM__TLS__CLIENT__CERT=gone.pem"
+        assert "there is no file gone.pem" in told(other, gone)
+        assert "write tls://" in told(other.replace("tls:", "tcp:"))
+        assert "TLS needs certificates" in told(other, "true")
+        alone = "openssl req -x509 -newkey rsa:2048 -nodes -subj /CN=x -keyout x.key -out x.pem"
+        tls = "export DASK_DISTRIBUTED__COMM__TLS__"
+        foreign = f"{alone} 2>/dev/null; {settings}; {tls}CA_FILE=x.pem"
+        foreign += f"; {tls}CLIENT__CERT=x.pem; {tls}CLIENT__KEY=x.key"
+        assert "not signed by the same authority" in told(other, foreign)
+        assert not list(tmp_path.glob("other*.yaml"))
+    finally:
+        for process in cluster:
+            process.terminate()
+            process.wait()
 
 
 @pytest.mark.slow

@@ -16,7 +16,7 @@ from cbdsl.documents.robot import RobotDocument
 
 
 class BulletBackend(SimulatedBackend[BulletEngine]):
-    """A robot in PyBullet.
+    """A robot in PyBullet, with contacts and forces.
 
     Args:
         robot: what can be sensed and moved.

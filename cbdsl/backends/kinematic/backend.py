@@ -17,7 +17,7 @@ _SPARSER = 3
 
 
 class KinematicBackend(SimulatedBackend[KinematicEngine]):
-    """A robot that is moved, in a world that gives way.
+    """A robot that is moved, without forces, in a world that gives way.
 
     Joints are where their references are, as far as the URDF's limits of position and velocity
     allow; there are no forces that its limits of effort could bound. Cameras see regions of colour

@@ -14,7 +14,7 @@ from cbdsl.documents.robot import RobotDocument
 
 
 class MujocoBackend(SimulatedBackend[MujocoEngine]):
-    """A robot in MuJoCo.
+    """A robot in MuJoCo, with contacts and forces.
 
     Args:
         robot: what can be sensed and moved.

@@ -1,4 +1,4 @@
-"""Warnings about a robot that a person hardly meant: speeds beyond reason, meshes that are gone."""
+"""Warnings of what is hardly meant by a robot, and notes on what is assumed of its model."""
 
 from __future__ import annotations
 
@@ -6,6 +6,7 @@ import math
 
 from cbdsl.checking.findings import Findings
 from cbdsl.documents.robot import RobotDocument
+from cbdsl.errors.counting import some
 from cbdsl.robot.urdf import UrdfModel
 from cbdsl.types.resource_type import TYPES
 from cbdsl.yaml_text.loaded import Loaded
@@ -44,3 +45,21 @@ def check_meshes(loaded: Loaded[RobotDocument], model: UrdfModel, findings: Find
         more = f", and {len(missing) - 1} more" if len(missing) > 1 else ""
         details = {"file": missing[0], "link": meshes[missing[0]], "more": more}
         findings.add("CB741", loaded.source.place("model"), **details)
+
+
+def note_assumptions(loaded: Loaded[RobotDocument], model: UrdfModel, findings: Findings) -> None:
+    """Tell of links that touch nothing, and of drives whose effort is taken to be unlimited."""
+    robot, place = loaded.document, loaded.source.place("model")
+    housings = {camera.link for camera in robot.cameras.values()}
+    shapeless = [link for link in model.shapeless if link not in housings]
+    if shapeless:
+        findings.add("CB742", place, model=model.path.name, links=some(shapeless))
+    driven = [joint for effector in robot.effectors.values() for joint in effector.joints]
+    zero = [name for name in driven if name in model.joints and _is_unbounded(model, robot, name)]
+    if zero:
+        findings.add("CB743", place, model=model.path.name, joints=some(zero))
+
+
+def _is_unbounded(model: UrdfModel, robot: RobotDocument, joint: str) -> bool:
+    """Whether a joint's effort is 0 in the model, and nothing bounds it."""
+    return model.joints[joint].zero_effort and joint not in robot.simulation.efforts

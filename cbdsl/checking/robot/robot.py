@@ -8,7 +8,7 @@ from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, S
 from pathlib import Path
 
 from cbdsl.checking.findings import Findings
-from cbdsl.checking.robot.beyond_reason import check_meshes, check_speeds
+from cbdsl.checking.robot.beyond_reason import check_meshes, check_speeds, note_assumptions
 from cbdsl.checking.robot.checked_robot import CheckedRobot
 from cbdsl.checking.robot.constants import check_constants, check_margins
 from cbdsl.checking.robot.limits import is_of_another_kind, limit_details, unit_of
@@ -55,6 +55,8 @@ def examine_robot(loaded: Loaded[RobotDocument], findings: Findings) -> CheckedR
         _ModelCheck(body, findings, model).all()
         check_margins(loaded, model, findings)
         check_meshes(loaded, model, findings)
+        if not findings.failed:
+            note_assumptions(loaded, model, findings)
     return body
 
 

@@ -23,14 +23,21 @@ from cbdsl.yaml_text.repair.syntax import find_slip
 _MOST_SLIPS = 10
 
 
-def mend(text: str, file: str) -> Composed:
+def mend(text: str, file: str, known: Composed | None = None) -> Composed:
     """The one document of a text, with slips mended; lines keep their numbers.
+
+    Args:
+        text: as it stands.
+        file: names it in findings.
+        known: nodes of the text as it stands, if somebody has composed it before.
 
     Raises:
         DiagnosticsError: with every finding up to the first one that hides the rest.
     """
     require_readable(text, file)
-    text, findings = _legible(text, file)
+    given, (text, findings) = text, _legible(text, file)
+    if known is not None and text == given:
+        return known._replace(findings=(*findings, *known.findings))
     while True:
         try:
             composed = compose(text, file)

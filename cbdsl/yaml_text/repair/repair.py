@@ -9,6 +9,7 @@ from cbdsl.documents.document import Document
 from cbdsl.documents.kinds import kind_name
 from cbdsl.errors.errors import DiagnosticsError
 from cbdsl.errors.wording import diagnostic
+from cbdsl.yaml_text.composer import Composed
 from cbdsl.yaml_text.loaded import Loaded
 from cbdsl.yaml_text.repair.kind import identify
 from cbdsl.yaml_text.repair.mending import mend
@@ -18,18 +19,19 @@ from cbdsl.yaml_text.source_map import SourceMap
 D = TypeVar("D", bound=Document)
 
 
-def repair(path: Path, kind: type[D], text: str) -> Loaded[D]:
+def repair(path: Path, kind: type[D], text: str, composed: Composed | None = None) -> Loaded[D]:
     """The sound parts of a document of one kind, with all faults of its text.
 
     Args:
         path: its file.
         kind: the kind that it has to be of.
         text: the file's text.
+        composed: its nodes, where they are known already.
 
     Raises:
         DiagnosticsError: there is nothing that could be checked.
     """
-    composed = mend(text, str(path))
+    composed = mend(text, str(path), composed)
     source = SourceMap(path, composed.lines, composed.root)
     _require_version(source)
     model, findings = identify(source, composed.findings)

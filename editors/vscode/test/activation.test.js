@@ -2,6 +2,7 @@
 "use strict";
 
 const assert = require("node:assert");
+const { spawnSync } = require("node:child_process");
 const fs = require("node:fs");
 const Module = require("node:module");
 const os = require("node:os");
@@ -12,7 +13,26 @@ const { editor } = require("./vscode");
 const BUILT = path.join(__dirname, "..", "out", "extension.js");
 const ROOT = process.env.CBDSL ?? path.join(__dirname, "..", "..", "..");
 const CB = process.env.CB ?? path.join(ROOT, ".venv", "bin", "cb");
-const SOUND = fs.readFileSync(path.join(ROOT, "programs", "searchtrack.yaml"), "utf-8");
+const PROGRAM = path.join(ROOT, "programs", "searchtrack.yaml");
+requireBoth();
+const SOUND = fs.readFileSync(PROGRAM, "utf-8");
+
+/** End at once, with what to set, where there is no server or no project to test with. */
+function requireBoth() {
+  const started = spawnSync(CB, ["--version"], { encoding: "utf-8" });
+  if (started.error || started.status !== 0) {
+    const why = started.error?.code ?? (started.stderr.trim() || `exit ${started.status}`);
+    give(`'${CB}' does not start (${why}): CB=/path/to/cb npm test, or ./setup.sh dev makes .venv/bin/cb`);
+  }
+  if (!fs.existsSync(PROGRAM)) {
+    give(`'${ROOT}' is not the folder of the project: CBDSL=/path/to/it npm test`);
+  }
+}
+
+function give(up) {
+  console.error(up);
+  process.exit(1);
+}
 
 /** The extension in an editor of its own. */
 function opened(text, command = CB) {

@@ -1,0 +1,41 @@
+"""Controllers that were found to be sound, which need no second look while a program is typed."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+from cbdsl.checking.robot.checked_robot import CheckedRobot
+from cbdsl.documents.program import ControllerSection
+from cbdsl.program.controller import Controller
+
+
+class _Sound(NamedTuple):
+    section: ControllerSection
+    body: CheckedRobot
+    controller: Controller
+
+
+class SoundControllers:
+    """Memory of one program's controllers without findings, by name.
+
+    A controller is the same again where its section and the robot are: without parameters nothing
+    else decides what it is, and without findings nothing speaks of places, which may have moved.
+    """
+
+    def __init__(self) -> None:
+        self._known: dict[str, _Sound] = {}
+
+    def recall(
+        self, name: str, section: ControllerSection, body: CheckedRobot
+    ) -> Controller | None:
+        """The controller that a section was on a robot, or ``None`` where that is not known."""
+        known = self._known.get(name)
+        same = known is not None and known.body is body and known.section == section
+        return known.controller if known is not None and same else None
+
+    def remember(
+        self, name: str, section: ControllerSection, body: CheckedRobot, controller: Controller
+    ) -> None:
+        """Keep a controller that was checked without a finding, in a document without faults."""
+        if "$" not in repr(section):
+            self._known[name] = _Sound(section, body, controller)

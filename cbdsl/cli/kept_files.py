@@ -1,0 +1,59 @@
+"""Damage to the files of a folder in which trials are kept."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator
+from pathlib import Path
+from typing import NamedTuple
+
+#: Ending of the journals of learning, which tell of their own damage.
+_JOURNALS = ".episodes.jsonl"
+
+
+class DamagedLine(NamedTuple):
+    """A line of a file that holds no row.
+
+    Attributes:
+        path: the file.
+        number: of the line, from 1.
+        problem: why it holds none.
+        passed: whether the line is passed over, as what a killed process left unfinished is.
+    """
+
+    path: Path
+    number: int
+    problem: str
+    passed: bool
+
+    def format_message(self) -> str:
+        """Sentence with the place and the remedy."""
+        cure = "it is passed over, and what it held is run again"
+        if not self.passed:
+            cure = "nothing was changed; delete this line, and the same command runs it again"
+        return f"{self.path}, line {self.number}: {self.problem}; {cure}"
+
+
+def damaged_lines(folder: Path) -> Iterator[DamagedLine]:
+    """Lines without a row, of all files of rows below a folder.
+
+    Raises:
+        OSError: a file cannot be read.
+    """
+    for path in sorted(folder.rglob("*.jsonl")):
+        if path.name.endswith(_JOURNALS):
+            continue
+        for number, line in enumerate(path.read_bytes().splitlines(), 1):
+            yield from _damage(path, number, line)
+
+
+def _damage(path: Path, number: int, line: bytes) -> Iterator[DamagedLine]:
+    try:
+        row = json.loads(line.decode("utf-8"))
+    except UnicodeDecodeError:
+        yield DamagedLine(path, number, "it is no UTF-8", passed=False)
+    except (ValueError, RecursionError):
+        yield DamagedLine(path, number, "it is no JSON", passed=True)
+    else:
+        if not isinstance(row, (dict, list)):
+            yield DamagedLine(path, number, "it is no row of a trial", passed=False)

@@ -1,0 +1,24 @@
+"""Notes on a robot, told before it runs."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from cbdsl.api.run_request import RunRequest
+
+
+def notes(request: RunRequest) -> list[str]:
+    """Assumptions about a robot, one sentence each, unless its document silences it."""
+    from cbdsl.checking.document import check_document
+    from cbdsl.checking.session import Session
+    from cbdsl.cli.ignores import apply_suppressions
+    from cbdsl.documents.robot import RobotDocument
+    from cbdsl.errors.diagnostic import Severity
+
+    library = request.library
+    file = library.find(RobotDocument, request.program.robot, request.program_file)
+    if file is None:
+        return []
+    findings = apply_suppressions(check_document(file, Session(library)), [], library)
+    return [finding.message for finding in findings if finding.severity is Severity.NOTE]

@@ -1,0 +1,88 @@
+"""Links of a proposed robot that touch each other where it starts."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, NamedTuple
+
+from cbdsl.robot.semantic_groups import SemanticGroup
+from cbdsl.robot.urdf import UrdfError, UrdfModel
+
+if TYPE_CHECKING:
+    from cbdsl.robot.self_contacts import LinkPair, SelfContacts
+
+#: Postures of an effector by name, of which it starts in the first.
+Postures = dict[str, tuple[float, ...]]
+
+
+class StartContacts(NamedTuple):
+    """Postures to start from, and which links touch each other then.
+
+    Attributes:
+        postures: by effector, the one to start from first.
+        always: pairs of links that touch in every posture that was tried.
+        there: pairs of other links that touch where the robot starts.
+        unknown: why none was looked for, or nothing.
+    """
+
+    postures: dict[str, Postures]
+    always: tuple[LinkPair, ...] = ()
+    there: tuple[LinkPair, ...] = ()
+    unknown: str = ""
+
+
+def start_contacts(
+    model: UrdfModel, effectors: Mapping[str, SemanticGroup], postures: Mapping[str, Postures]
+) -> StartContacts:
+    """Postures in which fewer links touch than in the first ones, and the links that touch still.
+
+    Args:
+        model: of the robot.
+        effectors: those that are proposed.
+        postures: of each, the preferred one first; those of an SRDF stay in their order.
+    """
+    try:
+        from cbdsl.robot.self_contacts import SelfContacts
+
+        contacts = SelfContacts(model)
+    except ImportError:
+        return StartContacts(dict(postures), unknown="pip install 'cbdsl[sim]' looks for them")
+    except UrdfError:
+        return StartContacts(dict(postures))  # which is a finding of the document
+    always = contacts.always()
+    chosen, there = _cleared(contacts, effectors, dict(postures))
+    always &= there
+    return StartContacts(chosen, tuple(sorted(always)), tuple(sorted(there - always)))
+
+
+def _cleared(
+    contacts: SelfContacts, effectors: Mapping[str, SemanticGroup], chosen: dict[str, Postures]
+) -> tuple[dict[str, Postures], frozenset[LinkPair]]:
+    """Postures of one effector after the other, put so that fewer links touch; which do then."""
+    there = _touching(contacts, effectors, chosen)
+    for name, own in chosen.items():
+        if effectors[name].postures:
+            continue
+        for start in own:
+            tried = {**chosen, name: {start: own[start], **own}}
+            touching = _touching(contacts, effectors, tried)
+            if len(touching) < len(there):
+                chosen, there = tried, touching
+    return chosen, there
+
+
+def _touching(
+    contacts: SelfContacts,
+    effectors: Mapping[str, SemanticGroup],
+    postures: Mapping[str, Postures],
+) -> frozenset[LinkPair]:
+    """Pairs of links that touch where all effectors start."""
+    return contacts.touching(
+        {
+            joint.name: position
+            for name, own in postures.items()
+            for joint, position in zip(
+                effectors[name].joints, next(iter(own.values())), strict=True
+            )
+        }
+    )

@@ -1,0 +1,182 @@
+"""Self-contacts of a robot: pairs of its links that touch in a posture, or in all of them."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping
+from itertools import combinations
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cbdsl.robot.mesh_file import find_mesh
+from cbdsl.robot.ready_posture import at_first
+from cbdsl.robot.urdf import UrdfJoint, UrdfModel, UrdfOrigin, UrdfShape
+
+Floats = NDArray[np.float64]
+LinkPair = tuple[str, str]
+
+# Engines let shapes touch a little before they overlap, m.
+_MARGIN = 0.002
+# Postures that are drawn, and how far endless joints are turned in them, rad.
+_SAMPLES = 100
+_TURN = math.pi
+
+
+class ConvexPart(NamedTuple):
+    """A convex part of a link.
+
+    Attributes:
+        geometry: coal's.
+        pose: in the link's frame, shape (4, 4).
+    """
+
+    geometry: Any
+    pose: Floats
+
+
+class SelfContacts:
+    """Contacts between links of which neither carries the other, as engines have them.
+
+    Meshes are taken for their convex hulls, as engines do; those that cannot be read are left out.
+
+    Args:
+        model: of the robot.
+
+    Raises:
+        ImportError: the reader of meshes, coal, is not installed.
+        UrdfError: a link has something else where numbers should be.
+    """
+
+    def __init__(self, model: UrdfModel) -> None:
+        import coal  # Pinocchio brings it along
+
+        self._coal, self._model = coal, model
+        self._order = list(_outwards(model))
+        shapes = {name: [*self._shapes(body.collisions)] for name, body in model.bodies.items()}
+        self._shapes_of = {name: own for name, own in shapes.items() if own}
+        ways = {name: {joint.parent for joint in model.way(name)} for name in self._shapes_of}
+        self._pairs = [
+            (one, other)
+            for one, other in combinations(sorted(self._shapes_of), 2)
+            if one not in ways[other] and other not in ways[one]
+        ]
+        self._request = coal.CollisionRequest()
+        self._request.security_margin = _MARGIN
+
+    def touching(self, positions: Mapping[str, float]) -> frozenset[LinkPair]:
+        """Pairs of links that touch in a posture.
+
+        Args:
+            positions: of joints, rad or m; others are where they are at first.
+        """
+        return self._touching(positions, self._pairs)
+
+    def always(self) -> frozenset[LinkPair]:
+        """Pairs of links that touch in each of a hundred postures, drawn within the limits."""
+        rng, left = np.random.default_rng(0), frozenset(self._pairs)
+        for _ in range(_SAMPLES):
+            if not left:
+                break
+            drawn = {joint.name: _drawn(joint, rng) for joint in self._order if joint.movable}
+            left = self._touching(drawn, sorted(left))
+        return left
+
+    def _touching(
+        self, positions: Mapping[str, float], pairs: list[LinkPair]
+    ) -> frozenset[LinkPair]:
+        frames = self._frames(positions)
+        placed = {
+            name: [(each.geometry, self._transform(frames[name] @ each.pose)) for each in own]
+            for name, own in self._shapes_of.items()
+        }
+        return frozenset(
+            (one, other)
+            for one, other in pairs
+            if any(self._touch(*a, *b) for a in placed[one] for b in placed[other])
+        )
+
+    def _touch(self, one: Any, its_pose: Any, other: Any, other_pose: Any) -> bool:
+        result = self._coal.CollisionResult()
+        return bool(self._coal.collide(one, its_pose, other, other_pose, self._request, result))
+
+    def _transform(self, pose: Floats) -> Any:
+        return self._coal.Transform3s(pose[:3, :3], pose[:3, 3])
+
+    def _frames(self, positions: Mapping[str, float]) -> dict[str, Floats]:
+        """Frames of all links in the root's, shape (4, 4)."""
+        frames = dict.fromkeys(self._model.links - {j.child for j in self._order}, np.eye(4))
+        for joint in self._order:
+            frame = frames[joint.parent] @ _pose(joint.origin)
+            if joint.movable:
+                frame = frame @ _motion(joint, self._position(joint, positions))
+            frames[joint.child] = frame
+        return frames
+
+    def _position(self, joint: UrdfJoint, positions: Mapping[str, float]) -> float:
+        """Where a joint is; a passive one follows another."""
+        mimic = joint.mimic
+        if mimic is None or mimic.joint not in self._model.joints:
+            return positions.get(joint.name, at_first(joint))
+        leader = self._model.joints[mimic.joint]
+        return mimic.ratio * positions.get(leader.name, at_first(leader)) + mimic.offset
+
+    def _shapes(self, shapes: tuple[UrdfShape, ...]) -> Iterator[ConvexPart]:
+        for shape in shapes:
+            geometry = self._geometry(shape)
+            if geometry is not None:
+                yield ConvexPart(geometry, _pose(shape.origin))
+
+    def _geometry(self, shape: UrdfShape) -> Any:
+        """A shape as coal has it, or ``None`` where it has no volume."""
+        if shape.kind == "mesh":
+            return self._hull(shape)
+        if not all(size > 0 for size in shape.size):
+            return None
+        make = {"ball": "Sphere", "box": "Box", "cylinder": "Cylinder", "capsule": "Capsule"}
+        return getattr(self._coal, make[shape.kind])(*shape.size)
+
+    def _hull(self, shape: UrdfShape) -> Any:
+        file = find_mesh(shape.file, self._model.path.parent)
+        try:
+            mesh = self._coal.MeshLoader().load(str(file), np.array(shape.size, dtype=float))
+            mesh.buildConvexHull(True, "Qt")
+        except (RuntimeError, ValueError):
+            return None  # which engines tell of, or which is flat
+        return mesh.convex
+
+
+def _outwards(model: UrdfModel) -> Iterator[UrdfJoint]:
+    """Joints, each after those that carry it."""
+    below: dict[str, list[UrdfJoint]] = {}
+    for joint in model.joints.values():
+        below.setdefault(joint.parent, []).append(joint)
+    waiting = [link for link in model.links if not model.way(link)]
+    while waiting:
+        for joint in below.get(waiting.pop(), []):
+            yield joint
+            waiting.append(joint.child)
+
+
+def _drawn(joint: UrdfJoint, rng: np.random.Generator) -> float:
+    return float(rng.uniform(max(joint.lower, -_TURN), min(joint.upper, _TURN)))
+
+
+def _pose(origin: UrdfOrigin) -> Floats:
+    pose = np.eye(4)
+    pose[:3, :3], pose[:3, 3] = origin.rotation, origin.xyz
+    return pose
+
+
+def _motion(joint: UrdfJoint, position: float) -> Floats:
+    """Motion of a joint from zero, shape (4, 4)."""
+    axis = np.array(joint.axis) / (math.hypot(*joint.axis) or 1.0)
+    motion = np.eye(4)
+    if joint.slides:
+        motion[:3, 3] = position * axis
+        return motion
+    x, y, z = axis
+    cross = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
+    motion[:3, :3] += math.sin(position) * cross + (1 - math.cos(position)) * cross @ cross
+    return motion

@@ -1,0 +1,59 @@
+"""What an editor's session keeps of controllers changes no finding, and saves looking again."""
+
+from __future__ import annotations
+
+import random
+from pathlib import Path
+
+import pytest
+
+from cbdsl.checking import compositions
+from cbdsl.editor.buffers import Buffers
+from tests.conftest import ROOT
+from tests.editor.test_random_edits import PROGRAMS, edited
+
+#: A change of a valid program, its undoing, and what is found in between.
+WORDS = {
+    "spring": ("springs", "manipulability", "spring"),
+    "right_arm": ("left_arm", "right_hand", "$arm"),
+    "8 /s": ("8 m", "0 /s", "9 /s"),
+    "robot: dexter": ("robot: panda", "robot: dextre", "robot: dexter "),
+    "controllers:": ("controllers: {}", "controls:", "controllers:\n  more: {potential: spring}"),
+}
+
+
+@pytest.mark.parametrize("program", PROGRAMS, ids=lambda path: path.stem)
+def test_findings_are_those_of_a_fresh_session(program: Path) -> None:
+    """After each of many changes, valid and not, and after each is taken back."""
+    path, text, kept = ROOT / "programs" / program.name, program.read_text("utf-8"), Buffers(ROOT)
+    rng = random.Random(program.stem)
+    changed = [text.replace(old, new) for old, news in WORDS.items() for new in news]
+    changed += [edited(text, rng) for _ in range(6)]
+    for each in changed:
+        for typed in (text, each):
+            kept.change(path, typed)
+            fresh = Buffers(ROOT)
+            fresh.change(path, typed)
+            assert kept.findings(path) == fresh.findings(path)
+
+
+def test_only_the_controller_that_changed_is_checked_again(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    program = ROOT / "programs" / "reachtouch.yaml"
+    text, buffers, checked = program.read_text("utf-8"), Buffers(ROOT), list[str]()
+    check = compositions.check_triple
+
+    def counted(context, key, *rest):  # type: ignore[no-untyped-def]
+        checked.append(key)
+        return check(context, key, *rest)
+
+    monkeypatch.setattr(compositions, "check_triple", counted)
+    plain = "  plain: {potential: spring, reference: head.uniform, feedback: head, effector: head"
+    for gain, again in (("8 /s", True), ("8 /s", False), ("9 /s", True)):
+        typed = text.replace("controllers:\n", f"controllers:\n{plain}, gain: {gain}}}\n")
+        assert typed != text
+        checked.clear()
+        buffers.change(program, f"{typed}# {again}\n")
+        buffers.findings(program)
+        assert ("plain" in checked) is again
