@@ -289,6 +289,20 @@ def test_what_was_lost_starts_from_rest(rng: np.random.Generator) -> None:
     assert wanted[3] > 3 * wanted[0]
 
 
+def test_a_search_that_is_interrupted_goes_on_as_fast_as_it_was(rng: np.random.Generator) -> None:
+    bench = Bench([CASES[1]._replace(search=SEARCHING)], rng)
+    sought, found = CASES[1].reading(rng)._replace(measured=False), []
+    for now in range(6):
+        bench.write(0, sought, np.full(3, 9.0), now)
+        if now == 4:
+            bench.table.forget(bench.feedback[0])
+        bench.tick()
+        found.append((int(bench.plan.slots["mode"][0]), float(np.linalg.norm(bench.plan.before))))
+    modes, wanted = zip(*found, strict=True)
+    assert modes == (SEARCH, SEARCH, SEARCH, SEARCH, IDLE, SEARCH)
+    assert wanted[5] > wanted[3] == wanted[4] > wanted[0]
+
+
 def test_a_position_is_sent_above_its_reference_and_judged_by_it(rng: np.random.Generator) -> None:
     raised = CASES[0]._replace(funnel=(0.2, 0.01, 3.0))
     bench = Bench([raised, CASES[0]], rng)
