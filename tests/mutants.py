@@ -22,10 +22,9 @@ import sys
 import tempfile
 import time
 import tomllib
-from collections.abc import Iterator, Sequence
+from collections.abc import Collection, Iterator, Sequence
 from dataclasses import asdict, dataclass, field
 from difflib import unified_diff
-from functools import cache
 from math import inf
 from pathlib import Path
 from typing import Any
@@ -48,8 +47,8 @@ LEAST = 0.9
 #: Seconds after which a mutant has changed an end into none, which its tests notice, too.
 PATIENCE = 300
 PATIENCE_WITH_ALL = 1800
-#: Tests that run: those that mirror or import the mutated file, all of its package, all of the four
-#: packages, or every fast one.
+#: Tests that run: those of its package that mirror or import the mutated file, all of its package
+#: and those elsewhere that import it, all of the four packages, too, or every fast one.
 REACHES = ("file", "package", "packages", "all")
 
 # One fault of each sort; other operators of cosmic-ray put many alike in the same place.
@@ -143,8 +142,8 @@ def sample_of(packages: Sequence[str], size: int, seed: int) -> list[Mutant]:
 def suites_of(file: str, reach: str) -> list[list[str]]:
     """Arguments of pytest, one list a process: what is compiled from a mutant is compiled once.
 
-    Tests that mirror a file come first, then those that import it, both of its package, then the
-    rest of what a reach takes in.
+    Tests that mirror a file come first, then those of its package that import it, then the rest of
+    its package, then those elsewhere that import it, and then the rest of what a reach takes in.
     """
     _, package, *folders, name = Path(file).parts
     module = ".".join(("cbdsl", package, *folders, Path(name).stem))
@@ -153,14 +152,18 @@ def suites_of(file: str, reach: str) -> list[list[str]]:
     imports = re.compile(rf"\b{re.escape(module)}\b")
     near = [
         *(each for each in of_package if each == mirror),
-        *(each for each in of_package if imports.search((ROOT / each).read_text())),
+        *(each for each in of_package if imports.search(_text(each))),
     ]
     if reach != "file" or not near:
-        near += of_package
+        near += [*of_package, *(each for each in _tests_of("") if imports.search(_text(each)))]
     if reach in ("packages", "all"):
         near += [each for other in PACKAGES for each in _tests_of(other)]
     suites = [list(dict.fromkeys(near))]
     return [*suites, ["-n", "2", "tests"]] if reach == "all" else suites
+
+
+def _text(test: str) -> str:
+    return (ROOT / test).read_text()
 
 
 def _tests_of(package: str) -> list[str]:
@@ -182,9 +185,6 @@ def killer(mutant: Mutant, folder: Path, reach: str) -> str | None:
 
     Returns:
         Its name in pytest, or how the process ended without one; ``None`` for a survivor.
-
-    Raises:
-        SystemExit: it fails without the mutant, too.
     """
     file, code = folder / mutant.file, mutant.code
     assert code is not None
@@ -197,16 +197,19 @@ def killer(mutant: Mutant, folder: Path, reach: str) -> str | None:
         by = next((each for each in failures if each), None)
     finally:
         file.write_text(before)
-    if by is not None:
-        named = (by,) if by.startswith("tests") else ("--collect-only", *suites[0])
-        _check_sound(named, folder)
     return by
 
 
-@cache
-def _check_sound(suite: tuple[str, ...], folder: Path) -> None:
-    """Hold what noticed a mutant to passing without one, so that a broken copy kills none."""
-    if by := first_failure(suite, folder):
+def check_sound(killers: Collection[str], folder: Path) -> None:
+    """Hold tests that killed mutants to passing without any: a broken copy kills none.
+
+    Raises:
+        SystemExit: one fails.
+    """
+    tests = sorted(by for by in killers if by.startswith("tests"))
+    # Where a process ended without a failure, it was before all tests.
+    suite = tests or ["--collect-only", "tests/runtime"]
+    if killers and (by := first_failure(suite, folder)):
         raise SystemExit(f"without a mutant, too: {by}")
 
 
@@ -289,7 +292,7 @@ class Judgement:
 def judge(sample: Sequence[Mutant], judgement: Judgement, seconds: float) -> tuple[int, int]:
     """How many of how many mutants died; none is begun after some seconds."""
     died = of = 0
-    begun = time.monotonic()
+    begun, killers = time.monotonic(), set[str]()
     reasons = known_survivors()
     with tempfile.TemporaryDirectory() as name:
         copy_checkout(Path(name))
@@ -302,9 +305,12 @@ def judge(sample: Sequence[Mutant], judgement: Judgement, seconds: float) -> tup
             if not judgement.is_judged(mutant):
                 if time.monotonic() - begun > seconds:
                     continue
-                judgement.add(mutant, killer(mutant, Path(name), judgement.reach))
+                by = killer(mutant, Path(name), judgement.reach)
+                killers |= {by} if by else set()
+                judgement.add(mutant, by)
             of += 1
             died += judgement.rows[mutant]["by"] is not None
+        check_sound(killers, Path(name))
     return died, of
 
 

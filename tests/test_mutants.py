@@ -15,6 +15,7 @@ from tests.mutants import (
     ROOT,
     Judgement,
     Mutant,
+    check_sound,
     judge,
     killer,
     known_survivors,
@@ -60,6 +61,9 @@ def test_nearest_tests_come_first() -> None:
     assert package[0] == "tests/control/test_law.py"
     assert package[1] == "tests/control/test_harmonic.py"  # imports it, too
     assert set(package) == {f"tests/control/{file.name}" for file in CONTROL.glob("test_*.py")}
+    (journal,) = suites_of("cbdsl/runtime/line_journal.py", "package")
+    assert Path(journal[0]).parts[1] == "runtime"
+    assert Path(journal[-1]).parts[1] == "training"  # imports it, too
     (near,) = suites_of("cbdsl/control/law.py", "file")
     assert near == package[: len(near)] and len(near) < len(package)
     (four,) = suites_of("cbdsl/control/law.py", "packages")
@@ -105,8 +109,12 @@ def test_what_cannot_be_imported_dies(checkout: Path) -> None:
 
 def test_a_test_that_fails_anyway_kills_nothing(checkout: Path) -> None:
     write_test(checkout, "    assert one(2) == 4\n")
+    by = killer(one_of(checkout, "a - 1"), checkout, "file")
+    assert by is not None
     with pytest.raises(SystemExit, match="without a mutant"):
-        killer(one_of(checkout, "a - 1"), checkout, "file")
+        check_sound([by], checkout)
+    write_test(checkout, "    assert one(2) == 3\n")
+    check_sound([by], checkout)
 
 
 def test_results_are_kept_and_survivors_judged_again_by_more_tests(
@@ -121,6 +129,7 @@ def test_results_are_kept_and_survivors_judged_again_by_more_tests(
 
     monkeypatch.setattr(mutants, "killer", second_survives)
     monkeypatch.setattr(mutants, "copy_checkout", lambda folder: None)
+    monkeypatch.setattr(mutants, "first_failure", lambda suite, folder: None)
     known = {(sample[3].file, sample[3].change.strip()): "it is all the same"}
     monkeypatch.setattr(mutants, "known_survivors", lambda: known)
     kept = tmp_path / "kept.jsonl"
@@ -175,7 +184,7 @@ def checkout(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 def write_test(checkout: Path, body: str) -> None:
     """Let a package of one file have a test."""
     file = checkout / "tests" / "control" / "test_one.py"
-    file.parent.mkdir(parents=True)
+    file.parent.mkdir(parents=True, exist_ok=True)
     file.write_text(f"from cbdsl.control.one import one\n\n\ndef test_one():\n{body}")
 
 
