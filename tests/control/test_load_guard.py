@@ -111,8 +111,8 @@ def test_references_that_press_from_afar_come_back_beyond_the_bound(
     share: float, kept: float
 ) -> None:
     """By their part along the force alone, as the joints feel it; those that lag stay."""
-    assert Pressing(alone(share * BOUND), lead=0.1).kept() == pytest.approx(kept)
-    assert Pressing(alone(share * BOUND), lead=-0.1).kept() == pytest.approx(1.0)
+    assert Pressing(alone(share * BOUND), lead=0.02).kept() == pytest.approx(kept)
+    assert Pressing(alone(share * BOUND), lead=-0.02).kept() == pytest.approx(1.0)
 
 
 def test_two_guards_hold_at_once() -> None:
