@@ -22,7 +22,7 @@ import sys
 import tempfile
 import time
 import tomllib
-from collections.abc import Collection, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import asdict, dataclass, field
 from difflib import unified_diff
 from math import inf
@@ -180,69 +180,91 @@ def copy_checkout(folder: Path) -> None:
         shutil.copy(ROOT / name, folder / name)
 
 
-def killer(mutant: Mutant, folder: Path, reach: str) -> str | None:
-    """The first test that fails in a copy of the checkout with a mutant in it.
-
-    Returns:
-        Its name in pytest, or how the process ended without one; ``None`` for a survivor.
-    """
-    file, code = folder / mutant.file, mutant.code
-    assert code is not None
-    before = file.read_text()
-    kernels = any(mark in before.encode() for mark in MARKS)
-    suites = suites_of(mutant.file, reach)
-    file.write_text(code)
-    try:
-        failures = (first_failure(suite, folder, kernels) for suite in suites)
-        by = next((each for each in failures if each), None)
-    finally:
-        file.write_text(before)
-    return by
-
-
-def check_sound(killers: Collection[str], folder: Path) -> None:
-    """Hold tests that killed mutants to passing without any: a broken copy kills none.
-
-    Raises:
-        SystemExit: one fails.
-    """
-    tests = sorted(by for by in killers if by.startswith("tests"))
-    # Where a process ended without a failure, it was before all tests.
-    suite = tests or ["--collect-only", "tests/runtime"]
-    if killers and (by := first_failure(suite, folder)):
-        raise SystemExit(f"without a mutant, too: {by}")
-
-
-def first_failure(suite: Sequence[str], folder: Path, kernels: bool = False) -> str | None:
-    """The first of some tests that fails; a process that crashes or never ends is one, too.
+class Copy:
+    """Copy of the checkout that mutants are put into, one at a time.
 
     Args:
-        kernels: machine code is not the checkout's; it goes into a folder that is deleted.
+        folder: where it is.
+
+    Attributes:
+        failing: tests that fail there without a mutant, too, and are left out from then on.
     """
-    command = [sys.executable, "-B", "-m", "pytest", "-x", "-q", "-p", "no:cacheprovider", *suite]
-    surroundings = os.environ | {"PYTHONPATH": str(folder), "PYTHONDONTWRITEBYTECODE": "1"}
-    patience = PATIENCE if suite[-1] != "tests" else PATIENCE_WITH_ALL
-    with tempfile.TemporaryDirectory() as compiled:
-        if kernels:
-            surroundings["NUMBA_CACHE_DIR"] = compiled
+
+    def __init__(self, folder: Path) -> None:
+        self.folder = folder
+        self.failing: list[str] = []
+        self._sound: set[str] = set()
+
+    def killer(self, mutant: Mutant, reach: str) -> str | None:
+        """The first test that a mutant fails, and that passes without it.
+
+        Returns:
+            Its name in pytest, or how the process ended without one; ``None`` for a survivor.
+
+        Raises:
+            SystemExit: tests cannot even be read without it.
+        """
+        while True:
+            by = self._first_failure_with(mutant, reach)
+            if by is None or by in self._sound:
+                return by
+            # Where a process ended without a failed test, it was before all of them.
+            test = "::" in by
+            if self.first_failure([by] if test else ["--collect-only", *_tests_of("runtime")]):
+                if not test:
+                    raise SystemExit(f"without a mutant, too: {by}")
+                sys.stdout.write(f"left out, since it fails without a mutant, too: {by}\n")
+                self.failing.append(by)
+                continue
+            self._sound.add(by)
+            return by
+
+    def _first_failure_with(self, mutant: Mutant, reach: str) -> str | None:
+        file, code = self.folder / mutant.file, mutant.code
+        assert code is not None
+        before = file.read_text()
+        kernels = any(mark in before.encode() for mark in MARKS)
+        suites = suites_of(mutant.file, reach)
+        file.write_text(code)
         try:
-            done = subprocess.run(
-                command,
-                cwd=folder,
-                env=surroundings,
-                capture_output=True,
-                text=True,
-                timeout=patience,
-                check=False,
-            )
-        except subprocess.TimeoutExpired:
-            return f"no end within {patience} s"
-    if done.returncode == pytest.ExitCode.NO_TESTS_COLLECTED:
-        raise SystemExit(f"no tests: {done.stdout[-2000:]}")
-    if done.returncode == 0:
-        return None
-    failed = re.search(r"^(?:FAILED|ERROR) (tests/.+?)(?: - |$)", done.stdout, re.MULTILINE)
-    return failed[1] if failed else f"pytest ended with {done.returncode}"
+            failures = (self.first_failure(suite, kernels=kernels) for suite in suites)
+            return next((each for each in failures if each), None)
+        finally:
+            file.write_text(before)
+
+    def first_failure(self, suite: Sequence[str], *, kernels: bool = False) -> str | None:
+        """The first of some tests that fails; a process that crashes or never ends is one, too.
+
+        Args:
+            suite: arguments of pytest.
+            kernels: machine code is not the checkout's; it goes into a folder that is deleted.
+        """
+        left_out = [f"--deselect={each}" for each in self.failing]
+        command = [sys.executable, "-B", "-m", "pytest", "-x", "-q", "-p", "no:cacheprovider"]
+        patience = PATIENCE if suite[-1] != "tests" else PATIENCE_WITH_ALL
+        surroundings = os.environ | {"PYTHONPATH": str(self.folder), "PYTHONDONTWRITEBYTECODE": "1"}
+        with tempfile.TemporaryDirectory() as compiled:
+            if kernels:
+                surroundings["NUMBA_CACHE_DIR"] = compiled
+            try:
+                done = subprocess.run(
+                    [*command, *left_out, *suite],
+                    cwd=self.folder,
+                    env=surroundings,
+                    capture_output=True,
+                    text=True,
+                    timeout=patience,
+                    check=False,
+                )
+            except subprocess.TimeoutExpired:
+                return f"no end within {patience} s"
+        none = done.returncode == pytest.ExitCode.NO_TESTS_COLLECTED
+        if none and not left_out:
+            raise SystemExit(f"no tests: {done.stdout[-2000:]}")
+        if none or done.returncode == 0:
+            return None
+        failed = re.search(r"^(?:FAILED|ERROR) (tests/.+?)(?: - |$)", done.stdout, re.MULTILINE)
+        return failed[1] if failed else f"pytest ended with {done.returncode}"
 
 
 def known_survivors() -> dict[tuple[str, str], str]:
@@ -292,10 +314,11 @@ class Judgement:
 def judge(sample: Sequence[Mutant], judgement: Judgement, seconds: float) -> tuple[int, int]:
     """How many of how many mutants died; none is begun after some seconds."""
     died = of = 0
-    begun, killers = time.monotonic(), set[str]()
+    begun = time.monotonic()
     reasons = known_survivors()
     with tempfile.TemporaryDirectory() as name:
-        copy_checkout(Path(name))
+        copy = Copy(Path(name))
+        copy_checkout(copy.folder)
         for mutant in sample:
             reason = reasons.get((mutant.file, mutant.change.strip()))
             if reason:
@@ -305,12 +328,9 @@ def judge(sample: Sequence[Mutant], judgement: Judgement, seconds: float) -> tup
             if not judgement.is_judged(mutant):
                 if time.monotonic() - begun > seconds:
                     continue
-                by = killer(mutant, Path(name), judgement.reach)
-                killers |= {by} if by else set()
-                judgement.add(mutant, by)
+                judgement.add(mutant, copy.killer(mutant, judgement.reach))
             of += 1
             died += judgement.rows[mutant]["by"] is not None
-        check_sound(killers, Path(name))
     return died, of
 
 
