@@ -239,3 +239,23 @@ def test_a_probability_is_that_of_the_features_now(
     assert with_features is not None and without is not None and undefined is None
     assert with_features.value == pytest.approx(model.reward_given(np.concatenate(values)))
     assert without.value == pytest.approx(bare.reward_given(np.zeros(0)))
+
+
+def test_links_have_rows_of_their_own_and_of_their_middle(
+    dexter: RobotDocument, kinematics: Kinematics, posture: np.ndarray
+) -> None:
+    cells = [each.link for each in dexter.load_cells["right_hand"].values()]
+    signals = Signals(dexter, kinematics, ())
+    rows = [signals.bind_links([link]) for link in cells]
+    middle = signals.bind_links(cells)
+    assert signals.bind_links(cells) == middle and signals.bind_links(cells[:1]) == rows[0]
+    signals.update(observe(dexter, posture))
+    signals.refresh(signals.select([*rows, middle]))
+    places = [kinematics.frame(link).position for link in cells]
+    for row, place in zip(rows, places, strict=True):
+        assert signals.table.values(row).shape == (3,)
+        np.testing.assert_allclose(signals.table.values(row), place, atol=1e-12)
+    np.testing.assert_allclose(signals.table.values(middle), np.mean(places, axis=0), atol=1e-12)
+    jacobians = [signals.table.rows(row) for row in rows]
+    assert np.abs(jacobians[0]).max() > 0.1
+    np.testing.assert_allclose(signals.table.rows(middle), np.mean(jacobians, axis=0), atol=1e-12)
