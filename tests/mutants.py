@@ -47,8 +47,8 @@ LEAST = 0.9
 #: Seconds after which a mutant has changed an end into none, which its tests notice, too.
 PATIENCE = 300
 PATIENCE_WITH_ALL = 1800
-#: Tests that run: those of its package that mirror or import the mutated file, all of its package
-#: and those elsewhere that import it, all of the four packages, too, or every fast one.
+#: Tests that run: those of its package that mirror or import the mutated file, all of its package,
+#: those elsewhere that import it and all of the four packages, too, or every fast one.
 REACHES = ("file", "package", "packages", "all")
 
 # One fault of each sort; other operators of cosmic-ray put many alike in the same place.
@@ -143,7 +143,7 @@ def suites_of(file: str, reach: str) -> list[list[str]]:
     """Arguments of pytest, one list a process: what is compiled from a mutant is compiled once.
 
     Tests that mirror a file come first, then those of its package that import it, then the rest of
-    its package, then those elsewhere that import it, and then the rest of what a reach takes in.
+    its package, those elsewhere that import it, and the rest of what a reach takes in.
     """
     _, package, *folders, name = Path(file).parts
     module = ".".join(("cbdsl", package, *folders, Path(name).stem))
@@ -155,8 +155,9 @@ def suites_of(file: str, reach: str) -> list[list[str]]:
         *(each for each in of_package if imports.search(_text(each))),
     ]
     if reach != "file" or not near:
-        near += [*of_package, *(each for each in _tests_of("") if imports.search(_text(each)))]
+        near += of_package
     if reach in ("packages", "all"):
+        near += [each for each in _tests_of("") if imports.search(_text(each))]
         near += [each for other in PACKAGES for each in _tests_of(other)]
     suites = [list(dict.fromkeys(near))]
     return [*suites, ["-n", "2", "tests"]] if reach == "all" else suites
