@@ -26,7 +26,7 @@ from tests.mutants import (
 LAW = ROOT / "cbdsl" / "control" / "composition.py"
 CONTROL = ROOT / "tests" / "control"
 #: Of the sample that is judged with the slow tests.
-SEED = 7_700_000
+SEED = 0
 
 
 def test_every_mutant_of_a_file_is_another_program() -> None:
