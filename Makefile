@@ -7,9 +7,12 @@ MARK ?= slow or not slow
 # What a bill of materials is made for.
 USERS = sim,editor,formats,learn,mujoco,gym,trees,mcap
 
-# How many mutants, and with which tests: `all` fast ones take minutes for each that is hard to kill.
+# How many mutants, which ones, and with which tests: `all` fast ones take minutes for each that is hard to kill. With a
+# file in KEEP it can be interrupted, and goes on.
 SAMPLE ?= 100
+SEED ?= 0
 REACH ?= all
+KEEP ?=
 
 # How long each entry point is fuzzed, s, and which: all.
 SECONDS ?= 60
@@ -53,7 +56,7 @@ properties:
 
 # Small faults in control, sensing, runtime and learning that the fast tests have to notice.
 mutants:
-	$(BIN)python -m tests.mutants --sample $(SAMPLE) --reach $(REACH)
+	$(BIN)python -m tests.mutants --sample $(SAMPLE) --seed $(SEED) --reach $(REACH) $(if $(KEEP),--keep $(KEEP))
 
 # Everything that reads text, fed with what reaches new branches: 25 entry points of SECONDS each.
 fuzz:

@@ -2,8 +2,10 @@
 
 A mutant is one change by an operator of cosmic-ray, made in a copy of the checkout. The tests of
 the mutated file run first, then those of its package, then all fast ones; the first failure kills
-it. A sample of them is judged by the exact interval of the share that died. Run with ``make
-mutants``, or ``python -m tests.mutants --sample 20 --seed 3 --reach package``.
+it, if the same test passes without the mutant. A sample of them is judged by the exact interval of
+the share that died; known survivors are said with their reason and count as survivors. Run with
+``make mutants``, or ``python -m tests.mutants --sample 20 --seed 3 --reach package``; with ``--keep
+FILE --seconds 150`` piece by piece.
 """
 
 from __future__ import annotations
@@ -13,14 +15,17 @@ import ast
 import json
 import os
 import random
+import re
 import shutil
 import subprocess
 import sys
 import tempfile
+import time
 import tomllib
 from collections.abc import Iterator, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, field
 from difflib import unified_diff
+from math import inf
 from pathlib import Path
 from typing import Any
 
@@ -29,6 +34,7 @@ from cosmic_ray.ast import ast_nodes, get_ast
 from cosmic_ray.mutating import mutate_code
 from cosmic_ray.plugins import get_operator
 
+from cbdsl.numeric.compiled import MARKS
 from cbdsl.numeric.proportion import exact_interval
 
 ROOT = Path(__file__).parents[1]
@@ -39,7 +45,11 @@ FILES = ("pyproject.toml", "README.md", "CHANGELOG.md", "Makefile", "setup.sh")
 #: Share of the mutants that tests have to notice.
 LEAST = 0.9
 #: Seconds after which a mutant has changed an end into none, which its tests notice, too.
-PATIENCE = 900
+PATIENCE = 300
+PATIENCE_WITH_ALL = 1800
+#: Tests that run: those of its package that mirror or import the mutated file, all of its package,
+#: those elsewhere that import it and all of the four packages, too, or every fast one.
+REACHES = ("file", "package", "packages", "all")
 
 # One fault of each sort; other operators of cosmic-ray put many alike in the same place.
 OPERATORS = tuple(
@@ -101,9 +111,9 @@ def _bare(source: str) -> str:
     tree = ast.parse(source)
     for node in ast.walk(tree):
         if isinstance(node, (ast.FunctionDef, ast.AnnAssign)):
-            for field in ("returns", "annotation"):
-                if getattr(node, field, None) is not None:
-                    setattr(node, field, ast.Constant(None))
+            for name in ("returns", "annotation"):
+                if getattr(node, name, None) is not None:
+                    setattr(node, name, ast.Constant(None))
         if isinstance(node, ast.arg):
             node.annotation = None
     return ast.dump(tree)
@@ -130,89 +140,199 @@ def sample_of(packages: Sequence[str], size: int, seed: int) -> list[Mutant]:
 
 
 def suites_of(file: str, reach: str) -> list[list[str]]:
-    """Arguments of pytest, tests that are nearest to a file first.
+    """Arguments of pytest, one list a process: what is compiled from a mutant is compiled once.
 
-    Args:
-        reach: ``package`` for those of the file and of its package, ``all`` for all fast ones too.
+    Tests that mirror a file come first, then those of its package that import it, then the rest of
+    its package, those elsewhere that import it, and the rest of what a reach takes in.
     """
-    _, *folders, name = Path(file).parts
-    mirror = Path("tests", *folders, f"test_{name}")
-    suites = [[str(mirror)]] if (ROOT / mirror).exists() else []
-    suites.append([f"tests/{folders[0]}"])
-    if reach == "all":
-        suites.append(["-n", "2", "tests"])
-    return suites
+    _, package, *folders, name = Path(file).parts
+    module = ".".join(("cbdsl", package, *folders, Path(name).stem))
+    mirror = Path("tests", package, *folders, f"test_{name}").as_posix()
+    of_package = _tests_of(package)
+    imports = re.compile(rf"\b{re.escape(module)}\b")
+    near = [
+        *(each for each in of_package if each == mirror),
+        *(each for each in of_package if imports.search(_text(each))),
+    ]
+    if reach != "file" or not near:
+        near += of_package
+    if reach in ("packages", "all"):
+        near += [each for each in _tests_of("") if imports.search(_text(each))]
+        near += [each for other in PACKAGES for each in _tests_of(other)]
+    suites = [list(dict.fromkeys(near))]
+    return [*suites, ["-n", "2", "tests"]] if reach == "all" else suites
+
+
+def _text(test: str) -> str:
+    return (ROOT / test).read_text()
+
+
+def _tests_of(package: str) -> list[str]:
+    files = sorted((ROOT / "tests" / package).rglob("test_*.py"))
+    return [file.relative_to(ROOT).as_posix() for file in files]
 
 
 def copy_checkout(folder: Path) -> None:
-    """Copy what tests read, without results and compiled code."""
-    ignored = shutil.ignore_patterns("__pycache__", "*.nbc", "*.nbi")
+    """Copy what tests read. Machine code comes along: it is stamped with all its sources."""
+    ignored = shutil.ignore_patterns("*.pyc")
     for name in COPIED:
         shutil.copytree(ROOT / name, folder / name, ignore=ignored)
     for name in FILES:
         shutil.copy(ROOT / name, folder / name)
 
 
-def survives(mutant: Mutant, folder: Path, reach: str) -> bool:
-    """Whether all tests pass in a copy of the checkout with the mutant in it."""
-    file, code = folder / mutant.file, mutant.code
-    assert code is not None
-    before = file.read_text()
-    file.write_text(code)
-    try:
-        return all(_passes(suite, folder) for suite in suites_of(mutant.file, reach))
-    finally:
-        file.write_text(before)
+class Copy:
+    """Copy of the checkout that mutants are put into, one at a time.
+
+    Args:
+        folder: where it is.
+
+    Attributes:
+        failing: tests that fail there without a mutant, too, and are left out from then on.
+    """
+
+    def __init__(self, folder: Path) -> None:
+        self.folder = folder
+        self.failing: list[str] = []
+        self._sound: set[str] = set()
+
+    def killer(self, mutant: Mutant, reach: str) -> str | None:
+        """The first test that a mutant fails, and that passes without it.
+
+        Returns:
+            Its name in pytest, or how the process ended without one; ``None`` for a survivor.
+
+        Raises:
+            SystemExit: tests cannot even be read without it.
+        """
+        while True:
+            by = self._first_failure_with(mutant, reach)
+            if by is None or by in self._sound:
+                return by
+            # Where a process ended without a failed test, it was before all of them.
+            test = "::" in by
+            if self.first_failure([by] if test else ["--collect-only", *_tests_of("runtime")]):
+                if not test:
+                    raise SystemExit(f"without a mutant, too: {by}")
+                sys.stdout.write(f"left out, since it fails without a mutant, too: {by}\n")
+                self.failing.append(by)
+                continue
+            self._sound.add(by)
+            return by
+
+    def _first_failure_with(self, mutant: Mutant, reach: str) -> str | None:
+        file, code = self.folder / mutant.file, mutant.code
+        assert code is not None
+        before = file.read_text()
+        kernels = any(mark in before.encode() for mark in MARKS)
+        suites = suites_of(mutant.file, reach)
+        file.write_text(code)
+        try:
+            failures = (self.first_failure(suite, kernels=kernels) for suite in suites)
+            return next((each for each in failures if each), None)
+        finally:
+            file.write_text(before)
+
+    def first_failure(self, suite: Sequence[str], *, kernels: bool = False) -> str | None:
+        """The first of some tests that fails; a process that crashes or never ends is one, too.
+
+        Args:
+            suite: arguments of pytest.
+            kernels: machine code is not the checkout's; it goes into a folder that is deleted.
+        """
+        left_out = [f"--deselect={each}" for each in self.failing]
+        command = [sys.executable, "-B", "-m", "pytest", "-x", "-q", "-p", "no:cacheprovider"]
+        patience = PATIENCE if suite[-1] != "tests" else PATIENCE_WITH_ALL
+        surroundings = os.environ | {"PYTHONPATH": str(self.folder), "PYTHONDONTWRITEBYTECODE": "1"}
+        with tempfile.TemporaryDirectory() as compiled:
+            if kernels:
+                surroundings["NUMBA_CACHE_DIR"] = compiled
+            try:
+                done = subprocess.run(
+                    [*command, *left_out, *suite],
+                    cwd=self.folder,
+                    env=surroundings,
+                    capture_output=True,
+                    text=True,
+                    timeout=patience,
+                    check=False,
+                )
+            except subprocess.TimeoutExpired:
+                return f"no end within {patience} s"
+        none = done.returncode == pytest.ExitCode.NO_TESTS_COLLECTED
+        if none and not left_out:
+            raise SystemExit(f"no tests: {done.stdout[-2000:]}")
+        if none or done.returncode == 0:
+            return None
+        failed = re.search(r"^(?:FAILED|ERROR) (tests/.+?)(?: - |$)", done.stdout, re.MULTILINE)
+        return failed[1] if failed else f"pytest ended with {done.returncode}"
 
 
-def _passes(suite: Sequence[str], folder: Path) -> bool:
-    """Whether tests pass; a process that crashes has noticed the mutant, too."""
-    command = [sys.executable, "-B", "-m", "pytest", "-x", "-q", "-p", "no:cacheprovider", *suite]
-    surroundings = os.environ | {"PYTHONPATH": str(folder), "PYTHONDONTWRITEBYTECODE": "1"}
-    try:
-        done = subprocess.run(
-            command,
-            cwd=folder,
-            env=surroundings,
-            capture_output=True,
-            timeout=PATIENCE,
-            check=False,
-        )
-    except subprocess.TimeoutExpired:
-        return False
-    if done.returncode in (pytest.ExitCode.USAGE_ERROR, pytest.ExitCode.NO_TESTS_COLLECTED):
-        raise SystemExit(f"pytest ended with {done.returncode}: {done.stdout.decode()[-2000:]}")
-    return done.returncode == 0
-
-
-def equivalents() -> dict[tuple[str, str], str]:
-    """Known survivors that no test can notice: the reason, by file and change."""
+def known_survivors() -> dict[tuple[str, str], str]:
+    """Why survivors live, by file and change."""
     survivors = tomllib.loads((ROOT / "tests" / "survivors.toml").read_text())["survivor"]
     return {(each["file"], each["change"].strip()): each["reason"] for each in survivors}
 
 
-def judge(size: int, seed: int, reach: str, kept: Path | None) -> list[dict[str, Any]]:
-    """Results of a sample, those that a file keeps from before first."""
-    lines = kept.read_text().splitlines() if kept and kept.exists() else []
-    rows = [json.loads(line) for line in lines]
-    done = {(row["file"], row["operator"], row["occurrence"]) for row in rows}
-    excused = equivalents()
+@dataclass
+class Judgement:
+    """What became of mutants, kept line by line in a file to go on from.
+
+    Attributes:
+        reach: which tests run.
+        kept: the file; ``None`` keeps nothing.
+        rows: of each mutant its fields, ``change``, ``reach`` and ``by``, which killed it.
+    """
+
+    reach: str
+    kept: Path | None
+    rows: dict[Mutant, dict[str, Any]] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        lines = self.kept.read_text().splitlines() if self.kept and self.kept.exists() else []
+        for row in map(json.loads, lines):
+            self.rows[Mutant(row["file"], row["operator"], row["occurrence"])] = row
+
+    def is_judged(self, mutant: Mutant) -> bool:
+        """Whether the same change died, or survived all tests that would run."""
+        row = self.rows.get(mutant)
+        if row is None or row["change"] != mutant.change:
+            return False
+        return row["by"] is not None or REACHES.index(row["reach"]) >= REACHES.index(self.reach)
+
+    def add(self, mutant: Mutant, by: str | None) -> None:
+        """Keep what killed a mutant, and say it."""
+        row = {**asdict(mutant), "change": mutant.change, "reach": self.reach, "by": by}
+        self.rows[mutant] = row
+        if self.kept:
+            with self.kept.open("a") as file:
+                file.write(json.dumps(row) + "\n")
+        said = f"dies     {mutant.file}: {by}" if by else f"SURVIVES {mutant.file}\n{mutant.change}"
+        sys.stdout.write(f"{said}\n")
+        sys.stdout.flush()
+
+
+def judge(sample: Sequence[Mutant], judgement: Judgement, seconds: float) -> tuple[int, int]:
+    """How many of how many mutants died; none is begun after some seconds."""
+    died = of = 0
+    begun = time.monotonic()
+    reasons = known_survivors()
     with tempfile.TemporaryDirectory() as name:
-        folder = Path(name)
-        copy_checkout(folder)
-        for mutant in sample_of(PACKAGES, size, seed):
-            key = (mutant.file, mutant.operator, mutant.occurrence)
-            if key in done or (mutant.file, mutant.change.strip()) in excused:
+        copy = Copy(Path(name))
+        copy_checkout(copy.folder)
+        for mutant in sample:
+            reason = reasons.get((mutant.file, mutant.change.strip()))
+            if reason:
+                sys.stdout.write(f"survives {mutant.file}, known: {reason}\n{mutant.change}\n")
+                of += 1
                 continue
-            alive = survives(mutant, folder, reach)
-            rows.append({**asdict(mutant), "change": mutant.change, "survives": alive})
-            sys.stdout.write(f"{'SURVIVES' if alive else 'dies':9}{mutant.file}\n")
-            if alive:
-                sys.stdout.write(f"{mutant.change}\n")
-            sys.stdout.flush()
-            if kept:
-                kept.write_text("".join(json.dumps(row) + "\n" for row in rows))
-    return rows
+            if not judgement.is_judged(mutant):
+                if time.monotonic() - begun > seconds:
+                    continue
+                judgement.add(mutant, copy.killer(mutant, judgement.reach))
+            of += 1
+            died += judgement.rows[mutant]["by"] is not None
+    return died, of
 
 
 def main() -> None:
@@ -220,13 +340,14 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--sample", type=int, default=100, help="how many mutants")
     parser.add_argument("--seed", type=int, default=0, help="which ones")
-    parser.add_argument("--reach", choices=("package", "all"), default="all", help="tests that run")
+    parser.add_argument("--reach", choices=REACHES, default="all", help="tests that run")
     parser.add_argument("--keep", type=Path, help="file of the results, to go on from")
+    parser.add_argument("--seconds", type=float, default=inf, help="none is begun after these")
     options = parser.parse_args()
-    rows = judge(options.sample, options.seed, options.reach, options.keep)
-    died = sum(not row["survives"] for row in rows)
-    low, high = exact_interval(died, len(rows))
-    sys.stdout.write(f"{died} of {len(rows)} died: {100 * low:.0f} to {100 * high:.0f} %\n")
+    sample = sample_of(PACKAGES, options.sample, options.seed)
+    died, of = judge(sample, Judgement(options.reach, options.keep), options.seconds)
+    low, high = exact_interval(died, of)
+    sys.stdout.write(f"{died} of {of} died: {100 * low:.1f} to {100 * high:.1f} %\n")
     sys.exit(high < LEAST)
 
 

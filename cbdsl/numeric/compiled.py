@@ -18,8 +18,8 @@ Function = TypeVar("Function", bound=Callable[..., Any])
 _OUTER: dict[str, Any] = {"error_model": "numpy", "no_cfunc_wrapper": True}
 _INNER: dict[str, Any] = {**_OUTER, "no_cpython_wrapper": True}
 
-# Files with one of these in them define compiled functions.
-_MARKS = (b"numeric.compiled import", b"control.potential import")
+#: Files with one of these in them define compiled functions.
+MARKS = (b"numeric.compiled import", b"control.potential import")
 
 
 def compiled(function: Function) -> Function:
@@ -68,6 +68,6 @@ def _hash(package: Path) -> str:
     files = sorted(package.rglob("*.py")) if package.is_dir() else [package]
     for file in files:
         content = file.read_bytes()
-        if package.is_file() or any(mark in content for mark in _MARKS):
+        if package.is_file() or any(mark in content for mark in MARKS):
             digest.update(content)
     return digest.hexdigest()

@@ -206,3 +206,33 @@ def test_the_way_out_of_an_obstacle_lowers_phi() -> None:
         assert parameters[1] > 0.0  # outwards, and then on
     assert phis == sorted(phis, reverse=True)
     assert phis[0] - phis[2] == pytest.approx(0.06 / 0.02)
+
+
+@pytest.mark.parametrize("bounded", [False, True])
+def test_a_workspace_is_what_the_field_says_or_the_joints_limits(bounded: bool) -> None:
+    scene = SCENES["empty square"]
+    box = ((0.0, 0.0), (1.0, 1.0)) if bounded else (None, None)
+    limits = (np.full(2, 0.3), np.full(2, 0.6)) if bounded else (np.zeros(2), np.ones(2))
+    law = built(Field(*box, scene.grid.spacing, SCALE, 0.0, ()), *limits)
+    point = np.full(2, 0.1)
+    found, wanted = (prepared(each, point, scene.goal) for each in (law, potential(scene)))
+    np.testing.assert_allclose(found.residual, wanted.residual)
+    assert found.phi == pytest.approx(wanted.phi)
+
+
+def test_a_harmonic_potential_needs_a_field() -> None:
+    with pytest.raises(ValueError, match="needs a field"):
+        built(None, np.zeros(2), np.ones(2))
+    far = Field(None, None, 0.05, SCALE, 0.0, ())
+    with pytest.raises(ValueError, match="finite bounds"):
+        built(far, np.full(2, -np.inf), np.full(2, np.inf))
+
+
+def built(field: Field | None, lower: Floats, upper: Floats) -> Potential:
+    """The potential of two joints with limits, rad."""
+    arm = Resource("arm", configuration(2), Origin.PROPRIOCEPTION, EffectorConfiguration("arm"))
+    own = Controller(
+        "go", "harmonic", arm, None, arm, (), (), False, 2.0, None, None, Quiescence(1e-3, 0.3),
+        field=field,
+    )  # fmt: skip
+    return build(own, Setting(lower, upper, 2, 2))

@@ -108,6 +108,7 @@ class Bench:
         self.columns = np.where(mine, JOINTS, -1)
         self.acting = np.array([(slot, -1, -1, slot) for slot in range(len(cases))])
         self.positions, self.references = np.zeros(ALL), np.zeros(ALL)
+        self.loads, self.load_guards = np.zeros((0, 6)), np.zeros(0, LOAD_GUARD)
 
     def write(self, place: int, reading: Reading, reference: Floats | None, stamp: int = 0) -> None:
         self.table.write(self.feedback[place], reading._replace(stamp=stamp))
@@ -124,13 +125,13 @@ class Bench:
         law = Law(np.full(5, -1e3), np.full(5, 1e3), LawSettings(joint_step=1e3))
         return tick(
             np.zeros(0, np.int64), np.zeros(1, np.int64), self.positions,
-            np.zeros((0, 6)), np.zeros(0, np.bool_),
+            self.loads, np.zeros(len(self.loads), np.bool_),
             table.records, table.parts, table.support, table.value, table.jacobian,
             np.zeros(0, JOINT), np.zeros((1, 12)), np.zeros((0, 3)),
             *self.plan.arrays, self.acting, self.columns,
             stack.clock, stack.rows, stack.ages, stack.wanted, stack.ends,
             self.references, JOINTS, *law.arrays,
-            step.displacement, step.locked, step.singular_values, np.zeros(0, LOAD_GUARD),
+            step.displacement, step.locked, step.singular_values, self.load_guards,
         )  # fmt: skip
 
     def predicates(self) -> str:
@@ -287,6 +288,20 @@ def test_what_was_lost_starts_from_rest(rng: np.random.Generator) -> None:
         wanted.append(float(np.linalg.norm(bench.plan.before)))
     assert wanted[0] == wanted[5] > wanted[4] == 0.0
     assert wanted[3] > 3 * wanted[0]
+
+
+def test_a_search_that_is_interrupted_goes_on_as_fast_as_it_was(rng: np.random.Generator) -> None:
+    bench = Bench([CASES[1]._replace(search=SEARCHING)], rng)
+    sought, found = CASES[1].reading(rng)._replace(measured=False), []
+    for now in range(6):
+        bench.write(0, sought, np.full(3, 9.0), now)
+        if now == 4:
+            bench.table.forget(bench.feedback[0])
+        bench.tick()
+        found.append((int(bench.plan.slots["mode"][0]), float(np.linalg.norm(bench.plan.before))))
+    modes, wanted = zip(*found, strict=True)
+    assert modes == (SEARCH, SEARCH, SEARCH, SEARCH, IDLE, SEARCH)
+    assert wanted[5] > wanted[3] == wanted[4] > wanted[0]
 
 
 def test_a_position_is_sent_above_its_reference_and_judged_by_it(rng: np.random.Generator) -> None:

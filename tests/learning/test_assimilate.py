@@ -9,6 +9,7 @@ from cbdsl.checking.assimilation import program_to_assimilate
 from cbdsl.checking.session import Session
 from cbdsl.documents.policy import PolicyDocument
 from cbdsl.documents.program import ProgramDocument
+from cbdsl.documents.schema import ChoiceQuestion, RewardQuestion
 from cbdsl.learning.allocation_tree import Tally, TriedContext, grow_tallies, rankings
 from cbdsl.learning.assimilate import Assimilate, AssimilateConstants
 from cbdsl.learning.experience import Experience
@@ -224,3 +225,55 @@ def test_it_is_a_constant_whether_it_is(schema: CheckedProgram, blames: bool) ->
     rank = learner.ranking(np.random.default_rng(1))
     firsts = [rank(there)[0] for _ in range(200)]
     assert (firsts.count("left_arm") < 50) is blames
+
+
+def test_a_schema_that_is_written_asks_what_was_grown(schema: CheckedProgram) -> None:
+    """Each question with the unit of its feature; what was looked at is called by parameters."""
+    learner = taught(schema, 60)
+    written = learner.document("mine", schema)
+    (choice,), (reward,) = splits(learner.choice()), splits(learner.reward())
+    assert isinstance(written.choose, ChoiceQuestion)
+    assert written.choose.if_ == f"place.y > {choice.threshold:g} m"
+    assert (written.choose.then, written.choose.else_) == ("left_arm", "right_arm")
+    assert isinstance(written.reward, RewardQuestion)
+    assert written.reward.if_ == f"place.x > {reward.threshold:g} m"
+    likely = [decide(learner.reward(), features(schema, x, 0.1)) for x in (1.4, 0.4)]
+    assert [written.reward.then, written.reward.else_] == likely
+    assert written.least_reward == AssimilateConstants().least_reward
+    assert (written.name, written.program) == ("mine", "reachtouch")
+    assert schema.schema is not None
+    assert written.otherwise == tuple(written.allocations) == tuple(schema.schema.allocations)
+    assert written.features.keys() == schema.schema.features.keys()
+    assert written.actions["reach"].potential == schema.primitives["reach"].lead.potential
+    assert written.look.keys() == schema.looks.keys()
+
+
+def test_contexts_are_kept_as_finely_as_they_are_seen(schema: CheckedProgram) -> None:
+    learner = Assimilate(["any"], AssimilateConstants())
+    learner.adopt(schema)
+    assert schema.schema is not None
+    seen = dict.fromkeys(schema.schema.components, 0.0)
+    seen |= {"place.x": 0.4049, "place.y": -0.4051, "velocity.x": 0.031, "volume": 0.0016}
+    step = Transition("reachtouch", 0, 1.0, "X0-", "a", "X11", 5, 1, (), "left_arm", seen)
+    learner.remember(Experience("here", 1, (step,), {}, 5, 1.0))
+    (context,) = learner.contexts
+    assert {name: context.features[name] for name in seen} == pytest.approx(
+        seen | {"place.x": 0.40, "place.y": -0.41, "velocity.x": 0.04, "volume": 0.002}
+    )
+    assert context.outcomes == {"left_arm": True}
+
+
+def test_without_a_schema_it_does_the_first_action() -> None:
+    learner = Assimilate(["some", "other"], AssimilateConstants())
+    assert learner.policy(np.random.default_rng(0)).choose("X", changed=True) == "some"
+    assert learner.greedy() == {} and learner.densities() == {}
+    assert not learner.contexts
+
+
+def test_where_nothing_is_known_every_order_is_tried(schema: CheckedProgram) -> None:
+    learner = Assimilate(["any"], AssimilateConstants())
+    learner.adopt(schema)
+    rank, here = learner.ranking(np.random.default_rng(0)), features(schema, 0.5, 0.4)
+    assert schema.schema is not None
+    orders = {rank(here) for _ in range(100)}
+    assert len(orders) == 6 and all(set(each) == set(schema.schema.allocations) for each in orders)

@@ -3,20 +3,25 @@
 from __future__ import annotations
 
 import pickle
+import sys
+from typing import Any
 
 import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from cbdsl.documents.document import Section
 from cbdsl.documents.json_schema import properties
 from cbdsl.errors.errors import UsageError
 from cbdsl.learning.constants import read_constants
 from cbdsl.learning.experience import Experience
 from cbdsl.learning.learner import LEARNERS, Learner, LearnerClass, first_line, replay
 from cbdsl.program.transition import Transition
+from cbdsl.types.registry import PluginError, Registry
 
 ACTIONS = ("search", "track")
+METHODS = ("see", "remember", "policy", "greedy", "densities", "documents")
 CLASSES = LEARNERS.all()
 LEARNER = pytest.mark.parametrize("learner", CLASSES.values(), ids=CLASSES)
 
@@ -83,3 +88,34 @@ def test_equal_experience_is_equal_knowledge(
     assert set(one.greedy().values()) <= set(ACTIONS)
     chosen = one.policy(np.random.default_rng(0)).choose("XX", changed=False)
     assert chosen in ACTIONS
+
+
+class Needy(Section):
+    """Constants of which one has no default."""
+
+    alpha: float
+
+
+def offered(monkeypatch: pytest.MonkeyPatch, **without: object) -> Any:
+    """A registered class that has all that a learner has, but for some of it."""
+    whole = {**dict.fromkeys(METHODS, lambda: None), "Constants": Section, **without}
+    monkeypatch.setattr(sys.modules[__name__], "Offered", type("Offered", (), whole))
+    registry: Any = Registry("learner", "none", {"it": f"{__name__}:Offered"}, LEARNERS._validate)
+    return registry.get("it")
+
+
+Offered: Any = None
+
+
+@pytest.mark.parametrize("lacking", [*METHODS, "Constants"])
+def test_a_class_that_lacks_something_is_no_learner(
+    lacking: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    assert offered(monkeypatch) is Offered
+    with pytest.raises(PluginError, match=lacking):
+        offered(monkeypatch, **{lacking: None})
+
+
+def test_constants_of_a_learner_have_defaults(monkeypatch: pytest.MonkeyPatch) -> None:
+    with pytest.raises(PluginError, match="no default: alpha"):
+        offered(monkeypatch, Constants=Needy)

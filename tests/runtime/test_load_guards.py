@@ -7,12 +7,14 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from cbdsl.control.load_guard import JOINT_PACE, PACE
 from cbdsl.control.plan import ControllerPlan
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.program.checked import Guards
 from cbdsl.runtime.action_levels import Active
 from cbdsl.runtime.actuation import Actuation
 from cbdsl.runtime.controller_run import ControllerRun
+from cbdsl.runtime.load_guards import LoadGuards
 from cbdsl.sensing.kinematics import Kinematics
 from cbdsl.sensing.observation import Observation
 from cbdsl.sensing.signals import Signals
@@ -103,3 +105,59 @@ def test_a_guard_keeps_nobody_from_leaving(
 
 def test_the_narrowest_bounds_hold() -> None:
     assert Guards(15.0, None).within(Guards(8.0, 30.0)) == Guards(8.0, 30.0)
+
+
+def test_what_an_arm_felt_fades_from_its_bound(
+    dexter: RobotDocument, kinematics: Kinematics
+) -> None:
+    """A stronger blow takes over at once, one beyond the bound fades as if it had been at it."""
+    signals = Signals(dexter, kinematics, ())
+    felt, own = signals.strain.torques, kinematics.joints.of("right_arm")
+    guards = LoadGuards(Guards(joint_torque=20.0), signals, PERIOD)
+    place = guards.names.index("right_arm")
+    assert signals.strain.needed and set(guards.units) == {"N m"}
+    assert guards.records["joints"][place] == len(own)
+    assert guards.records["pace"][place] == pytest.approx(JOINT_PACE * PERIOD)
+
+    def size() -> float:
+        guards.note_strain()
+        return float(np.linalg.norm(guards.records["torques"][place]))
+
+    felt[own[:2]] = 3.0, 4.0
+    assert size() == pytest.approx(5.0)
+    felt[own[:2]] = 0.0
+    faded = [size() for _ in range(60)]
+    assert faded[-1] == pytest.approx(5.0 * np.exp(-60 * PERIOD / 3.0))
+    np.testing.assert_allclose(
+        guards.records["torques"][place][:2], faded[-1] * np.array([0.6, 0.8])
+    )
+    felt[own[2]] = -50.0
+    assert size() == pytest.approx(50.0)
+    felt[own[2]] = 0.0
+    assert size() == pytest.approx(20.0 * np.exp(-PERIOD / 3.0))
+    guards.reset()
+    assert size() == 0.0
+
+
+def test_how_long_and_how_hard_a_guard_held_is_told(
+    dexter: RobotDocument, kinematics: Kinematics
+) -> None:
+    bounds = Guards(finger_force=5.0, hand_force=9.0, joint_torque=20.0)
+    guards = LoadGuards(bounds, Signals(dexter, kinematics, ()), PERIOD)
+    cells = [f"{hand}.{each}" for hand, own in dexter.load_cells.items() for each in own]
+    assert set(guards.names) >= {*cells, *dexter.load_cells, "left_arm", "right_arm"}
+    place, arm = guards.names.index("left_hand"), guards.names.index("left_arm")
+    first, last = guards.records["first"][place], guards.records["last"][place]
+    assert last - first == 3 and guards.records["bound"][place] == 9.0
+    assert guards.records["pace"][place] == pytest.approx(PACE * PERIOD)
+    for force, held in ((12.0, True), (15.0, True), (10.0, False)):
+        guards.records["force"][place], guards.records["held"][place] = force, held
+        guards.records["force"][arm], guards.records["held"][arm] = 2 * force, held
+        assert guards.holding == (("left_hand", "left_arm") if held else ())
+        guards.note()
+    assert set(guards.clauses) == {
+        f"the guard of left_hand (9 N) held for {2 * PERIOD:.1f} s, at 15.0 N at most",
+        f"the guard of left_arm (20 N m) held for {2 * PERIOD:.1f} s, at 30.0 N m at most",
+    }
+    guards.reset()
+    assert not guards.clauses and not guards.holding

@@ -103,6 +103,7 @@ def test_levels_are_kept_as_they_were_explained(
     played = play(program, watch=watch)
     file = recording.write(tmp_path, played.result)
     summary = json.loads(file.read_text("utf-8"))
+    assert summary["cbdsl"] == 1
     names, joints = summary["controllers"], summary["joints"]
     holders = ["", *names, LIMITS]
     with np.load(file.with_suffix(".npz")) as arrays:
@@ -121,6 +122,12 @@ def test_levels_are_kept_as_they_were_explained(
                 level.predicted, nan_ok=True
             )
             assert holders[kept["level_held_by"][index, column] + 1] == level.held_by
+        for absent in np.flatnonzero(kept["level_priority"][index] < 0):
+            assert kept["level_priority"][index, absent] == -1
+            assert kept["level_held_by"][index, absent] == -1
+            assert kept["level_rank"][index, absent] == 0
+            for number in ("share", "singular_value", "predicted"):
+                assert np.isnan(kept[f"level_{number}"][index, absent])
         assert [joints[column] for column in np.flatnonzero(kept["at_limits"][index])] == [
             joint for joint in joints if joint in tick.at_limits
         ]

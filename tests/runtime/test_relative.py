@@ -168,3 +168,32 @@ def test_a_changed_load_is_forgotten_with_the_activation(arm) -> None:  # type: 
     it.run.deactivate()
     it.run.activate()
     assert it.move(1.0) == "-"
+
+
+def test_an_evaluation_is_the_potential_of_the_tick(arm) -> None:  # type: ignore[no-untyped-def]
+    it = arm(POSITION + ', reference: "here + [2 cm, 0 cm, 5 cm]"')
+    assert it.run.evaluate() is None, "before the first tick"
+    it.move(0.1)
+    found = it.run.evaluate()
+    assert found.phi == pytest.approx(it.run.phi)
+    assert np.linalg.norm(found.residual) == pytest.approx(it.run.error)
+    tip = it.signals.tips.point("right_arm")
+    np.testing.assert_allclose(found.residual, it.run.reference - tip.position, atol=1e-12)
+    # The residual's slope is the negative one of the position, of either sign by convention.
+    own = np.abs(tip.jacobian[:3, it.run.columns[it.run.columns >= 0]])
+    np.testing.assert_allclose(np.abs(found.jacobian[:, it.run.columns >= 0]), own, atol=1e-12)
+
+
+def test_a_reference_is_held_and_given_back(arm) -> None:  # type: ignore[no-untyped-def]
+    it = arm(POSITION + ', reference: "here + [2 cm, 0 cm, 5 cm]"')
+    it.move(0.1)
+    own, start = it.run.reference, it.tip
+    it.run.hold_reference(np.add(start, [0.0, 0.0, 0.03]))
+    it.move(3.0)
+    np.testing.assert_allclose(it.tip - start, [0, 0, 0.03], atol=2e-4)
+    it.run.hold_reference(start)
+    np.testing.assert_allclose(it.run.reference, start)
+    it.run.hold_reference(None)
+    np.testing.assert_allclose(it.run.reference, own)
+    it.move(3.0)
+    np.testing.assert_allclose(it.tip, own, atol=2e-4)

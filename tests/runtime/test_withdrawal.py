@@ -67,3 +67,40 @@ def test_both_arms_are_at_home_before_one_tries_alone(
     assert result.rewarded, result.ending
     home = np.array(dexter.effectors["left_arm"].postures["home"])
     assert np.abs(begun[0] - home).max() < 0.1
+
+
+class GivesWay:
+    """Looks for the thing, then withdraws from the middle of it, and does nothing more."""
+
+    reason, withdraws = "", False
+
+    def __init__(self) -> None:
+        self._choices = iter(("searchtrack", "withdraw"))
+
+    def begin(self, read: object) -> None:
+        """See ``ContextPolicy.begin``."""
+
+    def choose(self, state: str, *, changed: bool) -> str | None:
+        choice = next(self._choices, None)
+        self.withdraws = choice == "withdraw"
+        return None if self.withdraws else choice
+
+
+def test_a_program_that_is_withdrawn_from_is_left(
+    dexter: RobotDocument,
+    urdf: Path,
+    kinematics: Kinematics,
+    stage: Callable[[str], StageDocument],
+    schema: CheckedProgram,
+) -> None:
+    backend = KinematicBackend(dexter, urdf)
+    runner = Runner(dexter, kinematics, schema, backend, GivesWay())
+    left: set[str] = set()
+
+    def note(tick: Tick) -> None:
+        if tick.run.action is None:
+            left.add(tick.run.children["searchtrack"].predicate)
+
+    result = runner.run(stage("near_and_far_training"), 8_410_010, "right", on_tick=note)
+    backend.close()
+    assert result.actions[0] == "searchtrack" and left == {"X"}

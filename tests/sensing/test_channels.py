@@ -6,7 +6,7 @@ from hypothesis import strategies as st
 
 from cbdsl.documents.robot import Channels
 from cbdsl.robot.channel_names import channel_names
-from cbdsl.sensing.channels import MOST_REGIONS, ChannelFilter, bin_mask, connected_regions
+from cbdsl.sensing.channels import GRID, MOST_REGIONS, ChannelFilter, bin_mask, connected_regions
 
 GREY = 190
 
@@ -148,3 +148,27 @@ def test_a_notch_encloses_nothing() -> None:
     mask = barcode()
     mask[40:80, 110:130] = 0
     assert len(connected_regions(mask, 1)) > 2
+
+
+@given(
+    axes=st.tuples(st.integers(60, 120), st.integers(60, 120)),
+    turn=st.floats(0, 180),
+    centre=st.tuples(st.integers(30, 60), st.integers(30, 60)),
+)
+def test_an_extent_covers_what_is_well_inside_pixel_by_pixel(
+    axes: tuple[int, int], turn: float, centre: tuple[int, int]
+) -> None:
+    """Of a region that the border cuts off: all pixels of a grid with room around them."""
+    mask = np.zeros((120, 160), np.uint8)
+    cv2.ellipse(mask, centre, axes, turn, 0, 360, 255, -1)
+    (region,) = connected_regions(mask, 1)
+    assert region.clipped and region.extent is not None
+    room, wanted = GRID // 2, set()
+    padded = np.pad(mask, room, constant_values=255)  # beyond the image it may go on
+    for row in range(room, 120, GRID):
+        for column in range(room, 160, GRID):
+            if padded[row : row + GRID + 1, column : column + GRID + 1].all():
+                wanted.add((column + 0.5, row + 0.5))
+    assert wanted == set(region.extent.cover)
+    outline = np.array(region.extent.outline)
+    assert mask[tuple((outline.reshape(-1, 2)[:, ::-1] - 0.5).astype(int).T)].all()

@@ -5,7 +5,11 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from cbdsl.sensing.contact_place import on_ball
+from cbdsl.documents.robot import RobotDocument
+from cbdsl.sensing.contact_place import contact_places, on_ball
+from cbdsl.sensing.kinematics import Kinematics
+from cbdsl.sensing.observation import Observation
+from cbdsl.sensing.signals import Signals
 
 RADIUS = 0.012
 
@@ -26,3 +30,30 @@ def test_a_contact_with_friction_is_found_where_it_is(seed: int) -> None:
 def test_a_torque_that_no_contact_causes_keeps_the_place_on_the_ball() -> None:
     load = np.array([0.0, 0.0, -1.0, 0.1, 0.0, 0.0])
     assert np.linalg.norm(on_ball(load, RADIUS)) == pytest.approx(RADIUS)
+
+
+def test_each_finger_that_feels_something_has_a_place(
+    dexter: RobotDocument, kinematics: Kinematics, posture: np.ndarray
+) -> None:
+    signals = Signals(dexter, kinematics, ())
+    loads = {(hand, each): np.zeros(6) for hand, own in dexter.load_cells.items() for each in own}
+
+    def feel() -> None:
+        still = np.zeros_like(posture)
+        copies = {cell: load.copy() for cell, load in loads.items()}
+        signals.update(Observation(0.0, posture, still, copies, {}))
+
+    feel()
+    assert contact_places(signals, "right_hand", RADIUS).shape == (0, 3)
+    down, across = np.array([0.0, 0.0, -3.0]), np.array([0.0, 2.0, 0.0])
+    loads["right_hand", "finger_1"][:3] = down
+    loads["right_hand", "finger_3"][:3] = across
+    loads["left_hand", "finger_2"][:3] = down
+    feel()
+    cells = dexter.load_cells["right_hand"]
+    wanted = [
+        kinematics.frame(cells[finger].link).position + RADIUS * force / np.linalg.norm(force)
+        for finger, force in (("finger_1", down), ("finger_3", across))
+    ]
+    places = contact_places(signals, "right_hand", RADIUS)
+    np.testing.assert_allclose(places, wanted, atol=1e-12)

@@ -2,13 +2,15 @@ import numpy as np
 import pytest
 
 from cbdsl.documents.robot import RobotDocument
+from cbdsl.numeric.affordance import AffordanceModel
 from cbdsl.robot.resources import resources
 from cbdsl.sensing.kinematics import Kinematics
 from cbdsl.sensing.observation import Observation
 from cbdsl.sensing.reading import Reading
 from cbdsl.sensing.sensor_faults import SensorError
 from cbdsl.sensing.signals import Signals
-from cbdsl.types.resource import NetForces, Origin, Tip
+from cbdsl.types.resource import AffordanceProbability, NetForces, Origin, Resource, Tip
+from cbdsl.types.resource_type import PROBABILITY
 
 STEP = 1e-6
 
@@ -207,3 +209,53 @@ def test_a_pose_is_its_position_and_its_orientation(
     assert pose.value[:3, 3] == pytest.approx(position.value)
     assert pose.value[:3, :3] == pytest.approx(orientation.value)
     assert pose.jacobian == pytest.approx(np.vstack([position.jacobian, orientation.jacobian]))
+
+
+def test_a_probability_is_that_of_the_features_now(
+    dexter: RobotDocument, kinematics: Kinematics, posture: np.ndarray
+) -> None:
+    """Undefined while one of them is; of an action without features the counts tell it."""
+    own = resources(dexter)
+    palms = tuple(own[f"{side}_arm.position"] for side in ("left", "right"))
+    seen, model = np.zeros(6), AffordanceModel.fresh(np.ones(6))
+    for number in range(8):
+        model = model.updated(seen + 0.1 * number, rewarded=number % 2 == 0)
+    bare = AffordanceModel.fresh(np.zeros(0)).updated(None, rewarded=True)
+
+    def affords(model: AffordanceModel, *features: Resource) -> Resource:
+        source = AffordanceProbability("some", "act", model, features)
+        return Resource("affords.act", PROBABILITY, Origin.ENVIRONMENT, source)
+
+    blind = next(each for each in own.values() if "stereo" in each.name)
+    asked = affords(model, *palms), affords(bare), affords(model, palms[0], blind)
+    signals = Signals(dexter, kinematics, asked)
+    signals.update(observe(dexter, posture))
+    values = []
+    for palm in palms:
+        reading = signals.read(palm)
+        assert reading is not None
+        values.append(reading.value)
+    with_features, without, undefined = (signals.read(each) for each in asked)
+    assert with_features is not None and without is not None and undefined is None
+    assert with_features.value == pytest.approx(model.reward_given(np.concatenate(values)))
+    assert without.value == pytest.approx(bare.reward_given(np.zeros(0)))
+
+
+def test_links_have_rows_of_their_own_and_of_their_middle(
+    dexter: RobotDocument, kinematics: Kinematics, posture: np.ndarray
+) -> None:
+    cells = [each.link for each in dexter.load_cells["right_hand"].values()]
+    signals = Signals(dexter, kinematics, ())
+    rows = [signals.bind_links([link]) for link in cells]
+    middle = signals.bind_links(cells)
+    assert signals.bind_links(cells) == middle and signals.bind_links(cells[:1]) == rows[0]
+    signals.update(observe(dexter, posture))
+    signals.refresh(signals.select([*rows, middle]))
+    places = [kinematics.frame(link).position for link in cells]
+    for row, place in zip(rows, places, strict=True):
+        assert signals.table.values(row).shape == (3,)
+        np.testing.assert_allclose(signals.table.values(row), place, atol=1e-12)
+    np.testing.assert_allclose(signals.table.values(middle), np.mean(places, axis=0), atol=1e-12)
+    jacobians = [signals.table.rows(row) for row in rows]
+    assert np.abs(jacobians[0]).max() > 0.1
+    np.testing.assert_allclose(signals.table.rows(middle), np.mean(jacobians, axis=0), atol=1e-12)

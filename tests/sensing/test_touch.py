@@ -152,3 +152,19 @@ def test_load_cells_are_tared_anew_only_while_nothing_is_felt(touch_of: Make, he
     # What is held goes on to be felt; where nothing is, what the cells read now is nothing.
     assert touch.loads == pytest.approx(wrenches if held else np.zeros_like(drifted))
     assert touch.feeling.any() == held
+
+
+def test_without_a_tip_torques_are_about_the_middle_of_the_cells(touch_of: Make) -> None:
+    touch = touch_of("dexter")
+    touch.carriers = {}
+    feel(touch)
+    first, last = touch.span("left_hand")
+    cells = list(touch._robot.load_cells["left_hand"].values())
+    places = np.array([touch._kinematics.frame(cell.link).position for cell in cells])
+    forces = np.zeros_like(touch.loads)
+    forces[first:last, :3] = np.random.default_rng(2).normal(size=(3, 3))
+    touch.update(forces)
+    wrench = touch.net_load(NetLoad("left_hand", "wrench"))
+    assert wrench is not None
+    torques = np.cross(places - places.mean(axis=0), forces[first:last, :3])
+    np.testing.assert_allclose(wrench.value[3:], torques.sum(axis=0), atol=1e-12)

@@ -1,0 +1,143 @@
+"""What is said of how an episode ended, by the last readings of its controllers."""
+
+from __future__ import annotations
+
+import math
+from types import SimpleNamespace as Made
+from typing import Any
+
+import pytest
+
+from cbdsl.program.controller import Relative
+from cbdsl.runtime.ending import describe, describe_lateness, describe_stop, is_far, stayed_far
+from cbdsl.types.resource import Origin
+
+PALM = Made(name="right_arm.position", origin=Origin.KINEMATICS)
+BALL = Made(name="ball.position", origin=Origin.ENVIRONMENT)
+
+
+def lead(error: float, **other: Any) -> Any:
+    """A controller that moves the palm to the ball, by its last readings."""
+    own = {
+        "name": "reach", "feedback": PALM, "reference": BALL, "potential": "spring",
+        "task": Made(name="position"), "quiescence": Made(tolerance=None), "requires": None,
+    }  # fmt: skip
+    controller = Made(**own | {name: other.pop(name) for name in own if name in other})
+    runs = {
+        "error": error, "predicate": "1", "phi": 0.5, "settled": True, "exhausted": False,
+        "engaged": False, "preparation": Made(no_path=""),
+    }  # fmt: skip
+    return Made(controller=controller, **runs | other)
+
+
+def ended(*leads: Any, **other: Any) -> Any:
+    """A program whose last action had some controllers, without reward."""
+    action = Made(program=None, name="go")
+    program = Made(success=None, reward_ends=False)
+    facts = {
+        "program": program, "action": action, "leads": lambda _: leads, "outcome": "",
+        "predicate": "-", "rewarded": False, "state": "X1", "ending": "the time was up",
+        "active": lambda: [Made(run=each, peers={}) for each in leads], "children": {},
+    }  # fmt: skip
+    return Made(**facts | other)
+
+
+def told(*leads: Any, **other: Any) -> str:
+    return describe(ended(*leads, **other), 3.24, ())
+
+
+@pytest.mark.parametrize(
+    ("run", "clause"),
+    [
+        (lead(0.0149), "reach came to rest 1.5 cm from ball.position"),
+        (lead(0.0149, predicate="0"), "reach was still 1.5 cm from ball.position"),
+        (lead(0.021), "reach came to rest far from its goal, 2.1 cm from ball.position"),
+        (lead(0.0149, settled=False), "reach came to rest far from its goal, 1.5 cm from"),
+        (lead(0.5, quiescence=Made(tolerance=1.0)), "reach came to rest 50.0 cm from"),
+        (lead(0.2, task=Made(name="force")), "reach came to rest 0.2 N from"),
+        (lead(0.05, task=Made(name="heading")), "reach came to rest 2.9 deg from"),
+        (lead(0.0524, task=Made(name="orientation")), "came to rest 3.0 deg from"),
+        (lead(0.1, task=Made(name="configuration")), "far from its goal, 5.7 deg from"),
+        (lead(0.25, task=Made(name="scalar")), "reach came to rest 0.250 from"),
+        (lead(0.1, reference=None), "far from its goal, at a potential of 0.5"),
+        (lead(0.01, reference=Relative(None, (0.1,))), "1.0 cm from its reference"),
+        (lead(0.01, reference=Relative(BALL, (0.1,))), "1.0 cm from beside ball.position"),
+        (lead(math.nan), "reach had no ball.position"),
+        (lead(math.nan, feedback=BALL, reference=PALM), "reach had no ball.position"),
+        (lead(math.nan, reference=None), "reach had no right_arm.position"),
+        (lead(math.nan, exhausted=True), "reach closed on nothing"),
+        (lead(0.1, preparation=Made(no_path="a wall")), "reach had no way: a wall"),
+        (lead(0.01, potential="harmonic"), "came to rest at least 1.0 cm from"),
+        (lead(0.01, potential="harmonic", phi=0.001), "came to rest 1.0 cm from"),
+    ],
+)
+def test_each_controller_has_a_clause(run: Any, clause: str) -> None:
+    assert clause in told(run)
+
+
+def test_a_sentence_has_verdict_time_state_and_reasons() -> None:
+    ball = lead(0.01)
+    assert told(ball) == (
+        "Not rewarded after 3.2 s in state X1: reach came to rest 1.0 cm from ball.position; "
+        "the time was up."
+    )
+    assert told(ball, predicate="1").startswith("Done after")
+    assert "the time was up" not in told(ball, predicate="1")
+    rewarded = told(ball, predicate="1", rewarded=True)
+    assert rewarded.startswith("Rewarded") and "the time was up" in rewarded
+    assert told(ball, outcome="success", rewarded=True).startswith("Succeeded")
+    assert told(ball, outcome="failure").startswith("Failed")
+    neither = Made(success="held", reward_ends=False)
+    assert told(ball, program=neither, rewarded=True).startswith("Neither succeeded nor failed")
+    ends = Made(success="held", reward_ends=True)
+    assert told(ball, program=ends, rewarded=True).startswith("Rewarded")
+    assert told(action=None) == "Not rewarded after 3.2 s in state X1: the time was up."
+
+
+def test_limits_are_told_of_what_failed_and_guards_always() -> None:
+    for facts, said in (({}, True), ({"rewarded": True}, False), ({"outcome": "success"}, False)):
+        text = describe(ended(lead(0.01), **facts), 1.0, ("elbow",), ("the guard held",))
+        assert ("at their limits were elbow" in text) is said
+        assert text.endswith("the guard held.")
+
+
+@pytest.mark.parametrize("felt", [False, True])
+def test_who_lacks_what_it_requires_is_told_with_it(felt: bool) -> None:
+    touch = lead(math.nan, name="touch", feedback=BALL, task=Made(name="force"), exhausted=felt)
+    two = [lead(math.nan, name=name, requires="touch") for name in ("left", "right")]
+    run = ended(*two)
+    run.active = lambda: [Made(run=each, peers={"touch": touch}) for each in two]
+    absence = "touch closed on nothing" if felt else "touch felt nothing"
+    assert f"{absence}, and left and right require it" in describe(run, 1.0, ())
+    run.leads = lambda _: two[:1]
+    assert f"{absence}, and left requires it" in describe(run, 1.0, ())
+    touch.engaged = True
+    assert "left had no ball.position" in describe(run, 1.0, ())
+
+
+def test_a_program_that_was_used_tells_of_itself() -> None:
+    child = ended(lead(0.01), ending="it had no more to do")
+    parent = ended(action=Made(program="child", name="find"), children={"find": child})
+    assert "reach came to rest 1.0 cm from ball.position; it had no more to do" in describe(
+        parent, 1.0, ()
+    )
+    child.leads = lambda _: (lead(0.1), lead(0.01, name="other"), lead(0.1, predicate="0"))
+    assert stayed_far(parent) == ("reach",)
+    assert stayed_far(ended(action=None)) == ()
+
+
+def test_far_is_what_a_tolerance_says_or_people() -> None:
+    assert not is_far(lead(0.0199)) and is_far(lead(0.0201))
+    assert not is_far(lead(99.0, task=Made(name="force")))
+    assert not is_far(lead(99.0, quiescence=Made(tolerance=1.0)))
+
+
+def test_stops_are_told_with_their_cause() -> None:
+    run = ended()
+    assert describe_stop(run, 1.26, KeyboardInterrupt()) == "Interrupted after 1.3 s in state X1."
+    fault = RuntimeError("outer")
+    assert describe_stop(run, 1.0, fault) == "Failed after 1.0 s in state X1: outer."
+    fault.__cause__ = ValueError("inner")
+    assert describe_stop(run, 1.0, fault) == "Failed after 1.0 s in state X1: inner."
+    late = describe_lateness(run, 1.0, 0.0252, 0.016)
+    assert "took 25.2 ms" in late and "deadline is 16 ms" in late

@@ -1,0 +1,86 @@
+"""Sensors of another package's kind: what they read fits its row, or their package is named."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+import pytest
+
+from cbdsl.robot.source_kind import SOURCES
+from cbdsl.sensing.declared_sensor import sensor_reader
+from cbdsl.sensing.reading import Reading
+from cbdsl.sensing.sensor_faults import SensorError
+from cbdsl.types.registry import PluginError
+
+JOINTS = 4
+Sensor = Callable[[], Reading | None]
+
+#: What the package's function makes of a signal.
+made: Callable[[Any, Any], Sensor]
+
+
+@pytest.fixture
+def read(monkeypatch: pytest.MonkeyPatch) -> Callable[..., Reading | None]:
+    """A reading of two numbers, by what a sensor gives."""
+    kind = SimpleNamespace(reader=f"{__name__}:made")
+    monkeypatch.setattr(SOURCES, "get", lambda name: kind)
+    monkeypatch.setattr(SOURCES, "fault", lambda name, reason: PluginError(f"{name}: {reason}"))
+
+    def make(sensor: Sensor, signals: object = None) -> Reading | None:
+        signal = SimpleNamespace(kind="wrist", sensor="left")
+
+        def build(asked: object, given: object) -> Sensor:
+            assert asked is signal and given is signals
+            return sensor
+
+        monkeypatch.setitem(globals(), "made", build)
+        return sensor_reader(signal, 2, JOINTS, signals)()  # type: ignore[arg-type]
+
+    return make
+
+
+@pytest.mark.parametrize("jacobian", [None, np.ones((2, JOINTS))])
+def test_what_fits_is_read(
+    read: Callable[..., Reading | None], jacobian: np.ndarray | None
+) -> None:
+    reading = Reading(np.array([1.0, 2.0]), jacobian, 3)
+    assert read(lambda: reading, object()) is reading
+    assert read(lambda: None) is None
+
+
+@pytest.mark.parametrize(
+    ("reading", "fault"),
+    [
+        (Reading(np.zeros(3), None, 0), r"value has shape \(3,\), not \(2,\)"),
+        (Reading(np.zeros((2, 1)), None, 0), r"value has shape \(2, 1\)"),
+        (Reading(np.zeros(2), np.zeros((2, 3)), 0), r"Jacobian has shape \(2, 3\), not \(2, 4\)"),
+        (Reading(np.zeros(2), np.zeros((3, JOINTS)), 0), r"Jacobian has shape \(3, 4\)"),
+    ],
+)
+def test_what_does_not_fit_is_the_packages_fault(
+    read: Callable[..., Reading | None], reading: Reading, fault: str
+) -> None:
+    with pytest.raises(PluginError, match=f"wrist: ValueError: its {fault}"):
+        read(lambda: reading)
+
+
+def test_a_number_that_is_not_finite_is_the_sensors(read: Callable[..., Reading | None]) -> None:
+    for bad in (np.nan, np.inf):
+        with pytest.raises(SensorError, match="the sensor left is not finite"):
+            read(lambda bad=bad: Reading(np.array([0.0, bad]), None, 0))
+
+
+def test_what_raises_is_named_with_its_package(
+    read: Callable[..., Reading | None], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def broken() -> Reading:
+        raise KeyError("no wire")
+
+    with pytest.raises(PluginError, match="wrist: KeyError: 'no wire'"):
+        read(broken)
+    with pytest.raises(PluginError, match="wrist: TypeError"):
+        monkeypatch.setitem(globals(), "made", None)
+        sensor_reader(SimpleNamespace(kind="wrist", sensor="left"), 2, JOINTS, None)  # type: ignore[arg-type]
