@@ -7,10 +7,8 @@ from pathlib import Path
 
 import pytest
 
-from cbdsl.numeric.proportion import exact_interval
 from tests import mutants
 from tests.mutants import (
-    LEAST,
     PACKAGES,
     ROOT,
     Copy,
@@ -155,10 +153,11 @@ def test_a_priority_that_is_turned_round_dies(tmp_path: Path) -> None:
 
 
 @pytest.mark.slow
-def test_a_sample_does_not_refute_that_nine_in_ten_die() -> None:
+def test_of_a_sample_some_die() -> None:
+    """Four mutants judge no share. That none dies has a chance of 1 in 100 where 7 of 10 do."""
     died, of = judge(sample_of(PACKAGES, 4, seed=SEED), Judgement("file", None), math.inf)
     assert of == 4
-    assert exact_interval(died, of)[1] >= LEAST
+    assert died > 0
 
 
 def harmless() -> Mutant:

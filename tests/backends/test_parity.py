@@ -202,7 +202,7 @@ def test_probing_fingers_are_rewarded_on_both(play: Play, seed: int) -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("seed", (70001, 70002, 70003))
+@pytest.mark.parametrize("seed", (70002, 70003, 70004))
 def test_spots_are_found_on_both(play: Play, seed: int) -> None:
     """In other states now and then: fingers hide part of what they lift from the table, and more
     of it in images than by ideal silhouettes.

@@ -85,12 +85,13 @@ def require_touch(judged: Judged, hand: str) -> None:
     assert result.rewarded, result.ending
     pressing = np.linalg.norm(true_forces(judged, hand), axis=1)
     assert (pressing > 0.1).all(), f"{pressing} N: {result.ending}"
-    true, felt = [], []
+    true, felt, signals = [], [], judged.last.signals
     for _ in range(HOLD_TICKS):
         backend.step()
         true.append(true_forces(judged, hand))
-        loads = backend.observe().loads
-        felt.append([loads[cell][:3] for cell in loads if cell[0] == hand])
+        signals.update(backend.observe())
+        first, last = signals.touch.span(hand)
+        felt.append(signals.touch.loads[first:last, :3].copy())
     assert np.mean(felt, axis=0) == pytest.approx(np.mean(true, axis=0), abs=LOAD_TOLERANCE)
 
 

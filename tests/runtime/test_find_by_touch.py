@@ -12,12 +12,12 @@ def test_a_thing_is_touched_that_nobody_sees() -> None:
     succeeded, touched = [], []
     with simulation_fixture("find_by_touch", None, None, "mujoco", "ideal") as lab:
         runner, truth = lab.runner(), lab.backend.truth
-        for seed in (5610001, 5610006, 5610010):
+        for seed in range(5610001, 5610006):
             succeeded.append(runner.run(lab.stage, seed, "dark").outcome == "success")
             things = set(truth.names()).intersection(lab.stage.things)
             touched.append(any(map(truth.touched, things)))
-    # One in fifteen is not found; none is said to be found that is not.
-    assert sum(succeeded) >= 2
+    # One in twelve is not found; none is said to be found that is not.
+    assert sum(succeeded) >= 4
     assert all(there for there, said in zip(touched, succeeded, strict=True) if said)
 
 
