@@ -115,7 +115,6 @@ class Kinematics:
         # The same in another posture, see ``posed``.
         self._other = self.positions.copy(), self.frames.copy(), self.axes.copy()
         self._other_posture: Floats | None = None
-        self._other_placed = -1
         self._links: dict[str, Link] = {}
         self._corrections = {
             camera.link: camera.correction
@@ -125,7 +124,8 @@ class Kinematics:
         self._origins: dict[tuple[tuple[str, ...], ...], tuple[Integers, Floats]] = {}
         self._together: dict[tuple[str, ...], tuple[Integers, Floats, Floats]] = {}
         self._needed: Integers = np.zeros(0, dtype=np.int64)
-        # How many of these are placed in the posture; none of a new one.
+        # How many of them are placed in the newest posture, and in the other one; -1 of a new one.
+        self._placed = self._other_placed = -1
         self._weighing: tuple[Any, list[tuple[int, int]]] | None = None
         self.update(np.minimum(np.maximum(0.0, self.lower), self.upper))
 

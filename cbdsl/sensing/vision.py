@@ -144,7 +144,7 @@ class Vision:
             if memory.position is not None:
                 memory.predict(time - self._time, time)
         self._time = time
-        self._history.note(time, observation.positions)
+        self._history.note(time, observation.positions.copy())
         if not (observation.images or observation.regions):
             return
         self.images += 1

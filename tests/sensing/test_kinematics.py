@@ -216,3 +216,26 @@ def test_a_correction_displaces_the_camera_and_nothing_else(
     right = kinematics.frame("right_camera"), corrected.frame("right_camera")
     assert right[0].position == pytest.approx(right[1].position)
     assert right[0].rotation == pytest.approx(right[1].rotation)
+
+
+def test_another_posture_is_asked_for_and_the_newest_stays(
+    dexter: RobotDocument, urdf: Path
+) -> None:
+    """Whatever is asked for in between, also what nobody had asked for before."""
+    rng = np.random.default_rng(5)
+    kinematics, alone = Kinematics(dexter, urdf), Kinematics(dexter, urdf)
+    links = ["left_camera", "right_palm", "right_finger_1_tip", "left_palm"]
+    newest, another = rng.uniform(-1, 1, (2, len(kinematics.joints)))
+    kinematics.update(newest)
+    for known, link in enumerate(links):
+        kinematics.frame(links[0])
+        there = kinematics.posed(another, lambda link=link: kinematics.frame(link))  # type: ignore[misc]
+        alone.update(another)
+        np.testing.assert_array_equal(there.position, alone.frame(link).position)
+        np.testing.assert_array_equal(there.rotation, alone.frame(link).rotation)
+        alone.update(newest)
+        for each in links[: known + 1]:
+            np.testing.assert_array_equal(
+                kinematics.frame(each).position, alone.frame(each).position
+            )
+    np.testing.assert_array_equal(kinematics.positions, newest)

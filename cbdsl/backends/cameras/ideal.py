@@ -15,6 +15,7 @@ from cbdsl.backends.cameras.camera_system import CameraSystem, Chance, Exposure
 from cbdsl.backends.cameras.extents import box_extent
 from cbdsl.backends.cameras.limbs import Limbs
 from cbdsl.backends.cameras.palette import Palette
+from cbdsl.backends.cameras.region_errors import RegionErrors
 from cbdsl.backends.cameras.silhouettes import SHAPE, WHOLE, silhouettes, unhidden
 from cbdsl.backends.staging.engine import Engine
 from cbdsl.backends.staging.pose import Pose
@@ -41,11 +42,6 @@ _FINE = 60
 # What has moved less from one image to the next does not count as motion, m.
 _LEAST_MOTION = 2e-3
 _ROUNDING = 1e-9
-# Share of a region's border, px, by which its area is off, per deviation of a pixel's value of 255:
-# pixels that are half within it count or do not, and the noise of a sensor of 2 decides which.
-_UNSURE = 0.15
-# For how many regions errors are drawn at once.
-_AHEAD = 256
 
 
 class VisibleSurface(NamedTuple):
@@ -167,7 +163,7 @@ class IdealCameras(CameraSystem):
         """Begin an episode."""
         super().begin(engine, disturbance, channels, chance)
         deviation = math.hypot(self._robot.vision.noise, disturbance.image_noise)
-        self._errors_of = RegionErrors(_UNSURE * deviation, chance.noise.spawn(1)[0])
+        self._region_errors = RegionErrors(deviation, chance.noise.spawn(1)[0])
         self.look_for(channels)
         self._rows = np.array([engine.rows[link] for link in self._links.values()], np.intp)
         self._carriers = np.array([engine.rows[link] for link in self._limbs.links], np.intp)
@@ -209,7 +205,7 @@ class IdealCameras(CameraSystem):
                 scene.whole(shapes),
                 moved,
                 filled,
-                self._errors_of,
+                self._region_errors,
                 partial(self._extent, placed, lens, cameras[row]),
             )
             for name, shapes, lens, filled, row in zip(
@@ -250,30 +246,6 @@ class IdealCameras(CameraSystem):
             pose = Pose(own[9:], own[:9].reshape(3, 3)) @ self._errors[name]
             own[:9], own[9:] = pose.rotation.ravel(), pose.position
         return placements
-
-
-class RegionErrors:
-    """Errors of regions whose border pixels count or do not.
-
-    Args:
-        unsure: standard deviation of the area, px, per square root of the border's length, px.
-        rng: draws them.
-    """
-
-    def __init__(self, unsure: float, rng: np.random.Generator) -> None:
-        self._unsure, self._rng = unsure, rng
-        self._drawn: list[list[float]] = []
-
-    def added(self, area: float, column: float, row: float) -> tuple[float, float, float]:
-        """Area and centroid, px, with errors; a region keeps a pixel at least."""
-        if not self._drawn:
-            self._drawn = self._rng.standard_normal((_AHEAD, 3)).tolist()
-        larger, aside, below = self._drawn.pop()
-        radius = math.sqrt(area / math.pi)
-        off = self._unsure * math.sqrt(2 * math.pi * radius)
-        # Pixels of the border are a radius away from the centroid, on either side.
-        shift = off * radius / area / math.sqrt(2)
-        return max(area + off * larger, 1.0), column + shift * aside, row + shift * below
 
 
 def _regions(

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from cbdsl.backends.bullet.backend import BulletBackend
-from cbdsl.backends.cameras.ideal import RegionErrors
+from cbdsl.backends.cameras.region_errors import RegionErrors
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.sensing.channels import ChannelFilter, Region
 from tests.backends.conftest import URDF, made_stage
@@ -52,16 +52,16 @@ def test_errors_of_ideal_cameras_are_those_of_rendered_ones(
 
 
 def test_errors_grow_with_the_noise_and_small_regions_suffer_most() -> None:
-    def spread(unsure: float, area: float) -> np.ndarray:
-        noise = RegionErrors(unsure, np.random.default_rng(0))
+    def spread(deviation: float, area: float) -> np.ndarray:
+        noise = RegionErrors(deviation, np.random.default_rng(0))
         drawn = np.array([noise.added(area, 0.0, 0.0) for _ in range(2000)])
         return drawn.std(axis=0) / [area, 1.0, 1.0]
 
-    assert spread(0.6, 300.0) == pytest.approx(2 * spread(0.3, 300.0), rel=1e-9)
-    assert (spread(0.3, 50.0) > 1.2 * spread(0.3, 500.0)).all()
+    assert spread(4.0, 300.0) == pytest.approx(2 * spread(2.0, 300.0), rel=1e-9)
+    assert (spread(2.0, 50.0) > 1.2 * spread(2.0, 500.0)).all()
     assert not spread(0.0, 300.0).any()
 
 
 def test_a_region_keeps_a_pixel() -> None:
-    noise = RegionErrors(5.0, np.random.default_rng(0))
+    noise = RegionErrors(30.0, np.random.default_rng(0))
     assert min(noise.added(1.0, 0.0, 0.0)[0] for _ in range(500)) == 1.0
