@@ -37,8 +37,12 @@ class KeptEpisodes:
         self._rows = KeptRows(path)
         self._known: dict[tuple[str, int], PlayedEpisode] = {}
         for row in self._rows:
-            result = _result(row["result"])
-            self._known[row["what"], result.seed] = PlayedEpisode(result, row["done"], row["slip"])
+            try:
+                result = _result(row["result"])
+                played = PlayedEpisode(result, row["done"], row["slip"])
+                self._known[row["what"], result.seed] = played
+            except (AttributeError, KeyError, TypeError):
+                continue  # damaged: what it held is run again
 
     def run(self, what: str, seed: int, run: Callable[[], PlayedEpisode]) -> PlayedEpisode:
         """The outcome of an episode, from the file or by running it.

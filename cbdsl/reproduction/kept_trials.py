@@ -41,7 +41,7 @@ class KeptTrials(Generic[Some]):
         self._rows, self._what = KeptRows(path), what
         self._known: dict[tuple[str, int], Some] = {}
         for row in self._rows:
-            if row.pop("what") != what:
+            if not isinstance(row, dict) or row.pop("what", None) != what:
                 continue
             try:
                 trial = read_record(kind, row)

@@ -15,8 +15,8 @@ from cbdsl.numeric.compiled import compiled_once
 Floats = NDArray[np.float64]
 
 _STILL = np.zeros(3)
-# Ticks whose displacements are kept at most.
-_MOST = 256
+# How long displacements are kept, s: no image may be as late.
+_KEPT = 1.5
 _SLACK = 1e-6
 
 
@@ -48,7 +48,7 @@ class PositionMemory:
         self._sightings = 0
         self._largest: Sequence[float] | None = None
         # Displacements of the last ticks, m, and when they began, s.
-        self._moves: deque[tuple[float, Floats]] = deque(maxlen=_MOST)
+        self._moves: deque[tuple[float, Floats]] = deque()
         self._time = 0.0
 
     @property
@@ -125,6 +125,8 @@ class PositionMemory:
         assert self.position is not None
         self.position = self.position + displacement
         self._moves.append((begun, displacement))
+        if self._moves[0][0] < begun - _KEPT:
+            self._moves.popleft()
 
     def rest(self) -> None:
         """Take the thing to stand still, as when a hand has touched it."""

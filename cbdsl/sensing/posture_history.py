@@ -9,17 +9,17 @@ from numpy.typing import NDArray
 
 Floats = NDArray[np.float64]
 
-# Ticks that are kept at most: a second or more at common rates.
-_MOST = 256
+# How long postures are kept, s: no image may be as late.
+_KEPT = 1.5
 # Rounding of times, s.
 _SLACK = 1e-6
 
 
 class PostureHistory:
-    """Joint positions of the last ticks, back to the newest image that was asked for."""
+    """Joint positions of the last ticks, back to the newest image that was asked for, or 1.5 s."""
 
     def __init__(self) -> None:
-        self._ticks: deque[tuple[float, Floats]] = deque(maxlen=_MOST)
+        self._ticks: deque[tuple[float, Floats]] = deque()
 
     def reset(self) -> None:
         """Forget the episode before."""
@@ -28,6 +28,8 @@ class PostureHistory:
     def note(self, time: float, positions: Floats) -> None:
         """Take in a tick: its time, s, and joint positions that nobody writes over, shape (n,)."""
         self._ticks.append((time, positions))
+        if self._ticks[0][0] < time - _KEPT:
+            self._ticks.popleft()
 
     def at(self, time: float) -> Floats:
         """The joint positions at a time, s, in the tick before, or the oldest known, shape (n,)."""

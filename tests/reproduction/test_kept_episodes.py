@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from pathlib import Path
 
+import pytest
+
 from cbdsl.reproduction.kept_episodes import KeptEpisodes, PlayedEpisode
 from cbdsl.runtime.episode import EpisodeResult
 
@@ -43,3 +45,12 @@ def test_a_line_that_was_cut_off_does_not_count(tmp_path: Path) -> None:
     assert episodes.count == 2
     KeptEpisodes(file).run("this", 7, episodes.run)
     assert episodes.count == 2
+
+
+@pytest.mark.parametrize("row", ["[1, 2]", "{}", '{"what": "this", "result": 3}', '{"result": {}}'])
+def test_a_row_of_something_else_is_passed_over(tmp_path: Path, row: str) -> None:
+    file, episodes = tmp_path / "kept.jsonl", Counted()
+    KeptEpisodes(file).run("this", 7, episodes.run)
+    file.write_text(f"{row}\n{file.read_text()}")
+    KeptEpisodes(file).run("this", 7, episodes.run)
+    assert episodes.count == 1

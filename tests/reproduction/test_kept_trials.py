@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 
+import pytest
+
 from cbdsl.learning.impedance import ImpedanceProfile, ImpedanceTest
 from cbdsl.reproduction.impedance_trials import ImpedanceTrial
 from cbdsl.reproduction.kept_trials import KeptTrials, kept_trials
@@ -62,3 +64,11 @@ def test_only_what_is_missing_is_run_and_all_of_it_is_counted(tmp_path: Path) ->
     assert ran == [0, 2, 0, 1]
     assert heard == [(2, 5), (3, 5), (4, 5), (5, 5)]
     assert gathered() == first and len(ran) == 4
+
+
+@pytest.mark.parametrize("row", ["[1, 2]", "{}", '{"what": "one"}', '{"what": "one", "things": 3}'])
+def test_a_row_of_something_else_is_passed_over(tmp_path: Path, row: str) -> None:
+    path = tmp_path / "kept.jsonl"
+    KeptTrials(path, "one", ImpedanceTrial).add(trial(1))
+    path.write_text(f"{row}\n{path.read_text()}")
+    assert KeptTrials(path, "one", ImpedanceTrial).get("box_on_box", 1) == trial(1)

@@ -25,12 +25,16 @@ _NOT_NEGATIVE: tuple[Steps, ...] = (
     ("joint_torques", "threshold"),
     ("joint_torques", "filter"),
     ("contact", "noise"),
+    ("contact", "bias"),
+    ("contact", "drift"),
     ("control", "limit_margin"),
     ("control", "damping"),
     ("control", "singular_value"),
     ("vision", "regions", "ray_gap"),
     ("vision", "regions", "hand_radius"),
 )
+# Places and postures of the past are kept a little longer, s.
+_LATEST = 1.0
 _RATES: tuple[Steps, ...] = (
     ("control", "rate"),
     ("vision", "rate"),
@@ -49,6 +53,10 @@ def check_constants(loaded: Loaded[RobotDocument], findings: Findings) -> None:
     ]
     not_negative = [*_NOT_NEGATIVE, *(("simulation", "surfaces", i, "damping") for i in surfaces)]
     check_signs(robot, source, (), positive, not_negative, findings)
+    if robot.vision.latency > _LATEST:
+        place = source.place("vision", "latency")
+        problem = f"images that come {robot.vision.latency:g} s late show nothing of use"
+        findings.add("CB208", place, problem=f"{problem}; it has to be at most {_LATEST:g} s")
     if all(source.is_whole(*rate) for rate in _RATES):
         _rates(robot, source, findings)
         _tasks(robot, source, findings)

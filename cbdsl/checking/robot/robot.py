@@ -262,6 +262,7 @@ class _ModelCheck:
         movable = [name for name in self._free if unsupported(self._model.joints[name]) is None]
         self._joints(places, unsupported, movable)
         self._postures(name, effector)
+        self._resolution(name, effector)
         if effector.tip is not None and name in self._body.idle:
             self._idle_tip(name, effector.tip.link)
 
@@ -364,6 +365,18 @@ class _ModelCheck:
         given = name if joint is None else joint.child
         hints = {"names": names, "candidates": names or everything, "given": given}
         self._findings.add(code, place, **hints, name=name, model=self._model.path.name)
+
+    def _resolution(self, name: str, effector: Effector) -> None:
+        """An effector's encoders have steps of the kind of its joints' positions."""
+        steps = "effectors", name, "resolution"
+        if not self._source.holds(*steps):
+            return
+        node = self._source.node(steps)
+        for joint in effector.joints:
+            limits = self._model.joints.get(joint)
+            if limits is not None and is_of_another_kind(node.value, unit_of(limits)):
+                self._findings.add("CB390", node.place, name=joint, unit=unit_of(limits))
+                return
 
     def _postures(self, name: str, effector: Effector) -> None:
         for posture, angles in effector.postures.items():
