@@ -163,7 +163,7 @@ def test_without_a_tip_torques_are_about_the_middle_of_the_cells(touch_of: Make)
     places = np.array([touch._kinematics.frame(cell.link).position for cell in cells])
     forces = np.zeros_like(touch.loads)
     forces[first:last, :3] = np.random.default_rng(2).normal(size=(3, 3))
-    touch.update(forces)
+    touch.update(forces, 0.0)
     wrench = touch.net_load(NetLoad("left_hand", "wrench"))
     assert wrench is not None
     torques = np.cross(places - places.mean(axis=0), forces[first:last, :3])
