@@ -87,7 +87,9 @@ def measure(case: Case, q: Floats, anchor: Floats) -> Signal:
         return sighting(case, anchor)
     table = signals(case.robot)
     if case.potential == "manipulability":
-        row = table.bind_manipulator(case.effector, case.part, robot.joints(case.effector))
+        row = table.kinematic_rows.manipulator(
+            case.effector, case.part, robot.joints(case.effector)
+        )
         found = table.reading(row)
     else:
         name = case.effector

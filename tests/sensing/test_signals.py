@@ -246,9 +246,9 @@ def test_links_have_rows_of_their_own_and_of_their_middle(
 ) -> None:
     cells = [each.link for each in dexter.load_cells["right_hand"].values()]
     signals = Signals(dexter, kinematics, ())
-    rows = [signals.bind_links([link]) for link in cells]
-    middle = signals.bind_links(cells)
-    assert signals.bind_links(cells) == middle and signals.bind_links(cells[:1]) == rows[0]
+    bind = signals.kinematic_rows.links
+    rows, middle = [bind([link]) for link in cells], bind(cells)
+    assert bind(cells) == middle and bind(cells[:1]) == rows[0]
     signals.update(observe(dexter, posture))
     signals.refresh(signals.select([*rows, middle]))
     places = [kinematics.frame(link).position for link in cells]
