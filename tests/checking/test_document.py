@@ -66,7 +66,8 @@ SEVERAL = {
         several_faults several_keys several_states half_contexts joint_unknown robot_unknown
         unknown_hand unknown_thing two_errors_of_a_reference base_moves camera_faults
         channel_faults coupling_faults gains_of_one load_cell_faults no_normal
-        posture_faults sensor_faults task_faults unknown_renderer broken_and_wrong key_meant_by_another
+        posture_faults sensor_faults task_faults unknown_renderer broken_and_wrong
+        key_meant_by_another
         mujoco_constants octal_and_unknown robot_unknown_and_more thing_is_broken broken_effector
         rate_and_joint states_with_stars invisible_and_unknown
         joints_of_all_kinds success_of_what_is_never_undefined pairs_of_things compared_channels
