@@ -146,8 +146,8 @@ def _stay(tells: bool) -> None:
     """Keep the page until Ctrl-C, which ends nothing but the page."""
     from threading import Event
 
-    _tell("the page stays until Ctrl-C", tells)
     try:
+        _tell("the page stays until Ctrl-C", tells)
         while not Event().wait(3600):
             continue
     except KeyboardInterrupt:

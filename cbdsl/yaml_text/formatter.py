@@ -89,6 +89,7 @@ def _formatted(text: str) -> str:
     try:
         layout = _Layout(source, lines)
     except UnknownLayoutError:
+        _events(source)  # raises where it is no YAML
         return text
     result = layout.text()
     is_same = _events(result) == _events(source) and comments(result) == comments(source)
@@ -188,9 +189,8 @@ class _Layout:
         elif isinstance(token, yaml.KeyToken):
             self._begin_key(token)
             return
-        elif isinstance(token, yaml.BlockEntryToken) and not self._blocks[-1].is_list:
-            # Lists may be as deep as their key, and stay so.
-            self._blocks.append(_Block(self._blocks[-1].column, True, has_start=False))
+        elif isinstance(token, yaml.BlockEntryToken):
+            self._enter_bare_list()
         if not isinstance(token, _UNSEEN):
             self._place(token)
         if isinstance(token, _OPENING):
@@ -199,6 +199,13 @@ class _Layout:
             if not self._opened:
                 raise UnknownLayoutError
             self._opened.pop()
+
+    def _enter_bare_list(self) -> None:
+        """Lists may be as deep as their key, and stay so."""
+        if self._opened:
+            raise UnknownLayoutError  # between brackets, which a parser refuses
+        if not self._blocks[-1].is_list:
+            self._blocks.append(_Block(self._blocks[-1].column, True, has_start=False))
 
     def _begin_key(self, token: Any) -> None:
         if _position(token.start_mark) != _position(token.end_mark):

@@ -115,7 +115,10 @@ def test_what_has_rules_of_its_own_stays(text: str) -> None:
     assert formatted(text) == text
 
 
-@pytest.mark.parametrize("text", ["a: [1\n", "a: 'b\n", "a: b: c\n", "\t- a\n"])
+@pytest.mark.parametrize(
+    "text",
+    ["a: [1\n", "a: 'b\n", "a: b: c\n", "\t- a\n", "[- a]\n", "a: [- b]\n", "a: !!str [- b]\n"],
+)
 def test_what_is_no_yaml_is_refused(text: str) -> None:
     with pytest.raises(SyntaxFaultError):
         formatted(text)
