@@ -175,7 +175,11 @@ class SimulatedBackend(Generic[SomeEngine]):
         return self._sensed(positions, velocities, exposure, taken)
 
     def _sensed(
-        self, positions: Floats, velocities: Floats, exposure: Exposure = _NOTHING, taken: int = 0
+        self,
+        positions: Floats,
+        velocities: Floats,
+        exposure: Exposure = _NOTHING,
+        taken: int | None = None,
     ) -> Observation:
         loads = self._cells.read()
         return Observation(
@@ -186,7 +190,7 @@ class SimulatedBackend(Generic[SomeEngine]):
             images=exposure.images,
             regions=exposure.regions,
             efforts=self.truth.efforts() if self._robot.joint_torques is not None else None,
-            exposed=(taken - self._began) * self.control_period,
+            exposed=None if taken is None else (taken - self._began) * self.control_period,
         )
 
     def _expose(self) -> Exposure:

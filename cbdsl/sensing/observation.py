@@ -58,7 +58,8 @@ class Observation:
             camera and channel, the largest region first; empty between images.
         efforts: torques of the joints' drives, as these measure them, N m, shape (n,); ``None``
             where they measure none.
-        exposed: when the images were taken, s, in the same clock as ``time``; ``None`` for now.
+        exposed: when the images were taken, s, in the same clock as ``time``; ``None``
+            without images, and where they are of now.
     """
 
     time: float

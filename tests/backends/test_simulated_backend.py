@@ -70,6 +70,8 @@ def test_images_come_as_late_as_the_robot_says(
         if observation.regions:
             assert observation.exposed is not None
             late.append(observation.time - observation.exposed)
+        else:
+            assert observation.exposed is None
         backend.step()
     backend.close()
     assert late[0] == 0

@@ -16,7 +16,7 @@ from cbdsl.sensing.observation import Cell, Loads
 Floats = NDArray[np.float64]
 Triple = tuple[float, float, float]
 
-#: Noise of the torques per noise of the forces, m: about the radius of a fingertip.
+#: Errors of the torques per error of the forces, m: about the radius of a fingertip.
 LEVER = 0.012
 
 
