@@ -18,6 +18,10 @@ WORDS = {
     "right_arm": ("left_arm", "right_hand", "$arm"),
     "8 /s": ("8 m", "0 /s", "9 /s"),
     "robot: dexter": ("robot: panda", "robot: dextre", "robot: dexter "),
+    # What other sections of the program say of a controller's names.
+    "  hold: ": ("  holds: ", "  hold : "),
+    "models: {": ("models: {other_", "modelled: {"),
+    "searchtrack: {program": ("seeks: {program", "searchtrack: {programs"),
     "controllers:": ("controllers: {}", "controls:", "controllers:\n  more: {potential: spring}"),
 }
 
