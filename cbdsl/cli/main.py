@@ -49,6 +49,7 @@ def main() -> None:
     """Run ``cb``: exit 0 when all is well, 1 with findings, 2 for a wrong call or a fault of cb."""
     _start_quickly()
     _print_anything()
+    _deliver_lost_interrupts()
     words = sys.argv[1:]
     try:
         require_words(words)
@@ -92,6 +93,28 @@ def _print_anything() -> None:
     for stream in (sys.stdout, sys.stderr):
         if isinstance(stream, io.TextIOWrapper):
             stream.reconfigure(errors="backslashreplace")
+
+
+def _deliver_lost_interrupts() -> None:
+    """Raise an interrupt again that Python raised where nothing can be raised.
+
+    In a destructor or a callback of C (numba has thousands of them while it loads machine code) a
+    Ctrl-C would be printed as ignored, and the command went on.
+    """
+    report = sys.unraisablehook
+
+    def deliver(lost: sys.UnraisableHookArgs) -> None:
+        if not issubclass(lost.exc_type, KeyboardInterrupt):
+            report(lost)
+            return
+        from _thread import interrupt_main
+        from threading import Timer
+
+        again = Timer(0.01, interrupt_main)  # at once it would be raised, and lost, in here
+        again.daemon = True
+        again.start()
+
+    sys.unraisablehook = deliver
 
 
 def _report(error: Exception) -> int:

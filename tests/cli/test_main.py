@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import subprocess
 import sys
+import time
 from pathlib import Path
 
 import pytest
@@ -44,6 +45,35 @@ def test_validating_imports_nothing_heavy() -> None:
     )
     assert (run.returncode, run.stderr) == (0, "")
     assert "no findings" in run.stdout
+
+
+class Interrupted:
+    """A thing whose end is interrupted, where Python can raise nothing."""
+
+    def __del__(self) -> None:
+        raise KeyboardInterrupt
+
+
+def test_an_interrupt_that_a_destructor_swallows_comes_again(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr(sys, "unraisablehook", sys.__unraisablehook__)
+    command._deliver_lost_interrupts()
+    with pytest.raises(KeyboardInterrupt):
+        Interrupted()
+        time.sleep(5)
+    assert capsys.readouterr().err == ""
+
+
+def test_what_else_a_destructor_raises_is_printed(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    printed: list[object] = []
+    monkeypatch.setattr(sys, "unraisablehook", lambda lost: printed.append(lost.exc_type))
+    command._deliver_lost_interrupts()
+    monkeypatch.setattr(Interrupted, "__del__", lambda self: {}[0])
+    Interrupted()
+    assert printed == [KeyError]
 
 
 @pytest.mark.parametrize("name", ["none.yaml", ".", "empty", "binary", "wrong_kind"])
