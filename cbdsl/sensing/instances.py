@@ -153,7 +153,9 @@ class Instances:
         sighting = self._located(number) if believed else None
         if sighting is not None and (memory.position is not None or self._is_whole(number)):
             position, _, sizes = sighting
-            if memory.looks_smaller(sizes) and not self._field.is_hidden_by_hand(position):
+            # A shoulder or another thing that comes in between hides it from one camera.
+            shrinks = memory.looks_smaller(sizes) and memory.shrinks_alike(sizes)
+            if shrinks and not self._field.is_hidden_by_hand(position):
                 memory.forget_size()
             if memory.see(time, position + memory.moved_since(self._exposed), sizes):
                 return

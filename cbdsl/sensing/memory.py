@@ -18,6 +18,9 @@ _STILL = np.zeros(3)
 # How long displacements are kept, s: no image may be as late.
 _KEPT = 1.5
 _SLACK = 1e-6
+# How much more of its size a thing may seem to lose in one camera than in the others from an image
+# to the next: what turns or is worn away shows that to all, what is half hidden to one.
+_ALIKE = 0.9
 
 
 class PositionMemory:
@@ -62,6 +65,11 @@ class PositionMemory:
         """Whether the region is smaller than the largest seen so far, in some camera, m^2."""
         largest = self._largest or sizes
         return any([size < most for size, most in zip(sizes, largest, strict=True)])
+
+    def shrinks_alike(self, sizes: Sequence[float]) -> bool:
+        """Whether the region is smaller than the largest by about as much in each camera, m^2."""
+        shares = [size / most for size, most in zip(sizes, self._largest or sizes, strict=True)]
+        return min(shares) >= _ALIKE * max(shares)
 
     def forget_size(self) -> None:
         """Let the next sighting set the size anew, since nothing can hide any part of it."""

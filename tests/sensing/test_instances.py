@@ -14,6 +14,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
+from cbdsl.backends.backend import Backend, embody
 from cbdsl.backends.kinematic.backend import KinematicBackend
 from cbdsl.backends.staging.pose import Pose
 from cbdsl.documents.robot import RobotDocument
@@ -39,8 +40,8 @@ class Scene:
         signals: of the robot.
     """
 
-    def __init__(self, robot: RobotDocument, urdf: Path) -> None:
-        self.backend = KinematicBackend(robot, urdf)
+    def __init__(self, robot: RobotDocument, urdf: Path, backend: Backend | None = None) -> None:
+        self.backend = backend or KinematicBackend(robot, urdf)
         self._named = resources(robot)
         wanted = [self._named["stereo.red"]]
         self.signals = Signals(robot, Kinematics(robot, urdf), wanted)
@@ -256,6 +257,23 @@ def test_what_a_hand_leaves_of_a_thing_is_no_other_thing(
         red.look(1.0 + tick / 15, 1.0 + tick / 15, parts)
     assert len(scene.places()) == (1 if hidden else 2)
     assert scene.places()[0] == near(RIGHT)
+
+
+@pytest.mark.parametrize("side", [1, -1], ids=["left", "right"])
+def test_a_shoulder_that_comes_before_a_thing_does_not_move_it(
+    dexter: RobotDocument, urdf: Path, side: int
+) -> None:
+    """As the head turns to what is near and aside, one camera looks over the shoulder."""
+    aside, pan = np.array([0.32, side * 0.58, -0.36]), side * 1.44
+    scene = Scene(dexter, urdf, embody("mujoco", dexter, urdf, cameras="rendered"))
+    camera = "left" if side > 0 else "right"
+    scene.show((aside, 0.06), pan=side, tilt=1.02)
+    scene.look()
+    whole = scene.signals.vision.seen[camera][RED][0].area
+    scene.look(1.0, pan=pan, tilt=1.02)
+    assert scene.signals.vision.seen[camera][RED][0].area < 0.7 * whole
+    assert scene.places() == {0: near(aside)}
+    scene.backend.close()
 
 
 def test_a_thing_is_discovered_once_no_hand_is_before_it(

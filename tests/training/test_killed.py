@@ -17,7 +17,7 @@ from tests.conftest import ROOT
 from tests.training.tasks import outcome
 from tests.training.test_trial_loop import without_seconds
 
-KILLS, EPISODES = 20, 14
+EPISODES = 14
 JOURNAL = "policy.episodes.jsonl"
 LEARN = [
     *("learn", "searchtrack", "--stage", "searchtrack_training", "--backend", "kinematic"),
@@ -27,6 +27,13 @@ ASSIMILATE = [
     *("learn", "reachtouch", "--learner", "assimilate", "--from", "reachtouch"),
     *("--stage", "near_and_far_training", "--backend", "kinematic", "--idle-time", "1"),
     *LEARN[-6:],
+]
+#: Among whose allocations are some that bring other programs.
+EXCHANGE = [
+    *("learn", "pick_and_place", "--learner", "assimilate", "--from", "pick_and_place"),
+    *("--stage", "things_and_far_pads", "--backend", "kinematic", "--idle-time", "1"),
+    *("--set", "blames_first=True", "--transition-time", "20", "--episode-time", "40"),
+    *("--seed", "3", "--episodes", "6", "--out", "policy.yaml"),
 ]
 
 AS_EVER = ("-c", "from cbdsl.cli.main import main; main()")
@@ -75,18 +82,22 @@ def killed(folder: Path, more: int, later: float, learn: list[str]) -> bool:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("learn", [LEARN, ASSIMILATE], ids=["accommodate", "assimilate"])
-def test_killed_twenty_times_it_ends_as_if_it_had_not_been(
-    tmp_path: Path, learn: list[str]
+@pytest.mark.parametrize(
+    ("learn", "often"),
+    [(LEARN, 20), (ASSIMILATE, 20), (EXCHANGE, 8)],
+    ids=["accommodate", "assimilate", "exchange"],
+)
+def test_killed_again_and_again_it_ends_as_if_it_had_not_been(
+    tmp_path: Path, learn: list[str], often: int
 ) -> None:
     unbroken, broken = tmp_path / "unbroken", tmp_path / "broken"
     unbroken.mkdir()
     broken.mkdir()
     began = time.monotonic()
     assert cb(unbroken, AS_EVER, learn=learn).wait() == 0
-    pace = (time.monotonic() - began) / EPISODES
+    pace = (time.monotonic() - began) / lines(unbroken)
     expected, rng, kills = outcome(unbroken), np.random.default_rng(7), 0
-    while kills < KILLS:
+    while kills < often:
         before = lines(broken)
         more, later = int(rng.integers(0, 3)), pace * rng.random()
         kills += killed(broken, more, later, learn)
