@@ -105,6 +105,7 @@ class _Judge:
 def run_episodes(program: str, cameras: str, thing: str, seeds: Iterable[int]) -> list[Episode]:
     """Take one kind of thing, in this process."""
     from cbdsl.api.run_request import read_request
+    from cbdsl.backends.staging.world_state import GroundTruthProvider
     from cbdsl.cli.simulation import simulation
     from cbdsl.runtime.episode import Runner
 
@@ -113,7 +114,8 @@ def run_episodes(program: str, cameras: str, thing: str, seeds: Iterable[int]) -
     with simulation(request, "bullet", cameras=cameras) as (backend, kinematics):
         runner = Runner(request.robot, kinematics, request.program, backend)
         for seed in seeds:
-            judge = _Judge(backend.truth, thing)  # type: ignore[attr-defined]
+            assert isinstance(backend, GroundTruthProvider)
+            judge = _Judge(backend.truth, thing)
             result = runner.run(request.stage, seed, thing, judge.judge_reward, judge.note)
             episodes.append(judge.conclude(seed, result))
     return episodes

@@ -52,7 +52,7 @@ def models(catalog: MetaCatalogDocument, names: Sequence[str]) -> dict[str, Affo
     """Models of the pairs that ever stayed, over some of their features."""
     found = {}
     for pair, model in pair_models(catalog).items():
-        place, chosen = 0, []
+        place, chosen = 0, list[int]()
         for name, feature in catalog.pairs[pair].features.items():
             own = range(place, place + feature.components)
             place += feature.components

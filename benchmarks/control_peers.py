@@ -161,7 +161,8 @@ def main() -> None:
         result = {"microseconds": modes, "split": stages, "missing": missing}
         sys.stdout.write(json.dumps(result) + "\n")
         return
-    solves = {peer.name: peer.solves for peer in (*local, *remote)}
+    every: list[Peer | RemotePeer] = [*local, *remote]
+    solves = {peer.name: peer.solves for peer in every}
     lines = [f"  {name} is missing: {reason}" for name, reason in missing.items()]
     for mode, medians in modes.items():
         lines += table(mode, medians, solves)

@@ -27,22 +27,26 @@ TARGET = 0.9
 def run_episodes(backend: str, seeds: Iterable[int]) -> list[dict[str, Any]]:
     """Look for some things in the dark, in this process."""
     from cbdsl.api.run_request import read_request
+    from cbdsl.backends.staging.engine import Engine
+    from cbdsl.backends.staging.world_state import GroundTruthProvider
     from cbdsl.cli.simulation import simulation
     from cbdsl.runtime.episode import Runner
 
     request, episodes = read_request("find_by_touch", None, None, {}), []
     with simulation(request, backend) as (body, kinematics):
+        assert isinstance(body, GroundTruthProvider) and isinstance(body.truth, Engine)
+        truth = body.truth
         runner = Runner(request.robot, kinematics, request.program, body)
         for seed in seeds:
             result = runner.run(request.stage, seed, "dark")
-            there = set(body.truth.names()).intersection(request.stage.things)
+            there = set(truth.names()).intersection(request.stage.things)
             # A try that comes to nothing has two transitions: it begins, and ends.
             states = result.predicates[1:]
             episodes.append(
                 {
                     "seed": seed,
                     "said": result.outcome == "success",
-                    "touched": any(map(body.truth.touched, there)),
+                    "touched": any(map(truth.touched, there)),
                     "tries": states.count("0") or len(states),
                     "seconds": round(result.sim_seconds, 1),
                 }

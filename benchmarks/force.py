@@ -94,6 +94,7 @@ class _Judge:
 def run_episodes(backend: str, side: str, seeds: Iterable[int]) -> list[Episode]:
     """Some slides, in this process. Nothing is looked at, so that cameras are ideal."""
     from cbdsl.api.run_request import read_request
+    from cbdsl.backends.staging.world_state import GroundTruthProvider
     from cbdsl.cli.simulation import simulation
     from cbdsl.runtime.episode import Runner
 
@@ -102,8 +103,10 @@ def run_episodes(backend: str, side: str, seeds: Iterable[int]) -> list[Episode]
         values, by = _draw(seed, side)
         request = read_request("press_and_slide", None, None, values)
         with simulation(request, backend, cameras="ideal") as (body, kinematics):
-            truth = body.truth  # type: ignore[attr-defined]
-            judge = _Judge(truth, request.robot.effectors[values["arm"]].tip.link, values["hand"])
+            assert isinstance(body, GroundTruthProvider)
+            tip = request.robot.effectors[values["arm"]].tip
+            assert tip is not None
+            judge = _Judge(body.truth, tip.link, values["hand"])
             runner = Runner(request.robot, kinematics, request.program, body)
             result = runner.run(request.stage, seed, on_tick=judge.note)
             window = round(WINDOW * request.robot.simulation.physics_rate)

@@ -47,12 +47,17 @@ class Episode(NamedTuple):
 def run_episodes(seeds: Iterable[int]) -> list[Episode]:
     """Pick and place some cubes, in this process."""
     from cbdsl.api.run_request import read_request
+    from cbdsl.backends.staging.world_state import GroundTruthProvider
     from cbdsl.cli.simulation import simulation
+    from cbdsl.documents.form import BoxForm
     from cbdsl.runtime.episode import Runner
 
     request, episodes = read_request("panda_pick", None, None, {}), []
-    half = request.stage.things["cube"].form.size[2][0] / 2  # which is not drawn
+    form = request.stage.things["cube"].form
+    assert isinstance(form, BoxForm)
+    half = form.size[2][0] / 2  # which is not drawn
     with simulation(request, "bullet") as (backend, kinematics):
+        assert isinstance(backend, GroundTruthProvider)
         runner = Runner(request.robot, kinematics, request.program, backend)
         for seed in seeds:
             result = runner.run(request.stage, seed)

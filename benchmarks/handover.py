@@ -52,12 +52,14 @@ def run_episodes(
 ) -> list[dict[str, Any]]:
     """Hand over one kind of thing in one direction, in this process."""
     from cbdsl.api.run_request import read_request
+    from cbdsl.backends.staging.world_state import GroundTruthProvider
     from cbdsl.cli.simulation import simulation
     from cbdsl.runtime.episode import Runner
 
     request = read_request("handover", None, None, DIRECTIONS[direction])
     with simulation(request, body.backend, cameras=body.cameras) as (backend, kinematics):
         runner = Runner(request.robot, kinematics, request.program, backend)
+        assert isinstance(backend, GroundTruthProvider)
         judge = _Judge(backend.truth, thing, direction)
         return [judge.watch(runner, request.stage, seed) for seed in seeds]
 

@@ -53,7 +53,8 @@ class Scene:
 
     def moved_goal(self) -> Floats:
         """The goal one cell on."""
-        return GOAL + np.array([self.grid.spacing, 0.0, 0.0])
+        moved: Floats = GOAL + np.array([self.grid.spacing, 0.0, 0.0])
+        return moved
 
     def moved_obstacles(self) -> list[Obstacle]:
         """The obstacles, one of them one cell on."""

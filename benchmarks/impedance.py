@@ -24,6 +24,7 @@ from cbdsl.learning.impedance import DIRECTIONS
 from cbdsl.numeric.proportion import exact_interval
 from cbdsl.reproduction.impedance_trials import ImpedanceTrial, run_trials
 from cbdsl.reproduction.thing_pairs import ALL_PAIRS, OTHER_PAIRS, PAIRS
+from cbdsl.reproduction.trial_record import plain_data
 
 TARGET = 0.8
 
@@ -80,7 +81,7 @@ def main() -> None:
     for name in names:
         seeds = range(options.seed, options.seed + options.episodes)
         trials = list(run_trials(name, seeds, options.backend, options.cameras))
-        profiles += [each.as_data() for each in trials]
+        profiles += [plain_data(each) for each in trials]
         rows.append(summarise(name, trials))
         if options.profiles is not None:
             options.profiles.write_text(json.dumps(profiles, indent=1), encoding="utf-8")

@@ -63,6 +63,7 @@ def law(sizes: Sequence[int], joints: int) -> Callable[[Rows, Floats], Floats]:
     step = Step.of(stack)
     stack.ages[:] = 1  # levels without a past
     limits, guards = rule.arrays
+    longest, damping, threshold = guards[:3].tolist()
     results = step.displacement, step.locked, step.singular_values
     spans = [slice(*span) for span in zip(stack.starts, stack.ends, strict=True)]
     rows, wanted = stack.rows[stack.newest], stack.wanted
@@ -79,7 +80,9 @@ def law(sizes: Sequence[int], joints: int) -> Callable[[Rows, Floats], Floats]:
             wanted,
             stack.ends,
             limits,
-            *guards[:3],
+            longest,
+            damping,
+            threshold,
             *results,
         )
         return step.displacement
@@ -159,7 +162,7 @@ class DexterCycle:
                 positions[joints.of(name)] = effector.postures[effector.start]
         signals.reset()
         for memory in signals.vision.memories.values():
-            memory.see(0.0, BALL, SIZES)
+            memory.see(0.0, BALL, SIZES.tolist())
         plan = ControllerPlan()
         self._run = ProgramRun(self._program, signals, plan, self._period)
         self._run.begin(np.random.default_rng(0), lambda transition: None)

@@ -137,6 +137,7 @@ class _Judge:
 def run_episodes(setting: Setting, seeds: Iterable[int]) -> list[Episode]:
     """Place some things, in this process."""
     from cbdsl.api.run_request import read_request
+    from cbdsl.backends.staging.world_state import GroundTruthProvider
     from cbdsl.cli.simulation import simulation
     from cbdsl.runtime.episode import Runner
 
@@ -145,7 +146,8 @@ def run_episodes(setting: Setting, seeds: Iterable[int]) -> list[Episode]:
     with simulation(request, setting.backend, cameras=setting.cameras) as (backend, kinematics):
         runner = Runner(request.robot, kinematics, request.program, backend)
         for seed in seeds:
-            judge = _Judge(backend.truth, setting.thing)  # type: ignore[attr-defined]
+            assert isinstance(backend, GroundTruthProvider)
+            judge = _Judge(backend.truth, setting.thing)
             result = runner.run(request.stage, seed, setting.thing, judge.hear, judge.note)
             episodes.append(judge.conclude(seed, result))
     return episodes

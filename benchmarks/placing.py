@@ -152,6 +152,7 @@ class _Judge:
 def run_episodes(setting: Setting, seeds: Iterable[int]) -> list[Episode]:
     """Put some things down, in this process."""
     from cbdsl.api.run_request import read_request
+    from cbdsl.backends.staging.world_state import GroundTruthProvider
     from cbdsl.cli.simulation import simulation
     from cbdsl.runtime.episode import Runner
 
@@ -160,7 +161,8 @@ def run_episodes(setting: Setting, seeds: Iterable[int]) -> list[Episode]:
     with simulation(request, "bullet", cameras=setting.cameras) as (backend, kinematics):
         runner = Runner(request.robot, kinematics, request.program, backend)
         for seed in seeds:
-            judge = _Judge(backend.truth)  # type: ignore[attr-defined]
+            assert isinstance(backend, GroundTruthProvider)
+            judge = _Judge(backend.truth)
             result = runner.run(request.stage, seed, on_tick=judge.note)
             episodes.append(judge.conclude(seed, result))
     return episodes

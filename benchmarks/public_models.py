@@ -202,7 +202,7 @@ def main() -> None:
             continue
         if file is None or not file.exists():
             sys.exit(f"{name} is not there; pip install --no-deps {name.partition(':')[0]}")
-        row = {"model": name, **{engine: tried(file, engine) for engine in ENGINES}}
+        row: dict[str, Any] = {"model": name, **{engine: tried(file, engine) for engine in ENGINES}}
         rows.append(row)
         print(json.dumps(row) if options.json else _line(row), flush=True)
     first, *others = ENGINES

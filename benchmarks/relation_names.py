@@ -21,6 +21,7 @@ from cbdsl.learning.relation_tree import NamedProfile, grow_relations, name_rela
 from cbdsl.numeric.proportion import exact_interval
 from cbdsl.reproduction.impedance_trials import ImpedanceTrial
 from cbdsl.reproduction.thing_pairs import ALL_PAIRS
+from cbdsl.reproduction.trial_record import read_record
 
 TARGET = 0.9
 
@@ -28,7 +29,7 @@ TARGET = 0.9
 def read(files: Sequence[Path]) -> list[ImpedanceTrial]:
     """All trials of some files."""
     rows = [row for file in files for row in json.loads(file.read_text(encoding="utf-8"))]
-    return [ImpedanceTrial.from_data(row) for row in rows]
+    return [read_record(ImpedanceTrial, row) for row in rows]
 
 
 def summarise(known: Sequence[ImpedanceTrial], others: Sequence[ImpedanceTrial]) -> dict[str, Any]:
