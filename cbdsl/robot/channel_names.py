@@ -7,10 +7,15 @@ from collections.abc import Iterator
 from cbdsl.documents.robot import Channels
 
 
+def hue_names(channels: Channels) -> Iterator[str]:
+    """Names of the channels of hue: ``hue_1`` and on."""
+    yield from (f"hue_{number}" for number in range(1, channels.hue + 1))
+
+
 def channel_names(channels: Channels) -> Iterator[str]:
     """Names of all channels: ``hue_1`` and on, ``sat_1`` and on, ``int_1`` and on, ``motion``."""
+    yield from hue_names(channels)
     for prefix, count in (
-        ("hue", channels.hue),
         ("sat", channels.saturation),
         ("int", channels.intensity),
     ):

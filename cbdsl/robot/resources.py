@@ -7,7 +7,7 @@ from contextlib import suppress
 
 from cbdsl.documents.robot import Channels, LoadCell, RobotDocument
 from cbdsl.errors.errors import UsageError
-from cbdsl.robot.channel_names import channel_names
+from cbdsl.robot.channel_names import channel_names, hue_names
 from cbdsl.robot.source_kind import SOURCES
 from cbdsl.types.resource import (
     BlobSignal,
@@ -18,6 +18,7 @@ from cbdsl.types.resource import (
     Heading,
     Headings,
     InstanceCount,
+    MarkHeading,
     NetForces,
     NetLoad,
     Origin,
@@ -54,6 +55,8 @@ SURFACE = "surface"
 COUNTED = "count"
 #: Beginning of the names of headings to what a background model does not expect.
 NOVEL = "novel"
+#: Beginning of the names of headings to what has another hue on a thing than the thing itself.
+MARK = "mark"
 
 _TIP_PARTS = {"position": POSITION, "orientation": ORIENTATION, "pose": POSE}
 _BLOB_PARTS = {"velocity": HEADING_RATE, "extent": EXTENT, "orientation": AXIS}
@@ -80,6 +83,7 @@ def resources(robot: RobotDocument) -> dict[str, Resource]:
     ``stereo.channel``                        position             triangulation
     ``stereo.channel.velocity``               velocity             triangulation
     ``stereo.channel.volume``                 volume               triangulation
+    ``mark.channel``                          heading              environment
     ``count.channel``                         count                triangulation
     ``surface.channel``                       position             visible surface
     ``effector.posture``                      configuration[n]     constant
@@ -165,7 +169,11 @@ def _sensors(robot: RobotDocument) -> Iterator[Resource]:
 def _vision(robot: RobotDocument) -> Iterator[Resource]:
     if not robot.cameras:
         return
+    hues = tuple(hue_names(robot.vision.channels))
     for name, channel in _named_channels(robot.vision.channels):
+        if hues:
+            mark = MarkHeading(channel, hues)
+            yield Resource(f"{MARK}.{name}", HEADING, Origin.ENVIRONMENT, mark)
         for camera in (*robot.cameras, CYCLOPEAN):
             source = Heading(camera, channel)
             yield Resource(f"{camera}.{name}", HEADING, Origin.ENVIRONMENT, source)

@@ -14,6 +14,7 @@ from cbdsl.types.resource import (
     FingerLoad,
     Heading,
     Headings,
+    MarkHeading,
     NetForces,
     NetLoad,
     NovelHeading,
@@ -50,6 +51,7 @@ EXECUTED: Mapping[type, frozenset[tuple[str, ...]]] = {
     Headings: frozenset({(CAMERA.name,), (TRIANGULATION.name, *_HELD)}),
     StereoPosition: frozenset({_HELD}),
     NovelHeading: frozenset({(CAMERA.name,)}),
+    MarkHeading: frozenset({(CAMERA.name,)}),
     ConstellationSignal: _TURNS,
     StereoOffset: _TURNS,
 }

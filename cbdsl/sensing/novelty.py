@@ -16,9 +16,10 @@ from numpy.typing import NDArray
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.sensing.camera import heading, heading_jacobian, sight
 from cbdsl.sensing.forward import rotation_of
+from cbdsl.sensing.kept_sights import KeptSights
 from cbdsl.sensing.kinematics import Kinematics
 from cbdsl.sensing.observation import Observation
-from cbdsl.sensing.reading import Reading, mean
+from cbdsl.sensing.reading import Reading
 from cbdsl.sensing.vision import Vision
 from cbdsl.types.resource import GaussianSample, NovelHeading, Resource
 
@@ -40,14 +41,6 @@ class _WholeRegion(NamedTuple):
 
     line: Floats
     posture: Floats
-
-
-class _NovelRegion(NamedTuple):
-    """Lines of sight to what is novel, by camera, the image that shows it, and its time, s."""
-
-    lines: dict[str, Floats]
-    image: int
-    time: float
 
 
 class Novelty:
@@ -72,11 +65,11 @@ class Novelty:
         self._robot, self._kinematics, self._vision = robot, kinematics, vision
         sources = dict.fromkeys(each.source for each in resources)
         self._sources = [each for each in sources if isinstance(each, NovelHeading)]
-        self.reset()
+        self._sights = KeptSights(robot, kinematics)
 
     def reset(self) -> None:
         """Forget the episode before."""
-        self._novel: dict[NovelHeading, _NovelRegion] = {}
+        self._sights.reset()
 
     def update(self, observation: Observation) -> None:
         """Look at the newest images; vision and kinematics must be up to date."""
@@ -86,20 +79,10 @@ class Novelty:
 
     def heading(self, source: NovelHeading) -> Reading | None:
         """The mean heading over the cameras that see it, ``None`` while nothing is novel."""
-        shown = self._novel.get(source)
-        if shown is None:
-            return None
-        return mean([self._reading(name, line, shown.image) for name, line in shown.lines.items()])
-
-    def _reading(self, camera: str, line: Floats, image: int) -> Reading:
-        """The heading to a line of sight, as the cameras move it."""
-        link = self._robot.cameras[camera].link
-        angles = heading(self._kinematics.frame(link).rotation.T.dot(line))
-        jacobian = heading_jacobian(angles).dot(self._kinematics.own_turning(link))
-        return Reading(angles, jacobian, image)
+        return self._sights.heading(source)
 
     def _look(self, source: NovelHeading, time: float) -> None:
-        """Take in the newest images; what was novel a moment ago still is, see ``Vision``."""
+        """Take in the newest images."""
         lines: dict[str, Floats] = {}
         first: Floats | None = None
         for camera in self._robot.cameras:
@@ -114,12 +97,7 @@ class Novelty:
             chosen = novel[0] if first is None else min(novel, key=partial(_apart, first))
             first = chosen.posture if first is None else first
             lines[camera] = chosen.line
-        if lines:
-            self._novel[source] = _NovelRegion(lines, self._vision.images, time)
-            return
-        before = self._novel.get(source)
-        if before is not None and time - before.time > self._robot.vision.regions.linger:
-            del self._novel[source]
+        self._sights.renew(source, lines, self._vision.images, time)
 
     def _whole_regions(self, name: str, source: NovelHeading) -> Iterator[_WholeRegion]:
         """Regions of a channel that a camera sees whole, the largest first."""

@@ -15,6 +15,7 @@ from cbdsl.sensing.declared_sensor import sensor_reader
 from cbdsl.sensing.density import DensitySampler, Sampler
 from cbdsl.sensing.kinematic_rows import KinematicRows
 from cbdsl.sensing.kinematics import Kinematics
+from cbdsl.sensing.marks import Marks
 from cbdsl.sensing.novelty import Novelty
 from cbdsl.sensing.observation import Observation
 from cbdsl.sensing.reading import Reading, shaped
@@ -50,6 +51,7 @@ from cbdsl.types.resource import (
     Headings,
     InstanceCount,
     KernelSample,
+    MarkHeading,
     NetForces,
     NetLoad,
     NovelHeading,
@@ -112,6 +114,7 @@ class Signals:
         self.surfaces = Surfaces(robot, self.vision, resources)
         self.blobs = BlobSignals(robot, self.vision, self.sight, resources)
         self.novelty = Novelty(robot, kinematics, self.vision, resources)
+        self.marks = Marks(robot, kinematics, self.vision, resources)
         self._binders: dict[type, Callable[[Any], int]] = {
             EffectorConfiguration: self.kinematic_rows.configuration,
             Posture: self.kinematic_rows.posture,
@@ -127,6 +130,7 @@ class Signals:
             BlobSignal: self.blobs.blob,
             StereoSignal: self.blobs.feature,
             NovelHeading: self.novelty.heading,
+            MarkHeading: self.marks.heading,
             ConstellationSignal: self.blobs.constellation,
             StereoOffset: self.blobs.offset,
             InstanceCount: self.blobs.count,
@@ -160,6 +164,7 @@ class Signals:
         self.blobs.reset()
         self.surfaces.reset()
         self.novelty.reset()
+        self.marks.reset()
         self.clock[0] = 0
 
     def update(self, observation: Observation) -> None:
@@ -182,6 +187,7 @@ class Signals:
             self.blobs.update(observation)
             self.surfaces.update(observation)
             self.novelty.update(observation)
+            self.marks.update(observation)
             if self.touch.touching_anything():
                 self.vision.touched()
             else:
@@ -323,6 +329,8 @@ def _channels_of(resource: Resource) -> tuple[str, ...]:
     source = resource.source
     if isinstance(source, RELATIVE):
         return source.channel, source.other
+    if isinstance(source, MarkHeading):
+        return source.channel, *source.hues
     return (source.channel,) if isinstance(source, VISUAL) else ()
 
 

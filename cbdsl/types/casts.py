@@ -11,7 +11,14 @@ from collections.abc import Mapping
 from functools import cache
 from typing import NamedTuple
 
-from cbdsl.types.resource import Heading, Headings, NovelHeading, Resource, StereoPosition
+from cbdsl.types.resource import (
+    Heading,
+    Headings,
+    MarkHeading,
+    NovelHeading,
+    Resource,
+    StereoPosition,
+)
 from cbdsl.types.resource_type import POSITION, ResourceType, configuration
 
 
@@ -95,7 +102,7 @@ def chains_of(resource: Resource) -> tuple[Chain, ...]:
     held = (RIGID_HOLD, *chains(POSITION, joints)[0])
     if isinstance(source, Heading):
         return (CAMERA,), (SIGHTING, *held)
-    if isinstance(source, NovelHeading):
+    if isinstance(source, (NovelHeading, MarkHeading)):
         return ((CAMERA,),)
     if isinstance(source, Headings):
         return (CAMERA,), (TRIANGULATION, *held)

@@ -243,6 +243,18 @@ class NovelHeading(NamedTuple):
     expected: GaussianSample | KernelSample
 
 
+class MarkHeading(NamedTuple):
+    """Where the cameras see another hue on a thing than the thing's own.
+
+    Attributes:
+        channel: of the thing.
+        hues: channels among which that of the mark is sampled.
+    """
+
+    channel: str
+    hues: tuple[str, ...]
+
+
 class AffordanceProbability(NamedTuple):
     """The probability that an action is rewarded, Pr(reward | f, a), as a catalog has it (6.1).
 
@@ -277,6 +289,7 @@ Source = (
     | StereoOffset
     | InstanceCount
     | NovelHeading
+    | MarkHeading
     | AffordanceProbability
     | SurfacePoint
     | SensorSignal
@@ -291,7 +304,7 @@ _DRAWN = frozenset({Origin.MODEL, Origin.SURFACE})
 #: Sources of what cameras see of a channel.
 VISUAL = (
     Heading, Headings, StereoPosition, BlobSignal, StereoSignal, InstanceCount, SurfacePoint,
-    NovelHeading,
+    NovelHeading, MarkHeading,
 )  # fmt: skip
 #: Sources of what cameras see of two channels.
 RELATIVE = (ConstellationSignal, StereoOffset)

@@ -24,6 +24,7 @@ from cbdsl.types.resource import (
     Headings,
     InstanceCount,
     KernelSample,
+    MarkHeading,
     NetForces,
     NetLoad,
     NovelHeading,
@@ -89,7 +90,7 @@ class CheckedRobot(NamedTuple):
                 | ConstellationSignal(camera=camera)
             ) if camera in self.document.cameras:
                 return ("cameras", camera)
-            case Heading() | Headings() | StereoPosition() | NovelHeading():
+            case Heading() | Headings() | StereoPosition() | NovelHeading() | MarkHeading():
                 return ("cameras",)
             case (
                 BlobSignal()
@@ -208,7 +209,7 @@ class CheckedRobot(NamedTuple):
                 return self._cell_links(robot.members(name))
             case Heading() | Headings() | BlobSignal():
                 return self._camera_links(source) + self._holding_links()
-            case NovelHeading() | ConstellationSignal() | StereoOffset():
+            case NovelHeading() | MarkHeading() | ConstellationSignal() | StereoOffset():
                 return self._camera_links(source)
             case StereoPosition() | StereoSignal():
                 return self._holding_links()

@@ -1,0 +1,102 @@
+"""A mark is what has another hue on a thing, whichever that is; nobody tells the robot."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import cbdsl
+from cbdsl.documents.robot import RobotDocument
+from cbdsl.robot.resources import resources
+from cbdsl.sensing.channels import Moments, Region
+from cbdsl.sensing.kinematics import Kinematics
+from cbdsl.sensing.marks import is_mark
+from cbdsl.sensing.observation import Observation
+from cbdsl.sensing.signals import Signals
+from cbdsl.yaml_text.library import shipped
+
+THING = "sat_10"
+
+
+def region(column: float, row: float, radius: float, *, clipped: bool = False) -> Region:
+    """A disk."""
+    variance = radius * radius / 4
+    area = round(np.pi * radius * radius)
+    return Region(area, column, row, clipped, Moments(variance, 0.0, variance))
+
+
+BALL = region(160, 120, 20)
+
+
+@pytest.fixture
+def signals(dexter: RobotDocument, kinematics: Kinematics) -> Signals:
+    return Signals(dexter, kinematics, [resources(dexter)[f"mark.{THING}"]])
+
+
+def look(signals: Signals, time: float, **seen: Region) -> np.ndarray | None:
+    """The heading to the mark, after the same regions in both images."""
+    positions = np.zeros(len(signals.joints))
+    regions: Mapping[str, tuple[Region, ...]] = {name: (each,) for name, each in seen.items()}
+    cells = signals.robot.load_cells.items()
+    loads = {(hand, finger): np.zeros(6) for hand, fingers in cells for finger in fingers}
+    both = {name: regions for name in signals.robot.cameras}
+    signals.update(Observation(time, positions, np.zeros_like(positions), loads, {}, both))
+    reading = signals.read(resources(signals.robot)[f"mark.{THING}"])
+    return None if reading is None else reading.value
+
+
+@pytest.mark.parametrize(
+    ("other", "is_one"),
+    [
+        (region(170, 120, 5), True),
+        (region(160, 139, 5), True),  # at its edge
+        (region(160, 160, 5), False),  # beside it
+        (region(160, 120, 19), False),  # the thing in its own hue
+        (region(162, 121, 200), False),  # what it stands on
+        (region(170, 120, 5, clipped=True), False),
+    ],
+)
+def test_a_mark_is_a_small_part_of_what_the_thing_covers(other: Region, is_one: bool) -> None:
+    assert is_mark(other, BALL) == is_one
+
+
+def test_a_long_thing_has_marks_at_its_ends_and_none_beside_it() -> None:
+    long = BALL._replace(moments=Moments(900.0, 0.0, 25.0))
+    assert is_mark(region(215, 120, 3), long)
+    assert not is_mark(region(160, 135, 3), long)
+
+
+def test_the_largest_mark_is_sampled_and_kept_while_it_is_seen(signals: Signals) -> None:
+    small, large = region(150, 120, 3), region(168, 120, 6)
+    assert look(signals, 0.0, sat_10=BALL, hue_2=BALL) is None
+    first = look(signals, 0.1, sat_10=BALL, hue_7=small, hue_4=region(166, 120, 5))
+    assert first is not None and first[0] < 0  # to the right
+    kept = look(signals, 0.2, sat_10=BALL, hue_7=region(150, 120, 9), hue_4=large)
+    assert kept is not None and kept[0] < 0
+    other = look(signals, 0.3, sat_10=BALL, hue_7=small)
+    assert other is not None and other[0] > 0
+
+
+def test_it_outlives_its_region_as_long_as_headings_do(signals: Signals) -> None:
+    assert look(signals, 0.0, sat_10=BALL, hue_7=region(150, 120, 3)) is not None
+    assert look(signals, 0.2, sat_10=BALL) is not None
+    assert look(signals, 0.3, sat_10=BALL) is None
+
+
+@pytest.mark.parametrize("colour", ["0, 0.4, 1", "0, 1, 0.2", "1, 0, 1"])
+def test_a_mark_of_any_hue_is_brought_into_view(tmp_path: Path, colour: str) -> None:
+    """By VISUALINSPECT, whose TRACK is told no hue."""
+    program, stage = tmp_path / "inspect.yaml", tmp_path / "spotted.yaml"
+    text = (shipped() / "programs" / "visualinspect.yaml").read_text("utf-8")
+    text = text.replace("cyclopean.$mark", "mark.$feature").replace(", mark: blue", "")
+    program.write_text(text.replace("name: visualinspect", "name: inspect"), "utf-8")
+    spots = (shipped() / "programs" / "stages" / "spotted_right.yaml").read_text("utf-8")
+    stage.write_text(
+        spots.replace("name: spotted_right", "name: spotted").replace("0, 0.4, 1", colour), "utf-8"
+    )
+    request = cbdsl.load(program, stage=stage)
+    (ended,) = cbdsl.run(request, backend="kinematic", seed=5000100, context="hidden")
+    assert ended.rewarded
