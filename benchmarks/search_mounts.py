@@ -1,0 +1,122 @@
+"""Which mounts of Dexter's arms let manipulability bring its hands together (Eq 4.15).
+
+For each mount, Dexter's model is written with the arms there, and moved by the control law on its
+kinematics: the right hand takes a thing at twelve places of the right half of the table, and both
+arms climb up their manipulability until that is at rest. Mounts are spread over the bounds at
+first, then drawn near the best ones. Rows go to a file as they come, and a search goes on from it.
+
+    python benchmarks/search_mounts.py build/mounts.jsonl --spread 600 --trials 1200 --seconds 150
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import math
+from collections.abc import Iterator, Sequence
+from dataclasses import astuple
+from pathlib import Path
+from time import perf_counter
+
+import numpy as np
+from arm_mount import TODAY, ArmMount, near, spread_over
+from mount_trial import MountTrial, describe, judge
+from mounted_arms import JACOBIANS
+
+from cbdsl.documents.robot import RobotDocument
+from cbdsl.yaml_text.library import Library, shipped
+
+# How many of the best are parents, and how wide their children stray, of the bounds.
+_PARENTS, _WIDTHS = 12, (0.12, 0.01)
+
+
+def search(
+    file: Path, jacobian: str, spread: int, trials: int, seed: int, seconds: float
+) -> list[MountTrial]:
+    """Go on with a search; the first row is today's mount.
+
+    Args:
+        file: of the rows, which may be none.
+        jacobian: one of ``JACOBIANS``.
+        spread: how many mounts all over the bounds.
+        trials: how many in all, without today's.
+        seed: of the mounts.
+        seconds: after which no other is begun.
+    """
+    library = Library(shipped())
+    robot = library.read(library.locate(RobotDocument, "dexter"), RobotDocument).document
+    done = read(file) if file.exists() else []
+    begun = perf_counter()
+    file.parent.mkdir(parents=True, exist_ok=True)
+    with file.open("a", encoding="utf-8") as rows:
+        for number in range(len(done), trials + 1):
+            if perf_counter() - begun > seconds:
+                break
+            mount = _draw(number, done, spread, trials, seed)
+            trial = judge(number, mount, jacobian, robot, done[0] if done else None)
+            done.append(trial)
+            print(json.dumps(describe(trial)), file=rows, flush=True)
+    return done
+
+
+def read(file: Path) -> list[MountTrial]:
+    """The rows of a file."""
+    return [_row(line) for line in file.read_text(encoding="utf-8").splitlines()]
+
+
+def _row(line: str) -> MountTrial:
+    given = {key: math.nan if value is None else value for key, value in json.loads(line).items()}
+    return MountTrial(**given)
+
+
+def _draw(number: int, done: Sequence[MountTrial], spread: int, trials: int, seed: int) -> ArmMount:
+    """Today's mount, then those all over the bounds, then those near the best so far."""
+    if number == 0:
+        return TODAY
+    if number <= spread:
+        return spread_over(spread, np.random.default_rng(seed))[number - 1]
+    best = sorted(done[1:], key=lambda trial: -trial.score)[:_PARENTS]
+    parent = best[number % len(best)]
+    wide, narrow = _WIDTHS
+    part = (number - spread) / max(1, trials - spread)
+    width = wide * (narrow / wide) ** part
+    return near(ArmMount(**parent.mount), width, np.random.default_rng((seed, number)))
+
+
+def lines(done: Sequence[MountTrial], count: int) -> Iterator[str]:
+    """Today's mount and the best, for people."""
+    best = sorted(done[1:], key=lambda trial: -trial.score)[:count]
+    yield (
+        "number  score  grasps  near  together  median apart, m  aim, m  reach  view  seen  phi  "
+        "forward half up swing lift roll elbow rest"
+    )
+    for trial in (*done[:1], *best):
+        apart = float(np.median(trial.apart)) if trial.apart else math.nan
+        mount = " ".join(f"{value:.2f}" for value in astuple(ArmMount(**trial.mount)))
+        yield (
+            f"{trial.number:>6} {trial.score:6.3f} {trial.grasps:>4} {trial.near:7.2f} "
+            f"{trial.together:6.2f} {apart:12.2f} {trial.aim:14.2f} {trial.reach:7.2f} "
+            f"{trial.view:5.2f} {trial.seen:5.2f} {trial.phi:5.2f}  {mount}"
+        )
+
+
+def main() -> None:
+    """Search."""
+    parser = argparse.ArgumentParser(description=(__doc__ or "").splitlines()[0])
+    parser.add_argument("file", type=Path, help="of the rows")
+    parser.add_argument("--jacobian", choices=JACOBIANS, default="position")
+    parser.add_argument("--spread", type=int, default=600, help="mounts all over the bounds")
+    parser.add_argument("--trials", type=int, default=1200, help="mounts in all")
+    parser.add_argument("--seed", type=int, default=0)
+    parser.add_argument("--seconds", type=float, default=math.inf, help="no mount is begun later")
+    parser.add_argument("--best", type=int, default=10, help="how many are printed")
+    options = parser.parse_args()
+    done = search(
+        options.file, options.jacobian, options.spread, options.trials, options.seed,
+        options.seconds,
+    )  # fmt: skip
+    print("\n".join(lines(done, options.best)))
+
+
+if __name__ == "__main__":
+    main()
