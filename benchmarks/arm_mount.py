@@ -83,8 +83,9 @@ class ArmMount:
 
 
 #: What is searched: the least and the greatest value of each number of a mount.
-BOUNDS = ArmMount(-0.15, 0.10, 0.0, -1.57, -1.57, -3.14, -1.6, 0.05, 0.15, -0.25), ArmMount(
-    0.20, 0.28, 0.40, 1.57, 1.57, 3.14, 2.4, 0.50, 0.60, 0.20
+BOUNDS = (
+    ArmMount(-0.15, 0.10, 0.0, -1.57, -1.57, -3.14, -1.6, 0.05, 0.15, -0.25),
+    ArmMount(0.20, 0.28, 0.40, 1.57, 1.57, 3.14, 2.4, 0.50, 0.60, 0.20),
 )
 NAMES = tuple(each.name for each in fields(ArmMount))
 #: The mount of robots/dexter.urdf: hanging, with the hand beside the table.

@@ -212,7 +212,7 @@ class MountedArms:
         return min(found, key=lambda each: max(each[1], 0.02) * (1 + self._off_middle(each[0])))[0]
 
     def _find_ready(self) -> Floats:
-        """The posture that reaches pull to: above the middle of the right half, elbow as at rest."""
+        """The posture that reaches pull to: above the right half's middle, elbow as at rest."""
         goal = np.array((0.5, -0.2, TABLE + RADIUS + STANDOFF))
         return self._settle(self.rests, goal)[0]
 
@@ -262,10 +262,12 @@ class MountedArms:
         turn = axes[:, 0] * math.pi if sine < 1e-9 > cosine else turn
         turn *= math.atan2(sine, cosine) / sine if sine > 1e-9 else 1.0
         across = axes[:, :2].T
+        ahead = _bounded(0.4 * (goal - tip.position), _TIP_STEP)
+        aside = _bounded(0.4 * across @ turn, 0.15)
         return [
-            Level("approach", tip.jacobian[:3, own], _bounded(0.4 * (goal - tip.position), _TIP_STEP)),
-            Level("orient", across @ tip.jacobian[3:, own], _bounded(0.4 * across @ turn, 0.15)),
-        ]  # fmt: skip
+            Level("approach", tip.jacobian[:3, own], ahead),
+            Level("orient", across @ tip.jacobian[3:, own], aside),
+        ]
 
     def _step(self, levels: Sequence[Level], own: Floats) -> float:
         """Move some joints by the law; returns the largest displacement, rad."""
@@ -342,9 +344,7 @@ class MountedArms:
         ]
         tips = [point.jacobian[:, columns] for point, columns in zip(points, own, strict=True)]
         if jacobian in ("position", "pose"):
-            parts = [
-                _slope(tip[:rows], bend[:rows]) for tip, bend in zip(tips, bends, strict=True)
-            ]
+            parts = [_slope(tip[:rows], bend[:rows]) for tip, bend in zip(tips, bends, strict=True)]
             return np.concatenate(parts)
         joined = np.concatenate((-tips[0][:3], tips[1][:3]), axis=1)
         bend = np.zeros((3, 14, 14))

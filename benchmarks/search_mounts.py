@@ -11,7 +11,6 @@ first, then drawn near the best ones. Rows go to a file as they come, and a sear
 from __future__ import annotations
 
 import argparse
-import json
 import math
 from collections.abc import Iterator, Sequence
 from dataclasses import astuple
@@ -20,7 +19,7 @@ from time import perf_counter
 
 import numpy as np
 from arm_mount import TODAY, ArmMount, near, spread_over
-from mount_trial import MountTrial, describe, judge
+from mount_trial import MountTrial, judge, row_of, trial_of
 from mounted_arms import JACOBIANS
 
 from cbdsl.documents.robot import RobotDocument
@@ -53,20 +52,20 @@ def search(
             if perf_counter() - begun > seconds:
                 break
             mount = _draw(number, done, spread, trials, seed)
-            trial = judge(number, mount, jacobian, robot, done[0] if done else None)
+            trial = judge(number, mount, jacobian, robot)
             done.append(trial)
-            print(json.dumps(describe(trial)), file=rows, flush=True)
+            print(row_of(trial), file=rows, flush=True)
     return done
 
 
 def read(file: Path) -> list[MountTrial]:
     """The rows of a file."""
-    return [_row(line) for line in file.read_text(encoding="utf-8").splitlines()]
+    return [trial_of(line) for line in file.read_text(encoding="utf-8").splitlines()]
 
 
-def _row(line: str) -> MountTrial:
-    given = {key: math.nan if value is None else value for key, value in json.loads(line).items()}
-    return MountTrial(**given)
+def best_of(done: Sequence[MountTrial], count: int) -> list[MountTrial]:
+    """The best of those after today's mount, which is the first."""
+    return sorted(done[1:], key=lambda trial: -trial.score(done[0]))[:count]
 
 
 def _draw(number: int, done: Sequence[MountTrial], spread: int, trials: int, seed: int) -> ArmMount:
@@ -75,8 +74,7 @@ def _draw(number: int, done: Sequence[MountTrial], spread: int, trials: int, see
         return TODAY
     if number <= spread:
         return spread_over(spread, np.random.default_rng(seed))[number - 1]
-    best = sorted(done[1:], key=lambda trial: -trial.score)[:_PARENTS]
-    parent = best[number % len(best)]
+    parent = best_of(done, _PARENTS)[number % _PARENTS]
     wide, narrow = _WIDTHS
     part = (number - spread) / max(1, trials - spread)
     width = wide * (narrow / wide) ** part
@@ -85,18 +83,16 @@ def _draw(number: int, done: Sequence[MountTrial], spread: int, trials: int, see
 
 def lines(done: Sequence[MountTrial], count: int) -> Iterator[str]:
     """Today's mount and the best, for people."""
-    best = sorted(done[1:], key=lambda trial: -trial.score)[:count]
     yield (
-        "number  score  grasps  near  together  median apart, m  aim, m  reach  view  seen  phi  "
+        "number  score  grasps  near  together  apart, m  aim, m  reach  view  seen  phi   "
         "forward half up swing lift roll elbow rest"
     )
-    for trial in (*done[:1], *best):
-        apart = float(np.median(trial.apart)) if trial.apart else math.nan
+    for trial in (done[0], *best_of(done, count)):
         mount = " ".join(f"{value:.2f}" for value in astuple(ArmMount(**trial.mount)))
         yield (
-            f"{trial.number:>6} {trial.score:6.3f} {trial.grasps:>4} {trial.near:7.2f} "
-            f"{trial.together:6.2f} {apart:12.2f} {trial.aim:14.2f} {trial.reach:7.2f} "
-            f"{trial.view:5.2f} {trial.seen:5.2f} {trial.phi:5.2f}  {mount}"
+            f"{trial.number:>6} {trial.score(done[0]):6.3f} {len(trial.apart):>6} "
+            f"{trial.near:6.2f} {trial.together:8.2f} {trial.distance:9.2f} {trial.aim:8.2f} "
+            f"{trial.reach:6.2f} {trial.view:5.2f} {trial.in_view:5.2f} {trial.phi:5.2f}  {mount}"
         )
 
 
