@@ -114,21 +114,21 @@ class MountedArms:
             file.write_text(mount.urdf(), encoding="utf-8")
             self.kinematics = Kinematics(robot, file)
         self.mount, joints = mount, self.kinematics.joints
-        self._own = {side: joints.of(f"{side}_arm") for side in SIDES}
-        self._both = np.concatenate([self._own[side] for side in SIDES])
+        self.own = {side: joints.of(f"{side}_arm") for side in SIDES}
+        self._both = np.concatenate([self.own[side] for side in SIDES])
         self._head = joints.of("head")
-        self._tips = {}
+        self.tips = {}
         for side in SIDES:
             tip = robot.effectors[f"{side}_arm"].tip
             assert tip is not None
-            self._tips[side] = tip.link, tip.offset
+            self.tips[side] = tip.link, tip.offset
         settings = LawSettings(_JOINT_STEP, limit_margin=robot.control.limit_margin)
         lower, upper = self.kinematics.lower, self.kinematics.upper
         self._laws = {
             len(own): Law(lower[own], upper[own], settings)
-            for own in (self._own["right"], self._both)
+            for own in (self.own["right"], self._both)
         }
-        self.limits = lower[self._own["right"]], upper[self._own["right"]]
+        self.limits = lower[self.own["right"]], upper[self.own["right"]]
         self.posture: Floats = np.zeros(len(joints))
         # How far the posture at rest is from the one that the mount wants, m and a tenth of rad.
         self.unfit = 0.0
@@ -142,13 +142,13 @@ class MountedArms:
     def rest(self) -> None:
         """Both arms where they rest."""
         for side in SIDES:
-            self.posture[self._own[side]] = self._of(side, self.rests)
+            self.posture[self.own[side]] = self._of(side, self.rests)
 
     def reach(self, place: Sequence[float], side: str = "right") -> Reach:
         """Take what stands at a place of the table, from rest: posture ◁ orient ◁ approach."""
         self.rest()
         goal = np.array((*place, TABLE + RADIUS + STANDOFF))
-        ready, own = self._of(side, self.ready), self._own[side]
+        ready, own = self._of(side, self.ready), self.own[side]
         for _ in range(_TICKS):
             levels = [*self._palm_down(side, goal), _spring("posture", ready - self.posture[own])]
             if self._step(levels, own) < 1e-3:
@@ -163,7 +163,7 @@ class MountedArms:
         """
         clear = True
         for _ in range(_LONGEST):
-            gradient = self._gradient(jacobian)
+            gradient = self.gradient(jacobian)
             steep = float(np.linalg.norm(gradient))
             if steep < _STEEP:
                 break
@@ -218,7 +218,7 @@ class MountedArms:
 
     def _settle(self, start: Floats, goal: Floats) -> tuple[Floats, float]:
         """A posture with the palm down at a goal and the elbow where the mount has it."""
-        own, middle = self._own["right"], np.mean(self.limits, axis=0)
+        own, middle = self.own["right"], np.mean(self.limits, axis=0)
         self.posture[own] = start
         for _ in range(_TICKS):
             levels = [*self._palm_down("right", goal), self._elbow(goal)]
@@ -247,15 +247,15 @@ class MountedArms:
         here = _across(here, line)
         around = np.cross(line, here)
         turn = math.atan2(float(around @ wanted), float(here @ wanted))
-        row = around @ elbow.jacobian[:3, self._own["right"]] / max(radius, 0.05)
+        row = around @ elbow.jacobian[:3, self.own["right"]] / max(radius, 0.05)
         return Level("elbow", row[None], _bounded(np.array([0.5 * turn]), 0.2))
 
     def _palm_down(self, side: str, goal: Floats) -> list[Level]:
         """The tip at a goal, and the palm looking down."""
         self.kinematics.update(self.posture)
-        own = self._own[side]
-        tip = self.kinematics.point(*self._tips[side])
-        axes = self.kinematics.frame(self._tips[side][0]).rotation
+        own = self.own[side]
+        tip = self.kinematics.point(*self.tips[side])
+        axes = self.kinematics.frame(self.tips[side][0]).rotation
         normal = axes[:, 2]
         turn = np.cross(normal, _DOWN)
         sine, cosine = float(np.linalg.norm(turn)), float(normal @ _DOWN)
@@ -277,11 +277,11 @@ class MountedArms:
 
     def _reached(self, side: str, goal: Floats) -> Reach:
         self.kinematics.update(self.posture)
-        tip = self.kinematics.point(*self._tips[side])
-        normal = self.kinematics.frame(self._tips[side][0]).rotation[:, 2]
+        tip = self.kinematics.point(*self.tips[side])
+        normal = self.kinematics.frame(self.tips[side][0]).rotation[:, 2]
         error = float(np.linalg.norm(goal - tip.position))
         tilt = math.acos(min(1.0, max(-1.0, float(normal @ _DOWN))))
-        return Reach(self.posture[self._own[side]].copy(), error, tilt, self._is_clear())
+        return Reach(self.posture[self.own[side]].copy(), error, tilt, self._is_clear())
 
     def _is_clear(self) -> bool:
         """Whether elbows, wrists and the thing in the right hand are above the table."""
@@ -299,7 +299,7 @@ class MountedArms:
 
     def _grasped(self, side: str) -> Floats:
         """Where the middle of what a hand holds is, m, shape (3,)."""
-        link, offset = self._tips[side]
+        link, offset = self.tips[side]
         place: Floats = self.kinematics.point(
             link, (offset[0], offset[1], offset[2] + STANDOFF)
         ).position
@@ -319,7 +319,7 @@ class MountedArms:
 
     def _meeting(self, clear: bool) -> Meeting:
         self.kinematics.update(self.posture)
-        left, right = (self.kinematics.point(*self._tips[side]).position for side in SIDES)
+        left, right = (self.kinematics.point(*self.tips[side]).position for side in SIDES)
         thing, other = self._grasped("right"), self._grasped("left")
         fore = [bone[:2] for bone in self._bones(frozenset(SIDES)) if bone[2] == _FORE]
         free = min(
@@ -330,13 +330,13 @@ class MountedArms:
         apart, aim = (float(np.linalg.norm(way)) for way in (left - right, thing - other))
         return Meeting(apart, aim, tuple(thing.tolist()), clear, free, *self.sees(thing, SIDES))
 
-    def _gradient(self, jacobian: str) -> Floats:
+    def gradient(self, jacobian: str) -> Floats:
         """The gradient of the measure's logarithm by the joints of both arms, shape (14,)."""
         self.kinematics.update(self.posture)
         rows = 6 if jacobian == "pose" else 3
-        own = [self._own[side] for side in SIDES]
-        points = [self.kinematics.point(*self._tips[side]) for side in SIDES]
-        links = [self._tips[side][0] for side in SIDES]
+        own = [self.own[side] for side in SIDES]
+        points = [self.kinematics.point(*self.tips[side]) for side in SIDES]
+        links = [self.tips[side][0] for side in SIDES]
         full = 6 if jacobian == "chain" else rows
         bends = [
             self.kinematics.curvature(link, point.position, full)[:, columns][:, :, columns]
