@@ -74,7 +74,8 @@ def _draw(number: int, done: Sequence[MountTrial], spread: int, trials: int, see
         return TODAY
     if number <= spread:
         return spread_over(spread, np.random.default_rng(seed))[number - 1]
-    parent = best_of(done, _PARENTS)[number % _PARENTS]
+    best = best_of(done, _PARENTS)
+    parent = best[number % len(best)]
     wide, narrow = _WIDTHS
     part = (number - spread) / max(1, trials - spread)
     width = wide * (narrow / wide) ** part
