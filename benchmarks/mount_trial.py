@@ -15,10 +15,14 @@ from mounted_arms import RADIUS, TABLE, TOGETHER, MountedArms
 
 from cbdsl.documents.robot import RobotDocument
 
+Place = tuple[float, float]
+
 #: Where things are taken: twelve places of the right half of the table, m.
-GRASPS = tuple(product((0.37, 0.49, 0.61, 0.73), (-0.38, -0.21, -0.04)))
+GRASPS: tuple[Place, ...] = tuple(product((0.37, 0.49, 0.61, 0.73), (-0.38, -0.21, -0.04)))
 #: Where things may stand: thirty places of both halves, m.
-PLACES = tuple(product((0.35, 0.45, 0.55, 0.65, 0.75), (-0.40, -0.24, -0.08, 0.08, 0.24, 0.40)))
+PLACES: tuple[Place, ...] = tuple(
+    product((0.35, 0.45, 0.55, 0.65, 0.75), (-0.40, -0.24, -0.08, 0.08, 0.24, 0.40))
+)
 # A resting posture that the arm does not have, as a sum of errors, m and a tenth of rad.
 _UNFIT = 0.05
 # Palms that are farther apart are no nearer to meeting, and things so far from where a hand
@@ -41,6 +45,7 @@ class MountTrial(NamedTuple):
         phis: localizability of the thing, m^2/rad^2; NaN where it is not in both images.
         reach: share of ``PLACES`` that a hand reaches with the palm down.
         view: share of ``PLACES`` that both cameras see past the resting arms.
+        tried: how many grasps were.
     """
 
     number: int
@@ -53,22 +58,23 @@ class MountTrial(NamedTuple):
     phis: Sequence[float] = ()
     reach: float = 0.0
     view: float = 0.0
+    tried: int = len(GRASPS)
 
     @property
     def near(self) -> float:
-        """Share of ``GRASPS`` after which the tips come within reach of a touch."""
-        return sum(apart < TOGETHER for apart in self.apart) / len(GRASPS)
+        """Share of the grasps after which the tips come within reach of a touch."""
+        return sum(apart < TOGETHER for apart in self.apart) / self.tried
 
     @property
     def together(self) -> float:
         """The same, with no arm in the table or in the other one."""
         pairs = zip(self.apart, self.possible, strict=True)
-        return sum(apart < TOGETHER and possible for apart, possible in pairs) / len(GRASPS)
+        return sum(apart < TOGETHER and possible for apart, possible in pairs) / self.tried
 
     @property
     def in_view(self) -> float:
-        """Share of ``GRASPS`` after which both cameras see the thing."""
-        return sum(self.seen) / len(GRASPS)
+        """Share of the grasps after which both cameras see the thing."""
+        return sum(self.seen) / self.tried
 
     @property
     def phi(self) -> float:
@@ -87,13 +93,21 @@ class MountTrial(NamedTuple):
 
     def score(self, today: MountTrial) -> float:
         """What a search climbs: nearness of the hands, less what is lost of reach and view."""
-        total = sum(map(_nearness, self.apart, self.aims, self.possible, self.seen)) / len(GRASPS)
+        total = sum(map(_nearness, self.apart, self.aims, self.possible, self.seen)) / self.tried
         for kept, before in ((self.reach, today.reach), (self.view, today.view)):
             total -= 2.0 * max(0.0, before - _WORSE - kept)
         return total
 
 
-def judge(number: int, mount: ArmMount, jacobian: str, robot: RobotDocument) -> MountTrial:
+def judge(
+    number: int,
+    mount: ArmMount,
+    jacobian: str,
+    robot: RobotDocument,
+    grasps: Sequence[Place] = GRASPS,
+    places: Sequence[Place] = PLACES,
+    hands: Sequence[str] = ("right",),
+) -> MountTrial:
     """Take, bring together, reach and look.
 
     Args:
@@ -101,25 +115,34 @@ def judge(number: int, mount: ArmMount, jacobian: str, robot: RobotDocument) -> 
         mount: that is tried.
         jacobian: that the manipulability is of.
         robot: Dexter.
+        grasps: where things are taken, m.
+        places: where they may stand, m.
+        hands: whose reach counts; one is the other's mirror image.
     """
     arms = MountedArms(robot, mount)
-    trial = MountTrial(number, jacobian, asdict(mount))
+    trial = MountTrial(number, jacobian, asdict(mount), tried=len(grasps))
     if arms.unfit > _UNFIT:
         return trial
-    meetings = [arms.bring_together(jacobian) for place in GRASPS if arms.reach(place).arrived]
-    reached = sum(arms.reach(place).arrived for place in PLACES)
+    meetings = [arms.bring_together(jacobian) for place in grasps if arms.reach(place).arrived]
+    reached = sum(arms.reach(place, hand).arrived for place in places for hand in hands)
     arms.rest()
-    places = [np.array((*place, TABLE + RADIUS)) for place in PLACES]
-    in_view = sum(arms.sees(place, held=())[0] for place in places)
+    points = [np.array((*place, TABLE + RADIUS)) for place in places]
+    in_view = sum(arms.sees(point, held=())[0] for point in points)
     return trial._replace(
         apart=[round(meeting.apart, 4) for meeting in meetings],
         aims=[round(meeting.aim, 4) for meeting in meetings],
         possible=[meeting.possible for meeting in meetings],
         seen=[meeting.seen for meeting in meetings],
         phis=[round(meeting.phi, 4) for meeting in meetings],
-        reach=reached / len(PLACES),
-        view=in_view / len(PLACES),
+        reach=reached / len(places) / len(hands),
+        view=in_view / len(places),
     )
+
+
+def anywhere(count: int, sides: tuple[float, float], rng: np.random.Generator) -> list[Place]:
+    """Places of the table between two distances to the left of its middle, m."""
+    xs, ys = rng.uniform(0.35, 0.75, count), rng.uniform(*sides, count)
+    return list(zip(xs.tolist(), ys.tolist(), strict=True))
 
 
 def _median(values: Sequence[float]) -> float:

@@ -11,6 +11,7 @@ from __future__ import annotations
 
 import argparse
 import json
+import math
 import re
 import shutil
 from collections.abc import Iterable, Sequence
@@ -57,8 +58,14 @@ class Episode(NamedTuple):
     ending: str
 
 
-def write_robot(mount: ArmMount, folder: Path) -> None:
-    """Write Dexter with its arms mounted so, and the documents that run on it."""
+def write_robot(mount: ArmMount, folder: Path, turns: Sequence[float] = (0.0, 0.0)) -> None:
+    """Write Dexter with its arms mounted so, and the documents that run on it.
+
+    Args:
+        mount: of the arms.
+        folder: that is written to.
+        turns: by which the left and the right hand rest turned about their palms' normals, rad.
+    """
     for part in ("robots", "programs", "knowledge"):
         shutil.copytree(ROOT / part, folder / part)
     shutil.copy(Path(__file__).with_name(f"{PROGRAM}.yaml"), folder / "programs")
@@ -68,9 +75,10 @@ def write_robot(mount: ArmMount, folder: Path) -> None:
     robot_file = library.locate(RobotDocument, "dexter")
     arms = MountedArms(library.read(robot_file, RobotDocument).document, mount)
     text = robot_file.read_text(encoding="utf-8")
-    for side in ("left", "right"):
+    for side, turn in zip(("left", "right"), turns, strict=True):
         for name, right in (("home", arms.rests), ("ready", arms.ready)):
-            posture = right if side == "right" else mirrored(right, arms.limits)
+            posture = right.copy() if side == "right" else mirrored(right, arms.limits)
+            posture[-1] += turn
             text = with_posture(text, f"{side}_arm", name, posture.tolist())
     robot_file.write_text(text, encoding="utf-8")
     (folder / "robots" / "dexter.urdf").write_text(mount.urdf(), encoding="utf-8")
@@ -87,11 +95,15 @@ def with_posture(text: str, arm: str, name: str, posture: Sequence[float]) -> st
 
 
 def run_episodes(
-    mount: ArmMount, backend: str, cameras: str, seeds: Iterable[int]
+    mount: ArmMount,
+    backend: str,
+    cameras: str,
+    seeds: Iterable[int],
+    turns: Sequence[float] = (0.0, 0.0),
 ) -> list[Episode]:
-    """Run the program on successive seeds."""
+    """Run the program on successive seeds; see ``write_robot``."""
     with TemporaryDirectory() as folder:
-        write_robot(mount, Path(folder))
+        write_robot(mount, Path(folder), turns)
         library = Library(Path(folder))
         program = check_program(str(Path(folder) / "programs" / f"{PROGRAM}.yaml"), {}, library)
         file = library.locate(RobotDocument, "dexter")
@@ -151,11 +163,16 @@ def main() -> None:
     parser.add_argument("--cameras", choices=("rendered", "ideal"), default="ideal")
     parser.add_argument("--episodes", type=int, default=10)
     parser.add_argument("--seed", type=int, default=20000)
+    parser.add_argument(
+        "--turns", type=float, nargs=2, default=(0.0, 0.0), metavar=("LEFT", "RIGHT"),
+        help="of the resting hands about their palms' normals, degrees",
+    )  # fmt: skip
     parser.add_argument("--json", action="store_true")
     options = parser.parse_args()
     trial = next(row for row in read(options.file) if row.number == options.number)
     seeds = range(options.seed, options.seed + options.episodes)
-    row = summarise(run_episodes(ArmMount(**trial.mount), options.backend, options.cameras, seeds))
+    mount, turns = ArmMount(**trial.mount), [math.radians(turn) for turn in options.turns]
+    row = summarise(run_episodes(mount, options.backend, options.cameras, seeds, turns))
     row = {"number": options.number, "backend": options.backend, **row}
     print(json.dumps(row) if options.json else "  ".join(f"{k} {v}" for k, v in row.items()))
 

@@ -5,7 +5,10 @@ kinematics: the right hand takes a thing at twelve places of the right half of t
 arms climb up their manipulability until that is at rest. Mounts are spread over the bounds at
 first, then drawn near the best ones. Rows go to a file as they come, and a search goes on from it.
 
-    python benchmarks/search_mounts.py build/mounts.jsonl --spread 600 --trials 1200 --seconds 150
+    python benchmarks/search_mounts.py build/mounts.jsonl --spread 400 --trials 1000 --seconds 150
+
+With ``--judge`` the mounts of some rows are tried again: things are taken at ``--grasps`` places
+that are drawn with the seed, and both hands reach for as many on either half of the table.
 """
 
 from __future__ import annotations
@@ -19,7 +22,7 @@ from time import perf_counter
 
 import numpy as np
 from arm_mount import TODAY, ArmMount, near, spread_over
-from mount_trial import MountTrial, judge, row_of, trial_of
+from mount_trial import MountTrial, anywhere, judge, row_of, trial_of
 from mounted_arms import JACOBIANS
 
 from cbdsl.documents.robot import RobotDocument
@@ -42,8 +45,7 @@ def search(
         seed: of the mounts.
         seconds: after which no other is begun.
     """
-    library = Library(shipped())
-    robot = library.read(library.locate(RobotDocument, "dexter"), RobotDocument).document
+    robot = _dexter()
     done = read(file) if file.exists() else []
     begun = perf_counter()
     file.parent.mkdir(parents=True, exist_ok=True)
@@ -56,6 +58,25 @@ def search(
             done.append(trial)
             print(row_of(trial), file=rows, flush=True)
     return done
+
+
+def _dexter() -> RobotDocument:
+    library = Library(shipped())
+    return library.read(library.locate(RobotDocument, "dexter"), RobotDocument).document
+
+
+def judge_again(
+    done: Sequence[MountTrial], numbers: Sequence[int], grasps: int, seed: int
+) -> Iterator[MountTrial]:
+    """Mounts of some rows, judged at places that no search has seen."""
+    robot = _dexter()
+    for number in numbers:
+        row = next(trial for trial in done if trial.number == number)
+        mount = TODAY if number == 0 else ArmMount(**row.mount)
+        rng = np.random.default_rng(seed)
+        taken = anywhere(grasps, (-0.40, -0.02), rng)
+        places = anywhere(2 * grasps, (-0.40, 0.40), rng)
+        yield judge(number, mount, row.jacobian, robot, taken, places, ("left", "right"))
 
 
 def read(file: Path) -> list[MountTrial]:
@@ -82,16 +103,16 @@ def _draw(number: int, done: Sequence[MountTrial], spread: int, trials: int, see
     return near(ArmMount(**parent.mount), width, np.random.default_rng((seed, number)))
 
 
-def lines(done: Sequence[MountTrial], count: int) -> Iterator[str]:
-    """Today's mount and the best, for people."""
+def lines(shown: Sequence[MountTrial], today: MountTrial) -> Iterator[str]:
+    """Trials, for people."""
     yield (
         "number  score  grasps  near  together  apart, m  aim, m  reach  view  seen  phi   "
         "forward half up swing lift roll elbow rest"
     )
-    for trial in (done[0], *best_of(done, count)):
+    for trial in shown:
         mount = " ".join(f"{value:.2f}" for value in astuple(ArmMount(**trial.mount)))
         yield (
-            f"{trial.number:>6} {trial.score(done[0]):6.3f} {len(trial.apart):>6} "
+            f"{trial.number:>6} {trial.score(today):6.3f} {len(trial.apart):>6} "
             f"{trial.near:6.2f} {trial.together:8.2f} {trial.distance:9.2f} {trial.aim:8.2f} "
             f"{trial.reach:6.2f} {trial.view:5.2f} {trial.in_view:5.2f} {trial.phi:5.2f}  {mount}"
         )
@@ -107,12 +128,19 @@ def main() -> None:
     parser.add_argument("--seed", type=int, default=0)
     parser.add_argument("--seconds", type=float, default=math.inf, help="no mount is begun later")
     parser.add_argument("--best", type=int, default=10, help="how many are printed")
+    parser.add_argument("--judge", type=int, nargs="+", metavar="NUMBER", help="no search: rows")
+    parser.add_argument("--grasps", type=int, default=40, help="with --judge")
     options = parser.parse_args()
+    if options.judge:
+        done = read(options.file)
+        judged = judge_again(done, options.judge, options.grasps, options.seed)
+        print("\n".join(lines(list(judged), done[0])))
+        return
     done = search(
         options.file, options.jacobian, options.spread, options.trials, options.seed,
         options.seconds,
     )  # fmt: skip
-    print("\n".join(lines(done, options.best)))
+    print("\n".join(lines([done[0], *best_of(done, options.best)], done[0])))
 
 
 if __name__ == "__main__":
