@@ -4,7 +4,7 @@
 subject to TOUCH(right hand), with TOUCH(left hand). A reward counts where the engine has both hands
 on the thing at the end. Mounts are rows of ``search_mounts.py``; row 0 is today's.
 
-    python benchmarks/mounted_touch.py build/mounts.jsonl --number 0 --episodes 10 --seed 7500000
+    python benchmarks/mounted_touch.py build/mounts.jsonl --number 0 --episodes 10 --seed 100
 """
 
 from __future__ import annotations
