@@ -34,6 +34,7 @@ from cbdsl.yaml_text.library import Library
 
 PROGRAM = "bimanualtouch_printed"
 _TIPS = "left_palm", "right_palm"
+_HANDS = {"left_hand", "right_hand"}
 
 
 class Episode(NamedTuple):
@@ -43,6 +44,7 @@ class Episode(NamedTuple):
         seed: of the episode.
         taken: whether the right hand was rewarded for taking it.
         apart: least distance of the palms after that, m.
+        met: whether both hands touched it in the same tick.
         rewarded: whether the left hand was.
         both: whether both hands touched it at the end.
         seconds: simulated.
@@ -52,6 +54,7 @@ class Episode(NamedTuple):
     seed: int
     taken: bool
     apart: float
+    met: bool
     rewarded: bool
     both: bool
     seconds: float
@@ -121,9 +124,11 @@ def run_episodes(
 def _run(runner: Runner, engine: Any, own: Kinematics, stage: StageDocument, seed: int) -> Episode:
     apart: list[float] = []
     taken: list[int] = []
+    met: list[bool] = []
 
     def note(tick: Tick) -> None:
         if taken:
+            met.append(_hands_on(engine, stage) == _HANDS)
             own.update(tick.signals.positions)
             left, right = (own.frame(tip).position for tip in _TIPS)
             apart.append(float(np.linalg.norm(left - right)))
@@ -133,12 +138,17 @@ def _run(runner: Runner, engine: Any, own: Kinematics, stage: StageDocument, see
             taken.append(transition.depth)
 
     result = runner.run(stage, seed, on_transition=judge, on_tick=note)
-    names = [name for name in engine.truth.objects if name not in stage.fixtures]
-    hands = {hand for name in names for hand, _ in engine.truth.touching(name)}
+    both = _hands_on(engine, stage) == _HANDS
     return Episode(
-        seed, bool(taken), round(min(apart, default=np.nan), 3), result.rewarded,
-        hands == {"left_hand", "right_hand"}, result.sim_seconds, result.ending,
+        seed, bool(taken), round(min(apart, default=np.nan), 3), any(met), result.rewarded, both,
+        result.sim_seconds, result.ending,
     )  # fmt: skip
+
+
+def _hands_on(engine: Any, stage: StageDocument) -> set[str]:
+    """The hands that touch a thing, as the engine has it."""
+    names = [name for name in engine.truth.objects if name not in stage.fixtures]
+    return {hand for name in names for hand, _ in engine.truth.touching(name)}
 
 
 def summarise(episodes: Sequence[Episode]) -> dict[str, Any]:
@@ -148,6 +158,7 @@ def summarise(episodes: Sequence[Episode]) -> dict[str, Any]:
         "episodes": len(episodes),
         "taken": sum(each.taken for each in episodes),
         "median_apart_m": round(float(np.median(near)), 3) if near else None,
+        "met": sum(each.met for each in episodes),
         "rewarded": sum(each.rewarded for each in episodes),
         "rewarded_and_both": sum(each.rewarded and each.both for each in episodes),
         "amiss": [(each.seed, each.ending) for each in episodes if not each.rewarded],
