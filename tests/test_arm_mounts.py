@@ -188,3 +188,14 @@ def test_a_mount_near_another_is_within_the_bounds(modules: Any) -> None:
     for mount in [*mounts.spread_over(5, rng), mounts.near(replace(high, roll=3.1), 0.3, rng)]:
         for name in mounts.NAMES:
             assert getattr(low, name) <= getattr(mount, name) <= getattr(high, name)
+
+
+def test_what_became_of_touches_is_counted(modules: Any) -> None:
+    touch = modules("mounted_touch")
+    good = touch.Episode(1, True, 0.1, True, True, True, 30.0, "")
+    lost = good._replace(seed=2, apart=0.3, rewarded=False, both=False)
+    unheld = good._replace(seed=3, apart=0.2, both=False)
+    row = touch.summarise([good, lost, unheld])
+    assert (row["taken"], row["met"], row["rewarded"], row["rewarded_and_both"]) == (3, 3, 2, 1)
+    assert row["median_apart_m"] == 0.2
+    assert [seed for seed, _ in row["amiss"]] == [2]
