@@ -1,0 +1,417 @@
+"""Two arms on a mount, moved by the project's control law and kinematics alone."""
+
+from __future__ import annotations
+
+import math
+import tempfile
+from collections.abc import Iterable, Sequence
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+from arm_mount import TODAY, ArmMount, Floats
+from numpy.typing import NDArray
+
+from cbdsl.control.law import Law, LawSettings
+from cbdsl.control.level import Level
+from cbdsl.control.localizability import seen_by
+from cbdsl.control.manipulability import of_jacobian
+from cbdsl.documents.robot import RobotDocument
+from cbdsl.sensing.kinematics import Frame, Kinematics
+
+SIDES = "left", "right"
+#: The Jacobians that a manipulability of both arms may be of.
+JACOBIANS = "position", "pose", "relative", "chain"
+#: A thing of this radius stands on the table, and the palm's tip keeps off its middle, m.
+RADIUS, STANDOFF = 0.07, 0.09
+TABLE = -0.42
+EDGES = (0.30, 0.90), (-0.60, 0.60)
+#: Tips that are so near touch what the other one holds, m.
+TOGETHER = 0.15
+
+# Ticks are long: where the arms come to rest does not depend on them.
+_PERIOD, _TICKS = 0.1, 60
+_JOINT_STEP, _TIP_STEP = 0.1, 0.035
+# The robot file's rest of MANIPULABILITY, d phi / dt = 2e-5 /s at a gain of 8 /s, for the
+# logarithm of the measure, whose way is the same: at most what a measure of 0.05 makes of it.
+_RATE, _STEEP, _LONGEST = 0.5, 0.03, 400
+_ARRIVED, _TILTED = 0.01, math.radians(10)
+_DOWN = np.array((0.0, 0.0, -1.0))
+# Radii of the arms' links and of the hands, m.
+_UPPER, _FORE, _HAND = 0.06, 0.05, 0.06
+_NECK, _EYES = (0.24, 0.0, 0.50), (0.04, 0.06)
+_IMAGE = 160 / 418.5, 120 / 418.5
+
+
+class Reach(NamedTuple):
+    """Where a reach came to rest.
+
+    Attributes:
+        posture: of the arm, rad, shape (7,).
+        error: of the tip's position, m.
+        tilt: of the palm from looking down, rad.
+        clear: whether elbow and wrist are above the table.
+    """
+
+    posture: Floats
+    error: float
+    tilt: float
+    clear: bool
+
+    @property
+    def arrived(self) -> bool:
+        """Whether a hand can take what stands there."""
+        return self.error < _ARRIVED and self.tilt < _TILTED and self.clear
+
+
+class Meeting(NamedTuple):
+    """Where manipulability has brought both arms.
+
+    Attributes:
+        apart: distance of the palms' tips, m.
+        aim: of the thing from where the other hand would close, m.
+        place: of the thing, m.
+        clear: whether neither the thing nor an elbow nor a wrist went into the table.
+        free: distance of one forearm's axis from the other's, m.
+        seen: whether both cameras see the thing past the arms.
+        phi: localizability of the thing, m^2/rad^2; NaN where a camera does not see it.
+    """
+
+    apart: float
+    aim: float
+    place: tuple[float, ...]
+    clear: bool
+    free: float
+    seen: bool
+    phi: float
+
+    @property
+    def near(self) -> bool:
+        """Whether the other hand reaches what the first one holds."""
+        return self.apart < TOGETHER
+
+    @property
+    def possible(self) -> bool:
+        """Whether arms that are no mere lines could get there."""
+        return self.clear and self.free > 2 * _FORE
+
+    @property
+    def together(self) -> bool:
+        """Whether the hands are near each other, and could get there."""
+        return self.near and self.possible
+
+
+class MountedArms:
+    """Both arms on a mount; ``posture`` is that of all joints of the robot, rad.
+
+    Args:
+        robot: Dexter.
+        mount: of its arms.
+    """
+
+    def __init__(self, robot: RobotDocument, mount: ArmMount) -> None:
+        with tempfile.TemporaryDirectory() as folder:
+            file = Path(folder) / "mounted.urdf"
+            file.write_text(mount.urdf(), encoding="utf-8")
+            self.kinematics = Kinematics(robot, file)
+        self.mount, joints = mount, self.kinematics.joints
+        self.own = {side: joints.of(f"{side}_arm") for side in SIDES}
+        self._both = np.concatenate([self.own[side] for side in SIDES])
+        self._head = joints.of("head")
+        self.tips = {}
+        for side in SIDES:
+            tip = robot.effectors[f"{side}_arm"].tip
+            assert tip is not None
+            self.tips[side] = tip.link, tip.offset
+        settings = LawSettings(_JOINT_STEP, limit_margin=robot.control.limit_margin)
+        lower, upper = self.kinematics.lower, self.kinematics.upper
+        self._laws = {
+            len(own): Law(lower[own], upper[own], settings)
+            for own in (self.own["right"], self._both)
+        }
+        self.limits = lower[self.own["right"]], upper[self.own["right"]]
+        self.posture: Floats = np.zeros(len(joints))
+        # How far the posture at rest is from the one that the mount wants, m and a tenth of rad.
+        self.unfit = 0.0
+        if mount is TODAY:
+            postures = robot.effectors["right_arm"].postures
+            self.rests, self.ready = (np.array(postures[name]) for name in ("home", "ready"))
+        else:
+            self.rests = self._find_rest()
+            self.ready = self._find_ready()
+
+    def rest(self) -> None:
+        """Both arms where they rest."""
+        for side in SIDES:
+            self.posture[self.own[side]] = self._of(side, self.rests)
+
+    def reach(self, place: Sequence[float], side: str = "right") -> Reach:
+        """Take what stands at a place of the table, from rest: posture ◁ orient ◁ approach."""
+        self.rest()
+        goal = np.array((*place, TABLE + RADIUS + STANDOFF))
+        ready, own = self._of(side, self.ready), self.own[side]
+        for _ in range(_TICKS):
+            levels = [*self._palm_down(side, goal), _spring("posture", ready - self.posture[own])]
+            if self._step(levels, own) < 1e-3:
+                break
+        return self._reached(side, goal)
+
+    def bring_together(self, jacobian: str) -> Meeting:
+        """Climb up the manipulability of both arms from where they are.
+
+        Args:
+            jacobian: one of ``JACOBIANS`` that it is of.
+        """
+        clear = True
+        for _ in range(_LONGEST):
+            gradient = self.gradient(jacobian)
+            steep = float(np.linalg.norm(gradient))
+            if steep < _STEEP:
+                break
+            way = min(_RATE * steep, _JOINT_STEP)
+            level = Level("manipulability", gradient[None] / steep, np.array([way]))
+            moved = self._step([level], self._both)
+            clear = clear and self._is_clear()
+            if moved < 1e-4:
+                break
+        return self._meeting(clear)
+
+    def sees(self, place: Floats, held: Iterable[str]) -> tuple[bool, float]:
+        """Whether both cameras see a place past the arms, and its localizability.
+
+        Args:
+            place: m, shape (3,).
+            held: sides whose hands are there.
+        """
+        level = math.hypot(place[0] - _NECK[0], place[1])
+        pan, rise = math.atan2(place[1], place[0] - _NECK[0]), _NECK[2] + _EYES[1] - place[2]
+        tilt = math.atan2(rise, max(level - _EYES[0], 1e-6))
+        lower, upper = self.kinematics.lower[self._head], self.kinematics.upper[self._head]
+        self.posture[self._head] = np.minimum(np.maximum((pan, tilt), lower), upper)
+        self.kinematics.update(self.posture)
+        cameras = self.kinematics.placed(("left_camera", "right_camera"))
+        found = (_heading(camera, place) for camera in cameras)
+        headings = [heading for heading in found if heading is not None]
+        if len(headings) < len(cameras):
+            return False, math.nan
+        phi = seen_by(cameras).evaluate(np.concatenate(headings), np.zeros(0), 4)[0]
+        bones = self._bones(frozenset(held))
+        clear = all(_clears(camera.position, place, bone) for camera in cameras for bone in bones)
+        return clear, phi
+
+    def _of(self, side: str, right: Floats) -> Floats:
+        """A posture of the right arm, or its mirror image."""
+        return right if side == "right" else mirrored(right, self.limits)
+
+    def _find_rest(self) -> Floats:
+        """The resting posture nearest to the middle of the joints' limits, of several that fit."""
+        lower, upper = self.limits
+        rng = np.random.default_rng(0)
+        starts = rng.uniform(0.7 * lower + 0.3 * upper, 0.3 * lower + 0.7 * upper, (6, 7))
+        found = [self._settle(start, self.mount.rest) for start in starts]
+        self.unfit = min(error for _, error in found)
+        return min(found, key=lambda each: max(each[1], 0.02) * (1 + self._off_middle(each[0])))[0]
+
+    def _find_ready(self) -> Floats:
+        """The posture that reaches pull to: above the right half's middle, elbow as at rest."""
+        goal = np.array((0.5, -0.2, TABLE + RADIUS + STANDOFF))
+        return self._settle(self.rests, goal)[0]
+
+    def _settle(self, start: Floats, goal: Floats) -> tuple[Floats, float]:
+        """A posture with the palm down at a goal and the elbow where the mount has it."""
+        own, middle = self.own["right"], np.mean(self.limits, axis=0)
+        self.posture[own] = start
+        for _ in range(_TICKS):
+            levels = [*self._palm_down("right", goal), self._elbow(goal)]
+            levels.append(_spring("middle", middle - self.posture[own]))
+            if self._step(levels, own) < 2e-3:
+                break
+        reached = self._reached("right", goal)
+        return reached.posture, reached.error + 0.1 * reached.tilt
+
+    def _off_middle(self, posture: Floats) -> float:
+        lower, upper = self.limits
+        return float(np.mean(((2 * posture - lower - upper) / (upper - lower)) ** 4))
+
+    def _elbow(self, goal: Floats) -> Level:
+        """The elbow about the line from shoulder to hand."""
+        shoulder = self.mount.shoulder
+        line = (goal - shoulder) / np.linalg.norm(goal - shoulder)
+        below = _across(np.array((0.0, 0.0, -1.0)), line)
+        outward = np.cross(line, below)
+        if outward[1] > 0.0:
+            outward = -outward
+        wanted = math.cos(self.mount.elbow) * below + math.sin(self.mount.elbow) * outward
+        elbow = self.kinematics.point("right_link_4", (0.0, 0.0, 0.0))
+        here = elbow.position - shoulder
+        radius = float(np.linalg.norm(here - line.dot(here) * line))
+        here = _across(here, line)
+        around = np.cross(line, here)
+        turn = math.atan2(float(around @ wanted), float(here @ wanted))
+        row = around @ elbow.jacobian[:3, self.own["right"]] / max(radius, 0.05)
+        return Level("elbow", row[None], _bounded(np.array([0.5 * turn]), 0.2))
+
+    def _palm_down(self, side: str, goal: Floats) -> list[Level]:
+        """The tip at a goal, and the palm looking down."""
+        self.kinematics.update(self.posture)
+        own = self.own[side]
+        tip = self.kinematics.point(*self.tips[side])
+        axes = self.kinematics.frame(self.tips[side][0]).rotation
+        normal = axes[:, 2]
+        turn = np.cross(normal, _DOWN)
+        sine, cosine = float(np.linalg.norm(turn)), float(normal @ _DOWN)
+        turn = axes[:, 0] * math.pi if sine < 1e-9 > cosine else turn
+        turn *= math.atan2(sine, cosine) / sine if sine > 1e-9 else 1.0
+        across = axes[:, :2].T
+        ahead = _bounded(0.4 * (goal - tip.position), _TIP_STEP)
+        aside = _bounded(0.4 * across @ turn, 0.15)
+        return [
+            Level("approach", tip.jacobian[:3, own], ahead),
+            Level("orient", across @ tip.jacobian[3:, own], aside),
+        ]
+
+    def _step(self, levels: Sequence[Level], own: NDArray[np.intp]) -> float:
+        """Move some joints by the law; returns the largest displacement, rad."""
+        moved = self._laws[len(own)].solve(levels, self.posture[own]).displacement
+        self.posture[own] += moved
+        return float(np.abs(moved).max())
+
+    def _reached(self, side: str, goal: Floats) -> Reach:
+        self.kinematics.update(self.posture)
+        tip = self.kinematics.point(*self.tips[side])
+        normal = self.kinematics.frame(self.tips[side][0]).rotation[:, 2]
+        error = float(np.linalg.norm(goal - tip.position))
+        tilt = math.acos(min(1.0, max(-1.0, float(normal @ _DOWN))))
+        return Reach(self.posture[self.own[side]].copy(), error, tilt, self._is_clear())
+
+    def _is_clear(self) -> bool:
+        """Whether elbows, wrists and the thing in the right hand are above the table."""
+        self.kinematics.update(self.posture)
+        points = [(self._origin(f"{side}_link_{n}"), _FORE) for side in SIDES for n in (4, 6)]
+        points.append((self._grasped("right"), RADIUS))
+        return all(
+            point[2] > TABLE + radius - 0.01
+            for point, radius in points
+            if all(low < point[k] < high for k, (low, high) in enumerate(EDGES))
+        )
+
+    def _origin(self, link: str) -> Floats:
+        return self.kinematics.frame(link).position
+
+    def _grasped(self, side: str) -> Floats:
+        """Where the middle of what a hand holds is, m, shape (3,)."""
+        link, offset = self.tips[side]
+        place: Floats = self.kinematics.point(
+            link, (offset[0], offset[1], offset[2] + STANDOFF)
+        ).position
+        return place
+
+    def _bones(self, holding: frozenset[str]) -> list[tuple[Floats, Floats, float]]:
+        """Upper arms and forearms, and the hands that do not hold what is looked at."""
+        bones = []
+        for side in SIDES:
+            shoulder, elbow, wrist, palm = (
+                self._origin(f"{side}_{link}") for link in ("link_1", "link_4", "link_6", "palm")
+            )
+            bones += [(shoulder, elbow, _UPPER), (elbow, wrist, _FORE)]
+            if side not in holding:
+                bones.append((wrist, palm, _HAND))
+        return bones
+
+    def _meeting(self, clear: bool) -> Meeting:
+        self.kinematics.update(self.posture)
+        left, right = (self.kinematics.point(*self.tips[side]).position for side in SIDES)
+        thing, other = self._grasped("right"), self._grasped("left")
+        fore = [bone[:2] for bone in self._bones(frozenset(SIDES)) if bone[2] == _FORE]
+        free = min(
+            float(np.linalg.norm(one - other_one))
+            for one in np.linspace(*fore[0], 12)
+            for other_one in np.linspace(*fore[1], 12)
+        )
+        apart, aim = (float(np.linalg.norm(way)) for way in (left - right, thing - other))
+        return Meeting(apart, aim, tuple(thing.tolist()), clear, free, *self.sees(thing, SIDES))
+
+    def gradient(self, jacobian: str) -> Floats:
+        """The gradient of the measure's logarithm by the joints of both arms, shape (14,)."""
+        self.kinematics.update(self.posture)
+        rows = 6 if jacobian == "pose" else 3
+        own = [self.own[side] for side in SIDES]
+        points = [self.kinematics.point(*self.tips[side]) for side in SIDES]
+        links = [self.tips[side][0] for side in SIDES]
+        full = 6 if jacobian == "chain" else rows
+        bends = [
+            self.kinematics.curvature(link, point.position, full)[:, columns][:, :, columns]
+            for link, point, columns in zip(links, points, own, strict=True)
+        ]
+        tips = [point.jacobian[:, columns] for point, columns in zip(points, own, strict=True)]
+        if jacobian in ("position", "pose"):
+            parts = [_slope(tip[:rows], bend[:rows]) for tip, bend in zip(tips, bends, strict=True)]
+            return np.concatenate(parts)
+        joined = np.concatenate((-tips[0][:3], tips[1][:3]), axis=1)
+        bend = np.zeros((3, 14, 14))
+        bend[:, :7, :7], bend[:, 7:, 7:] = -bends[0][:3], bends[1][:3]
+        if jacobian == "chain":
+            way = points[1].position - points[0].position
+            joined[:, :7] -= np.cross(tips[0][3:].T, way).T
+            change = np.concatenate((-tips[0][:3], tips[1][:3]), axis=1)
+            bend[:, :7, :7] -= np.cross(bends[0][3:], way[:, None, None], axis=0)
+            bend[:, :7, :] -= np.cross(
+                np.repeat(tips[0][3:, :, None], 14, axis=2), change[:, None, :], axis=0
+            )
+        return _slope(joined, bend)
+
+
+def mirrored(right: Floats, limits: tuple[Floats, Floats]) -> Floats:
+    """The left arm's posture for one of the right arm, rad, within the limits."""
+    left = right * np.array((-1.0, 1.0, -1.0, 1.0, -1.0, 1.0, -1.0))
+    # The hands are alike, not mirror images: half a turn puts the thumb where it belongs.
+    left[6] += math.pi
+    for joint in (4, 6):
+        if left[joint] > limits[1][joint]:
+            left[joint] -= 2 * math.pi
+    within: Floats = np.clip(left, *limits)
+    return within
+
+
+def _slope(jacobian: Floats, bend: Floats) -> Floats:
+    """The gradient of log sqrt(det(J J^T)): J (k, n), its change per joint (k, n, n)."""
+    rows, joints = jacobian.shape
+    phi, _, slope = of_jacobian(rows, joints).evaluate(
+        np.ascontiguousarray(jacobian).ravel(), np.zeros(0), rows * joints
+    )
+    gradient: Floats = np.einsum("ki,kij->j", slope[0].reshape(rows, joints), bend) / phi
+    return gradient
+
+
+def _spring(name: str, error: Floats) -> Level:
+    """A posture's spring, at 2 /s."""
+    return Level(name, np.eye(len(error)), _bounded(_PERIOD * error, 0.08))
+
+
+def _bounded(step: Floats, size: float) -> Floats:
+    length = float(np.linalg.norm(step))
+    return step if length <= size else step * (size / length)
+
+
+def _across(vector: Floats, line: Floats) -> Floats:
+    """The unit vector of what of a vector is at right angles to a line."""
+    rest = vector - (vector @ line) * line
+    return rest / max(float(np.linalg.norm(rest)), 1e-9)
+
+
+def _heading(camera: Frame, place: Floats) -> Floats | None:
+    """Azimuth and elevation of a place that is in a camera's image, rad."""
+    ahead, left, up = (camera.rotation.T @ (place - camera.position)).tolist()
+    if ahead <= 0.0 or abs(left) > _IMAGE[0] * ahead or abs(up) > _IMAGE[1] * ahead:
+        return None
+    return np.array((math.atan2(left, ahead), math.atan2(up, math.hypot(ahead, left))))
+
+
+def _clears(eye: Floats, place: Floats, bone: tuple[Floats, Floats, float]) -> bool:
+    """Whether a line of sight goes past a link, given by its ends and its radius."""
+    start, end, radius = bone
+    along = end - start
+    sight = eye + np.linspace(0.0, 1.0, 40)[:, None] * (place - eye)
+    part = np.clip((sight - start) @ along / max(float(along @ along), 1e-9), 0.0, 1.0)
+    off = np.linalg.norm(sight - start - part[:, None] * along, axis=1)
+    return bool(off.min() > radius)
