@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
+from types import SimpleNamespace as Made
 
 import numpy as np
 import pytest
@@ -11,6 +12,7 @@ from cbdsl.control.plan import ControllerPlan
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.program.checked import CheckedProgram
 from cbdsl.program.transition import Transition
+from cbdsl.runtime import actuation as actuation_module
 from cbdsl.runtime.actuation import Actuation
 from cbdsl.runtime.controller_run import ControllerRun
 from cbdsl.runtime.episode import resources_of
@@ -225,3 +227,30 @@ def test_guards_of_the_law_grow_with_the_ticks(
     assert settings.singular_value == pytest.approx(control.singular_value * longer)
     assert settings.joint_step == pytest.approx(control.joint_speed * period)
     assert (settings.limit_margin, settings.lead) == (control.limit_margin, control.lead)
+
+
+@pytest.mark.parametrize("is_foreign", [False, True])
+def test_a_fault_of_another_package_s_potential_is_told_as_its(
+    drive: Drive, dexter: RobotDocument, monkeypatch: pytest.MonkeyPatch, is_foreign: bool
+) -> None:
+    driven = drive(TWO + 'policy: {"**": left}\n')
+    own = Actuation(dexter, driven.signals, driven.plan, PERIOD)
+    own.reset(driven.signals.positions)
+    error = ZeroDivisionError("nothing")
+
+    def fail(*arguments: object) -> int:
+        raise error
+
+    registry = Made(
+        is_builtin=lambda name: name != "spring" or not is_foreign,
+        fault=lambda name, reason: RuntimeError(f"{name}: {reason}"),
+    )
+    monkeypatch.setattr(actuation_module, "tick", fail)
+    monkeypatch.setattr(actuation_module, "POTENTIALS", Made(registry=registry))
+    with pytest.raises((ZeroDivisionError, RuntimeError)) as raised:
+        own.move(driven.run.active())
+    if is_foreign:
+        assert str(raised.value) == "spring: ZeroDivisionError: nothing"
+        assert raised.value.__cause__ is error
+    else:
+        assert raised.value is error and error.__cause__ is None
