@@ -38,14 +38,14 @@ class LoadGuards:
         for name, (first, last), row, bound in _bounds(guards, signals):
             self.names.append(name)
             pace = PACE * period
-            records.append(dict(first=first, last=last, row=row, bound=bound, pace=pace))
+            records.append({"first": first, "last": last, "row": row, "bound": bound, "pace": pace})
         self._strain, self._fading = signals.strain, math.exp(-period / _MEMORY)
         self._joints: list[tuple[int, NDArray[np.int64]]] = []
         for name, joints, row in _arms(guards, signals):
             self._joints.append((len(records), joints))
             self.names.append(name)
-            pace, bound = JOINT_PACE * period, guards.joint_torque
-            records.append(dict(row=row, bound=bound, pace=pace, joints=len(joints)))
+            own = {"bound": guards.joint_torque, "pace": JOINT_PACE * period}
+            records.append({"row": row, "joints": len(joints), **own})
         self._strain.needed |= bool(self._joints)
         self.records: NDArray[Any] = np.zeros(len(records), LOAD_GUARD)
         for place, given in enumerate(records):
