@@ -301,3 +301,16 @@ def test_every_name_of_an_instance_names_a_resource(dexter: RobotDocument) -> No
     assert parse_instance("right_arm.position", named) is None
     one_eyed = dexter.model_copy(update={"cameras": {"left": dexter.cameras["left"]}})
     assert instance_names(one_eyed) == ()
+
+
+@pytest.mark.parametrize("side", [1.0, -1.0])
+def test_what_is_cut_off_has_headings_and_no_position(scene: Scene, side: float) -> None:
+    """It goes by the lowest free number in both images, beside one that both see whole."""
+    middle, aside = np.array([0.56, 0.0, -0.36]), np.array([0.7, 0.34 * side, -0.36])
+    scene.show((middle, 0.05), (aside, 0.04))
+    scene.look()
+    assert list(scene.places()) == [0] and scene.places()[0] == near(middle)
+    for sightings in scene.red.sightings:
+        assert sorted(sightings) == [0, 1]
+        assert sightings[0].distance(middle) < 0.005
+        assert sightings[1].distance(aside) < 0.02
