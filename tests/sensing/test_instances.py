@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from cbdsl.backends.kinematic.backend import KinematicBackend
 from cbdsl.backends.staging.pose import Pose
-from cbdsl.documents.robot import RobotDocument
+from cbdsl.documents.robot import Regions, RobotDocument
 from cbdsl.documents.stage import StageDocument
 from cbdsl.robot.instance_names import instance_names, parse_instance
 from cbdsl.robot.resources import resources
@@ -24,6 +24,7 @@ from cbdsl.sensing.field_of_view import FieldOfView
 from cbdsl.sensing.instances import Instances
 from cbdsl.sensing.kinematics import Kinematics
 from cbdsl.sensing.signals import Signals
+from tests.sensing.test_sighting import sighting
 
 Floats = NDArray[np.float64]
 RED = "hue_1"
@@ -314,3 +315,17 @@ def test_what_is_cut_off_has_headings_and_no_position(scene: Scene, side: float)
         assert sorted(sightings) == [0, 1]
         assert sightings[0].distance(middle) < 0.005
         assert sightings[1].distance(aside) < 0.02
+
+
+def test_one_camera_alone_attends_to_the_largest(
+    dexter: RobotDocument, kinematics: Kinematics
+) -> None:
+    """Without positions there is one heading, and nothing to remember."""
+    alone = Instances(Regions(), FieldOfView(dexter, kinematics), 1)
+    large, small = sighting(300), sighting(40)
+    alone.look(0.0, 0.0, [[large, small]])
+    assert alone.sightings == [{0: large}] and alone.memories == ()
+    alone.look(0.1, 0.1, [[small]])
+    assert alone.sightings == [{0: small}]
+    alone.look(0.2, 0.2, [[]])
+    assert alone.sightings == [{}]

@@ -82,6 +82,7 @@ def test_what_has_no_outline_has_no_height_but_keeps_the_one_it_had() -> None:
     sampler = SurfaceSampler(surface, rng)
     nothing = [each._replace(extent=Extent((), ((160.5, 120.5),)))
                for each in views(0.0, 1.0, edge(0.75, 0, 0))]  # fmt: skip
+    assert surface.points.shape == (0, 3)
     surface.see(*nothing)
     assert surface.height is None and sampler.draw() is None
     surface.see(*views(0.0, 1.0, edge(0.75, 0, 0.2)))
