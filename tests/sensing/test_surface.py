@@ -112,6 +112,14 @@ def test_a_whole_or_a_small_region_has_no_extent() -> None:
     assert [each.extent for each in connected_regions(mask, 12)] == [None, None]
 
 
+@pytest.mark.parametrize(("columns", "fills"), [(21, True), (19, False)])
+def test_a_sixteenth_of_the_image_fills_a_good_part_of_it(columns: int, fills: bool) -> None:
+    mask = np.zeros((240, 320), np.uint8)
+    mask[:, :columns] = 255
+    (region,) = connected_regions(mask, 12)
+    assert (region.extent is not None) is fills
+
+
 @pytest.mark.parametrize("cameras", ["rendered", "ideal"])
 def test_points_are_on_the_table(
     cameras: str,
