@@ -116,6 +116,9 @@ def _bare(source: str) -> str:
                     setattr(node, name, ast.Constant(None))
         if isinstance(node, ast.arg):
             node.annotation = None
+        # What is imported for annotations alone.
+        if isinstance(node, ast.If) and "TYPE_CHECKING" in ast.dump(node.test):
+            node.test = ast.Constant(None)
     return ast.dump(tree)
 
 

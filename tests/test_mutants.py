@@ -39,7 +39,8 @@ def test_annotations_are_no_behaviour(tmp_path: Path, monkeypatch: pytest.Monkey
     monkeypatch.setattr(mutants, "ROOT", tmp_path)
     file = tmp_path / "one.py"
     file.write_text(
-        "from typing import Literal\n\n\ndef one(a: Literal[1]) -> Literal[2]:\n    return a\n"
+        "from typing import TYPE_CHECKING, Literal\n\nif TYPE_CHECKING:\n    import numpy\n\n\n"
+        "def one(a: Literal[1]) -> Literal[2]:\n    return a\n"
     )
     assert all(mutant.code is None for mutant in mutants_of(file))
     file.write_text("def one(a):\n    return a + 1\n")

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from operator import add
 from typing import NamedTuple
 
 import numpy as np
@@ -49,8 +50,9 @@ class Tally(NamedTuple):
 
     def and_(self, other: Tally) -> Tally:
         """Both together."""
-        sums = (map(sum, zip(*each, strict=True)) for each in zip(self, other, strict=True))
-        return Tally(*(tuple(each) for each in sums))
+        successes = map(add, self.successes, other.successes)
+        failures = map(add, self.failures, other.failures)
+        return Tally(tuple(successes), tuple(failures))
 
     def ranking(self, names: Sequence[str]) -> Ranking:
         """Those that were rewarded, the most promising one first (Laplace's rule)."""

@@ -49,7 +49,6 @@ class Outcomes(NamedTuple):
 
 
 class _Question(NamedTuple):
-    evidence: float
     feature: int
     threshold: float
 
@@ -68,7 +67,7 @@ def grow(
         answer: of a leaf, by the indices of the samples in it.
         least: fewest samples of a leaf.
     """
-    names = tuple(samples[0]) if samples else ()
+    names = tuple(next(iter(samples), ()))
     numbers = np.array([[sample[name] for name in names] for sample in samples])
     numbers = np.round(numbers.reshape(len(samples), len(names)), _DECIMALS)
 
@@ -85,13 +84,14 @@ def grow(
 
 def _best(numbers: Floats, outcomes: Outcomes, least: int) -> _Question | None:
     """The question with the most evidence; of equal ones that of the first feature, the lowest."""
-    best = _Question(_NOTHING, 0, 0.0)
+    best: _Question | None = None
+    least_evidence = _NOTHING
     now = _evidence(outcomes.sums)
     for feature in range(numbers.shape[1]):
         order = np.argsort(numbers[:, feature], kind="stable")
         values = numbers[order, feature]
         cuts = np.arange(least, len(values) - least + 1)
-        cuts = cuts[values[cuts - 1] < values[cuts]] if len(cuts) else cuts
+        cuts = cuts[values[cuts - 1] < values[cuts]]
         if not len(cuts):
             continue
         sums = Outcomes(*(np.cumsum(each, axis=0) for each in outcomes.of(order)))
@@ -100,12 +100,13 @@ def _best(numbers: Floats, outcomes: Outcomes, least: int) -> _Question | None:
         gaps = (values[cuts] - values[cuts - 1]) / (values[-1] - values[0])
         evidence = _evidence(below) + _evidence(above) - now + np.log(gaps)
         place = int(np.argmax(evidence))
-        if evidence[place] > best.evidence + _NOTHING:
+        if evidence[place] > least_evidence:
+            least_evidence = evidence[place] + _NOTHING
             low, high = values[cuts[place] - 1], values[cuts[place]]
             middle = round(float(low + high) / 2, _DECIMALS)
             threshold = middle if low <= middle < high else float(low)
-            best = _Question(float(evidence[place]), feature, threshold)
-    return best if best.evidence > _NOTHING else None
+            best = _Question(feature, threshold)
+    return best
 
 
 def _evidence(sums: Outcomes) -> Any:

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from cbdsl.control.load_guard import JOINT_PACE, LOAD_GUARD, MOST_JOINTS, PACE
+from cbdsl.control.load_guard import JOINT_PACE, LOAD_GUARD, PACE
 from cbdsl.program.checked import Guards
 from cbdsl.sensing.signals import Signals
 
@@ -34,20 +34,23 @@ class LoadGuards:
     def __init__(self, guards: Guards, signals: Signals, period: float) -> None:
         self._period = period
         self.names: list[str] = []
-        records: list[tuple[Any, ...]] = []
-        none = (0.0,) * MOST_JOINTS
-        for name, cells, row, bound in _bounds(guards, signals):
+        records: list[dict[str, Any]] = []
+        for name, (first, last), row, bound in _bounds(guards, signals):
             self.names.append(name)
-            records.append((*cells, row, bound, PACE * period, 0.0, False, 0, none))
+            pace = PACE * period
+            records.append({"first": first, "last": last, "row": row, "bound": bound, "pace": pace})
         self._strain, self._fading = signals.strain, math.exp(-period / _MEMORY)
         self._joints: list[tuple[int, NDArray[np.int64]]] = []
         for name, joints, row in _arms(guards, signals):
             self._joints.append((len(records), joints))
             self.names.append(name)
-            pace = JOINT_PACE * period
-            records.append((0, 0, row, guards.joint_torque, pace, 0.0, False, len(joints), none))
+            own = {"bound": guards.joint_torque, "pace": JOINT_PACE * period}
+            records.append({"row": row, "joints": len(joints), **own})
         self._strain.needed |= bool(self._joints)
-        self.records: NDArray[Any] = np.array(records, LOAD_GUARD)
+        self.records: NDArray[Any] = np.zeros(len(records), LOAD_GUARD)
+        for place, given in enumerate(records):
+            for key, value in given.items():
+                self.records[key][place] = value
         self.rows = self.records["row"].tolist()
         self.reset()
 

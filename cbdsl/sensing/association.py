@@ -118,7 +118,7 @@ def pair(
     certain: list[Pair] = []
     ambiguous: list[Pair] = []
     for group in _groups(possible):
-        resolved = group if len(group) == 1 else _in_order(group, left, right)
+        resolved = _in_order(group, left, right)
         (certain if resolved else ambiguous).extend(resolved or group)
     return certain, ambiguous
 

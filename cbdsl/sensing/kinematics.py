@@ -295,9 +295,7 @@ class Kinematics:
 
     def _need(self, numbers: Sequence[int]) -> None:
         """Have joints placed from now on."""
-        needed = np.union1d(self._needed, np.array(numbers, dtype=np.int64) - 1)
-        if len(needed) > len(self._needed):
-            self._needed = needed
+        self._needed = np.union1d(self._needed, np.array(numbers, dtype=np.int64) - 1)
 
     def _find(self, name: str) -> Link:
         numbers, frame = self._support(name), self._model.frames[self._frame(name)]

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from cbdsl.documents.model import Kernel
 from cbdsl.learning.accommodate import Accommodate
 from cbdsl.learning.constants import AccommodateConstants
 from cbdsl.learning.experience import Experience
@@ -123,3 +124,18 @@ def test_a_policy_covers_the_states_in_which_something_was_tried_and_then_all_ot
     assert learner.greedy() == {"XX": "search", "X0": "track", "**": "search"}
     assert Accommodate(ACTIONS, AccommodateConstants()).greedy() == {}
     assert learner.policy(np.random.default_rng(0)).choose("--", changed=False) in ACTIONS
+
+
+def test_densities_are_of_the_configurations_that_were_rewarded_by_effector(made: Made) -> None:
+    learner = Accommodate(ACTIONS, AccommodateConstants(bandwidth=0.3, prior=6.0))
+    won = (made("XX", "track", "X1"),)
+    for head in ((0.1, 0.2), (0.3, 0.4)):
+        learner.remember(experience(won, head))
+    learner.remember(Experience("here", 1, won, {"right_arm": (0.5,)}, 9, 0.15))
+    densities = learner.densities()
+    assert list(densities) == ["head", "right_arm"]
+    head, arm = densities["head"], densities["right_arm"]
+    assert isinstance(head, Kernel) and isinstance(arm, Kernel)
+    assert head.samples == ((0.1, 0.2), (0.3, 0.4)) and arm.samples == ((0.5,),)
+    assert head.bandwidth == (0.3, 0.3)
+    assert (head.uniform, arm.uniform) == pytest.approx((6 / 8, 6 / 7))

@@ -16,7 +16,7 @@ from cbdsl.learning.experience import Experience
 from cbdsl.learning.tree_growth import Outcomes, grow
 from cbdsl.program.checked import CheckedProgram
 from cbdsl.program.transition import Transition
-from cbdsl.types.decision_tree import Leaf, decide, splits
+from cbdsl.types.decision_tree import Leaf, Split, decide, splits
 from cbdsl.yaml_text.library import Library
 from tests.conftest import ROOT
 
@@ -277,3 +277,105 @@ def test_where_nothing_is_known_every_order_is_tried(schema: CheckedProgram) -> 
     assert schema.schema is not None
     orders = {rank(here) for _ in range(100)}
     assert len(orders) == 6 and all(set(each) == set(schema.schema.allocations) for each in orders)
+
+
+def test_what_a_tally_has_drawn_follows_the_beta_law() -> None:
+    """Of chances whose densities are 1 and 2 x, the second is larger in 2 of 3 cases."""
+    tally, rng = Tally((0.0, 1.0), (0.0, 0.0)), np.random.default_rng(4)
+    second = sum(tally.drawn(("a", "b"), rng)[0] == "b" for _ in range(4000))
+    assert second / 4000 == pytest.approx(2 / 3, abs=0.025)
+    tally = Tally((0.0, 0.0), (0.0, 1.0))
+    second = sum(tally.drawn(("a", "b"), rng)[0] == "b" for _ in range(4000))
+    assert second / 4000 == pytest.approx(1 / 3, abs=0.025)
+
+
+def test_a_few_successes_are_weighed_against_none_by_laplace_s_rule() -> None:
+    """1 of 1 is 2/3, 2 of 3 is 3/5, and 5 of 7 is between them."""
+    names = ("two_of_three", "five_of_seven", "one_of_one", "five_of_six")
+    tally = Tally((2.0, 5.0, 1.0, 5.0), (1.0, 2.0, 0.0, 1.0))
+    assert tally.ranking(names) == ("five_of_six", "five_of_seven", "one_of_one", "two_of_three")
+
+
+def test_a_leaf_beside_a_question_is_not_joined_with_it() -> None:
+    leaf = Leaf(Tally((2.0, 0.0), (0.0, 2.0)))
+    other = Leaf(Tally((0.0, 2.0), (2.0, 0.0)))
+    tree = Split("x", 1.0, leaf, Split("y", 2.0, leaf, other))
+    assert [each.feature for each in splits(rankings(tree, ("a", "b")))] == ["x", "y"]
+
+
+def test_of_nothing_that_was_tried_there_is_no_count() -> None:
+    assert grow_tallies([], ("a", "b"), 1) == Leaf(Tally((0.0, 0.0), (0.0, 0.0)))
+
+
+@pytest.mark.parametrize(("last", "asked"), [(1.9, False), (2.1, True)])
+def test_the_evidence_decides_whether_a_question_is_asked(last: float, asked: bool) -> None:
+    """By hand: of a, a and b the gap before b counts, which has to be half of all.
+
+    Their chance is 2! 1! / 4! without the question, and 2! / 3! times 1! / 2! with it, twice that.
+    """
+    samples = [{"x": 0.0}, {"x": 1.0}, {"x": last}]
+    tree = grow(samples, certain("aab"), tuple, 1)
+    assert [split.threshold for split in splits(tree)] == ([(1 + last) / 2] if asked else [])
+
+
+def test_of_equal_questions_the_first_feature_is_asked() -> None:
+    samples = [{"x": float(i > 3), "y": float(i > 3)} for i in range(8)]
+    (split,) = splits(grow(samples, certain("aaaabbbb"), tuple, 1))
+    assert split.feature == "x"
+
+
+def test_a_feature_that_never_changes_does_not_hide_those_after_it() -> None:
+    samples = [{"same": 1.0, "y": float(i > 3)} for i in range(8)]
+    (split,) = splits(grow(samples, certain("aaaabbbb"), tuple, 1))
+    assert (split.feature, split.threshold) == ("y", 0.5)
+
+
+def test_a_question_is_asked_between_numbers_that_differ() -> None:
+    """Equal numbers cannot be told apart, however well their labels could."""
+    samples = [{"x": x, "same": 1.0} for x in (0.0, 0.0, 0.0, 0.0, 1.0, 1.0)]
+    with np.errstate(all="raise"):
+        tree = grow(samples, certain("aaabbb"), tuple, 1)
+    assert tree == Split("x", 0.5, Leaf((4, 5)), Leaf((0, 1, 2, 3)))
+
+
+def test_what_is_tried_in_an_episode_stands_in_the_context_that_it_began_in(
+    schema: CheckedProgram,
+) -> None:
+    learner = Assimilate(["any"], AssimilateConstants())
+    learner.adopt(schema)
+    first, then = features(schema, 0.5, 0.4), features(schema, 0.7, -0.3)
+    made = (
+        Transition("reachtouch", 0, 1.0, "X0-", "a", "X0-", 5, 0, (), "left_arm", first),
+        Transition("reachtouch", 0, 2.0, "X0-", "a", "X11", 5, 1, (), "right_arm", then),
+    )
+    learner.remember(Experience("here", 1, made, {}, 5, 1.0))
+    (context,) = learner.contexts
+    assert context.features["place.x"] == pytest.approx(0.5)
+    assert context.outcomes == {"left_arm": False, "right_arm": True}
+
+
+def test_likelihoods_are_told_in_thousandths(schema: CheckedProgram) -> None:
+    learner = Assimilate(["any"], AssimilateConstants())
+    learner.adopt(schema)
+    here = features(schema, 0.5, 0.4)
+    learner.recall([TriedContext(here, {"left_arm": number < 4}) for number in range(5)])
+    assert learner.reward() == Leaf(0.714)
+
+
+def test_a_ranking_of_several_is_written_whole(schema: CheckedProgram) -> None:
+    learner = Assimilate(["any"], AssimilateConstants())
+    learner.adopt(schema)
+    here, both = features(schema, 0.5, 0.4), {"left_arm": True, "right_arm": True}
+    learner.recall([TriedContext(here, both), TriedContext(here, {"left_arm": True})])
+    assert learner.document("mine", schema).choose == ("left_arm", "right_arm")
+
+
+def test_while_it_learns_it_gives_nothing_up(schema: CheckedProgram) -> None:
+    """Where reward seems out of reach it tries all the same."""
+    learner = Assimilate(["any"], AssimilateConstants())
+    learner.adopt(schema)
+    here = features(schema, 0.5, 0.4)
+    learner.recall([TriedContext(here, {"left_arm": False}) for _ in range(20)])
+    policy = learner.policy(np.random.default_rng(1))
+    policy.begin(lambda: here)  # type: ignore[attr-defined]
+    assert policy.choose("X0-", changed=True) is not None

@@ -23,3 +23,17 @@ from cbdsl.learning.context_letters import LETTERS, context_letters
 def test_what_is_seen_is_told(features: Mapping[str, float], letters: str) -> None:
     assert context_letters(features) == letters
     assert len(letters) == LETTERS
+
+
+@pytest.mark.parametrize(
+    ("features", "letters"),
+    [
+        ({"velocity.y": 0.024, "place.y": 0.0, "volume": 0.0119}, "srs"),
+        ({"velocity.y": 0.026, "place.y": 1e-9, "volume": 0.0121}, "llL"),
+        ({"velocity.y": -0.026, "place.y": -1e-9, "volume": 0.012}, "rrs"),
+    ],
+)
+def test_what_is_nearly_still_in_the_middle_or_large_is_told_apart(
+    features: Mapping[str, float], letters: str
+) -> None:
+    assert context_letters(features) == letters

@@ -57,8 +57,8 @@ def test_a_reward_is_the_change_relative_to_the_largest_until_then_minus_the_cos
 
 def test_failure_costs_and_noop_does_not() -> None:
     exploration = catalog(cost=0.2)
-    assert exploration.note(ActionOutcome("lift")).reward == -0.2
-    assert exploration.note(ActionOutcome(NOOP)).reward == 0.0
+    assert exploration.note(ActionOutcome("lift")) == ("lift", False, 0.0, -0.2)
+    assert exploration.note(ActionOutcome(NOOP)) == (NOOP, False, 0.0, 0.0)
     assert exploration.affordances["lift"].tried == 1
 
 
@@ -140,6 +140,11 @@ def test_q_values_are_those_of_the_update() -> None:
     assert exploration.table["XX"]["touch"] == pytest.approx(0.5 * first.reward)
     second = exploration.note(ActionOutcome("lift", ahead=SEEN))
     assert exploration.table["0X"]["lift"] == pytest.approx(0.5 * second.reward)
+    # What is worth most in the state that it leads to counts for half.
+    exploration.table["00"] = {"touch": 0.6, "lift": -1.0}
+    third = exploration.note(touched(rng)._replace(ahead=SEEN))
+    expected = 0.6 + 0.5 * (third.reward + 0.5 * 0.6 - 0.6)
+    assert exploration.table["00"]["touch"] == pytest.approx(expected)
 
 
 @pytest.mark.parametrize("seed", range(3))
@@ -159,3 +164,89 @@ def test_outcomes_before_a_model_began_are_in_it() -> None:
     assert model is not None
     assert (model.tried, model.successes) == (3, 2) == (touch.tried, touch.successes)
     assert (model.rewarded.weight, model.unrewarded.weight) == (1.0, 1.0)
+
+
+def test_a_small_change_is_all_there_is_at_first() -> None:
+    rng, exploration = np.random.default_rng(5), catalog(prior=1000.0)
+    assert exploration.change_of("touch") is None
+    first = exploration.note(touched(rng))
+    assert 0 < first.change < 0.5
+    assert first.reward == pytest.approx(1 - 0.05)
+    second = exploration.note(touched(rng))
+    assert second.change > first.change
+    third = exploration.note(touched(rng)._replace(features={"place": (0.4, 0.0, 0.0)}))
+    assert exploration.change_of("touch") == pytest.approx(third.change / second.change)
+
+
+def test_failure_changes_no_reward_and_leaves_the_change_of_the_last_success() -> None:
+    rng, exploration = np.random.default_rng(5), catalog()
+    first = exploration.note(touched(rng))
+    place = {"place": (0.9, 0.0, 0.0)}
+    assert exploration.note(ActionOutcome("touch", features=place)).change == 0.0
+    assert exploration.affordances["touch"].change == first.change
+
+
+def test_before_the_first_reward_nothing_changes() -> None:
+    touch = catalog().affordances["touch"]
+    assert touch.note(ActionOutcome("touch"), CatalogConstants()) == 0.0
+    assert (touch.change, touch.distance()) == (None, 0.0)
+
+
+def test_reward_is_as_likely_as_it_was_and_by_what_is_seen_where_that_tells() -> None:
+    exploration, rng = catalog(), np.random.default_rng(1)
+    touch = exploration.affordances["touch"]
+    assert touch.reward_probability() == pytest.approx(1 / 2)
+    exploration.note(ActionOutcome("touch", features={"place": (0.9, 0.0, 0.0)}))
+    assert touch.reward_probability() == pytest.approx(1 / 3)
+    for _ in range(4):
+        exploration.note(touched(rng, 0.01))
+    assert touch.model is not None
+    assert touch.reward_probability() == pytest.approx(5 / 7) == touch.model.reward_probability
+    assert touch.distance() == 0.0, "nothing is seen ahead"
+    near, far = ({"touch": {"place": (x, 0.0, 0.0)}} for x in (0.5, 0.9))
+    exploration.note(ActionOutcome(NOOP, ahead=near))
+    assert touch.reward_probability() > 0.9 and touch.distance() < 1
+    exploration.note(ActionOutcome(NOOP, ahead=far))
+    assert touch.reward_probability() < 0.1 and touch.distance() > 4
+    unseen: dict[str, Mapping[str, tuple[float, ...]]] = {"touch": {"color": (1.0,)}}
+    exploration.note(ActionOutcome(NOOP, ahead=unseen))
+    assert touch.reward_probability() == pytest.approx(5 / 7) and touch.distance() == 0.0
+
+
+def test_in_si_a_deviation_of_one_counts_as_much_as_the_prior() -> None:
+    """Of samples a unit apart, the model of units of 1 has a tenth of the variance of 3 cm."""
+    changes = {}
+    for units, deviation in (("workspace", 0.03), ("si", 1.0)):
+        exploration = CatalogExploration(ACTIONS, CatalogConstants(units=units))
+        exploration.note(ActionOutcome("touch", True, {"place": (0.6, 0.0, 0.0)}))
+        model = exploration.affordances["touch"].model
+        assert model is not None
+        assert model.scale == pytest.approx(np.full(3, deviation))
+        changes[units] = exploration.steps[0].change
+    assert changes["workspace"] > changes["si"] > 0
+
+
+def test_softmax_favours_by_the_ratio_of_exponentials() -> None:
+    exploration = catalog(temperature=0.5, coldest=0.5)
+    exploration.values = {"touch": 0.5, "lift": 0.0, NOOP: -10.0}
+    rng = np.random.default_rng(2)
+    chosen = [exploration.choose(rng) for _ in range(4000)]
+    assert chosen.count("touch") / chosen.count("lift") == pytest.approx(np.e, rel=0.1)
+    assert NOOP not in chosen
+
+
+def test_an_exploration_cools_down_with_each_step_to_a_least_temperature() -> None:
+    exploration = catalog(temperature=0.4, decay=0.5, coldest=0.15)
+    assert exploration.temperature == pytest.approx(0.4)
+    exploration.note(ActionOutcome(NOOP))
+    assert exploration.temperature == pytest.approx(0.2)
+    exploration.note(ActionOutcome(NOOP))
+    assert exploration.temperature == pytest.approx(0.15)
+
+
+def test_a_model_that_habituated_or_is_undefined_promises_nothing() -> None:
+    exploration = models(promise=0.3)
+    assert exploration.values == {NOOP: 0.0, "touch": 0.3, "lift": 0.3}
+    exploration.note(ActionOutcome("lift", ahead={"touch": SEEN["touch"]}))
+    assert exploration.state == "X-"
+    assert exploration.values == {NOOP: 0.0, "touch": 0.3, "lift": 0.0}

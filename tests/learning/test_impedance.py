@@ -67,3 +67,16 @@ def test_a_row_that_is_no_test_says_why(change: dict[str, Any], why: str) -> Non
     rows[3] = {**rows[3], **change}
     with pytest.raises(ValueError, match=f"test 3: {why}"):
         ImpedanceProfile.from_data(rows)
+
+
+def test_features_are_the_impedances_of_each_way_in_order() -> None:
+    features = profile({"dPz": 0.002}).features()
+    assert list(features)[:4] == ["dPx+", "dPx-", "dPy+", "dPy-"]
+    assert features["dPz+"] == pytest.approx(1000.0)
+    assert features["dPz-"] == pytest.approx(1.0)
+    assert features["dRy-"] == pytest.approx(0.05)
+
+
+def test_shares_of_no_load_at_all_are_none() -> None:
+    silent = ImpedanceProfile(tuple(each._replace(load=0.0) for each in profile({}).tests))
+    assert set(silent.normalized().values()) == {0.0}

@@ -8,10 +8,12 @@ import pytest
 from cbdsl.learning.impedance import DIRECTIONS, ImpedanceProfile, ImpedanceTest
 from cbdsl.learning.relation_tree import (
     NamedProfile,
+    features,
     grow_relations,
     name_relation,
     tree_as_data,
 )
+from cbdsl.types.decision_tree import Leaf, splits
 
 STIFF = {
     "plane_on_plane": {"dPz", "dRx", "dRy"},
@@ -64,3 +66,25 @@ def test_a_tree_is_written_as_schemas_write_theirs() -> None:
     data = tree_as_data(grow_relations(known(1)))
     assert isinstance(data, dict) and set(data) == {"if", "then", "else"}
     assert str(data["if"]).startswith("log10 d")
+
+
+def test_a_leaf_has_the_name_that_most_of_its_profiles_have() -> None:
+    rng = np.random.default_rng(5)
+    names = ["spherical", "prismatic", "prismatic"]
+    mixed = [NamedProfile(felt("spherical", rng), name) for name in names]
+    assert grow_relations(mixed) == Leaf("prismatic")
+
+
+def test_an_impedance_of_nothing_is_as_little_as_can_be_told() -> None:
+    tests = (
+        ImpedanceTest("dPx", 1, 0.01, 0.0, False),
+        ImpedanceTest("dPx", -1, -0.01, -1.0, False),
+        ImpedanceTest("dRz", 1, 0.1, 0.01, False),
+    )
+    assert features(ImpedanceProfile(tests)) == pytest.approx({"dPx+": -2, "dPx-": 2, "dRz+": -1})
+
+
+def test_two_profiles_of_each_name_are_enough_for_a_question_and_one_is_not() -> None:
+    two = [each for each in known(6, 2) if each.relation in ("prismatic", "spherical")]
+    assert len(list(splits(grow_relations(two)))) == 1
+    assert isinstance(grow_relations(two[1:3]), Leaf)

@@ -5,11 +5,12 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from cbdsl.documents.meta_catalog import MetaCatalogDocument, PairSection, Relation
 from cbdsl.learning.action_outcome import ActionOutcome, FeatureForm
 from cbdsl.learning.catalog_exploration import CatalogConstants
 from cbdsl.learning.pair_exploration import PairExploration
 from cbdsl.learning.pair_recognition import recognise
-from cbdsl.learning.stack_plan import plan_stack, plan_stacks
+from cbdsl.learning.stack_plan import plan_stack, plan_stacks, support_of
 from cbdsl.numeric.affordance import AffordanceModel
 
 SUPPORT = {
@@ -82,3 +83,51 @@ def test_two_things_look_like_a_known_pair_or_like_none() -> None:
     assert beside.pair is None and beside.distance > 4
     assert recognise({}, np.zeros(3)).pair is None
     assert recognise({n: m.over([2]) for n, m in models.items()}, np.array([0.19])).pair == "high"
+
+
+def test_likeness_ends_where_one_in_a_thousand_of_its_own_would_not_be_like_it() -> None:
+    """Fisher's chi-squared law of squared distances: 10.828 for one component, 16.266 for three."""
+    for size, bound in ((1, 10.828**0.5), (3, 16.266**0.5)):
+        model = AffordanceModel.fresh(np.full(size, 0.03)).updated(np.zeros(size), rewarded=True)
+        away = np.eye(size)[0] * 0.03
+        unit = away / model.distance(away)
+        for share, pair in ((0.999, "pair"), (1.001, None)):
+            likeness = recognise({"pair": model}, share * bound * unit)
+            assert likeness == (pair, pytest.approx(share * bound))
+
+
+def test_a_pair_that_never_stayed_is_not_recognised() -> None:
+    never = AffordanceModel.fresh(np.ones(1)).updated(np.zeros(1), rewarded=False)
+    assert recognise({"never": never}, np.zeros(1)) == (None, np.inf)
+
+
+def test_support_is_by_laplace_s_rule_and_of_what_stood_upon() -> None:
+    def pair(upper: str, tried: int, rewarded: int, relation: Relation = "on") -> PairSection:
+        counts = {"program": "stand", "tried": tried, "rewarded": rewarded}
+        given = {"upper": upper, "lower": "slab", "relation": relation, **counts}
+        return PairSection.model_validate(given)
+
+    pairs = {
+        "a": pair("box", 6, 4), "b": pair("ball", 5, 0), "c": pair("cup", 3, 3, relation="in")
+    }  # fmt: skip
+    catalog = MetaCatalogDocument.model_construct(pairs=pairs)
+    assert support_of(catalog) == {("box", "slab"): 5 / 8, ("ball", "slab"): 0.0}
+
+
+def test_a_stack_that_cannot_be_is_refused_with_all_that_is_known() -> None:
+    with pytest.raises(ValueError, match=r"no stack of 4 is known of ball, box, slab$"):
+        plan_stack(SUPPORT, 4)
+    with pytest.raises(ValueError, match=r"no stack of 2 is known of nothing$"):
+        plan_stack({}, 2)
+
+
+def test_of_equally_sure_stacks_the_first_by_name_is_planned() -> None:
+    plans = plan_stacks({("b", "c"): 0.5, ("a", "c"): 0.5, ("d", "c"): 0.6}, 2)
+    assert [plan.order for plan in plans] == [("c", "d"), ("c", "a"), ("c", "b")]
+
+
+def test_as_many_trials_as_asked_for_are_enough() -> None:
+    """From then on the bandit chooses, which leaves what earned nothing."""
+    exploration = explored({"a_on_b": [True, True], "b_on_a": [False, False]})
+    chosen = [exploration.choose(np.random.default_rng(seed)) for seed in range(20)]
+    assert chosen.count("a_on_b") > 15

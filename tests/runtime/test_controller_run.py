@@ -344,3 +344,30 @@ def test_what_was_lost_is_approached_from_rest_again(
     assert rates[29] > 5 * step
     assert rates[30] == 0.0
     assert rates[0] == rates[31] == pytest.approx(step)
+
+
+def test_what_cannot_be_computed_is_told_with_the_resource_and_the_reason(
+    checked: Checked, dexter: RobotDocument, kinematics: Kinematics, backend: SyntheticBackend
+) -> None:
+    program = checked("visualinspect")
+    (resolve,) = {
+        each
+        for action in program.actions
+        for each in (action.composition.controllers if action.composition else ())
+        if each.name == "resolve"
+    }
+    signals = Signals(dexter, kinematics, resources_of(program))
+    look_at(Ball(TABLE_BALL), signals, backend)
+    run = Started(dexter, resolve, signals).run
+    text = "the localizability of cameras.sat_10 cannot be computed"
+    assert str(run.refuse()).startswith(f"{text}: the lines of sight do not meet")
+    run._potential = replace(run._potential, refuse=None)
+    assert str(run.refuse()) == text
+    for values, what in (
+        (signals.table.values(run.rows.feedback), "the value"),
+        (signals.table.rows(run.rows.feedback), "the Jacobian"),
+    ):
+        kept = values.copy()
+        values[:] = np.nan
+        assert str(run.refuse()).startswith(f"{what} of cameras.sat_10")
+        values[:] = kept

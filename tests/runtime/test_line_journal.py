@@ -1,13 +1,23 @@
-"""Locks of journals: who waits, gets one as soon as it is free, and is told where it is not."""
+"""Journals: what is whole is taken up, what differs or is damaged is told, and one at a time."""
 
 from __future__ import annotations
 
 import threading
 from pathlib import Path
+from typing import Any
 
 import pytest
 
-from cbdsl.runtime.line_journal import JournalError, lock
+from cbdsl.runtime.line_journal import (
+    DamagedJournalError,
+    JournalError,
+    LineJournal,
+    lock,
+    require_same,
+    rows_of,
+)
+
+IDENTITY = {"cbdsl": 1, "seed": 5}
 
 
 def test_a_lock_is_waited_for_as_long_as_asked(tmp_path: Path) -> None:
@@ -20,3 +30,75 @@ def test_a_lock_is_waited_for_as_long_as_asked(tmp_path: Path) -> None:
     threading.Timer(0.3, first.close).start()
     lock(second, path, 60.0)
     second.close()
+
+
+def test_a_journal_goes_on_after_its_last_whole_line(tmp_path: Path) -> None:
+    path = tmp_path / "some.jsonl"
+    with LineJournal(path, IDENTITY) as journal:
+        assert (journal.path, journal.rows) == (path, [])
+        journal.append_row({"name": "Wärme"})
+    with path.open("ab") as file:
+        file.write(b'{"name": "half a li')
+    with LineJournal(path, IDENTITY) as journal:
+        assert journal.rows == [{"name": "Wärme"}]
+        journal.append_row({"name": "b"})
+    assert path.read_text() == '{"cbdsl": 1, "seed": 5}\n{"name": "Wärme"}\n{"name": "b"}\n'
+    assert path.stat().st_mode & 0o777 == 0o644
+
+
+def test_another_undertaking_keeps_its_journal(tmp_path: Path) -> None:
+    path = tmp_path / "some.jsonl"
+    LineJournal(path, IDENTITY).__exit__(None, None, None)
+    before = path.read_bytes()
+    with pytest.raises(JournalError, match="belongs to another gauge: seed was 5, is 6; ask for"):
+        LineJournal(path, {**IDENTITY, "seed": 6}, "gauge")
+    assert path.read_bytes() == before
+    with path.open("rb") as file:
+        lock(file, path, 0.0)  # whoever was refused does not hold it
+
+
+@pytest.mark.parametrize(
+    ("known", "wanted", "said"),
+    [
+        ({"a": 1}, {"a": 1, "b": 2}, "b was nothing, is 2"),
+        ({"a": [1, 2]}, {"a": [1]}, "a was 1, 2, is 1"),
+        ({"a": {"name": "one"}}, {"a": {"name": "two"}}, "a was one, is two"),
+        ({"a": {"name": "one"}}, {"a": None}, "a was one, is nothing"),
+        ({"a": 3}, {"a": {"x": 1}}, "a was 3, is {'x': 1}"),
+        (
+            {"stage": {"name": "table", "sha256": "0"}},
+            {"stage": {"name": "table", "sha256": "1"}},
+            "stage 'table' has changed since",
+        ),
+        ({"a": {"x": 1, "y": 2, "z": 3}}, {"a": {"x": 1, "y": 3}}, "y was 2, is 3; z was 3, is"),
+    ],
+)
+def test_what_differs_is_said(known: dict[str, Any], wanted: dict[str, Any], said: str) -> None:
+    with pytest.raises(JournalError, match=rf"some\.jsonl belongs to another trial: {said}"):
+        require_same(Path("some.jsonl"), known, wanted)
+    require_same(Path("some.jsonl"), known, known)
+
+
+def test_lines_are_read_up_to_the_last_end_of_one() -> None:
+    path = Path("some.jsonl")
+    assert rows_of(b'{"a": 1}\n{"b": 2}\n{"c"', path) == ([{"a": 1}, {"b": 2}], 18)
+    assert rows_of(b'{"a": 1', path) == ([], 0)
+
+
+@pytest.mark.parametrize(
+    ("data", "problem"), [(b"[1]\n", "no JSON object"), (b"{\n", r"no JSON \("), (b"\n", "no JSON")]
+)
+def test_a_line_that_is_none_is_told_with_what_to_do(data: bytes, problem: str) -> None:
+    path = Path("my trial.jsonl")
+    with pytest.raises(
+        DamagedJournalError, match=f"no journal of a trial: of line 1, it is {problem}"
+    ):
+        rows_of(data, path)
+    with pytest.raises(DamagedJournalError, match=f"line 2: it is {problem}") as raised:
+        rows_of(b"{}\n" + data, path)
+    assert str(raised.value).endswith(
+        "with --resume where it has that, after\n  mv 'my trial.jsonl' 'my trial.jsonl.damaged' "
+        "&& head -n 1 'my trial.jsonl.damaged' > 'my trial.jsonl'"
+    )
+    with pytest.raises(DamagedJournalError, match=r"line 7: .* goes on there, after"):
+        rows_of(data, path, 7, "calibration")

@@ -15,7 +15,7 @@ from cbdsl.reporting.page import page
 from cbdsl.reporting.recorded import read_recording
 from cbdsl.runtime.episode import EpisodeResult, Tick, resources_of
 from cbdsl.runtime.explanation import LIMITS, Explanation
-from cbdsl.runtime.recording import Recording
+from cbdsl.runtime.recording import Recording, is_place, members, triple
 from cbdsl.sensing.reading import Reading
 from cbdsl.types.resource import Origin
 from tests.conftest import Checked
@@ -231,3 +231,58 @@ def test_of_a_tick_that_was_interrupted_nothing_is_kept(
     assert len(recorded.arrays["image_time"]) == len(recorded.arrays["image_left"]) <= 3
     assert recorded.summary["result"]["ending"].startswith("Interrupted after 0.1 s in state ")
     assert page(recorded)
+
+
+def test_a_controller_is_written_as_its_typed_triple(checked: Checked) -> None:
+    told = {
+        each.name: triple(each)
+        for name in ("searchtrack", "reachtouch", "visualinspect", "twist")
+        for action in checked(name).actions
+        for each in (action.composition.controllers if action.composition else ())
+    }
+    assert told["search"] == {
+        "potential": "spring", "feedback": "head", "reference": "head.uniform",
+        "effector": "head", "unit": "rad",
+    }  # fmt: skip
+    shown = {name: (row["reference"], row["unit"]) for name, row in told.items()}
+    assert shown["orient"] == ("3.14159, 0, 0", "rad")
+    assert shown["touch"] == ("2 N along normals", "N")
+    assert shown["sink"] == ("here + -0, -0, -0.009", "m")
+    assert shown["resolve"] == ("", "rad")
+
+
+def test_members_are_those_of_all_programs_that_are_used(checked: Checked) -> None:
+    assert members(checked("visualinspect")) == {
+        "visualinspect": ("reachtouch", "localizability", "track"),
+        "reachtouch": ("searchtrack", "reach", "touch"),
+        "searchtrack": ("search", "track"),
+    }
+
+
+def test_places_are_positions_in_the_world(checked: Checked) -> None:
+    places = {each.name for each in resources_of(checked("reachtouch")) if is_place(each)}
+    assert places == {"right_arm.position", "stereo.sat_10"}
+
+
+def test_a_summary_says_of_what_its_numbers_are(
+    recorded: tuple[Played, Recording], dexter: RobotDocument, urdf: Path, tmp_path: Path
+) -> None:
+    played, recording = recorded
+    summary = json.loads(recording.write(tmp_path, played.result).read_text("utf-8"))
+    assert (summary["kind"], summary["version"]) == ("recording", 2)
+    assert summary["controllers"] == ["search", "track"]
+    assert summary["load_cells"] == [
+        f"{hand}.{finger}" for hand, cells in dexter.load_cells.items() for finger in cells
+    ]
+    assert summary["signals"] == {
+        "head": {"type": "configuration[2]", "place": False},
+        "cyclopean.sat_10": {"type": "heading", "place": False},
+    }
+    robot = summary["robot"]
+    assert robot["urdf"] == urdf.read_text("utf-8")
+    assert (robot["name"], robot["folder"]) == ("dexter", str(urdf.parent.resolve()))
+    assert robot["couplings"] == {
+        name: [each.follows, each.ratio] for name, each in dexter.couplings.items()
+    }
+    # In a tick as long as the robot's own, its guard is the robot's own.
+    assert robot["singular_value"] == pytest.approx(dexter.control.singular_value)

@@ -197,3 +197,15 @@ def test_a_reference_is_held_and_given_back(arm) -> None:  # type: ignore[no-unt
     np.testing.assert_allclose(it.run.reference, own)
     it.move(3.0)
     np.testing.assert_allclose(it.tip, own, atol=2e-4)
+
+
+def test_an_onset_looks_at_the_motion_of_the_tip_itself(arm) -> None:  # type: ignore[no-untyped-def]
+    it = arm(HELD)
+    it.force = np.array([0.0, 0.0, 0.8])
+    it.move(0.1)
+    carrier = it.run.needs[-1]
+    assert it.run.needs[:-1] == tuple(row for row in it.run.rows if row >= 0)
+    it.observe()
+    it.signals.refresh(it.signals.select([carrier]))
+    tip = it.signals.tips.point("right_arm").position
+    np.testing.assert_allclose(it.signals.table.values(carrier), tip, atol=1e-12)

@@ -88,3 +88,77 @@ def test_what_is_measured_first_is_taken_for_bias(
 def test_encoders_of_a_hand_are_fine_enough_for_its_zeros(dexter: RobotDocument) -> None:
     """A step turns a cell's bias by less than its noise."""
     assert Encoders(dexter, PERIOD)._steps.max() * 3 * dexter.contact.bias < dexter.contact.noise
+
+
+def at_rest(
+    dexter: RobotDocument, kinematics: Kinematics, posture: np.ndarray, bias: np.ndarray
+) -> np.ndarray:
+    """What the cells measure without contact, N and N m, world frame: weight and bias."""
+    kinematics.update(posture)
+    rows = []
+    for cell in (cell for hand in dexter.load_cells.values() for cell in hand.values()):
+        turn, body = kinematics.frame(cell.link).rotation, kinematics.inertial(cell.link)
+        assert body is not None
+        force = np.array([0.0, 0.0, 9.81 * body.mass])
+        torque = np.cross(turn @ np.array(body.origin.xyz), force)
+        rows.append(np.r_[force + turn @ bias[:3], torque + turn @ bias[3:]])
+    return np.array(rows)
+
+
+def test_weight_and_bias_turn_with_their_cells(
+    dexter: RobotDocument, kinematics: Kinematics
+) -> None:
+    """Known in one posture, they are taken from what is measured in any other."""
+    zeros, rng = zeros_of(dexter, kinematics, threshold=50.0), np.random.default_rng(3)
+    bias = rng.normal(size=6)
+    cells = sum(len(hand) for hand in dexter.load_cells.values())
+    loads, feeling = np.ones((cells, 6)), np.ones(cells, dtype=bool)
+    for number in range(4):
+        posture = rng.uniform(kinematics.lower, kinematics.upper)
+        measured = at_rest(dexter, kinematics, posture, bias)
+        if number:
+            contact = rng.normal(size=(cells, 6))
+            zeros.remove(measured + contact, 0.0, loads, feeling)
+            np.testing.assert_allclose(loads, contact, atol=1e-9)
+        else:
+            zeros.remove(measured, 0.0, loads, feeling)
+            assert not loads.any()
+
+
+def test_a_bias_is_followed_with_its_time_constant(
+    dexter: RobotDocument, kinematics: Kinematics
+) -> None:
+    zeros = zeros_of(dexter, kinematics, threshold=1.0, zero_tracking=2.0)
+    cells = sum(len(hand) for hand in dexter.load_cells.values())
+    loads, feeling = np.zeros((cells, 6)), np.zeros(cells, dtype=bool)
+    wrenches = np.zeros((cells, 6))
+    zeros.remove(wrenches, 3.0, loads, feeling)
+    wrenches[:, 4] = 0.5
+    seen = []
+    for time in (3.1, 3.3, 3.7):
+        zeros.remove(wrenches, time, loads, feeling)
+        seen.append(loads[:, 4].copy())
+    fades = 0.5 * np.exp(-np.array([0.0, 0.1, 0.3]) / 2.0)
+    np.testing.assert_allclose(seen, np.outer(fades, np.ones(cells)))
+    other = zeros_of(dexter, kinematics, threshold=1.0, zero_tracking=2.0)
+    other.resume(zeros)
+    other.remove(wrenches, 0.0, loads, feeling)
+    np.testing.assert_allclose(loads[:, 4], 0.5 * np.exp(-0.7 / 2.0))
+    zeros.reset()
+    zeros.remove(wrenches, 9.0, loads, feeling)
+    assert not loads.any()
+
+
+@pytest.mark.parametrize("axis", range(3))
+@pytest.mark.parametrize(("force", "felt"), [(0.99, False), (-1.01, True)])
+def test_a_force_is_felt_beyond_the_threshold_in_any_direction(
+    dexter: RobotDocument, kinematics: Kinematics, axis: int, force: float, felt: bool
+) -> None:
+    zeros = zeros_of(dexter, kinematics, threshold=1.0)
+    cells = sum(len(hand) for hand in dexter.load_cells.values())
+    loads, feeling = np.zeros((cells, 6)), np.zeros(cells, dtype=bool)
+    wrenches = np.zeros((cells, 6))
+    zeros.remove(wrenches, 0.0, loads, feeling)
+    wrenches[2, axis], wrenches[:, 3:] = force, 5.0
+    assert zeros.remove(wrenches, 0.0, loads, feeling) is felt
+    assert feeling.tolist() == [number == 2 and felt for number in range(cells)]

@@ -7,9 +7,10 @@ from collections.abc import Sequence
 import numpy as np
 import pytest
 
-from cbdsl.documents.robot import RobotDocument
-from cbdsl.sensing.hold import Hold, find_hold, held_jacobian
+from cbdsl.documents.robot import Regions, RobotDocument
+from cbdsl.sensing.hold import Content, Hold, find_hold, held_jacobian
 from cbdsl.sensing.kinematics import Kinematics
+from cbdsl.sensing.memory import PositionMemory
 from cbdsl.sensing.signals import Signals
 from cbdsl.sensing.table import records_of
 
@@ -96,3 +97,54 @@ def test_one_hand_holds_with_all_of_its_fingers_and_several_with_any(
         assert hold.rotation == pytest.approx(signals.tips.frame(HANDS[hand]).rotation)
     else:
         assert hold is None
+
+
+def thing(x: float, radius: float = 0.05, since: float = 1.0) -> PositionMemory:
+    """A thing at some place on a line, m."""
+    made = PositionMemory(Regions())
+    made.position, made.radius, made.since = np.array([x, 0.0, 0.0]), radius, since
+    return made
+
+
+def test_what_is_between_the_fingers_is_taken_and_what_is_on_it() -> None:
+    """The one that reaches deepest is decided on first, others by whether they are a part of it."""
+    content = Content(lambda: np.zeros(3))
+    one, part, beside = thing(0.04), thing(-0.019, 0.005), thing(0.101, 0.07)
+    unseen = thing(0.0)
+    unseen.position = None
+    content.begin([beside, part, unseen, one])
+    assert [content.holds(each) for each in (one, part, beside, unseen)] == [
+        True, True, False, False
+    ]  # fmt: skip
+
+
+@pytest.mark.parametrize(("x", "held"), [(0.079, True), (0.081, False)])
+def test_what_is_remembered_may_be_off_by_3_cm(x: float, held: bool) -> None:
+    content, one = Content(lambda: np.zeros(3)), thing(x)
+    content.begin([one])
+    assert content.holds(one) is held
+    one.position = np.array([0.0 if not held else 9.0, 0.0, 0.0])
+    assert content.holds(one) is held, "it was decided when the hold began"
+
+
+def test_what_is_discovered_anew_is_decided_on_anew() -> None:
+    content, one = Content(lambda: np.zeros(3)), thing(9.0)
+    content.begin([one])
+    one.position, one.since = np.zeros(3), 2.0
+    assert content.holds(one)
+
+
+@pytest.mark.parametrize(("x", "held"), [(0.059, True), (0.061, False)])
+def test_of_what_is_held_a_part_is_within_its_radius_and_1_cm(x: float, held: bool) -> None:
+    content, one, other = Content(lambda: np.zeros(3)), thing(0.0), thing(x, 0.01)
+    content.begin([one, other])
+    assert content.holds(one) and content.holds(other) is held
+    content.begin([])
+    assert content.holds(thing(0.079)), "with nothing held it is what is between the fingers"
+
+
+def test_what_was_held_and_is_forgotten_has_no_parts() -> None:
+    content, one = Content(lambda: np.zeros(3)), thing(0.0)
+    content.begin([one])
+    one.position = None
+    assert not content.holds(one) and not content.holds(thing(0.0))

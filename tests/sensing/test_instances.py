@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from cbdsl.backends.backend import Backend, embody
 from cbdsl.backends.kinematic.backend import KinematicBackend
 from cbdsl.backends.staging.pose import Pose
-from cbdsl.documents.robot import RobotDocument
+from cbdsl.documents.robot import Regions, RobotDocument
 from cbdsl.documents.stage import StageDocument
 from cbdsl.robot.instance_names import instance_names, parse_instance
 from cbdsl.robot.resources import resources
@@ -25,6 +25,7 @@ from cbdsl.sensing.field_of_view import FieldOfView
 from cbdsl.sensing.instances import Instances
 from cbdsl.sensing.kinematics import Kinematics
 from cbdsl.sensing.signals import Signals
+from tests.sensing.test_sighting import sighting
 
 Floats = NDArray[np.float64]
 RED = "hue_1"
@@ -319,3 +320,30 @@ def test_every_name_of_an_instance_names_a_resource(dexter: RobotDocument) -> No
     assert parse_instance("right_arm.position", named) is None
     one_eyed = dexter.model_copy(update={"cameras": {"left": dexter.cameras["left"]}})
     assert instance_names(one_eyed) == ()
+
+
+@pytest.mark.parametrize("side", [1.0, -1.0])
+def test_what_is_cut_off_has_headings_and_no_position(scene: Scene, side: float) -> None:
+    """It goes by the lowest free number in both images, beside one that both see whole."""
+    middle, aside = np.array([0.56, 0.0, -0.36]), np.array([0.7, 0.34 * side, -0.36])
+    scene.show((middle, 0.05), (aside, 0.04))
+    scene.look()
+    assert list(scene.places()) == [0] and scene.places()[0] == near(middle)
+    for sightings in scene.red.sightings:
+        assert sorted(sightings) == [0, 1]
+        assert sightings[0].distance(middle) < 0.005
+        assert sightings[1].distance(aside) < 0.02
+
+
+def test_one_camera_alone_attends_to_the_largest(
+    dexter: RobotDocument, kinematics: Kinematics
+) -> None:
+    """Without positions there is one heading, and nothing to remember."""
+    alone = Instances(Regions(), FieldOfView(dexter, kinematics), 1)
+    large, small = sighting(300), sighting(40)
+    alone.look(0.0, 0.0, [[large, small]])
+    assert alone.sightings == [{0: large}] and alone.memories == ()
+    alone.look(0.1, 0.1, [[small]])
+    assert alone.sightings == [{0: small}]
+    alone.look(0.2, 0.2, [[]])
+    assert alone.sightings == [{}]

@@ -84,3 +84,127 @@ def test_a_still_thing_does_not_creep_from_noise(memory: PositionMemory) -> None
         memory.predict(FRAME, frame * FRAME)
         memory.see(frame * FRAME, WHERE + rng.normal(0, 5e-4, 3), WHOLE)
     assert memory.position == pytest.approx(WHERE, abs=2e-3)
+
+
+def steady(
+    memory: PositionMemory, velocity: np.ndarray, sightings: int, first: float = 0.0
+) -> float:
+    """Sightings of a steady motion without errors; when the last one was, s."""
+    for number in range(sightings):
+        time = first + number * FRAME
+        memory.predict(FRAME, time)
+        memory.see(time, WHERE + velocity * (time - first), WHOLE)
+    return time
+
+
+def test_of_few_sightings_the_line_through_them_is_the_motion(memory: PositionMemory) -> None:
+    """With two of them it goes through both, and nobody is told before there are three."""
+    velocity = np.array([0.04, -0.03, 0.02])
+    steady(memory, velocity, 2)
+    assert memory.velocity is None
+    assert memory.position == pytest.approx(WHERE + velocity * FRAME)
+    memory.reset()
+    assert memory.velocity is None and memory.since == 0.0
+    steady(memory, velocity, 3, first=5.0)
+    assert memory.velocity == pytest.approx([0.04, -0.03, 0.0]), "things move on the level"
+    assert memory.since == 5.0
+    told = memory.velocity
+    assert told is not None
+    told[:] = 9.0
+    assert memory.velocity == pytest.approx([0.04, -0.03, 0.0])
+
+
+def test_after_many_sightings_the_filter_s_own_gains_correct(memory: PositionMemory) -> None:
+    last = steady(memory, np.zeros(3), 40)
+    off = np.array([0.01, 0.0, 0.02])
+    memory.see(last + FRAME, WHERE + off, WHOLE)
+    alpha, beta = Regions().gains
+    assert memory.position == pytest.approx(WHERE + alpha * off)
+    assert memory.velocity == pytest.approx([beta * 0.01 / FRAME, 0.0, 0.0])
+
+
+def test_two_sightings_at_once_are_a_millisecond_apart(memory: PositionMemory) -> None:
+    for _ in range(2):
+        memory.see(1.0, WHERE, WHOLE)
+    memory.see(1.0, WHERE + np.array([1e-6, 0.0, 0.0]), WHOLE)
+    assert memory.velocity == pytest.approx([0.5e-3, 0.0, 0.0])
+
+
+@pytest.mark.parametrize(("speed", "moves"), [(0.0079, False), (0.0081, True)])
+def test_what_moves_faster_than_noise_is_carried_on_for_a_while(
+    memory: PositionMemory, speed: float, moves: bool
+) -> None:
+    velocity = np.array([speed * 0.6, -speed * 0.8, 0.0])
+    last = steady(memory, velocity, 2)
+    assert memory.position is not None
+    before = memory.position.copy()
+    memory.predict(FRAME, last + 2.99)
+    assert memory.position == pytest.approx(before + velocity * FRAME * moves)
+    assert not memory.is_lost(last + 2.99)
+    assert memory.is_lost(last + 3.01) is moves
+    moved = memory.position.copy()
+    memory.predict(FRAME, last + 3.01)
+    assert memory.position == pytest.approx(moved)
+    memory.rest()
+    assert not memory.is_lost(last + 9.0)
+
+
+def test_what_is_forgotten_is_not_carried_on(memory: PositionMemory) -> None:
+    last = steady(memory, np.array([0.1, 0.0, 0.0]), 3)
+    memory.miss(last + 0.49, explained=False)
+    assert memory.position is not None and memory.velocity is not None
+    memory.miss(last + 0.51, explained=False)
+    memory.predict(FRAME, last + 0.6)
+    memory.carry(np.ones(3))
+    assert memory.position is None and memory.velocity is None
+    memory.see(last + 1.0, WHERE, WHOLE)
+    assert memory.since == last + 1.0
+    memory.predict(FRAME, last + 1.0 + FRAME)
+    assert memory.position == pytest.approx(WHERE), "it begins at rest"
+
+
+def test_displacements_count_from_the_tick_of_the_image_on(memory: PositionMemory) -> None:
+    memory.see(0.0, WHERE, WHOLE)
+    for number in range(1, 5):
+        memory.predict(0.1, 0.1 * number)
+        memory.carry(np.array([10.0**-number, 0.0, 0.0]))
+    assert memory.position == pytest.approx(WHERE + np.array([0.1111, 0.0, 0.0]))
+    assert memory.moved_since(0.2) == pytest.approx([0.0111, 0.0, 0.0])
+    assert memory.moved_since(0.3) == pytest.approx([0.0011, 0.0, 0.0])
+    assert memory.moved_since(0.41) == pytest.approx(np.zeros(3))
+    assert memory.moved_since(0.0) == pytest.approx(np.zeros(3)), "older ones are gone by then"
+
+
+def test_a_prediction_begins_with_its_tick(memory: PositionMemory) -> None:
+    last = steady(memory, np.array([0.15, 0.0, 0.0]), 3)
+    memory.predict(FRAME, last + FRAME)
+    step = memory.moved_since(last - FRAME / 2)
+    assert step == pytest.approx([0.15 * FRAME, 0.0, 0.0])
+    assert memory.moved_since(last + FRAME / 2) == pytest.approx(np.zeros(3))
+
+
+def test_displacements_are_kept_for_longer_than_any_image_is_late(memory: PositionMemory) -> None:
+    memory.see(0.0, WHERE, WHOLE)
+    for number in range(1, 25):
+        memory.predict(0.1, 0.1 * number)
+        memory.carry(np.array([1.0, 0.0, 0.0]))
+    assert memory.moved_since(0.0) == pytest.approx([16.0, 0.0, 0.0])
+
+
+def test_sizes_are_the_largest_of_each_camera(memory: PositionMemory) -> None:
+    memory.see(0.0, WHERE, (0.020, 0.010))
+    assert memory.see(FRAME, WHERE, (0.0197, 0.012))
+    assert memory.radius == pytest.approx(np.sqrt((0.020 + 0.012) / 2 / np.pi))
+    assert not memory.see(FRAME, WHERE, (0.0195, 0.012)), "less than 0.98 of the largest"
+    assert memory.see(FRAME, WHERE, (0.030, 0.0118))
+    assert memory.radius == pytest.approx(np.sqrt((0.030 + 0.012) / 2 / np.pi))
+    memory.reset()
+    assert memory.radius == 0.0
+    assert memory.see(0.0, WHERE, HALF)
+
+
+def test_disbelief_changes_nothing(memory: PositionMemory) -> None:
+    last = steady(memory, np.zeros(3), 3)
+    assert not memory.see(last + 0.4, WHERE + 0.2, HALF)
+    memory.miss(last + 0.51, explained=False)
+    assert memory.position is None, "it was accounted for when it was last believed"

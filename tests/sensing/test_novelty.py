@@ -29,8 +29,19 @@ def observe(
     signals: Signals, head: tuple[float, ...], regions: list[Region] | None, time: float
 ) -> None:
     """A tick with the same regions in both images, or without images."""
-    positions, both = posture(signals, head), ("left", "right")
-    seen = {} if regions is None else {name: {"hue_7": tuple(regions)} for name in both}
+    observe_both(signals, head, regions, regions, time)
+
+
+def observe_both(
+    signals: Signals,
+    head: tuple[float, ...],
+    left: list[Region] | None,
+    right: list[Region] | None,
+    time: float,
+) -> None:
+    """A tick with regions in each image, or without that image."""
+    positions, both = posture(signals, head), {"left": left, "right": right}
+    seen = {name: {"hue_7": tuple(own)} for name, own in both.items() if own is not None}
     cells = signals.robot.load_cells.items()
     loads = {(hand, finger): np.zeros(6) for hand, fingers in cells for finger in fingers}
     signals.update(Observation(time, positions, np.zeros_like(positions), loads, {}, seen))
@@ -109,3 +120,17 @@ def test_what_was_novel_a_moment_ago_still_is(signals: Signals, novel: Resource)
     assert signals.read(novel) is not None
     observe(signals, HERE, [], 1.1 * linger)
     assert signals.read(novel) is None
+
+
+def test_both_cameras_look_at_the_same_novel_thing(signals: Signals, novel: Resource) -> None:
+    """Of two, of which each camera sees another one larger, it is that of the first camera."""
+    one, other = (region(column, area=300) for column in (40.0, 280.0))
+    smaller = [each._replace(area=200) for each in (one, other)]
+    observe_both(signals, HERE, [one, smaller[1]], [other, smaller[0]], 0.0)
+    reading = signals.read(novel)
+    assert reading is not None
+    assert reading.value[0] == pytest.approx(np.arctan2(120.0, 418.5), abs=1e-9)
+    observe_both(signals, HERE, [region()], [other, smaller[0]], 1.0)
+    reading = signals.read(novel)
+    assert reading is not None
+    assert reading.value[0] == pytest.approx(-np.arctan2(120.0, 418.5), abs=1e-9)

@@ -24,3 +24,17 @@ def test_before_all_that_is_known_it_is_the_oldest() -> None:
     history.reset()
     history.note(0.0, np.array([8.0]))
     assert history.at(0.0)[0] == 8
+
+
+def test_postures_are_kept_for_longer_than_any_image_is_late() -> None:
+    history = PostureHistory()
+    for tick in range(40):
+        history.note(0.1 * tick, np.array([float(tick)]))
+    assert history.at(0.0) == 24.0, "1.5 s before the last, at 3.9 s"
+    assert history.at(3.0) == 30.0
+    assert history.at(2.95) == 30.0, "older ones are gone once a newer one was asked for"
+    assert history.at(3.35) == 33.0
+    assert history.at(99.0) == history.at(0.0) == 39.0
+    history.reset()
+    history.note(5.0, np.array([7.0]))
+    assert history.at(9.0) == 7.0

@@ -259,3 +259,20 @@ def test_links_have_rows_of_their_own_and_of_their_middle(
     jacobians = [signals.table.rows(row) for row in rows]
     assert np.abs(jacobians[0]).max() > 0.1
     np.testing.assert_allclose(signals.table.rows(middle), np.mean(jacobians, axis=0), atol=1e-12)
+    pair = bind(cells[1:])
+    signals.refresh(signals.select([pair]))
+    np.testing.assert_allclose(signals.table.values(pair), np.mean(places[1:], axis=0), atol=1e-12)
+
+
+def test_each_observation_is_a_tick_of_its_own(
+    dexter: RobotDocument, kinematics: Kinematics, posture: np.ndarray
+) -> None:
+    """What was refreshed for one tick is refreshed again in the next."""
+    signals = Signals(dexter, kinematics, ())
+    tip = signals.bind(resources(dexter)["right_arm.position"])
+    selection = signals.select([tip])
+    for share in (1.0, 0.5, 0.0):
+        signals.update(observe(dexter, share * posture))
+        signals.refresh(selection)
+        place = signals.tips.point("right_arm").position
+        np.testing.assert_allclose(signals.table.values(tip), place, atol=1e-12)

@@ -82,6 +82,7 @@ def test_what_has_no_outline_has_no_height_but_keeps_the_one_it_had() -> None:
     sampler = SurfaceSampler(surface, rng)
     nothing = [each._replace(extent=Extent((), ((160.5, 120.5),)))
                for each in views(0.0, 1.0, edge(0.75, 0, 0))]  # fmt: skip
+    assert surface.points.shape == (0, 3)
     surface.see(*nothing)
     assert surface.height is None and sampler.draw() is None
     surface.see(*views(0.0, 1.0, edge(0.75, 0, 0.2)))
@@ -109,6 +110,14 @@ def test_a_whole_or_a_small_region_has_no_extent() -> None:
     mask[10:200, 10:200] = 255
     mask[:30, 300:] = 255
     assert [each.extent for each in connected_regions(mask, 12)] == [None, None]
+
+
+@pytest.mark.parametrize(("columns", "fills"), [(21, True), (19, False)])
+def test_a_sixteenth_of_the_image_fills_a_good_part_of_it(columns: int, fills: bool) -> None:
+    mask = np.zeros((240, 320), np.uint8)
+    mask[:, :columns] = 255
+    (region,) = connected_regions(mask, 12)
+    assert (region.extent is not None) is fills
 
 
 @pytest.mark.parametrize("cameras", ["rendered", "ideal"])

@@ -168,3 +168,12 @@ def test_without_a_tip_torques_are_about_the_middle_of_the_cells(touch_of: Make)
     assert wrench is not None
     torques = np.cross(places - places.mean(axis=0), forces[first:last, :3])
     np.testing.assert_allclose(wrench.value[3:], torques.sum(axis=0), atol=1e-12)
+
+
+def test_after_a_reset_nothing_is_felt(touch_of: Make) -> None:
+    touch = touch_of("dexter")
+    feel(touch, 0, 3)
+    assert touch.touching_anything() and touch.loads.any() and touch.feeling.any()
+    touch.reset()
+    assert not touch.touching_anything()
+    assert not touch.loads.any() and not touch.feeling.any()

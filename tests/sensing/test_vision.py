@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.robot.resources import resources
-from cbdsl.sensing.channels import ChannelFilter
+from cbdsl.sensing.channels import ChannelFilter, Moments, Region
 from cbdsl.sensing.kinematics import Kinematics
 from cbdsl.sensing.signals import Signals
 from tests.runtime.conftest import made_stage
@@ -234,3 +234,26 @@ def test_what_ideal_cameras_see_counts_as_images_do(
     signals.update(replace(observation, images={}, regions=tiny))
     assert [region(signals, name) for name in dexter.cameras] == [None, None]
     assert signals.vision.images == 1
+
+
+def test_each_heading_is_kept_for_as_long_as_it_outlives_its_own_region(
+    backend: SyntheticBackend, signals: Signals, dexter: RobotDocument
+) -> None:
+    """Red is seen at 0 s, green at 0.2 s, too; each is gone after a quarter of a second."""
+    observation, moments = backend.observe(), Moments(4.0, 0.0, 4.0)
+    red, green = (Region(60, column, 100.0, False, moments) for column in (60.0, 260.0))
+    assert dexter.vision.regions.linger == 0.25
+    kept = []
+    for time, seen in (
+        (0.0, {"hue_1": (red,), "hue_4": (green,)}),
+        (0.2, {"hue_4": (green,)}),
+        (0.24, {}),
+        (0.3, {}),
+        (0.44, {}),
+        (0.5, {}),
+    ):
+        signals.update(replace(observation, time=time, images={}, regions={"left": seen}))
+        channels = ("hue_1", "hue_4")
+        kept.append([signals.vision.heading("left", each) is not None for each in channels])
+    both, one, none = [True, True], [False, True], [False, False]
+    assert kept == [both, both, both, one, one, none]

@@ -266,3 +266,18 @@ def test_what_both_cameras_see_has_the_mean_heading(
     seen = signals.read(named[f"cyclopean.{CHANNEL}"])
     expected = left if alone == "left" else right
     assert seen is not None and seen.value == pytest.approx(expected.value)
+
+
+def test_cameras_are_placed_in_the_first_one_s_frame(
+    dexter: RobotDocument, signals: Signals
+) -> None:
+    """The one to the right is beside it, wherever the head looks."""
+    positions = facing(dexter, signals)
+    positions[:2] = 0.4, -0.3
+    feel(dexter, signals, positions, 0.0)
+    first, second = signals.sight.cameras()
+    np.testing.assert_allclose(first.position, 0.0, atol=1e-12)
+    np.testing.assert_allclose(first.rotation, np.eye(3), atol=1e-12)
+    left, right = (signals.kinematics.frame(each.link) for each in dexter.cameras.values())
+    np.testing.assert_allclose(left.rotation @ second.position + left.position, right.position)
+    np.testing.assert_allclose(left.rotation @ second.rotation, right.rotation, atol=1e-12)
