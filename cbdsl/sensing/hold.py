@@ -87,15 +87,16 @@ class Content:
         return is_held
 
     def _is_between(self, position: Floats, radius: float) -> bool:
-        held = [memory for memory, (_, is_held) in self._decided.items() if is_held]
+        # What was decided of a thing before it was lost says nothing of where it is seen again.
+        held = [
+            (memory.position, memory.radius)
+            for memory, (since, is_held) in self._decided.items()
+            if is_held and since == memory.since and memory.position is not None
+        ]
         if not held:
             return math.dist(self._middle(), position) <= radius + _OFF
         # Two channels may show one thing, or one of them a part of it.
-        return any(
-            memory.position is not None
-            and math.dist(memory.position, position) <= memory.radius + _PART
-            for memory in held
-        )
+        return any(math.dist(place, position) <= size + _PART for place, size in held)
 
 
 def held_jacobian(tips: Sequence[Point], position: Floats) -> Floats:

@@ -143,8 +143,18 @@ def test_of_what_is_held_a_part_is_within_its_radius_and_1_cm(x: float, held: bo
     assert content.holds(thing(0.079)), "with nothing held it is what is between the fingers"
 
 
-def test_what_was_held_and_is_forgotten_has_no_parts() -> None:
+def test_what_was_held_and_is_forgotten_says_nothing_of_what_is_seen_next() -> None:
     content, one = Content(lambda: np.zeros(3)), thing(0.0)
     content.begin([one])
     one.position = None
-    assert not content.holds(one) and not content.holds(thing(0.0))
+    assert not content.holds(one)
+    assert content.holds(thing(0.05)), "it is between the fingers"
+    assert not content.holds(thing(0.2))
+
+
+def test_what_is_seen_elsewhere_after_it_was_lost_from_a_hand_is_not_held() -> None:
+    content, one = Content(lambda: np.zeros(3)), thing(0.0)
+    content.begin([one])
+    assert content.holds(one)
+    one.position, one.since = np.array([0.3, 0.0, 0.0]), 2.0
+    assert not content.holds(one)
