@@ -19,7 +19,7 @@ _STILL = np.zeros(3)
 _KEPT = 1.5
 _SLACK = 1e-6
 # How much more of its size a thing may seem to lose in one camera than in the others from an image
-# to the next: what turns or is worn away shows that to all, what is half hidden to one.
+# to the next: what turns or goes away looks smaller to both, what is half hidden to one.
 _ALIKE = 0.9
 
 
