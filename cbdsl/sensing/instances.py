@@ -153,14 +153,22 @@ class Instances:
         sighting = self._located(number) if believed else None
         if sighting is not None and (memory.position is not None or self._is_whole(number)):
             position, _, sizes = sighting
-            # A shoulder or another thing that comes in between hides it from one camera.
-            shrinks = memory.looks_smaller(sizes) and memory.shrinks_alike(sizes)
-            if shrinks and not self._field.is_hidden_by_hand(position):
+            if self._shrinks(memory, position, sizes):
                 memory.forget_size()
             if memory.see(time, position + memory.moved_since(self._exposed), sizes):
                 return
         if memory.position is not None:
             memory.miss(time, explained=self._explains(time, number))
+
+    def _shrinks(self, memory: PositionMemory, position: Floats, sizes: Sequence[float]) -> bool:
+        """Whether a thing looks smaller than before, and nothing hides a part of it."""
+        if not memory.looks_smaller(sizes) or self._field.is_hidden_by_hand(position):
+            return False
+        # A shoulder or another thing that comes in between hides it from one camera. What is
+        # elsewhere has moved, and may have turned.
+        place = memory.position
+        moved = place is None or math.dist(place, position) > memory.radius + _BESIDE
+        return moved or memory.shrinks_alike(sizes)
 
     def _is_whole(self, number: int) -> bool:
         """Whether what is seen for the first time is one thing."""
