@@ -198,7 +198,12 @@ def cluster(threads: int) -> Iterator[Any]:
     """A cluster within this process, with one worker of so many threads or none."""
     workers = 1 if threads else 0
     with distributed.LocalCluster(
-        n_workers=workers, threads_per_worker=threads, processes=False, dashboard_address=None
+        n_workers=workers,
+        threads_per_worker=threads,
+        processes=False,
+        dashboard_address=None,
+        # Any free port: another test's cluster may have the usual one, which Dask would warn of.
+        scheduler_kwargs={"dashboard_address": "127.0.0.1:0"},
     ) as found:
         yield found
 
