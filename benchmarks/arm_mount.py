@@ -6,7 +6,6 @@ import math
 import runpy
 from dataclasses import astuple, dataclass, fields
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -67,18 +66,9 @@ class ArmMount:
 
     def urdf(self) -> str:
         """Dexter's model with its arms mounted so."""
-        script = runpy.run_path(str(SCRIPT))
         roll, pitch, yaw = angles_of(self.axes)
-        add_arm, scope = script["add_arm"], script["add_arm"].__globals__
-
-        def mounted(body: Any, side: str) -> None:
-            sign = scope["SIDES"][side]
-            scope["SHOULDER"] = (self.forward, self.half, self.up)
-            scope["HANGING"] = (-sign * roll, pitch, -sign * yaw)
-            add_arm(body, side)
-
-        scope["add_arm"] = mounted
-        text: str = scope["dexter"]()
+        made = runpy.run_path(str(SCRIPT))["dexter"]
+        text: str = made((self.forward, self.half, self.up), (-roll, pitch, -yaw))
         return text
 
 

@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-import json
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict
 from itertools import product
 from typing import NamedTuple
@@ -50,7 +49,7 @@ class MountTrial(NamedTuple):
 
     number: int
     jacobian: str
-    mount: dict[str, float]
+    mount: Mapping[str, float]
     apart: Sequence[float] = ()
     aims: Sequence[float] = ()
     possible: Sequence[bool] = ()
@@ -154,13 +153,3 @@ def _nearness(apart: float, aim: float, possible: bool, seen: bool) -> float:
     near = min(1.0, max(0.0, (_FAR - apart) / (_FAR - TOGETHER)))
     aimed = min(1.0, max(0.0, (_WIDE - aim) / (_WIDE - _IN_HAND)))
     return (1.0 if possible else 0.5) * (0.8 * near + aimed + 0.2 * seen)
-
-
-def row_of(trial: MountTrial) -> str:
-    """A trial as a line of JSON."""
-    return json.dumps(trial._asdict())
-
-
-def trial_of(row: str) -> MountTrial:
-    """A trial from a line of JSON."""
-    return MountTrial(**json.loads(row))

@@ -17,7 +17,8 @@ from cbdsl.control.level import Level
 from cbdsl.control.localizability import seen_by
 from cbdsl.control.manipulability import of_jacobian
 from cbdsl.documents.robot import RobotDocument
-from cbdsl.sensing.kinematics import Frame, Kinematics
+from cbdsl.sensing.camera import heading, within_view
+from cbdsl.sensing.kinematics import Kinematics
 
 SIDES = "left", "right"
 #: The Jacobians that a manipulability of both arms may be of.
@@ -40,7 +41,6 @@ _DOWN = np.array((0.0, 0.0, -1.0))
 # Radii of the arms' links and of the hands, m.
 _UPPER, _FORE, _HAND = 0.06, 0.05, 0.06
 _NECK, _EYES = (0.24, 0.0, 0.50), (0.04, 0.06)
-_IMAGE = 160 / 418.5, 120 / 418.5
 
 
 class Reach(NamedTuple):
@@ -117,7 +117,7 @@ class MountedArms:
         self.mount, joints = mount, self.kinematics.joints
         self.own = {side: joints.of(f"{side}_arm") for side in SIDES}
         self._both = np.concatenate([self.own[side] for side in SIDES])
-        self._head = joints.of("head")
+        self._head, self._cameras = joints.of("head"), robot.cameras
         self.tips = {}
         for side in SIDES:
             tip = robot.effectors[f"{side}_arm"].tip
@@ -189,11 +189,12 @@ class MountedArms:
         lower, upper = self.kinematics.lower[self._head], self.kinematics.upper[self._head]
         self.posture[self._head] = np.minimum(np.maximum((pan, tilt), lower), upper)
         self.kinematics.update(self.posture)
-        cameras = self.kinematics.placed(("left_camera", "right_camera"))
-        found = (_heading(camera, place) for camera in cameras)
-        headings = [heading for heading in found if heading is not None]
-        if len(headings) < len(cameras):
+        cameras = self.kinematics.placed(tuple(each.link for each in self._cameras.values()))
+        lines = [camera.rotation.T @ (place - camera.position) for camera in cameras]
+        lenses = self._cameras.values()
+        if not all(within_view(*each, 0.0) for each in zip(lenses, lines, strict=True)):
             return False, math.nan
+        headings = [heading(line) for line in lines]
         phi = seen_by(cameras).evaluate(np.concatenate(headings), np.zeros(0), 4)[0]
         bones = self._bones(frozenset(held))
         clear = all(_clears(camera.position, place, bone) for camera in cameras for bone in bones)
@@ -397,14 +398,6 @@ def _across(vector: Floats, line: Floats) -> Floats:
     """The unit vector of what of a vector is at right angles to a line."""
     rest = vector - (vector @ line) * line
     return rest / max(float(np.linalg.norm(rest)), 1e-9)
-
-
-def _heading(camera: Frame, place: Floats) -> Floats | None:
-    """Azimuth and elevation of a place that is in a camera's image, rad."""
-    ahead, left, up = (camera.rotation.T @ (place - camera.position)).tolist()
-    if ahead <= 0.0 or abs(left) > _IMAGE[0] * ahead or abs(up) > _IMAGE[1] * ahead:
-        return None
-    return np.array((math.atan2(left, ahead), math.atan2(up, math.hypot(ahead, left))))
 
 
 def _clears(eye: Floats, place: Floats, bone: tuple[Floats, Floats, float]) -> bool:

@@ -5,6 +5,8 @@ subject to TOUCH(right hand), with TOUCH(left hand). A reward counts where the e
 on the thing at the end. Mounts are rows of ``search_mounts.py``; row 0 is today's.
 
     python benchmarks/mounted_touch.py build/mounts.jsonl --number 0 --episodes 10 --seed 100
+
+A file that ends in .json has one mount with the postures of both arms, as ``opposed_arms.json``.
 """
 
 from __future__ import annotations
@@ -14,7 +16,7 @@ import json
 import math
 import re
 import shutil
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any, NamedTuple
@@ -35,6 +37,9 @@ from cbdsl.yaml_text.library import Library
 PROGRAM = "bimanualtouch_printed"
 _TIPS = "left_palm", "right_palm"
 _HANDS = {"left_hand", "right_hand"}
+
+#: Postures by arm and name, rad.
+Postures = Mapping[str, Mapping[str, Sequence[float]]]
 
 
 class Episode(NamedTuple):
@@ -61,13 +66,19 @@ class Episode(NamedTuple):
     ending: str
 
 
-def write_robot(mount: ArmMount, folder: Path, turns: Sequence[float] = (0.0, 0.0)) -> None:
+def write_robot(
+    mount: ArmMount,
+    folder: Path,
+    turns: Sequence[float] = (0.0, 0.0),
+    postures: Postures | None = None,
+) -> None:
     """Write Dexter with its arms mounted so, and the documents that run on it.
 
     Args:
         mount: of the arms.
         folder: that is written to.
         turns: by which the left and the right hand rest turned about their palms' normals, rad.
+        postures: of the arms, instead of those that are found for the mount.
     """
     for part in ("robots", "programs", "knowledge"):
         shutil.copytree(ROOT / part, folder / part)
@@ -76,15 +87,27 @@ def write_robot(mount: ArmMount, folder: Path, turns: Sequence[float] = (0.0, 0.
         return
     library = Library(folder)
     robot_file = library.locate(RobotDocument, "dexter")
-    arms = MountedArms(library.read(robot_file, RobotDocument).document, mount)
+    if postures is None:
+        postures = _postures_of(library.read(robot_file, RobotDocument).document, mount, turns)
     text = robot_file.read_text(encoding="utf-8")
+    for arm, named in postures.items():
+        for name, posture in named.items():
+            text = with_posture(text, arm, name, posture)
+    robot_file.write_text(text, encoding="utf-8")
+    (folder / "robots" / "dexter.urdf").write_text(mount.urdf(), encoding="utf-8")
+
+
+def _postures_of(robot: RobotDocument, mount: ArmMount, turns: Sequence[float]) -> Postures:
+    """The postures that ``MountedArms`` finds for a mount."""
+    arms = MountedArms(robot, mount)
+    postures: dict[str, dict[str, Sequence[float]]] = {}
     for side, turn in zip(("left", "right"), turns, strict=True):
+        own = postures[f"{side}_arm"] = {}
         for name, right in (("home", arms.rests), ("ready", arms.ready)):
             posture = right.copy() if side == "right" else mirrored(right, arms.limits)
             posture[-1] += turn
-            text = with_posture(text, f"{side}_arm", name, posture.tolist())
-    robot_file.write_text(text, encoding="utf-8")
-    (folder / "robots" / "dexter.urdf").write_text(mount.urdf(), encoding="utf-8")
+            own[name] = posture.tolist()
+    return postures
 
 
 def with_posture(text: str, arm: str, name: str, posture: Sequence[float]) -> str:
@@ -103,10 +126,11 @@ def run_episodes(
     cameras: str,
     seeds: Iterable[int],
     turns: Sequence[float] = (0.0, 0.0),
+    postures: Postures | None = None,
 ) -> list[Episode]:
     """Run the program on successive seeds; see ``write_robot``."""
     with TemporaryDirectory() as folder:
-        write_robot(mount, Path(folder), turns)
+        write_robot(mount, Path(folder), turns, postures)
         library = Library(Path(folder))
         program = check_program(str(Path(folder) / "programs" / f"{PROGRAM}.yaml"), {}, library)
         file = library.locate(RobotDocument, "dexter")
@@ -165,10 +189,24 @@ def summarise(episodes: Sequence[Episode]) -> dict[str, Any]:
     }
 
 
+def read_mount(file: Path, number: int) -> tuple[ArmMount, Postures | None]:
+    """A mount, and its postures if they are given with it.
+
+    Args:
+        file: rows of ``search_mounts.py``, or a JSON file of one mount.
+        number: of the row.
+    """
+    if file.suffix == ".json":
+        given = json.loads(file.read_text(encoding="utf-8"))
+        return ArmMount(**given["mount"]), given["postures"]
+    row = next(trial for trial in read(file) if trial.number == number)
+    return ArmMount(**row.mount), None
+
+
 def main() -> None:
     """Run the episodes."""
     parser = argparse.ArgumentParser(description=(__doc__ or "").splitlines()[0])
-    parser.add_argument("file", type=Path, help="rows of search_mounts.py")
+    parser.add_argument("file", type=Path, help="rows of search_mounts.py, or one mount")
     parser.add_argument("--number", type=int, default=0, help="of the mount's row")
     parser.add_argument("--backend", default="kinematic")
     parser.add_argument("--cameras", choices=("rendered", "ideal"), default="ideal")
@@ -180,10 +218,10 @@ def main() -> None:
     )  # fmt: skip
     parser.add_argument("--json", action="store_true")
     options = parser.parse_args()
-    trial = next(row for row in read(options.file) if row.number == options.number)
+    mount, postures = read_mount(options.file, options.number)
     seeds = range(options.seed, options.seed + options.episodes)
-    mount, turns = ArmMount(**trial.mount), [math.radians(turn) for turn in options.turns]
-    row = summarise(run_episodes(mount, options.backend, options.cameras, seeds, turns))
+    turns = [math.radians(turn) for turn in options.turns]
+    row = summarise(run_episodes(mount, options.backend, options.cameras, seeds, turns, postures))
     row = {"number": options.number, "backend": options.backend, **row}
     print(json.dumps(row) if options.json else "  ".join(f"{k} {v}" for k, v in row.items()))
 

@@ -14,6 +14,7 @@ that are drawn with the seed, and both hands reach for as many on either half of
 from __future__ import annotations
 
 import argparse
+import json
 import math
 from collections.abc import Iterator, Sequence
 from dataclasses import astuple
@@ -22,10 +23,11 @@ from time import perf_counter
 
 import numpy as np
 from arm_mount import TODAY, ArmMount, near, spread_over
-from mount_trial import MountTrial, anywhere, judge, row_of, trial_of
+from mount_trial import MountTrial, anywhere, judge
 from mounted_arms import JACOBIANS
 
 from cbdsl.documents.robot import RobotDocument
+from cbdsl.reproduction.trial_record import plain_data, read_record
 from cbdsl.yaml_text.library import Library, shipped
 
 # How many of the best are parents, and how wide their children stray, of the bounds.
@@ -56,7 +58,7 @@ def search(
             mount = _draw(number, done, spread, trials, seed)
             trial = judge(number, mount, jacobian, robot)
             done.append(trial)
-            print(row_of(trial), file=rows, flush=True)
+            print(json.dumps(plain_data(trial)), file=rows, flush=True)
     return done
 
 
@@ -81,7 +83,8 @@ def judge_again(
 
 def read(file: Path) -> list[MountTrial]:
     """The rows of a file."""
-    return [trial_of(line) for line in file.read_text(encoding="utf-8").splitlines()]
+    rows = file.read_text(encoding="utf-8").splitlines()
+    return [read_record(MountTrial, json.loads(row)) for row in rows]
 
 
 def best_of(done: Sequence[MountTrial], count: int) -> list[MountTrial]:

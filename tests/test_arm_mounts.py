@@ -181,6 +181,21 @@ def test_a_posture_of_one_arm_is_rewritten(modules: Any) -> None:
     assert differing[0][1] == "      ready: [" + ", ".join(["0.5000"] * 7) + "]"
 
 
+def test_opposed_arms_come_to_rest_with_palms_opposite_each_other(
+    modules: Any, dexter: RobotDocument
+) -> None:
+    file = ROOT / "benchmarks" / "opposed_arms.json"
+    mount, postures = modules("mounted_touch").read_mount(file, 0)
+    # The mount's own posture is not looked for: the file has it.
+    arms = modules("mounted_arms").MountedArms(dexter, mount)
+    for side in ("left", "right"):
+        arms.posture[arms.own[side]] = postures[f"{side}_arm"]["home"]
+    assert 0.15 < arms.bring_together("position").apart < 0.25
+    arms.kinematics.update(arms.posture)
+    normals = [arms.kinematics.frame(f"{side}_palm").rotation[:, 2] for side in ("left", "right")]
+    assert np.degrees(np.arccos(normals[0] @ normals[1])) > 120
+
+
 def test_a_mount_near_another_is_within_the_bounds(modules: Any) -> None:
     mounts = modules("arm_mount")
     rng = np.random.default_rng(3)
