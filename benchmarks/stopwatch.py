@@ -20,13 +20,14 @@ class Stopwatch:
 
     Args:
         stages: classes and names of methods, by stage.
+        clock: that tells the time, s.
 
     Attributes:
         seconds: by stage; clear it to begin anew.
     """
 
-    def __init__(self, stages: Stages) -> None:
-        self._stages = stages
+    def __init__(self, stages: Stages, clock: Callable[[], float] = perf_counter) -> None:
+        self._stages, self._clock = stages, clock
         self._originals: list[tuple[Method, Callable[..., Any]]] = []
         self._inner = 0.0
         self.seconds: dict[str, float] = defaultdict(float)
@@ -47,11 +48,11 @@ class Stopwatch:
     def _timed(self, method: Callable[..., Any], stage: str) -> Callable[..., Any]:
         def timed(*args: Any, **kwargs: Any) -> Any:
             outer, self._inner = self._inner, 0.0
-            start = perf_counter()
+            start = self._clock()
             try:
                 return method(*args, **kwargs)
             finally:
-                elapsed = perf_counter() - start
+                elapsed = self._clock() - start
                 self.seconds[stage] += elapsed - self._inner
                 self._inner = outer + elapsed
 

@@ -230,9 +230,18 @@ class Body:
         return '<?xml version="1.0"?>\n' + ET.tostring(self.root, encoding="unicode") + "\n"
 
 
-def add_arm(body: Body, side: str) -> None:
-    """Seven joints from the torso to the palm."""
-    parent, at, turned = "torso", (SHOULDER[0], SIDES[side] * SHOULDER[1], SHOULDER[2]), HANGING
+def add_arm(body: Body, side: str, shoulder: Triple, axes: Triple) -> None:
+    """Seven joints from the torso to the palm.
+
+    Args:
+        body: that it is added to.
+        side: left or right, which is the mirror image.
+        shoulder: position of the left arm's joint 1, m.
+        axes: its roll, pitch and yaw, rad.
+    """
+    sign, (roll, pitch, yaw) = SIDES[side], axes
+    parent, at = "torso", (shoulder[0], sign * shoulder[1], shoulder[2])
+    turned = sign * roll + 0.0, pitch, sign * yaw + 0.0  # no -0 in the file
     for index, segment in enumerate(ARM, 1):
         link = f"{side}_link_{index}"
         body.link(link, segment.mass, (segment.solid,), least_inertia=1e-3)
@@ -305,13 +314,13 @@ def add_head(body: Body) -> None:
         )
 
 
-def dexter() -> str:
-    """The text of robots/dexter.urdf."""
+def dexter(shoulder: Triple = SHOULDER, axes: Triple = HANGING) -> str:
+    """The text of robots/dexter.urdf, or of a Dexter with other mounts; see ``add_arm``."""
     body = Body("dexter")
     torso = Solid("box", (0.10, 0.20, 0.5), DARK, (-0.12, 0, -0.1))
     body.link("torso", 40.0, (torso,), least_inertia=1e-2)
     for side in SIDES:
-        add_arm(body, side)
+        add_arm(body, side, shoulder, axes)
         add_knuckles(body, side)
         for finger in (1, 2, 3):
             add_finger(body, side, finger)

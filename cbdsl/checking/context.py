@@ -20,6 +20,7 @@ from cbdsl.robot.instance_names import (
     is_meant_as_instance,
     parse_instance,
 )
+from cbdsl.robot.mark_names import MarkName, parse_mark
 from cbdsl.robot.pair_names import PairName, parse_pair
 from cbdsl.types.resource import Resource
 from cbdsl.yaml_text.loaded import Loaded
@@ -121,6 +122,9 @@ class ProgramContext:
         pair = parse_pair(name, self.body.resources)
         if pair is not None:
             return self._pair(name, pair, steps)
+        mark = parse_mark(name, self.body.resources)
+        if mark is not None:
+            return self._mark(name, mark, steps)
         instance = parse_instance(name, self.body.resources)
         if instance is None or not is_meant_as_instance(instance.instance):
             self._missing.report(text, name, steps, scope)
@@ -133,6 +137,15 @@ class ProgramContext:
             self.add("CB566", self.source.place(*steps), name=name)
             return None
         return pair.resource(name)
+
+    def _mark(self, name: str, parsed: MarkName, steps: Steps) -> Resource | None:
+        """The heading to a mark of one hue, if its thing can have such a mark."""
+        robot, place = self.body.document, self.source.place(*steps)
+        resource = parsed.resource(name, robot)
+        if resource is None:
+            details = {"name": parsed.base.name, "hue": parsed.hue}
+            self.add("CB567", place, names=parsed.hues(robot), given=parsed.hue, **details)
+        return resource
 
     def _instance(self, name: str, parsed: InstanceName, steps: Steps) -> Resource | None:
         """The resource of an instance of a channel, if there can be such an instance."""

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from operator import add
+from types import MappingProxyType
 from typing import NamedTuple
 
 import numpy as np
@@ -72,7 +73,12 @@ class Tally(NamedTuple):
         return (self.successes[i] + 1.0) / (self.successes[i] + self.failures[i] + 2.0)
 
 
-def grow_tallies(contexts: Sequence[TriedContext], names: Sequence[str], least: int) -> Tree[Tally]:
+def grow_tallies(
+    contexts: Sequence[TriedContext],
+    names: Sequence[str],
+    least: int,
+    resolutions: Mapping[str, float] = MappingProxyType({}),
+) -> Tree[Tally]:
     """The tree that has similar contexts together, with what was tried in them.
 
     Where the first allocation that was tried is rewarded, nobody knows of the others: they count
@@ -83,6 +89,7 @@ def grow_tallies(contexts: Sequence[TriedContext], names: Sequence[str], least: 
         contexts: in which something was tried.
         names: of all allocations.
         least: fewest contexts of a leaf.
+        resolutions: by feature, differences that are none.
     """
     kept = [each for each in contexts if each.rewarded or each.counts]
     if not kept:
@@ -97,7 +104,7 @@ def grow_tallies(contexts: Sequence[TriedContext], names: Sequence[str], least: 
         sums = outcomes.of(np.array(rows)).sums
         return Tally(*(tuple(each.tolist()) for each in sums))
 
-    return grow([each.features for each in kept], outcomes, tally, least)
+    return grow([each.features for each in kept], outcomes, tally, least, resolutions)
 
 
 def rankings(tree: Tree[Tally], names: Sequence[str]) -> Tree[Ranking]:

@@ -130,11 +130,20 @@ class Assimilate:
         schema = self._program.schema if self._program is not None else None
         return tuple(schema.allocations) if schema is not None else ()
 
+    @property
+    def _resolutions(self) -> Mapping[str, float]:
+        """Differences of features that are none, by component."""
+        assert self._program is not None and self._program.schema is not None
+        schema = self._program.schema
+        units = {name: _unit(name, schema) for name in schema.components}
+        return {name: _RESOLUTION[unit] for name, unit in units.items() if unit in _RESOLUTION}
+
     def _tallies(self) -> Tree[Tally]:
         contexts = self._contexts
         if self._constants.blames_first:
             contexts = [each if each.rewarded else each.first_alone() for each in contexts]
-        return grow_tallies(contexts, self._names, self._constants.least_samples)
+        least = self._constants.least_samples
+        return grow_tallies(contexts, self._names, least, self._resolutions)
 
     def choice(self) -> Tree[Ranking]:
         """The tree of allocations that were rewarded (Eq 5.4)."""
@@ -150,7 +159,7 @@ class Assimilate:
 
         samples = [each.features for each in self._contexts]
         outcomes = Outcomes(rewarded, 1.0 - rewarded)
-        return grow(samples, outcomes, likely, self._constants.least_samples)
+        return grow(samples, outcomes, likely, self._constants.least_samples, self._resolutions)
 
     def greedy(self) -> dict[str, str]:
         """The declarative policy, which stays as it is."""

@@ -5,13 +5,15 @@ any for equally likely; a question takes its threshold for equally likely anywhe
 and the largest number of its feature. The logarithm of the probability of all outcomes under a
 question, less that without it, is the evidence for it (Buntine, Learning classification trees,
 1992). With many samples that is the gain of information of C4.5; with few it prefers thresholds in
-wide gaps, where nothing was seen, to those that set apart single samples.
+wide gaps, where nothing was seen, to those that set apart single samples. Neighbours that measuring
+does not tell apart have no gap between them.
 """
 
 from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping, Sequence
+from types import MappingProxyType
 from typing import Any, NamedTuple, TypeVar
 
 import numpy as np
@@ -24,8 +26,8 @@ Floats = NDArray[np.float64]
 
 # Of thresholds: what lies beyond says nothing.
 _DECIMALS = 4
-# Evidence that is rounding alone, nats.
-_NOTHING = 1e-9
+# Evidence that is rounding alone, nats, and differences that are.
+_NOTHING = _ROUNDING = 1e-9
 
 
 class Outcomes(NamedTuple):
@@ -58,6 +60,7 @@ def grow(
     outcomes: Outcomes,
     answer: Callable[[list[int]], Answer],
     least: int,
+    resolutions: Mapping[str, float] = MappingProxyType({}),
 ) -> Tree[Answer]:
     """A tree whose questions the outcomes speak for.
 
@@ -66,13 +69,15 @@ def grow(
         outcomes: of the trials in each.
         answer: of a leaf, by the indices of the samples in it.
         least: fewest samples of a leaf.
+        resolutions: by feature, differences that are none; 0 for those that are not named.
     """
     names = tuple(next(iter(samples), ()))
     numbers = np.array([[sample[name] for name in names] for sample in samples])
     numbers = np.round(numbers.reshape(len(samples), len(names)), _DECIMALS)
+    finest = np.array([resolutions.get(name, 0.0) for name in names])
 
     def node(rows: NDArray[np.intp]) -> Tree[Answer]:
-        question = _best(numbers[rows], outcomes.of(rows), least)
+        question = _best(numbers[rows], outcomes.of(rows), least, finest)
         if question is None:
             return Leaf(answer(rows.tolist()))
         above = numbers[rows, question.feature] > question.threshold
@@ -82,8 +87,15 @@ def grow(
     return _pruned(node(np.arange(len(samples))))
 
 
-def _best(numbers: Floats, outcomes: Outcomes, least: int) -> _Question | None:
-    """The question with the most evidence; of equal ones that of the first feature, the lowest."""
+def _best(numbers: Floats, outcomes: Outcomes, least: int, finest: Floats) -> _Question | None:
+    """The question with the most evidence; of equal ones that of the first feature, the lowest.
+
+    Args:
+        numbers: of the features, shape (samples, features).
+        outcomes: of the samples.
+        least: fewest samples of a leaf.
+        finest: differences of each feature that are none, shape (features,).
+    """
     best: _Question | None = None
     least_evidence = _NOTHING
     now = _evidence(outcomes.sums)
@@ -91,14 +103,15 @@ def _best(numbers: Floats, outcomes: Outcomes, least: int) -> _Question | None:
         order = np.argsort(numbers[:, feature], kind="stable")
         values = numbers[order, feature]
         cuts = np.arange(least, len(values) - least + 1)
-        cuts = cuts[values[cuts - 1] < values[cuts]]
+        wide = values[cuts] - values[cuts - 1] - finest[feature]
+        cuts, wide = cuts[wide > _ROUNDING], wide[wide > _ROUNDING]
         if not len(cuts):
             continue
         sums = Outcomes(*(np.cumsum(each, axis=0) for each in outcomes.of(order)))
         below = sums.of(cuts - 1)
         above = Outcomes(*(all_[-1] - some for all_, some in zip(sums, below, strict=True)))
-        gaps = (values[cuts] - values[cuts - 1]) / (values[-1] - values[0])
-        evidence = _evidence(below) + _evidence(above) - now + np.log(gaps)
+        gaps = np.log(wide / (values[-1] - values[0]))
+        evidence = _evidence(below) + _evidence(above) - now + gaps
         place = int(np.argmax(evidence))
         if evidence[place] > least_evidence:
             least_evidence = evidence[place] + _NOTHING

@@ -95,7 +95,8 @@ def resources(robot: RobotDocument) -> dict[str, Resource]:
     ========================================  ===================  ==============
 
     Those of a channel are of the thing attended to. Instances of a channel have names of their own,
-    such as ``stereo.red.2``, which are not listed: see ``instance_names``.
+    such as ``stereo.red.2``, and so have marks of one hue, such as ``mark.red.blue``, which are not
+    listed: see ``instance_names`` and ``mark_names``.
     """
     by_name: dict[str, Resource] = {}
     for some in (_effectors, _loads, _vision, _groups, _sensors):

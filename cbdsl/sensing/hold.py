@@ -28,29 +28,43 @@ _PART = 0.01
 class Hold(NamedTuple):
     """The place of the hands that hold something.
 
-    A thing that one hand holds turns with it. One that several hands hold moves with the mean of
-    their tips and does not turn, since they keep facing each other.
+    A thing that one hand holds turns with it. One that several hands hold moves as far as all of
+    their tips do and does not turn, since they keep facing each other: a hand that goes on alone
+    slips along it.
 
     Attributes:
         hands: a bit for each hand that holds.
         position: of the tip, or the mean of several, m, world frame, shape (3,).
         rotation: of the one tip, or the identity, shape (3, 3).
+        tips: of all hands that hold, m, world frame, shape (k, 3).
     """
 
     hands: int
     position: Floats
     rotation: Floats
+    tips: Floats
 
-    def displace(self, before: Hold, position: Floats) -> Floats:
+    def displace(self, begun: Hold, before: Hold, position: Floats) -> Floats:
         """The displacement of a thing that is held, m, shape (3,).
 
         Args:
+            begun: the hold when these hands had taken it.
             before: the hold in the tick before.
             position: of the thing then, m, world frame, shape (3,).
         """
+        if len(self.tips) > 1:
+            # Since it began: of tremors nothing would be common from tick to tick.
+            return _common(self.tips - begun.tips) - _common(before.tips - begun.tips)
         own = before.rotation.T.dot(position - before.position)
         displacement: Floats = self.position + self.rotation.dot(own) - position
         return displacement
+
+
+def _common(displacements: Floats) -> Floats:
+    """How far all of some displacements, shape (k, 3), lead along each axis, shape (3,)."""
+    least: Floats = np.maximum(displacements.min(axis=0), 0.0)
+    most: Floats = np.minimum(displacements.max(axis=0), 0.0)
+    return least + most
 
 
 class Content:
@@ -100,7 +114,7 @@ class Content:
 
 
 def held_jacobian(tips: Sequence[Point], position: Floats) -> Floats:
-    """Displacement of a thing per joint, shape (3, n).
+    """Displacement of a thing per joint, shape (3, n); of several hands' where all go alike.
 
     Args:
         tips: of the hands that hold it.

@@ -13,14 +13,12 @@ from cbdsl.documents.robot import Regions
 from cbdsl.sensing.association import Meeting, Pair, meet, pair
 from cbdsl.sensing.channels import Region
 from cbdsl.sensing.field_of_view import FieldOfView
-from cbdsl.sensing.memory import PositionMemory
+from cbdsl.sensing.memory import BESIDE, PositionMemory
 from cbdsl.sensing.sighting import Sighting
 
 Floats = NDArray[np.float64]
 Sightings = Sequence[Sequence[Sighting]]
 
-# A line of sight that passes a remembered thing's middle by its radius and this leads to it, m.
-_BESIDE = 0.03
 # A thing beside others is believed where two images in a row show it within this distance, m.
 _STEADY = 0.02
 # Regions that have grown together look larger than the thing that is known, by this at least.
@@ -138,7 +136,7 @@ class Instances:
         self.attended = known[0]
         memory = self.memories[known[0]]
         assert memory.position is not None
-        reach, position = memory.radius + _BESIDE, memory.position
+        reach, position = memory.radius + BESIDE, memory.position
         if all([each.distance(position) <= reach for one in seen for each in one]):
             return True
         # What is not where it is looked for has moved.
@@ -153,22 +151,18 @@ class Instances:
         sighting = self._located(number) if believed else None
         if sighting is not None and (memory.position is not None or self._is_whole(number)):
             position, _, sizes = sighting
-            if self._shrinks(memory, position, sizes):
-                memory.forget_size()
+            aside = self._aside(number)
+            if memory.has_shrunk(sizes, aside) and not self._field.is_hidden_by_hand(position):
+                memory.forget_size(sizes, aside)
             if memory.see(time, position + memory.moved_since(self._exposed), sizes):
                 return
         if memory.position is not None:
             memory.miss(time, explained=self._explains(time, number))
 
-    def _shrinks(self, memory: PositionMemory, position: Floats, sizes: Sequence[float]) -> bool:
-        """Whether a thing looks smaller than before, and nothing hides a part of it."""
-        if not memory.looks_smaller(sizes) or self._field.is_hidden_by_hand(position):
-            return False
-        # A shoulder or another thing that comes in between hides it from one camera. What is
-        # elsewhere has moved, and may have turned.
-        place = memory.position
-        moved = place is None or math.dist(place, position) > memory.radius + _BESIDE
-        return moved or memory.shrinks_alike(sizes)
+    def _aside(self, number: int) -> list[float]:
+        """How far each line of sight to a thing passes where it is remembered, m."""
+        place = self.memories[number].position
+        return [0.0 if place is None else each[number].distance(place) for each in self.sightings]
 
     def _is_whole(self, number: int) -> bool:
         """Whether what is seen for the first time is one thing."""
@@ -194,7 +188,7 @@ class Instances:
         if not self._field.shows(position, radius):
             # Nobody knows where a thing that moved has got to.
             return not memory.is_lost(time)
-        reach, seen = radius + _BESIDE, [each[number] for each in self.sightings if number in each]
+        reach, seen = radius + BESIDE, [each[number] for each in self.sightings if number in each]
         if any(sighting.distance(position) <= reach for sighting in seen):
             return True
         return not memory.is_lost(time) and self._is_within_another(number)
@@ -266,7 +260,7 @@ class Instances:
             assert memory.position is not None
             for place, sighting in enumerate(sightings):
                 distance = sighting.distance(memory.position)
-                if distance <= memory.radius + _BESIDE:
+                if distance <= memory.radius + BESIDE:
                     options.append((distance, number, place))
         taken = set()
         for _, number, place in sorted(options):

@@ -2,20 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections import Counter
 
 import numpy as np
 from numpy.typing import NDArray
 
-from cbdsl.documents.robot import RobotDocument
 from cbdsl.sensing.camera import sight
 from cbdsl.sensing.channels import Region
-from cbdsl.sensing.kept_sights import KeptSights
-from cbdsl.sensing.kinematics import Kinematics
-from cbdsl.sensing.observation import Observation
-from cbdsl.sensing.reading import Reading
-from cbdsl.sensing.vision import Vision
-from cbdsl.types.resource import MarkHeading, Resource
+from cbdsl.sensing.chosen_headings import ChosenHeadings
+from cbdsl.types.resource import MarkHeading
 
 Floats = NDArray[np.float64]
 
@@ -25,78 +20,44 @@ _LARGEST = 0.5
 _ELLIPSE = 2.0
 
 
-class Marks:
-    """Samples a hue among those of what is on a thing, and stays with it while it is seen.
+class Marks(ChosenHeadings[MarkHeading]):
+    """Finds the largest mark on a thing, and stays with its hue while that is seen."""
 
-    Args:
-        robot: whose cameras look.
-        kinematics: of the same robot.
-        vision: what they see.
-        resources: that are read.
-    """
-
-    def __init__(
-        self,
-        robot: RobotDocument,
-        kinematics: Kinematics,
-        vision: Vision,
-        resources: Iterable[Resource],
-    ) -> None:
-        self._robot, self._vision = robot, vision
-        sources = dict.fromkeys(each.source for each in resources)
-        self._sources = [each for each in sources if isinstance(each, MarkHeading)]
-        self._sights = KeptSights(robot, kinematics)
-        self.reset()
+    kind = MarkHeading
 
     def reset(self) -> None:
         """Forget the episode before."""
-        self._sights.reset()
+        super().reset()
         self._hues: dict[MarkHeading, str] = {}
 
-    def update(self, observation: Observation) -> None:
-        """Look at the newest images; vision must be up to date."""
-        if observation.images or observation.regions:
-            for source in self._sources:
-                self._look(source, observation.time)
-
-    def heading(self, source: MarkHeading) -> Reading | None:
-        """The mean heading over the cameras that see it, ``None`` while there is no mark."""
-        return self._sights.heading(source)
-
-    def _look(self, source: MarkHeading, time: float) -> None:
-        """Take in the newest images: the hue of before, else that of the largest mark."""
+    def _choose(self, source: MarkHeading) -> dict[str, Floats]:
         marks = {name: self._marks(name, source) for name in self._robot.cameras}
-        areas: dict[str, int] = {}
+        areas: Counter[str] = Counter()
         for own in marks.values():
-            for hue, region in own.items():
-                areas[hue] = areas.get(hue, 0) + region.area
-        lines: dict[str, Floats] = {}
-        if areas:
-            before = self._hues.get(source)
-            hue = before if before in areas else max(areas, key=areas.__getitem__)
-            self._hues[source] = hue
-            lines = {name: self._line(name, own[hue]) for name, own in marks.items() if hue in own}
-        self._sights.renew(source, lines, self._vision.images, time)
+            areas.update({hue: region.area for hue, region in own.items()})
+        if not areas:
+            return {}
+        before = self._hues.get(source, "")
+        hue = self._hues[source] = before if before in areas else areas.most_common(1)[0][0]
+        return {name: self._line(name, own[hue]) for name, own in marks.items() if hue in own}
 
-    def _marks(self, camera: str, source: MarkHeading) -> Mapping[str, Region]:
+    def _marks(self, camera: str, source: MarkHeading) -> dict[str, Region]:
         """The largest mark of each hue in a camera's image."""
         thing = self._vision.region(camera, source.channel)
         if thing is None:
             return {}
-        marks = {}
-        for hue in source.hues:
-            regions = self._vision.seen.get(camera, {}).get(hue, ())
-            own = next((each for each in regions if is_mark(each, thing)), None)
-            if own is not None:
-                marks[hue] = own
-        return marks
+        seen = self._vision.seen.get(camera, {})
+        marks = ((hue, each) for hue in source.hues for each in seen.get(hue, ()))
+        own: dict[str, Region] = {}
+        for hue, region in marks:
+            if hue not in own and is_mark(region, thing):
+                own[hue] = region
+        return own
 
     def _line(self, name: str, region: Region) -> Floats:
         """The line of sight to a region, world frame, shape (3,)."""
-        frame = self._vision.field.frames[name]
-        line: Floats = frame.rotation.dot(
-            sight(self._robot.cameras[name], region.column, region.row)
-        )
+        own = sight(self._robot.cameras[name], region.column, region.row)
+        line: Floats = self._vision.field.frames[name].rotation.dot(own)
         return line
 
 

@@ -14,12 +14,15 @@ from cbdsl.numeric.compiled import compiled_once
 
 Floats = NDArray[np.float64]
 
+#: A line of sight that passes where a thing is remembered by more than its radius and this leads to
+#: something else, m.
+BESIDE = 0.03
+
 _STILL = np.zeros(3)
 # How long displacements are kept, s: no image may be as late.
 _KEPT = 1.5
 _SLACK = 1e-6
-# How much more of its size a thing may seem to lose in one camera than in the others from an image
-# to the next: what turns or goes away looks smaller to both, what is half hidden to one.
+# How much less a camera may see of a thing than the others do, compared with what they saw before.
 _ALIKE = 0.9
 
 
@@ -50,6 +53,8 @@ class PositionMemory:
         self.since = self._seen = self._accounted = 0.0
         self._sightings = 0
         self._largest: Sequence[float] | None = None
+        # Sizes with as much of the thing visible to each camera, m^2.
+        self._visible: Sequence[float] | None = None
         # Displacements of the last ticks, m, and when they began, s.
         self._moves: deque[tuple[float, Floats]] = deque()
         self._time = 0.0
@@ -61,19 +66,41 @@ class PositionMemory:
         known = self.position is not None and self._sightings > 2
         return self._velocity.copy() if known else None
 
-    def looks_smaller(self, sizes: Sequence[float]) -> bool:
-        """Whether the region is smaller than the largest seen so far, in some camera, m^2."""
-        largest = self._largest or sizes
-        return any([size < most for size, most in zip(sizes, largest, strict=True)])
+    def has_shrunk(self, sizes: Sequence[float], aside: Sequence[float]) -> bool:
+        """Whether a thing is smaller than it looked before, unless something hides a part of it.
 
-    def shrinks_alike(self, sizes: Sequence[float]) -> bool:
-        """Whether the region is smaller than the largest by about as much in each camera, m^2."""
-        shares = [size / most for size, most in zip(sizes, self._largest or sizes, strict=True)]
-        return min(shares) >= _ALIKE * max(shares)
+        What one camera alone sees less of, over a shoulder or past another thing, is hidden from
+        that camera, if the other one sees it where it was. What has moved may have turned.
 
-    def forget_size(self) -> None:
-        """Let the next sighting set the size anew, since nothing can hide any part of it."""
+        Args:
+            sizes: apparent area times squared distance in each camera, m^2.
+            aside: how far each line of sight passes where it is remembered, m.
+        """
+        if min(_shares(sizes, self._largest)) >= 1.0:
+            return False
+        shares = _shares(sizes, self._visible)
+        return self._has_moved(shares, aside) or min(shares) >= _ALIKE * max(shares)
+
+    def forget_size(self, sizes: Sequence[float], aside: Sequence[float]) -> None:
+        """Let the next sighting set the size anew, since nothing hides any part of the thing.
+
+        How much of it each camera saw, compared with the other one, is not forgotten of what stays
+        where it is: a shoulder comes before it little by little.
+
+        Args:
+            sizes, aside: as ``has_shrunk`` has them.
+        """
+        shares = _shares(sizes, self._visible)
         self._largest = None
+        if self._visible is None or self._has_moved(shares, aside):
+            self._visible = None
+        else:
+            self._visible = [max(shares) * size for size in self._visible]
+
+    def _has_moved(self, shares: Sequence[float], aside: Sequence[float]) -> bool:
+        """Whether the camera that sees most of a thing sees it beside where it is remembered."""
+        best = max(range(len(shares)), key=lambda camera: shares[camera])
+        return self.position is None or aside[best] > BESIDE
 
     def see(self, time: float, position: Floats, sizes: Sequence[float]) -> bool:
         """Take in a sighting; returns whether it was believed.
@@ -88,6 +115,7 @@ class PositionMemory:
             if size < least * most:
                 return False
         self._largest = list(map(max, largest, sizes))
+        self._visible = list(map(max, self._visible or sizes, sizes))
         self.radius = math.sqrt(sum(self._largest) / len(sizes) / math.pi)
         if self.position is None:
             self.rest()
@@ -158,6 +186,11 @@ class PositionMemory:
             position, self.position, self._velocity, gains, period, corrected, velocity
         )
         self.position, self._velocity = corrected, velocity
+
+
+def _shares(sizes: Sequence[float], whole: Sequence[float] | None) -> list[float]:
+    """Sizes as parts of others, 1 where there are no others."""
+    return [size / most for size, most in zip(sizes, whole or sizes, strict=True)]
 
 
 @compiled_once

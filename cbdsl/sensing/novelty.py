@@ -6,22 +6,17 @@ where the posture that would track it is far from all of them.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator
 from functools import partial
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from cbdsl.documents.robot import RobotDocument
 from cbdsl.sensing.camera import heading, heading_jacobian, sight
+from cbdsl.sensing.chosen_headings import ChosenHeadings
 from cbdsl.sensing.forward import rotation_of
-from cbdsl.sensing.kept_sights import KeptSights
-from cbdsl.sensing.kinematics import Kinematics
-from cbdsl.sensing.observation import Observation
-from cbdsl.sensing.reading import Reading
-from cbdsl.sensing.vision import Vision
-from cbdsl.types.resource import GaussianSample, NovelHeading, Resource
+from cbdsl.types.resource import GaussianSample, NovelHeading
 
 Floats = NDArray[np.float64]
 
@@ -43,46 +38,15 @@ class _WholeRegion(NamedTuple):
     posture: Floats
 
 
-class Novelty:
+class Novelty(ChosenHeadings[NovelHeading]):
     """Finds the largest region of a channel that its background model does not expect.
 
     What is at an image's border has its middle nobody knows where, and is not judged.
-
-    Args:
-        robot: whose cameras look.
-        kinematics: of the same robot.
-        vision: what they see.
-        resources: that are read.
     """
 
-    def __init__(
-        self,
-        robot: RobotDocument,
-        kinematics: Kinematics,
-        vision: Vision,
-        resources: Iterable[Resource],
-    ) -> None:
-        self._robot, self._kinematics, self._vision = robot, kinematics, vision
-        sources = dict.fromkeys(each.source for each in resources)
-        self._sources = [each for each in sources if isinstance(each, NovelHeading)]
-        self._sights = KeptSights(robot, kinematics)
+    kind = NovelHeading
 
-    def reset(self) -> None:
-        """Forget the episode before."""
-        self._sights.reset()
-
-    def update(self, observation: Observation) -> None:
-        """Look at the newest images; vision and kinematics must be up to date."""
-        if observation.images or observation.regions:
-            for source in self._sources:
-                self._look(source, observation.time)
-
-    def heading(self, source: NovelHeading) -> Reading | None:
-        """The mean heading over the cameras that see it, ``None`` while nothing is novel."""
-        return self._sights.heading(source)
-
-    def _look(self, source: NovelHeading, time: float) -> None:
-        """Take in the newest images."""
+    def _choose(self, source: NovelHeading) -> dict[str, Floats]:
         lines: dict[str, Floats] = {}
         first: Floats | None = None
         for camera in self._robot.cameras:
@@ -97,7 +61,7 @@ class Novelty:
             chosen = novel[0] if first is None else min(novel, key=partial(_apart, first))
             first = chosen.posture if first is None else first
             lines[camera] = chosen.line
-        self._sights.renew(source, lines, self._vision.images, time)
+        return lines
 
     def _whole_regions(self, name: str, source: NovelHeading) -> Iterator[_WholeRegion]:
         """Regions of a channel that a camera sees whole, the largest first."""

@@ -41,7 +41,7 @@ class VisualSignals:
 
     A seen thing counts as held if it lies between the fingertips that touch when all fingers of a
     hand, or several hands, come into contact, and for as long as they stay so. It then moves as if
-    fixed to the one hand, or with the centroid of several hands' tips (Eq 3.42 and 3.43).
+    fixed to the one hand, or as far as the tips of several hands all do (Eq 3.42 and 3.43).
     """
 
     def __init__(
@@ -69,6 +69,7 @@ class VisualSignals:
     def reset(self) -> None:
         """Forget the episode before."""
         self._hold: Hold | None = None
+        self._begun: Hold | None = None
         self._content = Content(self._find_middle)
 
     def update(self) -> None:
@@ -77,12 +78,13 @@ class VisualSignals:
         if self._hold is None:
             return
         memories = self._vision.all_memories
-        if before is None or before.hands != self._hold.hands:
+        if self._begun is None or before is None or before.hands != self._hold.hands:
+            self._begun = self._hold
             self._content.begin(memories)
             return
         for memory in memories:
             if memory.position is not None and self._holds(memory):
-                memory.carry(self._hold.displace(before, memory.position))
+                memory.carry(self._hold.displace(self._begun, before, memory.position))
 
     def _find_hold(self) -> Hold | None:
         if not self._touch.touching_anything():
@@ -91,7 +93,16 @@ class VisualSignals:
         position, rotation = np.empty(3), np.empty((3, 3))
         feeling, frames = self._touch.feeling, self._kinematics.frames
         hands = find_hold(frames, self._tip_parts, self._cells, feeling, position, rotation)
-        return Hold(hands, position, rotation) if hands else None
+        if not hands:
+            return None
+        is_alone = hands & (hands - 1) == 0
+        tips = position[None] if is_alone else self._tips_of(hands)
+        return Hold(hands, position, rotation, tips)
+
+    def _tips_of(self, hands: int) -> Floats:
+        """Tips of the hands that hold, a bit for each, m, shape (k, 3)."""
+        holding = [arm for i, arm in enumerate(self._carriers) if hands >> i & 1]
+        return np.array([self._tips.point(arm).position for arm in holding])
 
     def _find_middle(self) -> Floats:
         """The middle between the fingertips that touch, or the mean over hands, m, shape (3,)."""

@@ -9,7 +9,8 @@ from cbdsl.documents.digest import ProgramDigest
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.learning.action_outcome import FeatureForm
 from cbdsl.program.checked import CheckedProgram
-from cbdsl.types.resource import Heading, Resource, StereoPosition, SurfacePoint
+from cbdsl.robot.channel_names import hue_names
+from cbdsl.types.resource import Heading, MarkHeading, Resource, StereoPosition, SurfacePoint
 
 #: Stands for a channel that is found while the action runs.
 OPEN = "?"
@@ -68,10 +69,9 @@ def features_of(
         ``None`` where the program is rewarded for neither.
     """
     rewarded = [each.lead for each in program.primitives.values() if each.rewarded]
-    first = next((each.feedback for each in rewarded if _is(each.feedback, Heading)), None)
-    if first is not None:
-        channel = first.name.partition(".")[2]
-        head = _heading(channel, resources)
+    tracked = next(filter(None, [_tracked(each.feedback) for each in rewarded]), None)
+    if tracked is not None:
+        head = _heading(tracked, resources)
         names = {"heading": "", "velocity": ".velocity", "extent": ".extent"}
         return _known(head.name, names, resources), head
     place = next(_places(program), None)
@@ -129,8 +129,16 @@ def other_hues(robot: RobotDocument, own: Collection[str]) -> list[str]:
     channels = robot.vision.channels
     aliases = {channel: alias for alias, channel in channels.aliases.items()}
     taken = {channels.aliases.get(name, name) for name in own}
-    hues = [f"hue_{number}" for number in range(1, channels.hue + 1)]
-    return [aliases.get(hue, hue) for hue in hues if hue not in taken]
+    return [aliases.get(hue, hue) for hue in hue_names(channels) if hue not in taken]
+
+
+def _tracked(feedback: Resource) -> str | None:
+    """The channel that a heading leads to; ``None`` for any other signal, and a mark of any hue."""
+    if isinstance(feedback.source, Heading):
+        return feedback.name.partition(".")[2]
+    if isinstance(feedback.source, MarkHeading) and len(feedback.source.hues) == 1:
+        return feedback.name.rpartition(".")[2]
+    return None
 
 
 def _known(

@@ -248,7 +248,7 @@ class MarkHeading(NamedTuple):
 
     Attributes:
         channel: of the thing.
-        hues: channels among which that of the mark is sampled.
+        hues: channels that the mark may be of.
     """
 
     channel: str

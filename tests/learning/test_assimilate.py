@@ -338,6 +338,19 @@ def test_a_question_is_asked_between_numbers_that_differ() -> None:
     assert tree == Split("x", 0.5, Leaf((4, 5)), Leaf((0, 1, 2, 3)))
 
 
+def test_neighbours_that_measuring_does_not_tell_apart_have_no_gap() -> None:
+    """Noise of one step, which falls as the labels do, is asked before a wide gap without that."""
+    samples = [{"noise": 0.02 * (i > 3), "y": i + 6.0 * (i > 3)} for i in range(8)]
+    labels = certain("aaaabbbb")
+    (split,) = splits(grow(samples, labels, tuple, 1))
+    assert split.feature == "noise"
+    (split,) = splits(grow(samples, labels, tuple, 1, {"noise": 0.02}))
+    assert split.feature == "y"
+    assert grow(
+        [{"noise": each["noise"]} for each in samples], labels, len, 1, {"noise": 0.02}
+    ) == (Leaf(8))
+
+
 def test_what_is_tried_in_an_episode_stands_in_the_context_that_it_began_in(
     schema: CheckedProgram,
 ) -> None:

@@ -29,6 +29,7 @@ from cbdsl.types.resource import (
     RELATIVE,
     FingerForces,
     Heading,
+    MarkHeading,
     NetLoad,
     NovelHeading,
     palms_of,
@@ -38,6 +39,7 @@ from tests.sensing.test_visual_signals import between, facing, feel
 
 Floats = NDArray[np.float64]
 STEP = 1e-6
+CHOSEN = NovelHeading, MarkHeading
 PROGRAMS = [
     path.stem
     for path in sorted((ROOT / "programs").glob("*.yaml"))
@@ -192,15 +194,15 @@ def printed_chains(controller: Controller) -> list[tuple[str, ...]]:
 def compared(program: CheckedProgram) -> list[Controller]:
     """Controllers whose row is their feedback: a manipulability's is that of a Jacobian.
 
-    Nothing displaces what two things are to each other, and nothing here is novel: see the tests of
-    their signals.
+    Nothing displaces what two things are to each other, and nothing here is novel or has a mark:
+    see the tests of their signals.
     """
     lists = (primitive.controllers for primitive in program.primitives.values())
     controllers = [each for controllers in lists for each in controllers]
     return [
         replace(c, standoff=None)
         for c in controllers
-        if c.manipulator is None and not isinstance(c.feedback.source, (*RELATIVE, NovelHeading))
+        if c.manipulator is None and not isinstance(c.feedback.source, (*RELATIVE, *CHOSEN))
     ]
 
 

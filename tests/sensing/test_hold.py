@@ -35,11 +35,22 @@ def found(signals: Signals, feeling: np.ndarray) -> Hold | None:
     tips = records_of([signals.tips.part(arm) for arm in HANDS])
     position, rotation, cells = np.empty(3), np.empty((3, 3)), np.array([[0, 3], [3, 6]])
     hands = find_hold(signals.kinematics.frames, tips, cells, feeling, position, rotation)
-    return Hold(hands, position, rotation) if hands else None
+    holding = [arm for i, arm in enumerate(HANDS) if hands >> i & 1]
+    own = np.array([signals.tips.point(arm).position for arm in holding])
+    return Hold(hands, position, rotation, own) if hands else None
 
 
 def random_posture(kinematics: Kinematics, rng: np.random.Generator) -> np.ndarray:
     return rng.uniform(kinematics.lower, kinematics.upper)
+
+
+def motions(signals: Signals, arms: Sequence[str]) -> np.ndarray:
+    """Joint displacements that take all tips of some arms along alike, as rows."""
+    jacobians = [signals.tips.point(arm).jacobian[:3] for arm in arms]
+    if len(jacobians) == 1:
+        return np.eye(jacobians[0].shape[1])
+    ways = np.linalg.pinv(np.concatenate(jacobians)) @ np.tile(np.eye(3), (len(jacobians), 1))
+    return np.asarray(ways.T)
 
 
 @pytest.mark.parametrize("arms", [(ARM,), HANDS])
@@ -53,13 +64,36 @@ def test_the_jacobian_is_the_derivative_of_where_a_thing_is_carried(
         assert before is not None
         position = before.position + rng.uniform(-0.15, 0.15, 3)
         jacobian = held_jacobian([signals.tips.point(arm) for arm in arms], position)
-        for column in range(len(positions)):
-            moved = positions.copy()
-            moved[column] += STEP
-            after = hold_of(signals, arms, moved)
+        for motion in motions(signals, arms):
+            after = hold_of(signals, arms, positions + STEP * motion)
             assert after is not None
-            displacement = after.displace(before, position)
-            assert jacobian[:, column] == pytest.approx(displacement / STEP, abs=1e-5)
+            displacement = after.displace(before, before, position)
+            assert jacobian @ motion == pytest.approx(displacement / STEP, abs=1e-5)
+
+
+def between_hands(left: Sequence[float], right: Sequence[float]) -> Hold:
+    tips = np.array([left, right])
+    return Hold(3, tips.mean(axis=0), np.eye(3), tips)
+
+
+def test_a_hand_that_goes_on_alone_slips_along_what_several_hold() -> None:
+    begun = between_hands((0.5, 0.2, 0.0), (0.5, -0.2, 0.0))
+    after = between_hands((0.51, 0.2, -0.02), (0.53, -0.2, 0.05))
+    place = np.array([0.5, 0.0, 0.0])
+    assert after.displace(begun, begun, place) == pytest.approx([0.01, 0.0, 0.0])
+
+
+def test_hands_that_tremble_lose_nothing_of_the_way() -> None:
+    """They take the thing as far as if they did not."""
+    begun = before = between_hands((0.5, 0.2, 0.0), (0.5, -0.2, 0.0))
+    place, rng = np.zeros(3), np.random.default_rng(5)
+    before_it = np.array([(0.5, 0.2, 0.0), (0.5, -0.2, 0.0)])
+    for number in range(1, 101):
+        left, right = 1e-3 * rng.normal(size=(2, 3)) + before_it + (1e-3 * number, 0.0, 0.0)
+        after = between_hands(left, right)
+        place = place + after.displace(begun, before, place)
+        before = after
+    assert place == pytest.approx([0.1, 0.0, 0.0], abs=4e-3)
 
 
 def test_what_one_hand_holds_keeps_its_place_in_the_hand(
@@ -69,7 +103,7 @@ def test_what_one_hand_holds_keeps_its_place_in_the_hand(
     before, after = (hold_of(signals, (ARM,), random_posture(kinematics, rng)) for _ in range(2))
     assert before is not None and after is not None
     position = before.position + rng.uniform(-0.15, 0.15, 3)
-    carried = position + after.displace(before, position)
+    carried = position + after.displace(before, before, position)
     own = [
         hold.rotation.T @ (place - hold.position)
         for hold, place in ((before, position), (after, carried))

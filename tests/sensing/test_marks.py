@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -10,12 +11,14 @@ import pytest
 
 import cbdsl
 from cbdsl.documents.robot import RobotDocument
+from cbdsl.robot.mark_names import parse_mark
 from cbdsl.robot.resources import resources
 from cbdsl.sensing.channels import Moments, Region
 from cbdsl.sensing.kinematics import Kinematics
 from cbdsl.sensing.marks import is_mark
 from cbdsl.sensing.observation import Observation
 from cbdsl.sensing.signals import Signals
+from cbdsl.types.resource import Resource
 from cbdsl.yaml_text.library import shipped
 
 THING = "sat_10"
@@ -38,14 +41,37 @@ def signals(dexter: RobotDocument, kinematics: Kinematics) -> Signals:
 
 def look(signals: Signals, time: float, **seen: Region) -> np.ndarray | None:
     """The heading to the mark, after the same regions in both images."""
+    signals.update(observation(signals, time, **seen))
+    reading = signals.read(resources(signals.robot)[f"mark.{THING}"])
+    return None if reading is None else reading.value
+
+
+def test_the_jacobian_is_its_derivative_by_the_head(signals: Signals) -> None:
+    """What it leads to stands still while the cameras turn."""
+    assert look(signals, 0.0, sat_10=BALL, hue_7=region(170, 125, 3)) is not None
+    source = resources(signals.robot)[f"mark.{THING}"]
+    here = signals.read(source)
+    assert here is not None
+    for column in signals.joints.of("head"):
+        positions = np.zeros(len(signals.joints))
+        positions[column] = 1e-6
+        blind = replace(observation(signals, 0.01), positions=positions, regions={})
+        signals.update(blind)
+        there = signals.read(source)
+        assert there is not None
+        slope = (there.value - here.value) / 1e-6
+        assert np.abs(slope).max() > 0.5
+        assert here.jacobian[:, column] == pytest.approx(slope, abs=1e-4)
+
+
+def observation(signals: Signals, time: float, **seen: Region) -> Observation:
+    """The same regions in both images, and joints at 0."""
     positions = np.zeros(len(signals.joints))
     regions: Mapping[str, tuple[Region, ...]] = {name: (each,) for name, each in seen.items()}
     cells = signals.robot.load_cells.items()
     loads = {(hand, finger): np.zeros(6) for hand, fingers in cells for finger in fingers}
     both = {name: regions for name in signals.robot.cameras}
-    signals.update(Observation(time, positions, np.zeros_like(positions), loads, {}, both))
-    reading = signals.read(resources(signals.robot)[f"mark.{THING}"])
-    return None if reading is None else reading.value
+    return Observation(time, positions, np.zeros_like(positions), loads, {}, both)
 
 
 @pytest.mark.parametrize(
@@ -89,14 +115,51 @@ def test_it_outlives_its_region_as_long_as_headings_do(signals: Signals) -> None
 @pytest.mark.parametrize("colour", ["0, 0.4, 1", "0, 1, 0.2", "1, 0, 1"])
 def test_a_mark_of_any_hue_is_brought_into_view(tmp_path: Path, colour: str) -> None:
     """By VISUALINSPECT, whose TRACK is told no hue."""
-    program, stage = tmp_path / "inspect.yaml", tmp_path / "spotted.yaml"
-    text = (shipped() / "programs" / "visualinspect.yaml").read_text("utf-8")
-    text = text.replace("cyclopean.$mark", "mark.$feature").replace(", mark: blue", "")
-    program.write_text(text.replace("name: visualinspect", "name: inspect"), "utf-8")
+    stage = tmp_path / "spotted.yaml"
     spots = (shipped() / "programs" / "stages" / "spotted_right.yaml").read_text("utf-8")
     stage.write_text(
         spots.replace("name: spotted_right", "name: spotted").replace("0, 0.4, 1", colour), "utf-8"
     )
-    request = cbdsl.load(program, stage=stage)
+    request = cbdsl.load("visualinspect", stage=stage)
     (ended,) = cbdsl.run(request, backend="kinematic", seed=5000100, context="hidden")
     assert ended.rewarded
+
+
+def test_the_hue_of_a_mark_may_be_named(dexter: RobotDocument, kinematics: Kinematics) -> None:
+    blue = mark(dexter, f"mark.{THING}.blue")
+    signals = Signals(dexter, kinematics, [blue])
+    signals.update(observation(signals, 0.0, sat_10=BALL, hue_4=region(150, 120, 6)))
+    assert signals.read(blue) is None
+    signals.update(
+        observation(signals, 0.1, sat_10=BALL, hue_4=region(150, 120, 6), hue_7=region(168, 120, 3))
+    )
+    reading = signals.read(blue)
+    assert reading is not None and reading.value[0] < 0
+
+
+def test_any_mark_has_one_name(dexter: RobotDocument) -> None:
+    assert mark(dexter, "mark.red.any") == resources(dexter)["mark.red"]
+
+
+def test_a_thing_has_no_mark_of_its_own_hue(dexter: RobotDocument) -> None:
+    named = resources(dexter)
+    for name in ("mark.red.hue_1", "mark.hue_1.red", "mark.red.sat_10", "mark.red.pink"):
+        parsed = parse_mark(name, named)
+        assert parsed is not None and parsed.resource(name, dexter) is None
+    assert parse_mark("mark.red", named) is None
+    assert parse_mark("cyclopean.red.blue", named) is None
+
+
+def test_every_hue_that_is_offered_names_a_mark(dexter: RobotDocument) -> None:
+    for thing in ("red", THING):
+        parsed = parse_mark(f"mark.{thing}.any", resources(dexter))
+        assert parsed is not None and {"any", "blue", "hue_7"} < set(parsed.hues(dexter))
+        for hue in parsed.hues(dexter):
+            assert mark(dexter, f"mark.{thing}.{hue}").type.name == "heading"
+
+
+def mark(robot: RobotDocument, name: str) -> Resource:
+    parsed = parse_mark(name, resources(robot))
+    resource = None if parsed is None else parsed.resource(name, robot)
+    assert resource is not None
+    return resource

@@ -8,6 +8,9 @@ WHERE = np.array([0.5, -0.2, -0.35])
 WHOLE = (0.02, 0.02)
 HALF = (0.01, 0.01)
 FRAME = 1 / 15
+Pair = tuple[float, float]
+# Both lines of sight lead to where the thing is remembered.
+AT_IT = (0.0, 0.0)
 
 
 @pytest.fixture
@@ -28,16 +31,55 @@ def test_a_half_hidden_region_moves_nothing(memory: PositionMemory) -> None:
     assert memory.position == pytest.approx(WHERE)
 
 
-def test_it_looks_smaller_where_one_camera_sees_less_of_it_than_before(
+def test_it_has_shrunk_where_one_camera_sees_less_of_it_than_before(
     memory: PositionMemory,
 ) -> None:
-    assert not memory.looks_smaller(WHOLE)
+    assert not memory.has_shrunk(WHOLE, AT_IT)
     memory.see(0.0, WHERE, WHOLE)
-    assert not memory.looks_smaller(WHOLE)
-    assert not memory.looks_smaller((0.03, 0.02))
-    assert memory.looks_smaller((0.03, 0.0199))
-    memory.forget_size()
-    assert not memory.looks_smaller(HALF)
+    assert not memory.has_shrunk(WHOLE, AT_IT)
+    assert not memory.has_shrunk((0.03, 0.02), AT_IT)
+    assert memory.has_shrunk((0.02, 0.0199), AT_IT)
+    memory.forget_size(HALF, AT_IT)
+    assert not memory.has_shrunk(HALF, AT_IT)
+
+
+@pytest.mark.parametrize(
+    ("sizes", "aside", "has_shrunk"),
+    [
+        ((0.01, 0.01), AT_IT, True),
+        ((0.01, 0.0111), AT_IT, True),
+        ((0.01, 0.0112), AT_IT, False),  # over a tenth more in one camera
+        ((0.02, 0.01), AT_IT, False),
+        ((0.02, 0.01), (0.0, 0.3), False),  # as what is half hidden seems to be
+        ((0.02, 0.01), (0.3, 0.0), True),  # elsewhere
+        ((0.02, 0.01), (0.3, 0.3), True),
+    ],
+)
+def test_what_one_camera_loses_is_hidden_from_it_unless_the_other_sees_it_elsewhere(
+    memory: PositionMemory, sizes: Pair, aside: Pair, has_shrunk: bool
+) -> None:
+    memory.see(0.0, WHERE, WHOLE)
+    assert memory.has_shrunk(sizes, aside) is has_shrunk
+
+
+def test_what_comes_before_a_thing_little_by_little_hides_it(memory: PositionMemory) -> None:
+    """Each image shows a little less of it to one camera than the image before."""
+    memory.see(0.0, WHERE, WHOLE)
+    for number in range(1, 20):
+        sizes = (0.02, 0.02 * 0.95**number)
+        if memory.has_shrunk(sizes, AT_IT):
+            memory.forget_size(sizes, AT_IT)
+        memory.see(number * FRAME, WHERE + 0.005 * number, sizes)
+    assert memory.position == pytest.approx(WHERE, abs=0.02)
+
+
+def test_what_turns_and_moves_on_is_seen_again(memory: PositionMemory) -> None:
+    memory.see(0.0, WHERE, WHOLE)
+    there, sizes, aside = WHERE + 0.3, (0.02, 0.01), (0.3, 0.3)
+    assert memory.has_shrunk(sizes, aside)
+    memory.forget_size(sizes, aside)
+    assert memory.see(FRAME, there, sizes)
+    assert not memory.has_shrunk(sizes, AT_IT)
 
 
 def test_an_explained_loss_is_held_and_any_other_forgotten_soon(memory: PositionMemory) -> None:
@@ -55,7 +97,7 @@ def test_the_size_outlives_a_loss_until_it_is_forgotten(memory: PositionMemory) 
     memory.see(0.0, WHERE, WHOLE)
     memory.miss(9.0, explained=False)
     assert not memory.see(9.1, WHERE, HALF)
-    memory.forget_size()
+    memory.forget_size(HALF, AT_IT)
     assert memory.see(9.2, WHERE, HALF)
 
 

@@ -29,9 +29,9 @@ def backend(dexter: RobotDocument, urdf: Path) -> KinematicBackend:
 
 
 @pytest.fixture
-def action(checked: Checked, dexter: RobotDocument) -> Callable[[str], Explorable]:
-    def make(program: str) -> Explorable:
-        made = explorable(program, checked(program), DIGEST, resources(dexter))
+def action(checked: Checked, dexter: RobotDocument) -> Callable[..., Explorable]:
+    def make(program: str, **values: str) -> Explorable:
+        made = explorable(program, checked(program, **values), DIGEST, resources(dexter))
         assert made is not None
         return made
 
@@ -44,7 +44,7 @@ def action(checked: Checked, dexter: RobotDocument) -> Callable[[str], Explorabl
         ("searchtrack", ["left.sat_10", "left.sat_10.velocity", "left.sat_10.extent"]),
         ("reachtouch", ["stereo.sat_10", "stereo.sat_10.velocity", "stereo.sat_10.volume"]),
         ("bimanualtouch", ["stereo.sat_10", "stereo.sat_10.velocity", "stereo.sat_10.volume"]),
-        ("visualinspect", ["left.blue", "left.blue.velocity", "left.blue.extent"]),
+        ("visualinspect", ["stereo.sat_10", "stereo.sat_10.velocity", "stereo.sat_10.volume"]),
         ("touch_table", ["surface.green"]),
     ],
 )
@@ -54,6 +54,13 @@ def test_features_are_of_what_is_rewarded(
     own = action(program)
     assert [each.name for each in own.features.values()] == signals
     assert own.presence.name == f"left.{signals[0].partition('.')[2]}"
+
+
+def test_features_of_a_mark_are_those_of_its_hue(action: Callable[..., Explorable]) -> None:
+    own = action("visualinspect", mark="blue")
+    signals = ["left.blue", "left.blue.velocity", "left.blue.extent"]
+    assert [each.name for each in own.features.values()] == signals
+    assert own.presence.name == "left.blue"
 
 
 def test_what_is_rewarded_for_neither_cannot_be_explored(

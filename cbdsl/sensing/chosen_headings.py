@@ -1,0 +1,98 @@
+"""Chosen headings: to regions that are picked anew in each image, whatever thing they belong to."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Iterable
+from typing import Generic, NamedTuple, TypeVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cbdsl.documents.robot import RobotDocument
+from cbdsl.sensing.camera import heading, heading_jacobian
+from cbdsl.sensing.kinematics import Kinematics
+from cbdsl.sensing.observation import Observation
+from cbdsl.sensing.reading import Reading, mean
+from cbdsl.sensing.vision import Vision
+from cbdsl.types.resource import MarkHeading, NovelHeading, Resource
+
+Floats = NDArray[np.float64]
+Chosen = TypeVar("Chosen", NovelHeading, MarkHeading)
+
+
+class _Lines(NamedTuple):
+    """Lines of sight, by camera, the number of the images that show them, and their time, s."""
+
+    lines: dict[str, Floats]
+    image: int
+    time: float
+
+
+class ChosenHeadings(ABC, Generic[Chosen]):
+    """Headings along lines of sight, which outlive their regions as other headings do.
+
+    What they lead to stands still while the cameras move.
+
+    Args:
+        robot: whose cameras look.
+        kinematics: of the same robot.
+        vision: what they see.
+        resources: that are read.
+
+    Attributes:
+        kind: source of the resources that lead to what is chosen here.
+    """
+
+    kind: type[Chosen]
+
+    def __init__(
+        self,
+        robot: RobotDocument,
+        kinematics: Kinematics,
+        vision: Vision,
+        resources: Iterable[Resource],
+    ) -> None:
+        self._robot, self._kinematics, self._vision = robot, kinematics, vision
+        sources = dict.fromkeys(each.source for each in resources)
+        self._sources: list[Chosen] = [each for each in sources if isinstance(each, self.kind)]
+        self._linger = robot.vision.regions.linger
+        self.reset()
+
+    def reset(self) -> None:
+        """Forget the episode before."""
+        self._kept: dict[Chosen, _Lines] = {}
+
+    def update(self, observation: Observation) -> None:
+        """Look at the newest images; vision and kinematics must be up to date."""
+        if not observation.images and not observation.regions:
+            return
+        for source in self._sources:
+            lines = self._choose(source)
+            if lines:
+                self._kept[source] = _Lines(lines, self._vision.images, observation.time)
+            elif self._is_due(source, observation.time):
+                del self._kept[source]
+
+    def heading(self, source: Chosen) -> Reading | None:
+        """The mean heading over the cameras that see it, ``None`` while none does."""
+        kept = self._kept.get(source)
+        if kept is None:
+            return None
+        return mean([self._reading(name, line, kept.image) for name, line in kept.lines.items()])
+
+    @abstractmethod
+    def _choose(self, source: Chosen) -> dict[str, Floats]:
+        """Lines of sight to what the newest images show of it, world frame, by camera."""
+
+    def _is_due(self, source: Chosen, time: float) -> bool:
+        """Whether its lines of sight have outlived their regions for as long as headings do."""
+        kept = self._kept.get(source)
+        return kept is not None and time - kept.time > self._linger
+
+    def _reading(self, camera: str, line: Floats, image: int) -> Reading:
+        """The heading to a line of sight, as the cameras move it."""
+        link = self._robot.cameras[camera].link
+        angles = heading(self._kinematics.frame(link).rotation.T.dot(line))
+        jacobian = heading_jacobian(angles).dot(self._kinematics.own_turning(link))
+        return Reading(angles, jacobian, image)
