@@ -6,12 +6,12 @@ from __future__ import annotations
 TAIL = 0.025
 
 
-def exact_interval(hits: float, trials: int) -> tuple[float, float]:
+def exact_interval(hits: float, trials: float) -> tuple[float, float]:
     """Clopper-Pearson interval of a proportion.
 
     Args:
         hits: successes; between whole numbers the bounds are interpolated by the beta law.
-        trials: how many there were, at least one.
+        trials: how many there were, more than none; an effective number need not be whole.
 
     Raises:
         ValueError: there were no trials, or not as many as hits.

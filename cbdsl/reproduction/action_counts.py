@@ -7,13 +7,36 @@ from collections.abc import Sequence
 from cbdsl.documents.catalog import CatalogDocument
 from cbdsl.learning.action_outcome import NOOP
 from cbdsl.reproduction.bar_chart import Bar, BarChart
+from cbdsl.reproduction.claim import Claim
 from cbdsl.reproduction.habituation import actions_of
+from cbdsl.reproduction.percentage import clustered_percentage
+from cbdsl.reproduction.quantity import Quantity
 
 
 def tally(catalogs: Sequence[CatalogDocument], name: str) -> tuple[int, int]:
     """How often an action was rewarded, and taken, in all trials."""
     own = [each.affordances[name] for each in catalogs if name in each.affordances]
     return sum(each.rewarded for each in own), sum(each.tried for each in own)
+
+
+def tallies(catalogs: Sequence[CatalogDocument], name: str) -> tuple[list[int], list[int]]:
+    """How often an action was rewarded, and taken, in each trial."""
+    each = [tally([catalog], name) for catalog in catalogs]
+    return [hits for hits, _ in each], [tried for _, tried in each]
+
+
+def share_of_actions(
+    catalogs: Sequence[CatalogDocument],
+    name: str,
+    source: str = "no number",
+    expected: Claim | None = None,
+) -> Quantity:
+    """The percentage of the actions of one name that were rewarded.
+
+    Actions of one trial depend on each other: it has one object, in one place.
+    """
+    hits, tried = tallies(catalogs, name)
+    return clustered_percentage(f"{name} rewarded", source, hits, tried, expected, of="actions")
 
 
 def action_bars(name: str, label: str, catalogs: Sequence[CatalogDocument]) -> BarChart:

@@ -10,7 +10,12 @@ import numpy as np
 from cbdsl.documents.catalog import CatalogDocument
 from cbdsl.learning.action_outcome import NOOP
 from cbdsl.reporting.drawing.catalog_icon import Layer, catalog_icon
-from cbdsl.reproduction.action_counts import action_bars, tally
+from cbdsl.reproduction.action_counts import (
+    action_bars,
+    share_of_actions,
+    tallies,
+    tally,
+)
 from cbdsl.reproduction.claim import Claim, above, at_least, at_most, below
 from cbdsl.reproduction.estimate import chance_of_samples, mean
 from cbdsl.reproduction.experiment import Picture, Result, RunSettings
@@ -27,7 +32,7 @@ from cbdsl.reproduction.habituation import (
     reward_chart,
 )
 from cbdsl.reproduction.interval import bootstrap_interval
-from cbdsl.reproduction.percentage import percentage
+from cbdsl.reproduction.percentage import clustered_percentage, percentage
 from cbdsl.reproduction.quantity import Quantity
 from cbdsl.reproduction.trial_runner import TrialRunner, trial_runner
 
@@ -140,22 +145,20 @@ def _shares(
     catalogs: Sequence[CatalogDocument], expected: Mapping[str, Expected]
 ) -> Iterator[Quantity]:
     for name, what in expected.items():
-        hits, tried = tally(catalogs, name)
-        yield percentage(f"{name} rewarded", what.source, hits, tried, what.claim, of="actions")
+        yield share_of_actions(catalogs, name, what.source, what.claim)
 
 
 def _marks(catalogs: Sequence[CatalogDocument]) -> Iterator[Quantity]:
     """Of a ball with two patches: how often either was found, of all inspections."""
     for name in ("reachtouch", "bimanualtouch"):
-        hits, tried = tally(catalogs, name)
-        yield percentage(f"{name} rewarded", "no number", hits, tried, None, of="actions")
+        yield share_of_actions(catalogs, name)
     names = dict.fromkeys(k for each in catalogs for k in each.affordances if "inspect" in k)
-    inspected = sum(tally(catalogs, name)[1] for name in names)
+    inspected = [sum(tally([each], name)[1] for name in names) for each in catalogs]
     for name in names:
-        hits, _ = tally(catalogs, name)
         if name != "visualinspect":
             label = f"{name} rewarded, of all inspections"
-            yield percentage(label, "below one half", hits, inspected, below(50))
+            hits, _ = tallies(catalogs, name)
+            yield clustered_percentage(label, "below one half", hits, inspected, below(50))
     both = sum(
         {"visualinspect_blue", "visualinspect_yellow"} <= set(e.affordances) for e in catalogs
     )

@@ -1,6 +1,6 @@
 """Figure 3.4: reaching alone, and with the range or the manipulability potential below.
 
-The arm reaches for a ball at 25 places under each of three laws. All three potentials are evaluated
+The arm reaches for a ball at 30 places under each of three laws. All three potentials are evaluated
 in every tick of every reach from the robot's own signals, whether the law lowers them or not.
 """
 
@@ -25,7 +25,7 @@ from cbdsl.reproduction.claim import above, at_least, at_most, below
 from cbdsl.reproduction.estimate import mean_of
 from cbdsl.reproduction.experiment import Result, RunSettings
 from cbdsl.reproduction.interval import resampled_interval
-from cbdsl.reproduction.percentage import percentage
+from cbdsl.reproduction.percentage import clustered_percentage, percentage
 from cbdsl.reproduction.quantity import Quantity
 from cbdsl.reproduction.simulation_fixture import SimulationFixture, simulation_fixture
 from cbdsl.runtime.episode import Runner, Tick
@@ -36,7 +36,7 @@ _ARM, _REACH = "right_arm", "reach"
 _LAWS = {"c0": _REACH, "c1": f"posturalbias ◁ {_REACH}", "c2": f"manipulability ◁ {_REACH}"}
 
 # Five by five places, 0.4 m x 0.8 m, on the table in front of the robot, m.
-_PLACES = tuple(product(np.linspace(0.32, 0.72, 5).tolist(), np.linspace(-0.4, 0.4, 5).tolist()))
+_PLACES = tuple(product(np.linspace(0.32, 0.72, 6).tolist(), np.linspace(-0.4, 0.4, 5).tolist()))
 _QUICK_PLACES = (_PLACES[0], _PLACES[14])
 _RADIUS = 0.03
 
@@ -164,10 +164,15 @@ def _tip(tick: Tick, columns: Any) -> Floats:
 
 
 def _quantities(reaches: Mapping[str, Sequence[_Reach]], seed: int) -> Iterator[Quantity]:
-    everything = [reach for runs in reaches.values() for reach in runs]
-    arrived = sum(reach.arrived for reach in everything)
-    name, note = "reaches that come to rest at the ball", _touching(reaches)
-    yield percentage(name, "all", arrived, len(everything), at_least(_ALMOST_ALL), note=note)
+    places = list(zip(*reaches.values(), strict=True))
+    yield clustered_percentage(
+        "reaches that come to rest at the ball",
+        "all",
+        [sum(reach.arrived for reach in own) for own in places],
+        list(map(len, places)),
+        at_least(_ALMOST_ALL),
+        note=_touching(reaches),
+    )
     for law, runs in reaches.items():
         yield _fall(law, runs, seed)
     yield from _less("range", "φ_r", reaches["c1"], reaches["c0"], "c1", seed)

@@ -63,15 +63,15 @@ def _quantities(name: str, count: int, profiles: Sequence[ImpedanceProfile]) -> 
     yield percentage(f"{label}: brought together and tested", "", len(profiles), count, None)
     rights = [pair.right(profile.tracked()) for profile in profiles]
     source = f"{', '.join(pair.stiff)}; not {', '.join(pair.free)}"
-    hits, signs = sum(map(sum, rights)), sum(map(len, rights))
     # Signs of one profile depend on each other.
     yield clustered_percentage(
         f"{label}: directions tracked as there",
         source,
-        [sum(own) / len(own) for own in rights],
+        [sum(own) for own in rights],
+        [len(own) for own in rights],
         above(_RIGHT),
         ordering=above(50),
-        note=f"{hits} of {signs} signs in {len(rights)} profiles",
+        of="signs",
     )
 
 

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from cbdsl.documents.catalog import CatalogDocument
 from cbdsl.reporting.drawing.catalog_hierarchy import CatalogNode
 from cbdsl.reporting.drawing.catalog_icon import Layer
-from cbdsl.reproduction.action_counts import action_bars, tally
+from cbdsl.reproduction.action_counts import action_bars, share_of_actions, tally
 from cbdsl.reproduction.chart import Chart, Line
 from cbdsl.reproduction.claim import Claim, above, at_least, at_most, below, near
 from cbdsl.reproduction.estimate import mean_of
@@ -116,9 +116,7 @@ def joined_after(catalogs: Sequence[CatalogDocument]) -> int:
 
 
 def _counts(grown: Grown, catalogs: Sequence[CatalogDocument]) -> Iterator[Quantity]:
-    hits, tried = tally(catalogs, _ACTION)
-    name = f"{_ACTION} rewarded"
-    yield percentage(name, grown.source, hits, tried, grown.claim, of="actions")
+    yield share_of_actions(catalogs, _ACTION, grown.source, grown.claim)
     own = [float(actions_of(each).count(_ACTION)) for each in catalogs]
     yield mean_of(f"{_ACTION} taken", "times a trial", "", own, None)
 

@@ -8,6 +8,8 @@ from itertools import pairwise
 import numpy as np
 
 from cbdsl.documents.catalog import CatalogDocument
+from cbdsl.learning.action_outcome import NOOP
+from cbdsl.reproduction.action_counts import share_of_actions
 from cbdsl.reproduction.claim import above, at_least
 from cbdsl.reproduction.estimate import chance_of_samples, mean
 from cbdsl.reproduction.experiment import Picture, Result, RunSettings
@@ -25,7 +27,7 @@ from cbdsl.reproduction.habituation import (
     tries_until_habituated,
 )
 from cbdsl.reproduction.interval import bootstrap_interval
-from cbdsl.reproduction.percentage import percentage
+from cbdsl.reproduction.percentage import clustered_percentage, percentage
 from cbdsl.reproduction.quantity import Quantity
 from cbdsl.reproduction.trial_runner import TrialRunner, trial_runner
 
@@ -69,9 +71,7 @@ def gather(dexter: TrialRunner, settings: RunSettings, name: str) -> list[Catalo
 
 def _rewarded(catalogs: Sequence[CatalogDocument]) -> Iterator[Quantity]:
     for name in dict.fromkeys(key for each in catalogs for key in each.affordances):
-        own = [each.affordances[name] for each in catalogs if name in each.affordances]
-        hits, tried = sum(each.rewarded for each in own), sum(each.tried for each in own)
-        yield percentage(f"{name} rewarded", "no number", hits, tried, None, of="actions")
+        yield share_of_actions(catalogs, name)
 
 
 def _table(catalogs: Sequence[CatalogDocument], seed: int) -> Iterator[Quantity]:
@@ -112,6 +112,6 @@ def _attention(catalogs: Sequence[CatalogDocument], seed: int) -> Iterator[Quant
         label = f"touches {text}, within {_SOON} actions"
         yield percentage(label, "yes", sum(soon), len(soon), at_least(90))
     before = [actions_of(each)[_COMES - 10 : _COMES] for each in catalogs]
-    idle = sum(own.count("noop") for own in before)
+    idle, sizes = [own.count(NOOP) for own in before], [len(own) for own in before]
     name = "noop in the 10 actions before the blue ball comes"
-    yield percentage(name, "habituated", idle, sum(map(len, before)), above(50))
+    yield clustered_percentage(name, "habituated", idle, sizes, above(50))

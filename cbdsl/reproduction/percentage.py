@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 
-from cbdsl.numeric.proportion import exact_interval
+from cbdsl.numeric.proportion import TAIL, exact_interval
 from cbdsl.reproduction.claim import Claim
 from cbdsl.reproduction.quantity import Quantity
 
@@ -32,39 +32,70 @@ def percentage(
     """
     counts = f"{hits} of {trials}{of and ' '}{of}"
     noted = f"{counts}; {note}" if note else counts
-    return _share(name, source, hits, trials, expected, ordering, noted)
+    return _share(name, source, hits, trials, expected, ordering, noted, judged=trials > 1)
 
 
 def clustered_percentage(
     name: str,
     source: str,
-    shares: Sequence[float],
-    expected: Claim,
+    hits: Sequence[int],
+    sizes: Sequence[int],
+    expected: Claim | None,
     *,
     ordering: Claim | None = None,
+    of: str = "",
     note: str = "",
 ) -> Quantity:
     """The percentage of hits that come several to a trial, and depend on each other there.
 
-    A trial counts once: the interval is the exact one of as many trials, which is that of the hits
-    where all of a trial go together, and wider than theirs where they do not.
+    The interval is the exact one of the effective number of outcomes (Korn and Graubard, 1998):
+    as many independent ones as would vary as these vary between trials. Where all or none are hits
+    nothing varies, and only the number of trials limits what is known.
 
     Args:
         name, source, expected, ordering, note: see ``Quantity``; claims are about percentages.
-        shares: of hits, one for each trial.
+        hits: of each trial.
+        sizes: all outcomes of each trial; of a single trial the quantity is not judged.
+        of: a word for the outcomes in the note.
     """
-    hits = min(sum(shares), len(shares))
-    return _share(name, source, hits, len(shares), expected, ordering, note)
+    total, right, trials = sum(sizes), sum(hits), sum(size > 0 for size in sizes)
+    noted = f"{right} of {total}{of and ' '}{of} in {len(sizes)} trials{note and '; '}{note}"
+    outcomes = effective_number(hits, sizes) if trials > 1 else float(trials)
+    known = right / total * outcomes if total else 0.0
+    return _share(name, source, known, outcomes, expected, ordering, noted, judged=trials > 1)
+
+
+def effective_number(hits: Sequence[int], sizes: Sequence[int]) -> float:
+    """Effective number of the outcomes of at least two trials that have any.
+
+    Args:
+        hits: of each trial.
+        sizes: all outcomes of each trial.
+
+    Returns:
+        At most the number of outcomes; less for fewer trials, whose spread is known less well.
+    """
+    from scipy.special import stdtrit
+
+    total, trials = sum(sizes), sum(size > 0 for size in sizes)
+    share = sum(hits) / total
+    squares = sum((hit - share * size) ** 2 for hit, size in zip(hits, sizes, strict=True))
+    variance = trials / (trials - 1) * squares / total**2
+    number = share * (1 - share) / variance if variance > 0 else math.inf
+    known = float(stdtrit(total - 1, 1 - TAIL) / stdtrit(trials - 1, 1 - TAIL)) ** 2
+    return min(number, total) * known
 
 
 def _share(
     name: str,
     source: str,
     hits: float,
-    trials: int,
+    trials: float,
     expected: Claim | None,
     ordering: Claim | None,
     note: str,
+    *,
+    judged: bool,
 ) -> Quantity:
     return Quantity(
         name,
@@ -73,8 +104,8 @@ def _share(
         100 * hits / trials if trials else math.nan,
         expected,
         ordering,
-        _interval(hits, trials) if trials > 1 else None,
-        chance_of_counts(expected, trials) if expected is not None and trials else 0.0,
+        _interval(hits, trials) if judged else None,
+        chance_of_counts(expected, math.ceil(trials)) if expected is not None and trials else 0.0,
         note,
     )
 
@@ -97,7 +128,7 @@ def chance_of_counts(claim: Claim, trials: int) -> float:
     return max((_likelihood(first, last, trials, end / 100) for end in claim.ends), default=0.0)
 
 
-def _interval(hits: float, trials: int) -> tuple[float, float]:
+def _interval(hits: float, trials: float) -> tuple[float, float]:
     low, high = exact_interval(hits, trials)
     return 100 * low, 100 * high
 

@@ -24,9 +24,10 @@ column *chance* tells how often as many trials would be called reproduced if the
 just false; a coin, or a model that is uniform, passes at most as often wherever the claim is false
 of it. Of curves, ratios and trials drawn anew it is the 2.5 % for which intervals are made. Above
 5 % nothing is called reproduced. Regions that were set when the numbers were known say
-so. Intervals are exact (Clopper-Pearson) for proportions, bootstrapped for everything else. Where
-the robot learns, it does so on the kinematic backend, many times from zero; other backends have
-sections of their own.
+so. Intervals are exact (Clopper-Pearson) for proportions, with the effective number of outcomes
+(Korn-Graubard) where several of them come from one trial, and bootstrapped for everything else.
+Where the robot learns, it does so on the kinematic backend, many times from zero; other backends
+have sections of their own.
 """
 
 _SECTION = re.compile(r"^## ([^:\n]+): ", re.MULTILINE)

@@ -12,7 +12,7 @@ from cbdsl.program.checked import CheckedProgram
 from cbdsl.program.transition import Transition
 from cbdsl.reproduction.claim import above
 from cbdsl.reproduction.diagram import Diagram, graph_of
-from cbdsl.reproduction.percentage import percentage
+from cbdsl.reproduction.percentage import clustered_percentage, percentage
 from cbdsl.reproduction.quantity import Quantity
 
 # The reach at rest and nothing felt; on its way again.
@@ -38,17 +38,15 @@ def retry_quantities(trials: Sequence[Episodes]) -> Iterator[Quantity]:
     with_any = [any(any(True for _ in retries(each)) for each in trial) for trial in trials]
     name = f"Figure 5.9: trials that learn the retry {_IN_VAIN} → {_AGAIN}"
     yield percentage(name, "drawn", sum(with_any), len(trials), above(50))
-    tried = [
-        (next((t for t in retries(each)), None), each.reward > 0)
+    rewarded = [
+        [each.reward > 0 for each in trial if next(retries(each), None) is not None]
         for trial in trials
-        for each in trial
     ]
-    rewarded = [reward for retry, reward in tried if retry is not None]
-    yield percentage(
+    yield clustered_percentage(
         "Figure 5.9: episodes with a retry that come to their reward",
         "eventually",
-        sum(rewarded),
-        len(rewarded),
+        [sum(own) for own in rewarded],
+        [len(own) for own in rewarded],
         above(50),
         of="episodes",
     )

@@ -14,7 +14,7 @@ from cbdsl.reproduction.claim import above, at_least, at_most
 from cbdsl.reproduction.diagram import Diagram, graph_of
 from cbdsl.reproduction.experiment import Result, RunSettings
 from cbdsl.reproduction.learned_in import learned_in_quantities
-from cbdsl.reproduction.percentage import percentage
+from cbdsl.reproduction.percentage import clustered_percentage, percentage
 from cbdsl.reproduction.quantity import Quantity
 from cbdsl.reproduction.series import (
     BIMANUALTOUCH,
@@ -228,14 +228,13 @@ def _diagram(arc: DrawnArc, check: Check) -> Mapping[ActionArc, float]:
 
 def _rewarded(series: Series, last: Sequence[Check]) -> Quantity:
     rewarded = [
-        experience.reward > 0
+        [each.reward > 0 for each in check.experiences if each.context not in series.hopeless]
         for check in last
-        for experience in check.experiences
-        if experience.context not in series.hopeless
     ]
     name = f"{series.label}: held-out episodes that the greedy policy is rewarded in"
-    hits = sum(rewarded)
-    return percentage(name, "its reward is found", hits, len(rewarded), at_least(95))
+    hits, sizes = [sum(own) for own in rewarded], [len(own) for own in rewarded]
+    # Those of one policy depend on what it has learned.
+    return clustered_percentage(name, "its reward is found", hits, sizes, at_least(95))
 
 
 def _drawn(name: str, has: Sequence[bool], note: str = "") -> Quantity:

@@ -21,8 +21,8 @@ def verdicts(c0: list[_Reach], c1: list[_Reach], c2: list[_Reach]) -> list[Verdi
 
 
 def test_reaches_as_the_source_has_them() -> None:
-    alone = [reach([1.0, 0.5, 0.0], [0.0, 1.0]) for _ in range(25)]
-    below = [reach([1.0, 0.5, 0.0], [0.0, 0.5]) for _ in range(25)]
+    alone = [reach([1.0, 0.5, 0.0], [0.0, 1.0]) for _ in range(30)]
+    below = [reach([1.0, 0.5, 0.0], [0.0, 0.5]) for _ in range(30)]
     assert set(verdicts(alone, below, below)) == {Verdict.REPRODUCED}
 
 
@@ -34,7 +34,7 @@ def test_a_few_reaches_of_the_same_kind_decide_nothing_of_all() -> None:
 
 
 def test_reaches_that_a_lower_controller_does_not_help() -> None:
-    alone = [reach([1.0, 0.5, 0.0], [0.0, 1.0]) for _ in range(25)]
+    alone = [reach([1.0, 0.5, 0.0], [0.0, 1.0]) for _ in range(30)]
     assert verdicts(alone, alone, alone)[4:] == [Verdict.MISSED] * 4
 
 
@@ -44,7 +44,7 @@ def test_reaches_that_fail_or_rise_are_told() -> None:
     arrived, c0, c1, c2, change, places, *_ = _quantities(
         {"c0": [good, good], "c1": [good, late], "c2": [rising, rising]}, 0
     )
-    assert arrived.note.startswith("5 of 6;")
+    assert arrived.note.startswith("5 of 6 in 2 trials;")
     assert arrived.verdict is Verdict.UNDECIDED
     assert [each.verdict for each in (c0, c1, c2)] == [Verdict.REPRODUCED] * 2 + [Verdict.MISSED]
     # A reach that fails counts by what it changed until it was given up.
@@ -52,7 +52,7 @@ def test_reaches_that_fail_or_rise_are_told() -> None:
 
 
 def test_reaches_that_never_began_are_missed() -> None:
-    none = [_Reach()] * 25
+    none = [_Reach()] * 30
     assert set(verdicts(none, none, none)) == {Verdict.MISSED}
     assert math.isnan(
         next(

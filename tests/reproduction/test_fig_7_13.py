@@ -43,7 +43,7 @@ def test_signs_of_a_profile_are_no_independent_trials(tmp_path: Path) -> None:
     """Two profiles with all of their six signs right are two trials, not twelve."""
     result = run(replace(keep(tmp_path, right=True), trials=2))
     judged = [each for each in result.quantities if each.expected is not None]
-    assert all(each.note.endswith(" in 2 profiles") for each in judged)
+    assert all(each.note.endswith(" in 2 trials") for each in judged)
     assert {each.ours for each in judged} == {100.0}
     assert {each.verdict for each in judged} == {Verdict.UNDECIDED}
 
