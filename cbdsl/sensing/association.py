@@ -130,9 +130,14 @@ def _candidate(i: int, one: Sighting, j: int, other: Sighting, settings: Regions
     whole = not (one.region.clipped or other.region.clipped)
     if meeting.gap > (settings.ray_gap if whole else _CLIPPED_GAP):
         return None
-    if whole and min(meeting.sizes) < _ALIKE * max(meeting.sizes):
+    if whole and not look_alike(meeting.sizes):
         return None
     return Pair(i, j, meeting, whole)
+
+
+def look_alike(sizes: Sequence[float]) -> bool:
+    """Whether two cameras may see the whole of one thing, which looks that large to them, m^2."""
+    return min(sizes) >= _ALIKE * max(sizes)
 
 
 def _groups(possible: Sequence[Pair]) -> Iterator[list[Pair]]:

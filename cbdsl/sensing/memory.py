@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from cbdsl.documents.robot import Regions
 from cbdsl.numeric.compiled import compiled_once
+from cbdsl.sensing.association import look_alike
 
 Floats = NDArray[np.float64]
 
@@ -70,7 +71,8 @@ class PositionMemory:
         """Whether a thing is smaller than it looked before, unless something hides a part of it.
 
         What one camera alone sees less of, over a shoulder or past another thing, is hidden from
-        that camera, if the other one sees it where it was. What has moved may have turned.
+        that camera, if the other one sees it where it was. What has moved may have turned, but is
+        seen whole, so that it looks alike to both: what is left of it beside a forearm does not.
 
         Args:
             sizes: apparent area times squared distance in each camera, m^2.
@@ -79,7 +81,9 @@ class PositionMemory:
         if min(_shares(sizes, self._largest)) >= 1.0:
             return False
         shares = _shares(sizes, self._visible)
-        return self._has_moved(shares, aside) or min(shares) >= _ALIKE * max(shares)
+        if self._has_moved(shares, aside):
+            return look_alike(sizes)
+        return min(shares) >= _ALIKE * max(shares)
 
     def forget_size(self, sizes: Sequence[float], aside: Sequence[float]) -> None:
         """Let the next sighting set the size anew, since nothing hides any part of the thing.

@@ -260,6 +260,31 @@ def test_what_a_hand_leaves_of_a_thing_is_no_other_thing(
     assert scene.places()[0] == near(RIGHT)
 
 
+@pytest.mark.parametrize("alike", [False, True])
+def test_what_a_forearm_leaves_of_a_thing_does_not_move_it(
+    scene: Scene, monkeypatch: pytest.MonkeyPatch, alike: bool
+) -> None:
+    """Another part of it to each camera, whose lines of sight meet where no hand is.
+
+    Two parts of one size are what a smaller thing would look like that has got there.
+    """
+    scene.show((RIGHT, 0.06))
+    scene.look()
+    vision, red = scene.signals.vision, scene.red
+    parts, areas = [], (8, 8) if alike else (8, 2)
+    eyes = zip(scene.signals.robot.cameras.items(), (16, -16), areas, strict=True)
+    for (camera, eye), aside, eighths in eyes:
+        whole, frame = vision.seen[camera][RED][0], scene.signals.kinematics.frame(eye.link)
+        part = whole._replace(area=whole.area * eighths // 16, column=whole.column + aside)
+        parts.append([vision._sighted(camera, frame, part)])
+    monkeypatch.setattr(
+        vision.field, "is_hidden_by_hand", lambda place: math.dist(place, RIGHT) < 0.06
+    )
+    for tick in range(1, 5):
+        red.look(1.0 + tick / 15, 1.0 + tick / 15, parts)
+    assert (scene.places()[0] == near(RIGHT)) is not alike
+
+
 @pytest.mark.parametrize("side", [1, -1], ids=["left", "right"])
 def test_a_shoulder_that_comes_before_a_thing_does_not_move_it(
     dexter: RobotDocument, urdf: Path, side: int

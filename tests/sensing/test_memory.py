@@ -51,8 +51,11 @@ def test_it_has_shrunk_where_one_camera_sees_less_of_it_than_before(
         ((0.01, 0.0112), AT_IT, False),  # over a tenth more in one camera
         ((0.02, 0.01), AT_IT, False),
         ((0.02, 0.01), (0.0, 0.3), False),  # as what is half hidden seems to be
-        ((0.02, 0.01), (0.3, 0.0), True),  # elsewhere
-        ((0.02, 0.01), (0.3, 0.3), True),
+        ((0.02, 0.014), AT_IT, False),
+        ((0.02, 0.014), (0.3, 0.0), True),  # elsewhere, and turned
+        ((0.02, 0.014), (0.3, 0.3), True),
+        ((0.02, 0.01), (0.3, 0.3), False),  # no more than a part of it
+        ((0.0006, 0.0044), (0.3, 0.3), False),
     ],
 )
 def test_what_one_camera_loses_is_hidden_from_it_unless_the_other_sees_it_elsewhere(
@@ -75,7 +78,7 @@ def test_what_comes_before_a_thing_little_by_little_hides_it(memory: PositionMem
 
 def test_what_turns_and_moves_on_is_seen_again(memory: PositionMemory) -> None:
     memory.see(0.0, WHERE, WHOLE)
-    there, sizes, aside = WHERE + 0.3, (0.02, 0.01), (0.3, 0.3)
+    there, sizes, aside = WHERE + 0.3, (0.02, 0.014), (0.3, 0.3)
     assert memory.has_shrunk(sizes, aside)
     memory.forget_size(sizes, aside)
     assert memory.see(FRAME, there, sizes)
