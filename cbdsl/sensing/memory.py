@@ -56,6 +56,8 @@ class PositionMemory:
         self._largest: Sequence[float] | None = None
         # Sizes with as much of the thing visible to each camera, m^2.
         self._visible: Sequence[float] | None = None
+        # Sizes that were believed last, m^2.
+        self._newest: Sequence[float] | None = None
         # Displacements of the last ticks, m, and when they began, s.
         self._moves: deque[tuple[float, Floats]] = deque()
         self._time = 0.0
@@ -118,6 +120,11 @@ class PositionMemory:
         for size, most in zip(sizes, largest, strict=True):
             if size < least * most:
                 return False
+        shares = _shares(sizes, self._newest)
+        # Where one camera sees more or less of it than just before, something comes before it or
+        # goes: then its middle moves in that image, and says nothing of a motion.
+        steady = min(shares) >= least * max(shares)
+        self._newest = list(sizes)
         self._largest = list(map(max, largest, sizes))
         self._visible = list(map(max, self._visible or sizes, sizes))
         self.radius = math.sqrt(sum(self._largest) / len(sizes) / math.pi)
@@ -125,7 +132,7 @@ class PositionMemory:
             self.rest()
             self.position, self._sightings, self.since = position, 1, time
         else:
-            self._correct(time, position)
+            self._correct(time, position, steady=steady)
         self._seen = self._accounted = time
         return True
 
@@ -181,10 +188,13 @@ class PositionMemory:
         fitted = 2 * (2 * sightings - 1) / together, 6 / together
         return max(settled[0], fitted[0]), max(settled[1], fitted[1])
 
-    def _correct(self, time: float, position: Floats) -> None:
+    def _correct(self, time: float, position: Floats, *, steady: bool) -> None:
+        """Correct the position by a sighting, and the velocity, too, by one that is steady."""
         assert self.position is not None
         self._sightings += 1
-        gains, period = self._gains(self._sightings), max(time - self._seen, 1e-3)
+        of_position, of_velocity = self._gains(self._sightings)
+        gains = of_position, of_velocity if steady else 0.0
+        period = max(time - self._seen, 1e-3)
         corrected, velocity = np.empty(3), np.empty(3)
         self._speed = _correct(
             position, self.position, self._velocity, gains, period, corrected, velocity
