@@ -116,6 +116,9 @@ class PositionMemory:
             position: triangulated, and displaced as since the images, m, shape (3,).
             sizes: apparent area times squared distance in each camera, m^2.
         """
+        if look_alike(sizes) and not look_alike(self._largest or sizes):
+            # It was met half-hidden: size and place are those of a part.
+            self._forget_part()
         largest, least = self._largest or sizes, self._settings.least_visible
         for size, most in zip(sizes, largest, strict=True):
             if size < least * most:
@@ -129,12 +132,19 @@ class PositionMemory:
         self._visible = list(map(max, self._visible or sizes, sizes))
         self.radius = math.sqrt(sum(self._largest) / len(sizes) / math.pi)
         if self.position is None:
+            self.since = time
+        if not self._sightings or self.position is None:
             self.rest()
-            self.position, self._sightings, self.since = position, 1, time
+            self.position, self._sightings = position, 1
         else:
             self._correct(time, position, steady=steady)
         self._seen = self._accounted = time
         return True
+
+    def _forget_part(self) -> None:
+        """Let the next sighting set size and place anew; when it was discovered stays."""
+        self._largest = self._visible = self._newest = None
+        self._sightings = 0
 
     def predict(self, period: float, time: float) -> None:
         """Carry a moving position on by ``period`` seconds."""

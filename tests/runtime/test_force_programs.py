@@ -136,6 +136,8 @@ def test_what_falls_out_of_the_giving_hand_is_fetched_again() -> None:
 
         runner = Runner(request.robot, kinematics, request.program, backend)
         result = runner.run(request.stage, 3, "cube_right", note)
-        assert fetched == ["0XXXXXX", "1XXXXXX"] * 2
+        # At least once again: the other hand may miss it, too, as it comes.
+        assert len(fetched) >= 4
+        assert fetched == ["0XXXXXX", "1XXXXXX"] * (len(fetched) // 2)
         assert result.outcome == "success", result.ending
         assert {hand for hand, _ in truth.touching("cube")} == {"left_hand"}

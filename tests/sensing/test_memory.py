@@ -31,6 +31,21 @@ def test_a_half_hidden_region_moves_nothing(memory: PositionMemory) -> None:
     assert memory.position == pytest.approx(WHERE)
 
 
+def test_what_was_met_half_hidden_is_taken_anew_once_it_is_seen_whole(
+    memory: PositionMemory,
+) -> None:
+    """One camera sees a sliver beside the hand, whose middle is no middle of the thing."""
+    assert memory.see(0.0, WHERE, (0.0001, 0.0245))
+    whole = np.add(WHERE, (0.05, 0.0, 0.1))
+    assert memory.see(FRAME, whole, (0.0142, 0.0132))
+    assert memory.position == pytest.approx(whole)
+    assert memory.radius == pytest.approx(np.sqrt(0.0137 / np.pi))
+    assert memory.since == 0.0
+    assert memory.velocity is None
+    assert not memory.see(2 * FRAME, WHERE, (0.0001, 0.0245))
+    assert memory.position == pytest.approx(whole)
+
+
 def test_it_has_shrunk_where_one_camera_sees_less_of_it_than_before(
     memory: PositionMemory,
 ) -> None:
