@@ -174,11 +174,24 @@ class HarmonicField:
         return self.grid.holds(self._reached, point + shares * (goal - point))
 
     def _way_out(self, point: Floats) -> Floats:
-        """To the nearest vertex from which a path leads to the goal."""
-        free = np.argwhere(self.u > 0.0)
-        ways = self.grid.lower + self.grid.spacing * free - point
-        way: Floats = ways[np.argmin((ways * ways).sum(axis=1))]
-        return way
+        """To the nearest vertex from which a path leads to the goal.
+
+        Vertices are looked at in boxes around the point that grow until nothing outside can be
+        nearer: a point is mostly a cell or two inside, while a grid has a hundred thousand.
+        """
+        grid, reach = self.grid, 2.0
+        index = (point - grid.lower) / grid.spacing
+        while True:
+            first = np.clip(np.floor(index - reach), 0, grid.shape).astype(int)
+            last = np.clip(np.ceil(index + reach) + 1, 0, grid.shape).astype(int)
+            box = self.u[tuple(map(slice, first, last))]
+            ways = grid.lower + grid.spacing * (first + np.argwhere(box > 0.0)) - point
+            squares = (ways * ways).sum(axis=1)
+            nearest = squares.min(initial=math.inf)
+            if nearest <= (reach * grid.spacing) ** 2 or box.size == self.u.size:
+                way: Floats = ways[np.argmin(squares)]
+                return way
+            reach *= 2.0
 
     def _goal_vertex(self, goal: Floats) -> Vertex:
         for obstacle in self._obstacles:

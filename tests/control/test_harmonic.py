@@ -9,6 +9,7 @@ import pytest
 
 from cbdsl.control import harmonic
 from cbdsl.control.field import HarmonicField, NoPathError
+from cbdsl.control.grid import Grid
 from cbdsl.control.harmonic import Harmonic
 from cbdsl.control.law import Law, LawSettings
 from cbdsl.control.level import Level
@@ -206,6 +207,27 @@ def test_the_way_out_of_an_obstacle_lowers_phi() -> None:
         assert parameters[1] > 0.0  # outwards, and then on
     assert phis == sorted(phis, reverse=True)
     assert phis[0] - phis[2] == pytest.approx(0.06 / 0.02)
+
+
+def test_the_way_out_is_to_the_nearest_of_all_vertices_from_wherever() -> None:
+    grid = Grid.between(np.zeros(3), np.array([1.0, 0.8, 0.6]), 0.05)
+    obstacles = (Obstacle.sphere("ball", np.array([0.5, 0.4, 0.3]), 0.22),)
+    goal = np.array([0.9, 0.7, 0.5])
+    field = HarmonicField(grid, obstacles, goal)
+    vertices = grid.lower + grid.spacing * np.argwhere(field.u > 0.0)
+    rng = np.random.default_rng(0)
+    depths = []
+    for scatter in (0.1, 0.5, 3.0):
+        for point in np.array([0.5, 0.4, 0.3]) + scatter * rng.standard_normal((40, 3)):
+            slope = field.slope(point, goal)
+            if slope.closeness > 0.0:
+                continue
+            distances = np.linalg.norm(vertices - point, axis=1)
+            assert slope.depth * grid.spacing == pytest.approx(distances.min())
+            arrived = point + slope.depth * grid.spacing * slope.direction
+            assert np.linalg.norm(vertices - arrived, axis=1).min() < 1e-9
+            depths.append(slope.depth)
+    assert len(depths) > 60 and min(depths) < 5 and max(depths) > 100
 
 
 @pytest.mark.parametrize("bounded", [False, True])
