@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from typing import NamedTuple
 
 from cbdsl.language.expression import SUBJECT_TO
 from cbdsl.program.checked import CheckedProgram
@@ -27,9 +28,12 @@ from cbdsl.reproduction.series import (
     Series,
 )
 from cbdsl.reproduction.trial_runner import TrialRunner, trial_runner
-from cbdsl.reproduction.worth import worth_quantities
+from cbdsl.reproduction.worth import AS_GOOD, shares_of, worth_quantities
 from cbdsl.training.trial import Trial
-from cbdsl.types.state import ANY
+from cbdsl.types.state import ANY, matches
+
+#: What actions are worth, by state and action.
+Worth = Mapping[str, Mapping[str, float]]
 
 _REACH, _INSPECT, _BRING, _PUT = (
     "reach ◁ touch",
@@ -164,7 +168,7 @@ def run(settings: RunSettings, name: str) -> Result:
     for drawn, program, examined in zip(DRAWN[name], programs, policies, strict=True):
         trials, checked = [each.trial for each in examined], [each.checks for each in examined]
         last = [each[-1] for each in checked]
-        quantities += _quantities(drawn, last)
+        quantities += _quantities(drawn, last, shares_of(trials))
         quantities += worth_quantities(drawn.series, trials, drawn.choices(), settings.seed)
         quantities.append(_rewarded(drawn.series, last))
         if drawn.learned_in is not None:
@@ -205,25 +209,67 @@ def _examined(dexter: TrialRunner, drawn: DrawnPolicy, plan: Schedule) -> list[E
     ]
 
 
-def _quantities(drawn: DrawnPolicy, last: Sequence[Check]) -> Iterator[Quantity]:
+def _quantities(drawn: DrawnPolicy, last: Sequence[Check], worth: Worth) -> Iterator[Quantity]:
     """How many of the trials have what the source draws."""
     label = drawn.series.label
-    pairs = [[(arc, _diagram(arc, check)) for arc in drawn.arcs] for check in last]
-    whole = [all(arc.is_among(arcs) for arc, arcs in row if arcs) for row in pairs]
+    columns = [(arc, orders_alike(arc, worth), _looks(arc, last)) for arc in drawn.arcs]
+    whole = [
+        all(has(arc, look.arcs, alike) for (arc, alike, _), look in zip(columns, row, strict=True))
+        for row in zip(*(looks for _, _, looks in columns), strict=True)
+    ]
     yield _drawn(f"{label}: policies with all arcs", whole)
-    if any(SUBJECT_TO in arc.action for arc in drawn.arcs):
-        turned = [all(arc.is_turned_among(arcs) for arc, arcs in row if arcs) for row in pairs]
-        yield _drawn(f"{label}: policies with all arcs, whichever part leads", turned)
-    for column in zip(*pairs, strict=True):
-        has = [arc.is_among(arcs) for arc, arcs in column if arcs]
-        joined = sum(arc.is_joined(arcs) for arc, arcs in column if arcs)
-        arc, _ = column[0]
-        yield _drawn(f"{label}: {arc}", has, f"{joined} with whatever action")
+    for arc, alike, looks in columns:
+        met = [look.arcs for look in looks if look.is_met]
+        joined = sum(arc.is_joined(arcs) for arcs in met)
+        ordered = sum(arc.is_among(arcs) for arcs in met)
+        note = f"{ordered} in the order drawn; " if alike else ""
+        note += f"{joined} with whatever action"
+        yield _drawn(f"{label}: {arc}", [has(arc, arcs, alike) for arcs in met], note)
 
 
-def _diagram(arc: DrawnArc, check: Check) -> Mapping[ActionArc, float]:
-    """The diagram that an arc is looked for in; empty where its context did not occur."""
-    return diagram_of(each for each in check.experiences if arc.context in (None, each.context))
+def orders_alike(arc: DrawnArc, worth: Worth) -> bool:
+    """Whether its action is worth as much with its two parts in the other order.
+
+    Then which of the orders a policy names is chance. It has to be so in all states that the arc
+    may leave and in which both orders were chosen often enough.
+
+    Args:
+        arc: that the source draws.
+        worth: of actions, by state, on any scale.
+    """
+    turned = SUBJECT_TO.join(reversed(arc.action.split(SUBJECT_TO)))
+    both = [
+        (actions[turned], actions[arc.action])
+        for state, actions in worth.items()
+        if matches(arc.state, state) and turned != arc.action and {turned, arc.action} <= {*actions}
+    ]
+    return bool(both) and all(100 * other >= AS_GOOD * own for other, own in both)
+
+
+def has(arc: DrawnArc, arcs: Iterable[ActionArc], alike: bool) -> bool:
+    """Whether a diagram has it, in either order where both are worth the same."""
+    return arc.is_turned_among(arcs) if alike else arc.is_among(arcs)
+
+
+class _Look(NamedTuple):
+    """The held-out episodes of one trial, as far as they bear on an arc.
+
+    Attributes:
+        arcs: the diagram of those in its context.
+        is_met: whether they leave a state that it leaves; else they say nothing of it.
+    """
+
+    arcs: Mapping[ActionArc, float]
+    is_met: bool
+
+
+def _looks(arc: DrawnArc, last: Sequence[Check]) -> list[_Look]:
+    looks = []
+    for check in last:
+        inside = [each for each in check.experiences if arc.context in (None, each.context)]
+        left = (transition.state for each in inside for transition in each.transitions)
+        looks.append(_Look(diagram_of(inside), any(matches(arc.state, state) for state in left)))
+    return looks
 
 
 def _rewarded(series: Series, last: Sequence[Check]) -> Quantity:
@@ -271,13 +317,17 @@ def _notes(plan: Schedule) -> tuple[str, ...]:
     return (
         f"After a trial, its greedy policy runs {plan.held_out} episodes that it did not learn "
         f"from. An arc is there if more than {100 * ABOVE:.0f} % of what leaves its state takes "
-        "it, and counts as reproduced if most trials have it; where a context of the stage is "
-        "named, only episodes in it count. The picture shows the trial whose arcs have the most in "
-        "common with those of the others.",
+        "it, and counts as reproduced if most trials have it, of those whose episodes leave its "
+        "state at all; where a context of the stage is named, only episodes in it count. All arcs "
+        "are asked of all trials. The picture shows the trial whose arcs have the most in common "
+        "with those of the others.",
         "Where the superior controller has no reference, it moves nothing, and an action that is "
         "left after its first tick, as all are in the state of an episode's beginning, has hardly "
         "moved anything: then both orders of a composition earn the same, and which of them a "
-        "policy names there is chance. So the arcs are counted whichever part leads, too.",
+        f"policy names is chance. So where the other order is worth {AS_GOOD} % of the drawn one "
+        "or more, by all trials together, either counts, and the note says how many trials have "
+        "the drawn one. This rule, and that states have to be met, were set when the numbers were "
+        "known.",
         "What an action is worth: what followed each action in all trials together is a model, of "
         "which value iteration gives the discounted reward of each action if all later ones are "
         "the best. Where others are worth as much as the source's, which of them a trial learns "

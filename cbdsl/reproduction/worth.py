@@ -20,8 +20,8 @@ from cbdsl.training.trial import Trial, used_programs
 
 Floats = NDArray[np.float64]
 
-# Less than this share of the best action's worth is not as good as it, %.
-_AS_GOOD = 95
+#: Less than this share of another action's worth is not as good as it, %.
+AS_GOOD = 95
 # What was chosen less often than this says nothing, nor do trials so few that each of them has
 # hardly tried anything but what it found first.
 _LEAST, _LEAST_TRIALS = 5, 5
@@ -45,6 +45,10 @@ class Met:
     rewards: Floats
     chosen: Floats
     origin: NDArray[np.intp]
+
+    def places(self, state: str) -> dict[str, int]:
+        """The places of a state's pairs among all, by action."""
+        return {action: place for place, (s, action) in enumerate(self.pairs) if s == state}
 
     def worth(self, gamma: float, times: NDArray[np.int64] | None = None) -> Floats:
         """Value of each pair if all later actions are the best; NaN where it was met too rarely.
@@ -87,6 +91,22 @@ def met(trials: Sequence[Trial]) -> Met:
     return Met(tuple(pairs), followed, rewards, chosen, origin)
 
 
+def shares_of(trials: Sequence[Trial]) -> dict[str, dict[str, float]]:
+    """What each action is worth in each state, in % of the best one there.
+
+    Args:
+        trials: of Algorithm 1; of fewer than five nothing is told.
+
+    Returns:
+        Shares by state and action, of those that were chosen often enough.
+    """
+    if len(trials) < _LEAST_TRIALS:
+        return {}
+    tallies = met(trials)
+    worth = tallies.worth(_discount(trials))
+    return {state: _shares(worth, tallies.places(state)) for state, _ in tallies.pairs}
+
+
 def worth_quantities(
     series: Series, trials: Sequence[Trial], choices: Sequence[tuple[str, str]], seed: int
 ) -> Iterator[Quantity]:
@@ -100,14 +120,12 @@ def worth_quantities(
     """
     if len(trials) < _LEAST_TRIALS:
         return
-    constants = trials[0].constants
-    assert isinstance(constants, AccommodateConstants), "values are those of Algorithm 1"
-    tallies, gamma = met(trials), constants.gamma
+    tallies, gamma = met(trials), _discount(trials)
     rng, count = np.random.default_rng(seed), len(trials)
     times = rng.multinomial(count, np.full(count, 1 / count), size=_DRAWS)
     whole, drawn = tallies.worth(gamma), [tallies.worth(gamma, each) for each in times]
     for state, action in choices:
-        here = {a: place for place, (s, a) in enumerate(tallies.pairs) if s == state}
+        here = tallies.places(state)
         shares = _shares(whole, here)
         others = [f"{name} {share:.0f}" for name, share in shares.items() if name != action]
         yield Quantity(
@@ -115,11 +133,17 @@ def worth_quantities(
             "%",
             "chosen",
             shares.get(action, math.nan),
-            in_hindsight(at_least(_AS_GOOD)),
+            in_hindsight(at_least(AS_GOOD)),
             chance=TAIL,
             interval=_spread([_shares(each, here).get(action, math.nan) for each in drawn]),
             note=f"others: {', '.join(others)}" if others else "",
         )
+
+
+def _discount(trials: Sequence[Trial]) -> float:
+    constants = trials[0].constants
+    assert isinstance(constants, AccommodateConstants), "values are those of Algorithm 1"
+    return constants.gamma
 
 
 def _decided(trial: Trial) -> Iterator[Transition]:

@@ -1,12 +1,13 @@
-"""Which episodes a picture of a policy shows."""
+"""Which episodes a picture of a policy shows, and which arcs count as the source's."""
 
 from __future__ import annotations
 
 import pytest
 
+from cbdsl.reproduction.arcs import DrawnArc
 from cbdsl.reproduction.checks import Check
 from cbdsl.reproduction.series import REACHTOUCH
-from cbdsl.reproduction.transition_diagrams import _typical
+from cbdsl.reproduction.transition_diagrams import DrawnPolicy, _quantities, _typical, orders_alike
 from tests.conftest import Checked
 from tests.reproduction.series import experience
 
@@ -27,3 +28,51 @@ def test_a_picture_leaves_out_where_nothing_can_be_rewarded_unless_that_is_all(
     targets = {arc.target for arc in diagram.graph.arcs}
     assert shown in targets
     assert ("X1-" in targets) == (shown == "X1-")
+
+
+REACH, TURNED = "reach ◁ touch", "touch ◁ reach"
+ARC = DrawnArc("X0*", REACH, ("X11",))
+
+
+@pytest.mark.parametrize(
+    ("worth", "alike"),
+    [
+        ({"X0-": {REACH: 90.0, TURNED: 86.0}}, True),
+        ({"X0-": {REACH: 90.0, TURNED: 85.0}}, False),
+        ({"X0-": {REACH: 60.0, TURNED: 100.0}}, True),
+        ({"X0-": {REACH: 90.0, TURNED: 90.0}, "X00": {REACH: 90.0, TURNED: 50.0}}, False),
+        ({"X0-": {REACH: 90.0, TURNED: 90.0}, "X1-": {REACH: 90.0, TURNED: 50.0}}, True),
+        ({"X0-": {REACH: 90.0}}, False),
+        ({}, False),
+    ],
+)
+def test_orders_are_alike_where_both_are_worth_the_same_in_all_its_states(
+    worth: dict[str, dict[str, float]], alike: bool
+) -> None:
+    assert orders_alike(ARC, worth) == alike
+
+
+def test_an_action_without_order_has_none_that_is_alike() -> None:
+    assert not orders_alike(DrawnArc("X0-", "reach", ("X1-",)), {"X0-": {"reach": 100.0}})
+
+
+IN_ORDER = experience(("XXX", "searchtrack", "X0-"), ("X0-", REACH, "X11"))
+OTHER_ORDER = experience(("XXX", "searchtrack", "X0-"), ("X0-", TURNED, "X11"))
+DIFFERENT = experience(("XXX", "searchtrack", "X0-"), ("X0-", "touch", "X11"))
+PAST_IT = experience(("XXX", "searchtrack", "1XX"), ("1XX", "reach", "X11"))
+
+
+@pytest.mark.parametrize(
+    ("worth", "counts"), [({}, "1 of 3 trials"), ({"X0-": {REACH: 99.0, TURNED: 99.0}}, "2 of 3")]
+)
+def test_an_arc_is_asked_of_trials_that_leave_its_state_and_all_arcs_of_all(
+    worth: dict[str, dict[str, float]], counts: str
+) -> None:
+    last = [Check(25, (each,)) for each in (IN_ORDER, OTHER_ORDER, DIFFERENT, PAST_IT)]
+    drawn = DrawnPolicy(REACHTOUCH, (DrawnArc("XXX", "searchtrack", ("X0-",)), ARC))
+    whole, first, arc = _quantities(drawn, last, worth)
+    assert arc.note.startswith(counts)
+    assert ("1 in the order drawn" in arc.note) == bool(worth)
+    assert "3 with whatever action" in arc.note
+    assert whole.note == f"{counts[0]} of 4 trials"
+    assert first.note.startswith("3 of 4 trials")

@@ -10,7 +10,7 @@ import pytest
 from cbdsl.learning.constants import AccommodateConstants
 from cbdsl.learning.experience import Experience
 from cbdsl.reproduction.series import REACHTOUCH, SEQUENTIAL
-from cbdsl.reproduction.worth import met, worth_quantities
+from cbdsl.reproduction.worth import met, shares_of, worth_quantities
 from cbdsl.training.trial import Trial
 from tests.conftest import Checked
 from tests.training.toy import toy_trial
@@ -86,9 +86,16 @@ def test_a_quantity_is_a_share_of_the_best_choice() -> None:
     assert math.isnan(never.ours) and never.interval is None and never.note == ""
 
 
+def test_shares_are_told_of_every_state() -> None:
+    shares = shares_of([trial_of(toy_trial(), *[DIRECT, DETOUR] * 6) for _ in range(5)])
+    assert shares["XX"] == pytest.approx({"track": 100, "search": 80})
+    assert shares["X0"] == {}, "there is nothing to compare with"
+
+
 def test_few_trials_say_nothing() -> None:
     few = [trial_of(toy_trial(), *[DIRECT, DETOUR] * 6) for _ in range(4)]
     assert not list(worth_quantities(REACHTOUCH, few, [("XX", "track")], seed=0))
+    assert shares_of(few) == {}
 
 
 @pytest.mark.parametrize("met_by_all", [(DIRECT,), (NOTHING, NOTHING)])
