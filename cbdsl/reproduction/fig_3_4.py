@@ -35,9 +35,9 @@ _ARM, _REACH = "right_arm", "reach"
 #: The actions of the program by the source's names of the laws.
 _LAWS = {"c0": _REACH, "c1": f"posturalbias ◁ {_REACH}", "c2": f"manipulability ◁ {_REACH}"}
 
-# Five by five places, 0.4 m x 0.8 m, on the table in front of the robot, m.
-_PLACES = tuple(product(np.linspace(0.32, 0.72, 6).tolist(), np.linspace(-0.4, 0.4, 5).tolist()))
-_QUICK_PLACES = (_PLACES[0], _PLACES[14])
+# The area of the source, 0.4 m x 0.8 m, on the table in front of the robot, m.
+_PLACES = tuple(product(np.linspace(0.32, 0.72, 8).tolist(), np.linspace(-0.4, 0.4, 7).tolist()))
+_QUICK_PLACES = (_PLACES[0], _PLACES[24])
 _RADIUS = 0.03
 
 # Of the postures that hold the hand at (0.3, -0.5, -0.2) m with the palm down, that nearest to the

@@ -35,7 +35,7 @@ _PRINTED_STEPS, _DESCENT_STEPS = 6, 60
 
 # An arm holds a position, while the range potential acts below.
 _ROBOT, _ARM = "dexter", "right_arm"
-_GOALS = 40
+_GOALS = 100
 _HOLDING_STEPS, _LOWER_GAIN = 300, 0.01
 _POINT = 3  # iterations between the points of the chart
 _HELD = 1e-5  # m, the largest error that counts as holding
