@@ -13,6 +13,10 @@ from cbdsl.learning.tree_growth import Outcomes, grow
 from cbdsl.program.schema import Ranking
 from cbdsl.types.decision_tree import Leaf, Split, Tree
 
+# Evidence that a question needs, nats. One that is asked in vain costs little: its leaves choose
+# the same, and become one again; one that is not asked costs all contexts on one side of it.
+_NEEDED = -1.0
+
 
 class TriedContext(NamedTuple):
     """A context, and the allocations that were tried in it.
@@ -104,7 +108,8 @@ def grow_tallies(
         sums = outcomes.of(np.array(rows)).sums
         return Tally(*(tuple(each.tolist()) for each in sums))
 
-    return grow([each.features for each in kept], outcomes, tally, least, resolutions)
+    features = [each.features for each in kept]
+    return grow(features, outcomes, tally, least, resolutions, needed=_NEEDED)
 
 
 def rankings(tree: Tree[Tally], names: Sequence[str]) -> Tree[Ranking]:

@@ -34,6 +34,9 @@ from cbdsl.types.policy import Policy
 # Of positions, velocities and volumes that are seen, by unit: what is finer than that is noise, of
 # which a tree would make questions.
 _RESOLUTION = {"m": 0.01, "m/s": 0.02, "m^3": 0.001}
+# What is said to be hopeless is never tried again, so that a false alarm is not put right, as a
+# vain attempt is: of a gap in which nothing was seen, this share counts as worth an attempt.
+_TRUST = 0.7
 
 
 class AssimilateConstants(Section):
@@ -45,7 +48,7 @@ class AssimilateConstants(Section):
     """Share of allocations chosen at random where they are not drawn."""
     blames_first: bool = False
     """Whether what was tried first in an episode without reward counts as failed there."""
-    least_samples: PositiveCount = 2
+    least_samples: PositiveCount = 3
     """Fewest contexts in a leaf of a tree."""
     least_reward: Probability = 0.5
     """Probability of reward below which the schema is undefined."""
@@ -150,16 +153,28 @@ class Assimilate:
         return rankings(self._tallies(), self._names)
 
     def reward(self) -> Tree[float]:
-        """The tree of Pr(reward | pi, f), by Laplace's rule of succession."""
-        rewarded = np.array([[each.rewarded] for each in self._contexts], dtype=float)
-        rewarded = rewarded.reshape(len(self._contexts), 1)
+        """The tree of Pr(reward | pi, f), by Laplace's rule of succession.
+
+        The policy includes its choice of allocations: an episode without reward in which that was
+        not tried, as it may be while exploring, does not tell that there is none.
+        """
+        choice = self.choice()
+        contexts = [each for each in self._contexts if each.rewarded or self._tried(each, choice)]
+        rewarded = np.array([[each.rewarded] for each in contexts], dtype=float)
+        rewarded = rewarded.reshape(len(contexts), 1)
 
         def likely(rows: list[int]) -> float:
             return round((float(rewarded[rows].sum()) + 1) / (len(rows) + 2), 3)
 
-        samples = [each.features for each in self._contexts]
-        outcomes = Outcomes(rewarded, 1.0 - rewarded)
-        return grow(samples, outcomes, likely, self._constants.least_samples, self._resolutions)
+        samples = [each.features for each in contexts]
+        outcomes, least = Outcomes(rewarded, 1.0 - rewarded), self._constants.least_samples
+        return grow(samples, outcomes, likely, least, self._resolutions, _TRUST)
+
+    def _tried(self, context: TriedContext, choice: Tree[Ranking]) -> bool:
+        """Whether what is chosen first in a context could show there whether it works."""
+        made = context.first_alone() if self._constants.blames_first else context
+        first = (decide(choice, context.features) or ())[:1]
+        return made.outcomes.keys() >= {*first}
 
     def greedy(self) -> dict[str, str]:
         """The declarative policy, which stays as it is."""

@@ -61,6 +61,8 @@ def grow(
     answer: Callable[[list[int]], Answer],
     least: int,
     resolutions: Mapping[str, float] = MappingProxyType({}),
+    trust: float = 0.5,
+    needed: float = 0.0,
 ) -> Tree[Answer]:
     """A tree whose questions the outcomes speak for.
 
@@ -70,6 +72,9 @@ def grow(
         answer: of a leaf, by the indices of the samples in it.
         least: fewest samples of a leaf.
         resolutions: by feature, differences that are none; 0 for those that are not named.
+        trust: how much of the gap at a threshold, in which nothing was seen, goes to the side on
+            which more succeeded.
+        needed: evidence that a question needs, nats.
     """
     names = tuple(next(iter(samples), ()))
     numbers = np.array([[sample[name] for name in names] for sample in samples])
@@ -77,7 +82,7 @@ def grow(
     finest = np.array([resolutions.get(name, 0.0) for name in names])
 
     def node(rows: NDArray[np.intp]) -> Tree[Answer]:
-        question = _best(numbers[rows], outcomes.of(rows), least, finest)
+        question = _best(numbers[rows], outcomes.of(rows), least, finest, trust, needed)
         if question is None:
             return Leaf(answer(rows.tolist()))
         above = numbers[rows, question.feature] > question.threshold
@@ -87,7 +92,9 @@ def grow(
     return _pruned(node(np.arange(len(samples))))
 
 
-def _best(numbers: Floats, outcomes: Outcomes, least: int, finest: Floats) -> _Question | None:
+def _best(
+    numbers: Floats, outcomes: Outcomes, least: int, finest: Floats, trust: float, needed: float
+) -> _Question | None:
     """The question with the most evidence; of equal ones that of the first feature, the lowest.
 
     Args:
@@ -95,9 +102,10 @@ def _best(numbers: Floats, outcomes: Outcomes, least: int, finest: Floats) -> _Q
         outcomes: of the samples.
         least: fewest samples of a leaf.
         finest: differences of each feature that are none, shape (features,).
+        trust, needed: see ``grow``.
     """
     best: _Question | None = None
-    least_evidence = _NOTHING
+    least_evidence = needed + _NOTHING
     now = _evidence(outcomes.sums)
     for feature in range(numbers.shape[1]):
         order = np.argsort(numbers[:, feature], kind="stable")
@@ -115,11 +123,23 @@ def _best(numbers: Floats, outcomes: Outcomes, least: int, finest: Floats) -> _Q
         place = int(np.argmax(evidence))
         if evidence[place] > least_evidence:
             least_evidence = evidence[place] + _NOTHING
+            sides = Outcomes(*(each[place] for each in below)), Outcomes(*(e[place] for e in above))
+            share = trust if _rate(sides[0]) >= _rate(sides[1]) else 1.0 - trust
             low, high = values[cuts[place] - 1], values[cuts[place]]
-            middle = round(float(low + high) / 2, _DECIMALS)
-            threshold = middle if low <= middle < high else float(low)
-            best = _Question(feature, threshold)
+            best = _Question(feature, _threshold(float(low), float(high), share))
     return best
+
+
+def _rate(sums: Outcomes) -> float:
+    """Share of the trials that succeeded, of all kinds together."""
+    successes, failures = (float(each.sum()) for each in sums)
+    return successes / (successes + failures) if successes + failures else 0.5
+
+
+def _threshold(low: float, high: float, share: float) -> float:
+    """A short number in a gap, ``share`` of the way from its lower end."""
+    between = round((1.0 - share) * low + share * high, _DECIMALS)
+    return between if low <= between < high else low
 
 
 def _evidence(sums: Outcomes) -> Any:

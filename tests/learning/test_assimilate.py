@@ -144,6 +144,54 @@ def test_a_wide_gap_is_preferred_to_a_narrow_one() -> None:
     assert (split.feature, split.threshold) == ("y", 0.5)
 
 
+@pytest.mark.parametrize("labels", ["aaaaabbbbb", "bbbbbaaaaa"])
+@pytest.mark.parametrize("trust", [0.5, 0.7])
+def test_what_was_never_seen_goes_to_the_side_that_is_trusted(labels: str, trust: float) -> None:
+    samples = [{"x": float(i + 10 * (i > 4))} for i in range(10)]
+    (split,) = splits(grow(samples, certain(labels), tuple, 1, trust=trust))
+    share = (split.threshold - 4.0) / 11.0
+    assert share == pytest.approx(trust if labels.startswith("a") else 1 - trust, abs=1e-4)
+
+
+def test_what_was_never_tried_is_rather_tried_than_given_up(schema: CheckedProgram) -> None:
+    learner = Assimilate(["any"], AssimilateConstants())
+    learner.adopt(schema)
+    for x in (0.5, 0.55, 0.6, 0.65, 0.7, 1.2, 1.25, 1.3, 1.35, 1.4):
+        action, after = ("reach ◁ touch with left_arm", "X11" if x < 1 else "X1-")
+        step = Transition(
+            "p",
+            0,
+            1.0,
+            "X0-",
+            action,
+            after,
+            5,
+            int(x < 1),
+            (),
+            "left_arm",
+            features(schema, x, 0.3),
+        )
+        learner.remember(Experience("here", 1, (step,), {}, 5, 1.0))
+    (split,) = splits(learner.reward())
+    assert split.threshold == pytest.approx(0.7 + 0.7 * 0.5, abs=1e-3)
+
+
+@pytest.mark.parametrize("blames_first", [False, True])
+def test_an_episode_without_what_is_chosen_does_not_tell_that_nothing_works(
+    schema: CheckedProgram, blames_first: bool
+) -> None:
+    """The left arm, tried first, leaves things where the right one, tried next, fails as well."""
+    learner = Assimilate(["any"], AssimilateConstants(blames_first=blames_first))
+    learner.adopt(schema)
+    here = features(schema, 0.5, -0.3)
+    right = TriedContext(here, {"right_arm": True})
+    spoilt = TriedContext(here, {"left_arm": False, "right_arm": False})
+    alone = TriedContext(here, {"left_arm": False})
+    learner.recall([right] * 4 + [spoilt] * 6 + [alone] * 3)
+    chance = 5 / 6 if blames_first else 5 / 12
+    assert learner.reward() == Leaf(round(chance, 3))
+
+
 def test_equal_labels_need_no_question() -> None:
     assert grow([{"x": 1.0}, {"x": 2.0}], certain("aa"), len, 1) == Leaf(2)
     assert grow([], certain(""), len, 1) == Leaf(0)

@@ -27,7 +27,7 @@ MEASURED = {
         "density": "kernel", "bandwidth": 0.1, "prior": 10.0,
     },
     "assimilate": {
-        "draws": True, "epsilon": 0.2, "blames_first": False, "least_samples": 2,
+        "draws": True, "epsilon": 0.2, "blames_first": False, "least_samples": 3,
         "least_reward": 0.5,
     },
 }  # fmt: skip
