@@ -48,8 +48,10 @@ class AssimilateConstants(Section):
     """Share of allocations chosen at random where they are not drawn."""
     blames_first: bool = False
     """Whether what was tried first in an episode without reward counts as failed there."""
-    least_samples: PositiveCount = 3
-    """Fewest contexts in a leaf of a tree."""
+    least_samples: PositiveCount = 2
+    """Fewest contexts in a leaf of the tree of reward."""
+    least_attempts: PositiveCount = 3
+    """Fewest contexts with a rewarded attempt in a leaf of the tree of allocations."""
     least_reward: Probability = 0.5
     """Probability of reward below which the schema is undefined."""
 
@@ -145,7 +147,7 @@ class Assimilate:
         contexts = self._contexts
         if self._constants.blames_first:
             contexts = [each if each.rewarded else each.first_alone() for each in contexts]
-        least = self._constants.least_samples
+        least = self._constants.least_attempts
         return grow_tallies(contexts, self._names, least, self._resolutions)
 
     def choice(self) -> Tree[Ranking]:

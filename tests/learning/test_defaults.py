@@ -27,8 +27,8 @@ MEASURED = {
         "density": "kernel", "bandwidth": 0.1, "prior": 10.0,
     },
     "assimilate": {
-        "draws": True, "epsilon": 0.2, "blames_first": False, "least_samples": 3,
-        "least_reward": 0.5,
+        "draws": True, "epsilon": 0.2, "blames_first": False, "least_samples": 2,
+        "least_attempts": 3, "least_reward": 0.5,
     },
 }  # fmt: skip
 ALL: dict[str, type[Section]] = {
