@@ -12,6 +12,8 @@ from typing import Any
 
 import pytest
 
+from cbdsl.documents.stage import StageDocument
+from cbdsl.yaml_text.library import Library
 from tests.conftest import ROOT
 
 FOLDER = ROOT / "benchmarks"
@@ -57,7 +59,7 @@ def test_a_missing_peer_has_a_reason(python: str, reason: str) -> None:
 JUDGES = (
     "scenes", "find_the_other", "touch_table", "hover_follow", "calibration", "success_rates",
     "episode_speed", "holding", "placing", "force", "gripper", "both_hands", "handover",
-    "find_by_touch",
+    "find_by_touch", "insertion",
 )  # fmt: skip
 
 
@@ -200,3 +202,27 @@ def test_handovers_fail_below_their_targets(
     for amiss, met in ((most, True), (most + 1, False)):
         rows = [row | {"good": False}] * amiss + [row] * (100 - amiss)
         assert handover.summarise(thing, rows)["met"] == met
+
+
+@pytest.mark.parametrize(("clearance", "most"), [(10, 20), (20, 5), (2, 100)])
+def test_insertions_fail_below_their_targets(
+    clearance: int, most: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    insertion = _benchmark("insertion", monkeypatch)
+    good = insertion.Insertion(1, True, 50.0, "")
+    for amiss, met in ((most, True), (most + 1, False)):
+        if amiss > 100:
+            break
+        trials = [good._replace(inside=False)] * amiss + [good] * (100 - amiss)
+        assert insertion.summarise("box_in_box", clearance, trials)["met"] == met
+
+
+def test_holes_leave_the_clearance_that_is_asked_for(monkeypatch: pytest.MonkeyPatch) -> None:
+    insertion = _benchmark("insertion", monkeypatch)
+    library = Library(ROOT)
+    pairs = library.read(library.locate(StageDocument, "pairs"), StageDocument).document
+    for clearance, outer in ((0.01, 0.06), (0.02, 0.07)):
+        tube, tray = (insertion.widened(pairs, clearance).things[name] for name in ("tube", "tray"))
+        assert tube.form.radius == pytest.approx((outer, outer))
+        assert tray.form.size == (*(pytest.approx((2 * outer,) * 2),) * 2, (0.1, 0.1))
+    assert pairs.things["tube"].form.radius == (0.06, 0.06), "10 mm, as the stage has it"
