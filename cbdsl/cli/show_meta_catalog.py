@@ -63,14 +63,15 @@ def plan(catalog: MetaCatalogDocument, height: int, of: str | None) -> StackPlan
         UsageError: a thing is not known, or no such stack is.
     """
     from cbdsl.errors.errors import UsageError
-    from cbdsl.learning.stack_plan import plan_stack, support_of
+    from cbdsl.learning.stack_plan import plan_stack
+    from cbdsl.learning.thing_graph import support_graph
 
     things = None if of is None else of.split(",")
     for thing in things or ():
         if thing not in catalog.things:
             raise UsageError.unknown("thing", thing, catalog.things)
     try:
-        return plan_stack(support_of(catalog), height, things)
+        return plan_stack(support_graph(catalog, things), height)
     except ValueError as error:
         raise UsageError(f"{catalog.name}: {error}") from error
 

@@ -10,7 +10,8 @@ import numpy as np
 
 from cbdsl.documents.meta_catalog import MetaCatalogDocument
 from cbdsl.documents.stage import StageDocument
-from cbdsl.learning.stack_plan import StackPlan, plan_stack, support_of
+from cbdsl.learning.stack_plan import StackPlan, plan_stack
+from cbdsl.learning.thing_graph import support_graph
 from cbdsl.reproduction.constellation_trials import STAGE
 from cbdsl.reproduction.shipped import shipped_file
 from cbdsl.reproduction.simulation_fixture import SimulationFixture, simulation_fixture
@@ -64,12 +65,12 @@ def run_planned(
         for name, context in stage.contexts.items()
         if len(context.placed) == len(_ROLES)
     }
-    support, names = support_of(catalog), sorted(shown)
+    names = sorted(shown)
     labs: dict[tuple[str, ...], SimulationFixture] = {}
     with ExitStack() as open_labs:
         for seed in seeds:
             things = names[int(np.random.default_rng(seed).integers(len(names)))]
-            plan = plan_stack(support, len(_ROLES), shown[things])
+            plan = plan_stack(support_graph(catalog, shown[things]), len(_ROLES))
             if plan.order not in labs:
                 channels = [catalog.things[name].feature for name in plan.order]
                 values = dict(zip(_ROLES, channels, strict=True))

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -26,7 +27,13 @@ def told(checked: Checked, dexter: RobotDocument, urdf: Path, kinematics: Kinema
     """What is printed of an episode in the synthetic world."""
     with pytest.MonkeyPatch.context() as patch:
         lines: list[str] = []
-        patch.setattr("builtins.print", lambda text, **_: lines.append(text))
+        into_file = print
+
+        def note(*texts: str, file: Any = None, **how: Any) -> None:
+            # What compiles meanwhile prints into texts of its own.
+            into_file(*texts, file=file, **how) if file else lines.extend(texts)
+
+        patch.setattr("builtins.print", note)
         backend = SyntheticBackend(dexter, urdf, lambda rng: on_table())
         stack = StackNarration()
         runner = Runner(dexter, kinematics, checked("reachtouch"), backend)

@@ -14,7 +14,8 @@ from cbdsl.documents.digest import digest
 from cbdsl.documents.meta_catalog import META_CATALOG, MetaCatalogDocument
 from cbdsl.documents.program import ProgramDocument
 from cbdsl.documents.stage import StageDocument
-from cbdsl.learning.stack_plan import plan_stack, support_of
+from cbdsl.learning.stack_plan import plan_stack
+from cbdsl.learning.thing_graph import support_graph
 from cbdsl.program.catalog_models import pair_models
 from cbdsl.yaml_text.library import Library
 from tests.conftest import ROOT
@@ -65,7 +66,7 @@ def test_nothing_that_does_not_fit_a_hand_is_brought_anywhere(catalog: MetaCatal
 
 
 def test_its_stack_of_three_is_the_source_s(catalog: MetaCatalogDocument) -> None:
-    plan = plan_stack(support_of(catalog), 3, ["football", "blue_box", "purple_box"])
+    plan = plan_stack(support_graph(catalog, ["football", "blue_box", "purple_box"]), 3)
     assert plan.order == ("blue_box", "purple_box", "football")
     assert 0.5 < plan.probability < 1
 

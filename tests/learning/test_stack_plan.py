@@ -2,6 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+from typing import Any
+
+import networkx as nx
 import numpy as np
 import pytest
 
@@ -10,16 +14,19 @@ from cbdsl.learning.action_outcome import ActionOutcome, FeatureForm
 from cbdsl.learning.catalog_exploration import CatalogConstants
 from cbdsl.learning.pair_exploration import PairExploration
 from cbdsl.learning.pair_recognition import recognise
-from cbdsl.learning.stack_plan import plan_stack, plan_stacks, support_of
+from cbdsl.learning.stack_plan import plan_stack, plan_stacks
+from cbdsl.learning.thing_graph import support_graph, thing_graph
 from cbdsl.numeric.affordance import AffordanceModel
 
-SUPPORT = {
-    ("box", "slab"): 0.9,
-    ("ball", "slab"): 0.95,
-    ("ball", "box"): 0.8,
-    ("box", "ball"): 0.0,
-    ("slab", "box"): 0.0,
-}
+
+def support(pairs: Mapping[tuple[str, str], float]) -> Any:
+    """A graph of how surely the second of two stands on the first."""
+    graph = nx.DiGraph()
+    graph.add_edges_from((*pair, {"probability": own}) for pair, own in pairs.items())
+    return graph
+
+
+SUPPORT = support({("slab", "box"): 0.9, ("slab", "ball"): 0.95, ("box", "ball"): 0.8})
 
 
 def test_the_surest_path_is_planned_from_below() -> None:
@@ -29,20 +36,13 @@ def test_the_surest_path_is_planned_from_below() -> None:
     assert plan_stack(SUPPORT, 2).order == ("slab", "ball")
 
 
-def test_only_what_is_there_is_stacked() -> None:
-    assert plan_stack(SUPPORT, 2, ["box", "ball"]).order == ("box", "ball")
-    with pytest.raises(ValueError, match="no stack of 3 is known of ball, box"):
-        plan_stack(SUPPORT, 3, ["box", "ball"])
-
-
-def test_what_never_stood_is_in_no_plan() -> None:
+def test_only_what_stood_is_planned_and_what_is_not_known_is_refused() -> None:
     assert [plan.order for plan in plan_stacks(SUPPORT, 3)] == [("slab", "box", "ball")]
     assert not plan_stacks(SUPPORT, 4)
 
 
 def test_nothing_stands_on_itself_in_a_circle() -> None:
-    around = {("a", "b"): 0.9, ("b", "a"): 0.9}
-    assert not plan_stacks(around, 3)
+    assert not plan_stacks(support({("a", "b"): 0.9, ("b", "a"): 0.9}), 3)
 
 
 def explored(outcomes: dict[str, list[bool]], least: int = 2) -> PairExploration:
@@ -101,28 +101,60 @@ def test_a_pair_that_never_stayed_is_not_recognised() -> None:
     assert recognise({"never": never}, np.zeros(1)) == (None, np.inf)
 
 
-def test_support_is_by_laplace_s_rule_and_of_what_stood_upon() -> None:
-    def pair(upper: str, tried: int, rewarded: int, relation: Relation = "on") -> PairSection:
+def catalog() -> MetaCatalogDocument:
+    def pair(
+        upper: str, lower: str, tried: int, rewarded: int, relation: Relation = "on"
+    ) -> PairSection:
         counts = {"program": "stand", "tried": tried, "rewarded": rewarded}
-        given = {"upper": upper, "lower": "slab", "relation": relation, **counts}
+        given = {"upper": upper, "lower": lower, "relation": relation, **counts}
         return PairSection.model_validate(given)
 
-    pairs = {
-        "a": pair("box", 6, 4), "b": pair("ball", 5, 0), "c": pair("cup", 3, 3, relation="in")
-    }  # fmt: skip
-    catalog = MetaCatalogDocument.model_construct(pairs=pairs)
-    assert support_of(catalog) == {("box", "slab"): 5 / 8, ("ball", "slab"): 0.0}
+    things = {"slab": {"feature": "blue", "catalog": "slabs"}, "box": {"feature": "red"}}
+    things |= {"ball": {"feature": "green"}, "cup": {"feature": "hue_9"}}
+    return MetaCatalogDocument.model_validate(
+        {"cbdsl": 1, "kind": "meta_catalog", "name": "some", "robot": "dexter", "things": things}
+    ).model_copy(
+        update={
+            "pairs": {
+                "a": pair("box", "slab", 6, 4),
+                "b": pair("ball", "slab", 5, 0),
+                "c": pair("ball", "cup", 3, 3, relation="in"),
+                "d": pair("cup", "box", 2, 2),
+                "e": pair("ball", "cup", 4, 3),
+            }
+        }
+    )
 
 
-def test_a_stack_that_cannot_be_is_refused_with_all_that_is_known() -> None:
+def test_a_graph_has_things_pairs_and_where_they_are_from() -> None:
+    graph = thing_graph(catalog())
+    assert graph.graph == {"name": "some", "robot": "dexter"}
+    assert graph.nodes["slab"] == {"feature": "blue", "catalog": "slabs"}
+    assert set(graph["cup"]["ball"]) == {"in", "on"}
+    facts = {"pair": "a", "tried": 6, "rewarded": 4, "probability": 5 / 8}
+    assert graph["slab"]["box"]["on"] == facts
+    assert graph["slab"]["ball"]["on"]["probability"] == 0.0
+
+
+def test_support_is_by_laplace_s_rule_and_of_what_stood_upon() -> None:
+    known = support_graph(catalog())
+    own = {(low, high): facts["probability"] for low, high, facts in known.edges(data=True)}
+    assert own == {("slab", "box"): 5 / 8, ("box", "cup"): 3 / 4, ("cup", "ball"): 4 / 6}
+    assert plan_stack(known, 4).order == ("slab", "box", "cup", "ball")
+    assert set(support_graph(catalog(), ["cup", "ball"]).edges) == {("cup", "ball")}
+
+
+def test_a_stack_that_cannot_be_is_refused_with_all_that_is_there() -> None:
     with pytest.raises(ValueError, match=r"no stack of 4 is known of ball, box, slab$"):
         plan_stack(SUPPORT, 4)
     with pytest.raises(ValueError, match=r"no stack of 2 is known of nothing$"):
-        plan_stack({}, 2)
+        plan_stack(support({}), 2)
+    with pytest.raises(ValueError, match=r"no stack of 2 is known of ball, slab$"):
+        plan_stack(support_graph(catalog(), ["ball", "slab"]), 2)
 
 
 def test_of_equally_sure_stacks_the_first_by_name_is_planned() -> None:
-    plans = plan_stacks({("b", "c"): 0.5, ("a", "c"): 0.5, ("d", "c"): 0.6}, 2)
+    plans = plan_stacks(support({("c", "b"): 0.5, ("c", "a"): 0.5, ("c", "d"): 0.6}), 2)
     assert [plan.order for plan in plans] == [("c", "d"), ("c", "a"), ("c", "b")]
 
 

@@ -7,7 +7,8 @@ from html import escape
 from typing import NamedTuple
 
 from cbdsl.documents.meta_catalog import MetaCatalogDocument
-from cbdsl.learning.stack_plan import plan_stacks, support_of
+from cbdsl.learning.stack_plan import plan_stacks
+from cbdsl.learning.thing_graph import support_graph
 
 _WIDTH, _HEIGHT, _GAP, _RISE, _MARGIN = 190, 44, 16, 76, 14
 _ORANGE, _EMPTY, _INK, _THING, _LINE = "#e69f00", "#fbeed2", "#222222", "#dddddd", "#888888"
@@ -84,7 +85,7 @@ def _stacks(catalog: MetaCatalogDocument) -> dict[str, _Box]:
     """Stacks of three, each on the pairs that it is made of."""
     names = {(pair.upper, pair.lower): name for name, pair in catalog.pairs.items()}
     boxes = {}
-    for plan in plan_stacks(support_of(catalog), 3)[:_STACKS]:
+    for plan in plan_stacks(support_graph(catalog), 3)[:_STACKS]:
         low, middle, top = plan.order
         below = (f"pair {names[middle, low]}", f"pair {names[top, middle]}")
         words = (f"{top} on {middle}", f"on {low}, {plan.probability:.2f}")
