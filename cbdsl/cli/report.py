@@ -3,16 +3,22 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from cbdsl.cli.options import Above, Open
 from cbdsl.cli.pages import open_page, require_room, write_page
 
+if TYPE_CHECKING:
+    from cbdsl.documents.meta_catalog import MetaCatalogDocument
+
 What = Annotated[
     Path,
-    typer.Argument(metavar="FILE|FOLDER", help="What cb learn wrote: a policy, or many trials'."),
+    typer.Argument(
+        metavar="FILE|FOLDER",
+        help="What cb learn wrote, a policy or many trials', or a meta-catalog of cb explore.",
+    ),
 ]
 Out = Annotated[
     Path | None,
@@ -23,7 +29,9 @@ Out = Annotated[
 def report(what: What, out: Out = None, above: Above = 0.2, open_: Open = True) -> None:
     """Make one page of what was learned: everything in it, nothing loaded.
 
-    Learning curves over all trials, and each trial's policy, internal models and episodes.
+    Learning curves over all trials, and each trial's policy, internal models and episodes. Of a
+    meta-catalog its graph, its pairs, and the stacks that can be planned of the things that are
+    there.
 
     Exit 0 when the page was written, 1 when a document has errors, 2 when it could not be made.
     """
@@ -32,6 +40,7 @@ def report(what: What, out: Out = None, above: Above = 0.2, open_: Open = True) 
     try:
         from cbdsl.reporting.learned import find_learned, read_learned
         from cbdsl.reporting.learned_page import learned_page
+        from cbdsl.reporting.meta_catalog_page import meta_catalog_page
     except ModuleNotFoundError as error:
         raise UsageError(
             f"a report needs {error.name}, which is not installed: pip install 'cbdsl[sim]'"
@@ -39,9 +48,26 @@ def report(what: What, out: Out = None, above: Above = 0.2, open_: Open = True) 
     files = find_learned(what)
     target = out or (what / "report.html" if what.is_dir() else what.with_suffix(".html"))
     if any(target.resolve() == file.resolve() for file in files):
-        raise UsageError(f"--out {target}: this is a policy, which a page would overwrite")
+        raise UsageError(f"--out {target}: this is a document, which a page would overwrite")
     require_room(target)
-    learned = [read_learned(file) for file in files]
-    write_page(learned_page(learned, above), target)
+    catalog = _meta_catalog(files[0])
+    if catalog is not None:
+        text = meta_catalog_page(catalog)
+    else:
+        text = learned_page([read_learned(file) for file in files], above)
+    write_page(text, target)
     if open_:
         open_page(target)
+
+
+def _meta_catalog(file: Path) -> MetaCatalogDocument | None:
+    """A file's meta-catalog, if it says that it is one."""
+    from cbdsl.api.clean import require_clean
+    from cbdsl.documents.meta_catalog import MetaCatalogDocument
+    from cbdsl.yaml_text.library import Library, is_of
+
+    if not is_of(MetaCatalogDocument, file):
+        return None
+    library = Library()
+    require_clean(file, library)
+    return library.read(file, MetaCatalogDocument).document

@@ -78,16 +78,16 @@ def plan(catalog: MetaCatalogDocument, height: int, of: str | None) -> StackPlan
 
 def _print_plan(catalog: MetaCatalogDocument, known: StackPlan, *, as_json: bool) -> None:
     from cbdsl.cli.terminal import print_json
+    from cbdsl.reporting.stack_command import stack_command
 
     channels = [catalog.things[name].feature for name in known.order]
     if as_json:
         print_json({**known._asdict(), "features": channels})
         return
     print(f"{' < '.join(known.order)}: stands with {known.probability:.2f}")
-    words = {2: ("goal", "feature"), 3: ("goal", "middle", "feature")}.get(len(channels))
-    if words:
-        given = " ".join(f"--with {k}={c}" for k, c in zip(words, channels, strict=True))
-        print(f"cb run {'stand' if len(words) == 2 else 'stack_three'} {given}")
+    command = stack_command(channels)
+    if command is not None:
+        print(command)
 
 
 def _read(name: str) -> MetaCatalogDocument:

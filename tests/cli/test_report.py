@@ -9,6 +9,7 @@ from pathlib import Path
 import pytest
 
 from tests.cli.test_main import cb
+from tests.conftest import ROOT
 from tests.reporting.trials import write_trial
 
 
@@ -41,6 +42,18 @@ def test_a_folder_has_one_page_of_all_its_trials(
     # The page is no policy: the same command makes the same page again.
     assert cb(monkeypatch, "report", "knowledge") == 0
     assert Path("knowledge/report.html").read_text("utf-8") == text
+
+
+def test_a_meta_catalog_has_a_page_that_plans(
+    folder: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    text = (ROOT / "knowledge" / "meta_catalogs" / "four_things.yaml").read_text("utf-8")
+    Path("things.yaml").write_text(text, encoding="utf-8")
+    assert cb(monkeypatch, "report", "things.yaml", "--out", "things.html") == 0
+    assert "Plan a stack" in Path("things.html").read_text("utf-8")
+    Path("bad.yaml").write_text(text.replace("lower: blue_box", "lower: bleu_box"), "utf-8")
+    assert cb(monkeypatch, "report", "bad.yaml") == 1
+    assert not Path("bad.html").exists()
 
 
 def test_a_failed_write_leaves_what_was_there(

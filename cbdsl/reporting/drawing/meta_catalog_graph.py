@@ -58,8 +58,19 @@ def meta_catalog_graph(catalog: MetaCatalogDocument) -> str:
     for key, box in boxes.items():
         parts += [_line(places[key], places[other], box) for other in box.below]
     for key, box in boxes.items():
-        parts += _drawn(box, *places[key])
+        name = escape(key, quote=True)
+        parts += [f'<g class="box" data-key="{name}">', *_drawn(box, *places[key]), "</g>"]
     return "\n".join([*parts, "</svg>", ""])
+
+
+def pair_key(name: str) -> str:
+    """The key of a pair's box in the drawing; that of a thing is its name."""
+    return f"pair {name}"
+
+
+def stack_key(order: Sequence[str]) -> str:
+    """The key of a stack's box in the drawing, of things from below."""
+    return "stack " + " ".join(order)
 
 
 def _things(catalog: MetaCatalogDocument) -> dict[str, _Box]:
@@ -71,7 +82,7 @@ def _things(catalog: MetaCatalogDocument) -> dict[str, _Box]:
 
 def _pairs(catalog: MetaCatalogDocument) -> dict[str, _Box]:
     return {
-        f"pair {name}": _Box(
+        pair_key(name): _Box(
             (f"{pair.upper} {pair.relation}", f"{pair.lower}, {pair.rewarded} of {pair.tried}"),
             pair.rewarded / pair.tried,
             (pair.upper, pair.lower),
@@ -87,9 +98,9 @@ def _stacks(catalog: MetaCatalogDocument) -> dict[str, _Box]:
     boxes = {}
     for plan in plan_stacks(support_graph(catalog), 3)[:_STACKS]:
         low, middle, top = plan.order
-        below = (f"pair {names[middle, low]}", f"pair {names[top, middle]}")
+        below = (pair_key(names[middle, low]), pair_key(names[top, middle]))
         words = (f"{top} on {middle}", f"on {low}, {plan.probability:.2f}")
-        boxes["stack " + " ".join(plan.order)] = _Box(words, plan.probability, below, dashed=True)
+        boxes[stack_key(plan.order)] = _Box(words, plan.probability, below, dashed=True)
     return boxes
 
 

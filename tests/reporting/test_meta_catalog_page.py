@@ -1,0 +1,63 @@
+"""The page of a meta-catalog: its graph, and the stacks that follow."""
+
+from __future__ import annotations
+
+import base64
+import json
+import re
+import zlib
+from typing import Any
+
+import pytest
+
+from cbdsl.documents.meta_catalog import MetaCatalogDocument
+from cbdsl.reporting.meta_catalog_page import meta_catalog_page
+from cbdsl.yaml_text.library import Library
+from tests.conftest import ROOT
+
+
+@pytest.fixture(scope="module")
+def page() -> str:
+    library = Library(ROOT)
+    file = library.locate(MetaCatalogDocument, "four_things")
+    return meta_catalog_page(library.read(file, MetaCatalogDocument).document)
+
+
+def plans_of(page: str) -> list[dict[str, Any]]:
+    """What the page's script is given."""
+    text = re.search(r'id="data">([^<]*)<', page)
+    assert text is not None
+    plain = zlib.decompress(base64.b64decode(text[1]))
+    size = int.from_bytes(plain[:4], "little")
+    plans: list[dict[str, Any]] = json.loads(plain[4 : 4 + size])["plans"]
+    return plans
+
+
+def test_it_lists_the_stacks_of_each_height_the_surest_first(page: str) -> None:
+    plans = plans_of(page)
+    assert {len(plan["order"]) for plan in plans} == {2, 3}, "no four things stood on each other"
+    of_three = [plan for plan in plans if len(plan["order"]) == 3]
+    assert [plan["order"][-1] for plan in of_three] == ["basketball", "football"]
+    assert of_three[0]["probability"] >= of_three[1]["probability"]
+    assert of_three[1]["command"] == (
+        "cb run stack_three --with goal=blue --with middle=hue_9 --with feature=green"
+    )
+
+
+def test_each_box_of_a_stack_is_in_the_graph(page: str) -> None:
+    drawn = set(re.findall(r'data-key="([^"]*)"', page))
+    for plan in plans_of(page):
+        known = [key for key in plan["boxes"] if len(plan["order"]) == 3 or "stack " not in key]
+        assert set(known) <= drawn, plan
+
+
+def test_it_tells_of_every_pair_and_of_where_they_are_from(page: str) -> None:
+    assert "football on purple_box" in page and "12 of 14" in page
+    assert "cb explore" in page
+
+
+def test_without_pairs_there_is_nothing_to_plan() -> None:
+    things = {"cup": {"feature": "red"}}
+    given = {"cbdsl": 1, "kind": "meta_catalog", "name": "a", "robot": "dexter", "things": things}
+    page = meta_catalog_page(MetaCatalogDocument.model_validate(given))
+    assert "0 of 0 pairs ever stayed" in page and plans_of(page) == []

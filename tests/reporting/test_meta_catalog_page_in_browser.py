@@ -1,0 +1,66 @@
+"""The page of a meta-catalog in a real browser: it plans stacks of what is there.
+
+Needs Chromium, which is no dependency: without it these tests are skipped.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+from cbdsl.documents.meta_catalog import MetaCatalogDocument
+from cbdsl.reporting.meta_catalog_page import meta_catalog_page
+from cbdsl.yaml_text.library import Library
+from tests.conftest import ROOT
+from tests.reporting.browser import CHROMIUM, Page, browser
+
+pytestmark = [
+    pytest.mark.slow,
+    pytest.mark.skipif(CHROMIUM is None, reason="Chromium is not installed"),
+]
+
+READY = "document.getElementById('ready')?.dataset.done"
+LISTED = "[...document.querySelectorAll('#plans button')].map((each) => each.textContent)"
+CHOSEN = "[...document.querySelectorAll('svg .chosen')].map((each) => each.dataset.key).sort()"
+
+
+@pytest.fixture(scope="module")
+def shown(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Page]:
+    library = Library(ROOT)
+    document = library.locate(MetaCatalogDocument, "four_things")
+    file = tmp_path_factory.mktemp("page") / "things.html"
+    text = meta_catalog_page(library.read(document, MetaCatalogDocument).document)
+    Path(file).write_text(text, encoding="utf-8")
+    with browser() as opened:
+        opened.open(file, ready=READY)
+        yield opened
+
+
+def test_what_is_not_there_is_in_no_stack(shown: Page) -> None:
+    first, second = shown.value(LISTED)
+    assert first.startswith("blue_box < purple_box < basketball")
+    shown.value("document.querySelector('[value=basketball]').click()")
+    assert shown.value(LISTED) == [second]
+    shown.value("document.querySelector('[value=purple_box]').click()")
+    assert shown.value(LISTED) == []
+    assert "No such stack" in shown.text("told")
+    for thing in ("basketball", "purple_box"):
+        shown.value(f"document.querySelector('[value={thing}]').click()")
+    assert shown.value(LISTED) == [first, second]
+
+
+def test_a_chosen_stack_is_marked_in_the_graph_until_it_is_chosen_again(shown: Page) -> None:
+    shown.value("document.querySelector('#plans button').click()")
+    assert shown.value(CHOSEN) == [
+        "basketball", "blue_box", "pair basketball_on_purple_box", "pair purple_box_on_blue_box",
+        "purple_box", "stack blue_box purple_box basketball",
+    ]  # fmt: skip
+    shown.value("document.querySelector('#plans button').click()")
+    assert shown.value(CHOSEN) == []
+
+
+def test_nothing_goes_wrong_and_nothing_is_asked_for(shown: Page) -> None:
+    assert shown.errors == [] and shown.text("problem") == ""
+    assert [url for url in shown.requests if not url.startswith(("file:", "data:"))] == []
