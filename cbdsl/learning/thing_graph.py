@@ -50,7 +50,7 @@ def thing_graph(catalog: MetaCatalogDocument) -> ThingGraph:
 def support_graph(
     catalog: MetaCatalogDocument, things: Collection[str] | None = None
 ) -> SupportGraph:
-    """What has stood on what: an edge from each thing to each that stayed on it at least once.
+    """Graph of what has stood on what: from each thing to each that stayed on it at least once.
 
     Args:
         catalog: of pairs.

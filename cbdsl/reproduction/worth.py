@@ -92,7 +92,7 @@ def met(trials: Sequence[Trial]) -> Met:
 
 
 def shares_of(trials: Sequence[Trial]) -> dict[str, dict[str, float]]:
-    """What each action is worth in each state, in % of the best one there.
+    """Worth of each action in each state, in % of that of the best one there.
 
     Args:
         trials: of Algorithm 1; of fewer than five nothing is told.
