@@ -192,6 +192,22 @@ def test_an_episode_without_what_is_chosen_does_not_tell_that_nothing_works(
     assert learner.reward() == Leaf(round(chance, 3))
 
 
+@pytest.mark.parametrize(("each", "sides"), [(3, 2), (2, 1)])
+def test_sides_on_which_others_worked_are_told_apart_before_any_has_failed(
+    schema: CheckedProgram, each: int, sides: int
+) -> None:
+    """Three contexts a side are enough; two are not."""
+    learner = Assimilate(["any"], AssimilateConstants())
+    learner.adopt(schema)
+    for number in range(each):
+        for arm, side in (("left_arm", 1.0), ("right_arm", -1.0)):
+            here = features(schema, 0.5, side * (0.5 + 0.1 * number))
+            learner.recall([TriedContext(here, {arm: True})])
+    choice = learner.choice()
+    found = {(decide(choice, features(schema, 0.5, y)) or ("",))[0] for y in (-0.6, 0.6)}
+    assert len(found) == sides
+
+
 def test_equal_labels_need_no_question() -> None:
     assert grow([{"x": 1.0}, {"x": 2.0}], certain("aa"), len, 1) == Leaf(2)
     assert grow([], certain(""), len, 1) == Leaf(0)
