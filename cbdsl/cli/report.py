@@ -3,15 +3,12 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated
 
 import typer
 
 from cbdsl.cli.options import Above, Open
 from cbdsl.cli.pages import open_page, require_room, write_page
-
-if TYPE_CHECKING:
-    from cbdsl.documents.meta_catalog import MetaCatalogDocument
 
 What = Annotated[
     Path,
@@ -35,7 +32,10 @@ def report(what: What, out: Out = None, above: Above = 0.2, open_: Open = True) 
 
     Exit 0 when the page was written, 1 when a document has errors, 2 when it could not be made.
     """
+    from cbdsl.cli.show_meta_catalog import read_meta_catalog
+    from cbdsl.documents.meta_catalog import MetaCatalogDocument
     from cbdsl.errors.errors import UsageError
+    from cbdsl.yaml_text.library import is_of
 
     try:
         from cbdsl.reporting.learned import find_learned, read_learned
@@ -50,24 +50,10 @@ def report(what: What, out: Out = None, above: Above = 0.2, open_: Open = True) 
     if any(target.resolve() == file.resolve() for file in files):
         raise UsageError(f"--out {target}: this is a document, which a page would overwrite")
     require_room(target)
-    catalog = _meta_catalog(files[0])
-    if catalog is not None:
-        text = meta_catalog_page(catalog)
+    if is_of(MetaCatalogDocument, files[0]):
+        text = meta_catalog_page(read_meta_catalog(str(files[0])))
     else:
         text = learned_page([read_learned(file) for file in files], above)
     write_page(text, target)
     if open_:
         open_page(target)
-
-
-def _meta_catalog(file: Path) -> MetaCatalogDocument | None:
-    """A file's meta-catalog, if it says that it is one."""
-    from cbdsl.api.clean import require_clean
-    from cbdsl.documents.meta_catalog import MetaCatalogDocument
-    from cbdsl.yaml_text.library import Library, is_of
-
-    if not is_of(MetaCatalogDocument, file):
-        return None
-    library = Library()
-    require_clean(file, library)
-    return library.read(file, MetaCatalogDocument).document

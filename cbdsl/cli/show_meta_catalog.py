@@ -45,7 +45,7 @@ def show_meta_catalog(
     if of is not None and stack is None:
         raise UsageError("--of means nothing without --stack")
     form = read_format("svg" if svg else format_, as_json, PICTURED)
-    catalog = _read(name)
+    catalog = read_meta_catalog(name)
     if stack is not None:
         _print_plan(catalog, plan(catalog, stack, of), as_json=form is Format.JSON)
     elif form is Format.SVG:
@@ -90,7 +90,13 @@ def _print_plan(catalog: MetaCatalogDocument, known: StackPlan, *, as_json: bool
         print(command)
 
 
-def _read(name: str) -> MetaCatalogDocument:
+def read_meta_catalog(name: str) -> MetaCatalogDocument:
+    """A meta-catalog without errors, by its name or file.
+
+    Raises:
+        DiagnosticsError: it has errors.
+        UsageError: there is none.
+    """
     from cbdsl.api.clean import require_clean
     from cbdsl.documents.meta_catalog import MetaCatalogDocument
     from cbdsl.yaml_text.library import Library

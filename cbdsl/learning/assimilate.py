@@ -51,7 +51,7 @@ class AssimilateConstants(Section):
     least_samples: PositiveCount = 2
     """Fewest contexts in a leaf of the tree of reward."""
     least_attempts: PositiveCount = 3
-    """Fewest contexts with a rewarded attempt in a leaf of the tree of allocations."""
+    """Fewest contexts in a leaf of the tree of allocations."""
     least_reward: Probability = 0.5
     """Probability of reward below which the schema is undefined."""
 

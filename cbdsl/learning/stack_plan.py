@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from itertools import pairwise
 from math import prod
 from typing import TYPE_CHECKING, NamedTuple
@@ -50,6 +51,11 @@ def plan_stacks(support: SupportGraph, height: int) -> list[StackPlan]:
         if len(path) == height
     ]
     return sorted(plans, key=lambda plan: (-plan.probability, plan.order))
+
+
+def pairs_of(support: SupportGraph, order: Sequence[str]) -> list[str]:
+    """Names of the pairs that a stack is made of, from below."""
+    return [support.edges[edge]["pair"] for edge in pairwise(order)]
 
 
 def _probability(support: SupportGraph, path: list[str]) -> float:

@@ -40,8 +40,8 @@ class Outcomes(NamedTuple):
     successes: Floats
     failures: Floats
 
-    def of(self, rows: NDArray[np.intp]) -> Outcomes:
-        """Those in some of the samples."""
+    def of(self, rows: NDArray[np.intp] | int) -> Outcomes:
+        """Those in some of the samples, or in one."""
         return Outcomes(self.successes[rows], self.failures[rows])
 
     @property
@@ -123,8 +123,7 @@ def _best(
         place = int(np.argmax(evidence))
         if evidence[place] > least_evidence:
             least_evidence = evidence[place] + _NOTHING
-            sides = Outcomes(*(each[place] for each in below)), Outcomes(*(e[place] for e in above))
-            share = trust if _rate(sides[0]) >= _rate(sides[1]) else 1.0 - trust
+            share = trust if _rate(below.of(place)) >= _rate(above.of(place)) else 1.0 - trust
             low, high = values[cuts[place] - 1], values[cuts[place]]
             best = _Question(feature, _threshold(float(low), float(high), share))
     return best

@@ -4,13 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from html import escape
-from itertools import pairwise
-from typing import TYPE_CHECKING
 
 from cbdsl.documents.catalog import AffordanceSection, CatalogProvenance
 from cbdsl.documents.meta_catalog import MetaCatalogDocument
 from cbdsl.errors.counting import count
-from cbdsl.learning.stack_plan import plan_stacks
+from cbdsl.learning.stack_plan import pairs_of, plan_stacks
 from cbdsl.learning.thing_graph import support_graph
 from cbdsl.reporting.bundle import Bundle
 from cbdsl.reporting.drawing.meta_catalog_graph import meta_catalog_graph, pair_key, stack_key
@@ -18,12 +16,9 @@ from cbdsl.reporting.markup import Markup, table, terms
 from cbdsl.reporting.stack_command import stack_command
 from cbdsl.reporting.template import filled
 
-if TYPE_CHECKING:
-    from cbdsl.learning.thing_graph import SupportGraph
-
 _STYLES = ("page.css", "learned.css", "meta_catalog.css")
 _SCRIPTS = ("page.js", "data.js", "meta_catalog.js")
-# Highest stacks that are listed: beyond, nothing shipped builds them, and there are many.
+# Highest stacks that are listed: of many things there are very many.
 _HIGHEST = 4
 
 
@@ -106,10 +101,9 @@ def _plans(catalog: MetaCatalogDocument) -> Iterator[dict[str, object]]:
                 "order": list(plan.order),
                 "probability": plan.probability,
                 "command": stack_command([catalog.things[name].feature for name in plan.order]),
-                "boxes": [*plan.order, *_pairs_of(support, plan.order), stack_key(plan.order)],
+                "boxes": [
+                    *plan.order,
+                    *map(pair_key, pairs_of(support, plan.order)),
+                    stack_key(plan.order),
+                ],
             }
-
-
-def _pairs_of(support: SupportGraph, order: tuple[str, ...]) -> list[str]:
-    """Keys of the pairs that a stack is made of, as the graph has them."""
-    return [pair_key(support.edges[edge]["pair"]) for edge in pairwise(order)]

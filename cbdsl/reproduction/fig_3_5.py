@@ -18,7 +18,7 @@ from cbdsl.reproduction.interval import resampled_interval
 from cbdsl.reproduction.percentage import percentage
 from cbdsl.reproduction.quantity import Quantity
 
-# Four times as many as the source has, so that all of them held is not by chance.
+# Six times as many as the source has, so that all of them held is not by chance.
 _TRIALS, _QUICK_TRIALS = 60, 2
 #: Depths of Table 3.2, m, and how far from them a depth may be to count as the same place.
 _DEPTHS = {"table": 1.0, "held": 0.75, "optimum": 0.5}

@@ -11,7 +11,7 @@ from cbdsl.program.checked import CheckedProgram
 from cbdsl.reporting.drawing.policy_transitions import ABOVE
 from cbdsl.reproduction.arcs import ActionArc, DrawnArc, diagram_of
 from cbdsl.reproduction.checks import Check, Schedule, checks, schedule
-from cbdsl.reproduction.claim import above, at_least, at_most
+from cbdsl.reproduction.claim import above, at_least, at_most, in_hindsight
 from cbdsl.reproduction.diagram import Diagram, graph_of
 from cbdsl.reproduction.experiment import Result, RunSettings
 from cbdsl.reproduction.learned_in import learned_in_quantities
@@ -214,7 +214,11 @@ def _quantities(drawn: DrawnPolicy, last: Sequence[Check], worth: Worth) -> Iter
     label = drawn.series.label
     columns = [(arc, orders_alike(arc, worth), _looks(arc, last)) for arc in drawn.arcs]
     whole = [
-        all(has(arc, look.arcs, alike) for (arc, alike, _), look in zip(columns, row, strict=True))
+        all(
+            _has(arc, look.arcs, alike)
+            for (arc, alike, _), look in zip(columns, row, strict=True)
+            if look.arcs
+        )
         for row in zip(*(looks for _, _, looks in columns), strict=True)
     ]
     yield _drawn(f"{label}: policies with all arcs", whole)
@@ -224,7 +228,7 @@ def _quantities(drawn: DrawnPolicy, last: Sequence[Check], worth: Worth) -> Iter
         ordered = sum(arc.is_among(arcs) for arcs in met)
         note = f"{ordered} in the order drawn; " if alike else ""
         note += f"{joined} with whatever action"
-        yield _drawn(f"{label}: {arc}", [has(arc, arcs, alike) for arcs in met], note)
+        yield _drawn(f"{label}: {arc}", [_has(arc, arcs, alike) for arcs in met], note)
 
 
 def orders_alike(arc: DrawnArc, worth: Worth) -> bool:
@@ -246,7 +250,7 @@ def orders_alike(arc: DrawnArc, worth: Worth) -> bool:
     return bool(both) and all(100 * other >= AS_GOOD * own for other, own in both)
 
 
-def has(arc: DrawnArc, arcs: Iterable[ActionArc], alike: bool) -> bool:
+def _has(arc: DrawnArc, arcs: Iterable[ActionArc], alike: bool) -> bool:
     """Whether a diagram has it, in either order where both are worth the same."""
     return arc.is_turned_among(arcs) if alike else arc.is_among(arcs)
 
@@ -255,7 +259,7 @@ class _Look(NamedTuple):
     """The held-out episodes of one trial, as far as they bear on an arc.
 
     Attributes:
-        arcs: the diagram of those in its context.
+        arcs: the diagram of those in its context; empty where that did not occur.
         is_met: whether they leave a state that it leaves; else they say nothing of it.
     """
 
@@ -285,7 +289,9 @@ def _rewarded(series: Series, last: Sequence[Check]) -> Quantity:
 
 def _drawn(name: str, has: Sequence[bool], note: str = "") -> Quantity:
     """The percentage of trials that have what the source draws."""
-    return percentage(name, "drawn", sum(has), len(has), above(50), of="trials", note=note)
+    return percentage(
+        name, "drawn", sum(has), len(has), in_hindsight(above(50)), of="trials", note=note
+    )
 
 
 def _typical(name: str, series: Series, program: CheckedProgram, last: Sequence[Check]) -> Diagram:
@@ -319,8 +325,8 @@ def _notes(plan: Schedule) -> tuple[str, ...]:
         f"from. An arc is there if more than {100 * ABOVE:.0f} % of what leaves its state takes "
         "it, and counts as reproduced if most trials have it, of those whose episodes leave its "
         "state at all; where a context of the stage is named, only episodes in it count. All arcs "
-        "are asked of all trials. The picture shows the trial whose arcs have the most in common "
-        "with those of the others.",
+        "are asked of all trials, but for those whose context did not occur. The picture shows the "
+        "trial whose arcs have the most in common with those of the others.",
         "Where the superior controller has no reference, it moves nothing, and an action that is "
         "left after its first tick, as all are in the state of an episode's beginning, has hardly "
         "moved anything: then both orders of a composition earn the same, and which of them a "

@@ -14,7 +14,7 @@ from cbdsl.learning.action_outcome import ActionOutcome, FeatureForm
 from cbdsl.learning.catalog_exploration import CatalogConstants
 from cbdsl.learning.pair_exploration import PairExploration
 from cbdsl.learning.pair_recognition import recognise
-from cbdsl.learning.stack_plan import plan_stack, plan_stacks
+from cbdsl.learning.stack_plan import pairs_of, plan_stack, plan_stacks
 from cbdsl.learning.thing_graph import support_graph, thing_graph
 from cbdsl.numeric.affordance import AffordanceModel
 
@@ -140,7 +140,9 @@ def test_support_is_by_laplace_s_rule_and_of_what_stood_upon() -> None:
     known = support_graph(catalog())
     own = {(low, high): facts["probability"] for low, high, facts in known.edges(data=True)}
     assert own == {("slab", "box"): 5 / 8, ("box", "cup"): 3 / 4, ("cup", "ball"): 4 / 6}
-    assert plan_stack(known, 4).order == ("slab", "box", "cup", "ball")
+    plan = plan_stack(known, 4)
+    assert plan.order == ("slab", "box", "cup", "ball")
+    assert pairs_of(known, plan.order) == ["a", "d", "e"], "not c, which was in it"
     assert set(support_graph(catalog(), ["cup", "ball"]).edges) == {("cup", "ball")}
 
 

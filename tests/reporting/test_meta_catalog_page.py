@@ -10,7 +10,7 @@ from typing import Any
 
 import pytest
 
-from cbdsl.documents.meta_catalog import MetaCatalogDocument
+from cbdsl.documents.meta_catalog import MetaCatalogDocument, PairSection
 from cbdsl.reporting.meta_catalog_page import meta_catalog_page
 from cbdsl.yaml_text.library import Library
 from tests.conftest import ROOT
@@ -61,3 +61,19 @@ def test_without_pairs_there_is_nothing_to_plan() -> None:
     given = {"cbdsl": 1, "kind": "meta_catalog", "name": "a", "robot": "dexter", "things": things}
     page = meta_catalog_page(MetaCatalogDocument.model_validate(given))
     assert "0 of 0 pairs ever stayed" in page and plans_of(page) == []
+
+
+def test_a_thing_in_another_one_is_no_part_of_a_stack() -> None:
+    """Two things may have been brought together in two ways."""
+    things = {"tray": {"feature": "blue"}, "box": {"feature": "red"}, "ball": {"feature": "green"}}
+    known = {"program": "stand", "tried": 3, "rewarded": 3}
+    pairs = {
+        "box_on_tray": {"upper": "box", "lower": "tray", **known},
+        "ball_on_box": {"upper": "ball", "lower": "box", **known},
+        "box_in_tray": {"upper": "box", "lower": "tray", "relation": "in", **known, "rewarded": 0},
+    }
+    given = {"cbdsl": 1, "kind": "meta_catalog", "name": "a", "robot": "dexter", "things": things}
+    catalog = MetaCatalogDocument.model_validate(given)
+    sections = {name: PairSection.model_validate(pair) for name, pair in pairs.items()}
+    page = meta_catalog_page(catalog.model_copy(update={"pairs": sections}))
+    assert 'data-key="stack tray box ball"' in page and "pair box_in_tray" not in page

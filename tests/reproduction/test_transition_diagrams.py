@@ -56,6 +56,15 @@ def test_an_action_without_order_has_none_that_is_alike() -> None:
     assert not orders_alike(DrawnArc("X0-", "reach", ("X1-",)), {"X0-": {"reach": 100.0}})
 
 
+def test_an_arc_whose_context_did_not_occur_is_not_asked_for() -> None:
+    arcs = (DrawnArc("X0-", REACH, ("X11",)), DrawnArc("X0-", REACH, ("X1-",), "absent"))
+    drawn = DrawnPolicy(REACHTOUCH, arcs)
+    absent = experience(("XXX", "searchtrack", "X0-"), ("X0-", "touch", "X11"), context="absent")
+    for episodes, counts in (((IN_ORDER,), "1 of 1"), ((IN_ORDER, absent), "0 of 1")):
+        whole, *_ = _quantities(drawn, [Check(25, episodes)], {})
+        assert whole.note == f"{counts} trials"
+
+
 IN_ORDER = experience(("XXX", "searchtrack", "X0-"), ("X0-", REACH, "X11"))
 OTHER_ORDER = experience(("XXX", "searchtrack", "X0-"), ("X0-", TURNED, "X11"))
 DIFFERENT = experience(("XXX", "searchtrack", "X0-"), ("X0-", "touch", "X11"))

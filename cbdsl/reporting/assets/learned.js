@@ -5,12 +5,6 @@ const MEASURES = {
   hits: { title: "Share of rewarded episodes", range: () => [-0.03, 1.06] },
 };
 
-const make = (kind, properties = {}, ...children) => {
-  const element = Object.assign(document.createElement(kind), properties);
-  element.append(...children);
-  return element;
-};
-
 // The curves of one measure, as uPlot wants them: for each group its middle and its bounds.
 function columnsOf(groups, measure, window, count) {
   const filled = (array) => Array.from({ length: count }, (_, place) => array[place] ?? null);

@@ -1,11 +1,5 @@
 // The page of a meta-catalog: stacks of the things that are there, and where they are in the graph.
 
-const make = (kind, properties = {}, ...children) => {
-  const element = Object.assign(document.createElement(kind), properties);
-  element.append(...children);
-  return element;
-};
-
 // The stacks of some height of some things, the surest first, as they are listed.
 function plansOf(plans, things, height) {
   return plans.filter(({ order }) => order.length === height && order.every((thing) => things.has(thing)));

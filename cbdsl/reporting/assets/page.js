@@ -2,6 +2,12 @@
 
 const byId = (id) => document.getElementById(id);
 
+const make = (kind, properties = {}, ...children) => {
+  const element = Object.assign(document.createElement(kind), properties);
+  element.append(...children);
+  return element;
+};
+
 function tellProblem(error) {
   byId("problem").hidden = false;
   byId("problem").textContent = `This page cannot show everything: ${error.message ?? error}`;

@@ -7,7 +7,7 @@ from html import escape
 from typing import NamedTuple
 
 from cbdsl.documents.meta_catalog import MetaCatalogDocument
-from cbdsl.learning.stack_plan import plan_stacks
+from cbdsl.learning.stack_plan import pairs_of, plan_stacks
 from cbdsl.learning.thing_graph import support_graph
 
 _WIDTH, _HEIGHT, _GAP, _RISE, _MARGIN = 190, 44, 16, 76, 14
@@ -94,11 +94,10 @@ def _pairs(catalog: MetaCatalogDocument) -> dict[str, _Box]:
 
 def _stacks(catalog: MetaCatalogDocument) -> dict[str, _Box]:
     """Stacks of three, each on the pairs that it is made of."""
-    names = {(pair.upper, pair.lower): name for name, pair in catalog.pairs.items()}
-    boxes = {}
-    for plan in plan_stacks(support_graph(catalog), 3)[:_STACKS]:
+    boxes, support = {}, support_graph(catalog)
+    for plan in plan_stacks(support, 3)[:_STACKS]:
         low, middle, top = plan.order
-        below = (pair_key(names[middle, low]), pair_key(names[top, middle]))
+        below = tuple(map(pair_key, pairs_of(support, plan.order)))
         words = (f"{top} on {middle}", f"on {low}, {plan.probability:.2f}")
         boxes[stack_key(plan.order)] = _Box(words, plan.probability, below, dashed=True)
     return boxes
