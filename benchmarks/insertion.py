@@ -77,7 +77,7 @@ def run_insertions(
             deep = (base.position[2] + RIM) - (top.position[2] - TALL)
             tilt = math.acos(min(1.0, float(top.rotation[2, 2])))
             aside = math.dist(top.position[:2], base.position[:2])
-            inside = deep > DEEP and tilt < UPRIGHT and aside < HALF
+            inside = bool(deep > DEEP and tilt < UPRIGHT and aside < HALF)
             yield Insertion(seed, inside, round(1e3 * float(deep), 1), result.ending)
 
 

@@ -1,6 +1,6 @@
 """Figure 3.4: reaching alone, and with the range or the manipulability potential below.
 
-The arm reaches for a ball at 30 places under each of three laws. All three potentials are evaluated
+The arm reaches for a ball at 56 places under each of three laws. All three potentials are evaluated
 in every tick of every reach from the robot's own signals, whether the law lowers them or not.
 """
 
