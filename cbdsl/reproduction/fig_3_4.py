@@ -35,10 +35,13 @@ _ARM, _REACH = "right_arm", "reach"
 #: The actions of the program by the source's names of the laws.
 _LAWS = {"c0": _REACH, "c1": f"posturalbias ◁ {_REACH}", "c2": f"manipulability ◁ {_REACH}"}
 
-# The area of the source, 0.4 m x 0.8 m, on the table in front of the robot, m.
+# The area of the source, 0.4 m x 0.8 m, over the table in front of the robot, m.
 _PLACES = tuple(product(np.linspace(0.32, 0.72, 8).tolist(), np.linspace(-0.4, 0.4, 7).tolist()))
 _QUICK_PLACES = (_PLACES[0], _PLACES[24])
 _RADIUS = 0.03
+# Of the ball's middle, m: 8 cm above the table. Where it lies, an arm drawn to the middle of its
+# limits rests on the table in reaches to the other side.
+_HEIGHT = -0.34
 
 # Of the postures that hold the hand at (0.3, -0.5, -0.2) m with the palm down, that nearest to the
 # middle of the joints' limits by the range potential.
@@ -63,9 +66,11 @@ _NOTES = (
     "still turn the back of the hand to the table, and push against the ball. So the range "
     "potential is not at its minimum at the start, and falls where the source's rises; what is "
     "compared is the change.",
-    "The ball stays where it is when it is touched, and the hand is closed: a reach controls the "
-    "position of the hand alone, which tilts on its way, and open fingers got caught by the top of "
-    "the table. The point that is brought to the ball is 9 cm in front of the palm.",
+    "The ball is held 5 cm above the table: on it, an arm that the range potential draws to the "
+    "middle of its limits touched the table in 12 of 56 reaches, and came to rest short of the "
+    "ball in 7. The ball stays where it is when it is touched, and the hand is closed: a reach "
+    "controls the position of the hand alone, which tilts on its way, and open fingers got caught "
+    "by the top of the table. The point that is brought to the ball is 9 cm in front of the palm.",
 )
 
 
@@ -114,7 +119,7 @@ def _stage(lab: SimulationFixture, place: tuple[float, float]) -> StageDocument:
     ball: dict[str, Any] = {"form": {"shape": "ball", "radius": radius}, "mass": (0.3, 0.3)}
     context = {
         "things": ["ball"],
-        "place": {"on": "table", "x": (x, x), "y": (y, y), "held": True},
+        "place": {"x": (x, x), "y": (y, y), "z": (_HEIGHT, _HEIGHT), "held": True},
         "joints": {
             joint: (angle, angle) for joint, angle in zip(joints, _START + _FIST, strict=True)
         },
