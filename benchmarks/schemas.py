@@ -2,8 +2,10 @@
 
 Trials of ASSIMILATE from a learned policy, each with chance of its own. What is right is not told
 but tried: in held-out episodes every allocation has its turn, and those rewarded are right. A
-tree's first choice is right where it is one of these, and a schema that expects no reward is
-right where none is. Held-out episodes may be tried on another backend than the one learned on.
+tree's first choice is right where it is one of these. A schema that expects no reward is right
+where none is rewarded and, by the simulator's truth, which no controller sees, the robot touches
+the thing in none of them: that is out of reach. What was touched and not rewarded is counted by
+itself, and has no aim. Held-out episodes may be tried on another backend than the one learned on.
 Exits with 1 where too few trials reach their aims.
 
     python benchmarks/schemas.py --seed 1 [--episodes 50] [--trials 10] [--held-out 200]
@@ -21,7 +23,11 @@ import time
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any, NamedTuple
 
-from cbdsl.backends.backend import embody
+from contacts import shown
+
+from cbdsl.backends.backend import Backend, embody
+from cbdsl.backends.staging.engine import Engine
+from cbdsl.backends.staging.world_state import GroundTruthProvider
 from cbdsl.checking.assimilation import program_to_assimilate
 from cbdsl.checking.session import Session
 from cbdsl.documents.policy import PolicyDocument
@@ -34,6 +40,8 @@ from cbdsl.numeric.proportion import exact_interval
 from cbdsl.program.checked import CheckedProgram
 from cbdsl.program.schema import Ranking
 from cbdsl.program.schema_policy import Features, SchemaPolicy
+from cbdsl.program.transition import Transition
+from cbdsl.runtime.episode import EpisodeResult, Tick
 from cbdsl.sensing.kinematics import Kinematics
 from cbdsl.training.episode_runner import BackendEpisodeRunner
 from cbdsl.training.trial import Trial
@@ -47,18 +55,57 @@ POSSIBLE, ALONE, OUT_OF_REACH, FALSE_ALARMS = 0.95, 0.9, 0.95, 0.02
 LEAST_SHARE = 0.8
 
 
+#: What is counted in a trial, with an aim each but for the last.
+COUNTS = ("possible", "alone", "out_of_reach", "false_alarms", "touched_in_vain")
+
+
 class Case(NamedTuple):
-    """A held-out context: what was sensed when it was allocated, and what works there."""
+    """A held-out context: what was sensed when it was allocated, and what came of it.
+
+    Attributes:
+        context: its name.
+        features: as sensed.
+        works: the allocations that were rewarded.
+        touched: whether the robot touched the thing with any allocation.
+    """
 
     context: str
     features: Features
     works: frozenset[str]
+    touched: bool
+
+
+class Contact:
+    """Watches by the simulator's truth whether the robot touches what is shown.
+
+    Attributes:
+        touched: whether it did, since this was set to false.
+    """
+
+    def __init__(self, backend: Backend, stage: StageDocument) -> None:
+        assert isinstance(backend, GroundTruthProvider) and isinstance(backend.truth, Engine)
+        self._truth, self._stage = backend.truth, stage
+        self.touched = False
+
+    def begin(self, program: CheckedProgram, stage: str, seed: int) -> None:
+        """See ``EpisodeWatcher``."""
+
+    def note_transition(self, transition: Transition) -> None:
+        """See ``EpisodeWatcher``."""
+
+    def note_tick(self, tick: Tick) -> None:
+        """See ``EpisodeWatcher``."""
+        truth = self._truth
+        self.touched = self.touched or any(map(truth.touched, shown(truth, self._stage)))
+
+    def note_end(self, result: EpisodeResult) -> None:
+        """See ``EpisodeWatcher``."""
 
 
 def prepared(
     options: argparse.Namespace, backend: str, cameras: str | None
-) -> tuple[CheckedProgram, BackendEpisodeRunner]:
-    """The program with all its allocations, and what runs it on a backend."""
+) -> tuple[CheckedProgram, BackendEpisodeRunner, Contact]:
+    """The program with all its allocations, what runs it on a backend, and what watches that."""
     library = Library()
     policy = library.read(library.locate(PolicyDocument, options.policy), PolicyDocument)
     path = library.locate(ProgramDocument, options.program)
@@ -68,12 +115,16 @@ def prepared(
     stage = library.read(library.locate(StageDocument, options.stage), StageDocument).document
     urdf = robot_file.parent / robot.model
     body = embody(backend, robot, urdf, cameras=cameras)
-    runner = BackendEpisodeRunner(robot, Kinematics(robot, urdf), body, stage)
-    return program._replace(transition_time=8.0, idle_time=1.0), runner
+    contact = Contact(body, stage)
+    runner = BackendEpisodeRunner(robot, Kinematics(robot, urdf), body, stage, contact)
+    return program._replace(transition_time=8.0, idle_time=1.0), runner, contact
 
 
 def cases(
-    program: CheckedProgram, runner: BackendEpisodeRunner, seeds: Sequence[int]
+    program: CheckedProgram,
+    runner: BackendEpisodeRunner,
+    contact: Contact,
+    seeds: Sequence[int],
 ) -> Iterator[Case]:
     """Held-out contexts in which the features were defined, by trying every allocation."""
     assert program.schema is not None
@@ -81,6 +132,7 @@ def cases(
     policies = {name: SchemaPolicy(program, _always(name), gives_up=False) for name in names}
     for seed in seeds:
         works, context, features = set(), "", dict[str, float]()
+        contact.touched = False
         for name, policy in policies.items():
             episode = runner.run(program, policy, seed, lambda transition: None)
             context = episode.context
@@ -90,7 +142,7 @@ def cases(
                 if not features and transition.features.keys() >= set(components):
                     features = dict(transition.features)
         if features:
-            yield Case(context, features, frozenset(works))
+            yield Case(context, features, frozenset(works), contact.touched)
 
 
 def _always(name: str) -> Any:
@@ -114,11 +166,11 @@ def learned(
 def judged(learner: Assimilate, held_out: Sequence[Case]) -> dict[str, list[int]]:
     """Counts of what is right, and of what could be, by aim."""
     choice, reward = learner.choice(), learner.reward()
-    counts = {aim: [0, 0] for aim in ("possible", "alone", "out_of_reach", "false_alarms")}
+    counts = {name: [0, 0] for name in COUNTS}
     for case in held_out:
         said = (decide(reward, case.features) or 0.0) < 0.5
         if not case.works:
-            _count(counts["out_of_reach"], said)
+            _count(counts["touched_in_vain" if case.touched else "out_of_reach"], said)
             continue
         first = (decide(choice, case.features) or ("",))[0]
         _count(counts["false_alarms"], said)
@@ -162,14 +214,14 @@ def main() -> int:
     parser.add_argument("--json", action="store_true")
     options = parser.parse_args()
     began = time.perf_counter()
-    program, runner = prepared(options, options.backend, options.cameras)
+    program, runner, _ = prepared(options, options.backend, options.cameras)
     if options.try_on is None:
         options.try_on, options.try_with = options.backend, options.cameras
-    _, judge = prepared(options, options.try_on, options.try_with)
+    _, judge, contact = prepared(options, options.try_on, options.try_with)
     seeds = range(options.held_out_seed, options.held_out_seed + options.held_out)
-    held_out = list(cases(program, judge, seeds))
+    held_out = list(cases(program, judge, contact, seeds))
     _show({"held_out": len(held_out), "seconds": round(time.perf_counter() - began)}, options)
-    met, total = 0, {aim: [0, 0] for aim in ("possible", "alone", "out_of_reach", "false_alarms")}
+    met, total = 0, {name: [0, 0] for name in COUNTS}
     for number in range(options.trials):
         counts = judged(learned(program, runner, number, options), held_out)
         met += holds(counts)
