@@ -1,8 +1,9 @@
 """Names of relations between two things, told from their impedance (Section 7.2.3).
 
-The tree asks for the impedance of one direction each, by the evidence of profiles whose relations
-are known. Impedances are compared by their logarithms: a hand that is twice as stiff, or a thing
-that is twice as heavy, shifts all of them alike.
+The tree asks for the impedance of one direction each, of both ways the larger one, by the evidence
+of profiles whose relations are known. All relations count alike, however many pairs show them.
+Impedances are compared by their logarithms: a hand that is twice as stiff, or a thing that is twice
+as heavy, shifts all of them alike.
 """
 
 from __future__ import annotations
@@ -14,7 +15,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from cbdsl.learning.impedance import ImpedanceProfile
+from cbdsl.learning.impedance import DIRECTIONS, ImpedanceProfile
 from cbdsl.learning.tree_growth import Outcomes, grow
 from cbdsl.types.decision_tree import Leaf, Tree, decide
 
@@ -41,13 +42,17 @@ def grow_relations(known: Sequence[NamedProfile]) -> Tree[str]:
         raise ValueError("relations are learned from whole profiles, one at least")
     names = sorted({each.relation for each in known})
     relations = [each.relation for each in known]
-    successes = np.array([[float(name == each) for name in names] for each in relations])
+    numbers = Counter(relations)
+    # Whole numbers, as evidence counts.
+    weights = np.array([[round(max(numbers.values()) / numbers[each])] for each in relations])
+    is_named = np.array([[name == each for name in names] for each in relations])
 
     def most_frequent(rows: list[int]) -> str:
         return Counter(relations[row] for row in rows).most_common(1)[0][0]
 
     samples = [features(each.profile) for each in known]
-    return grow(samples, Outcomes(successes, 1.0 - successes), most_frequent, _PROFILES)
+    outcomes = Outcomes(1.0 * weights * is_named, 1.0 * weights * ~is_named)
+    return grow(samples, outcomes, most_frequent, _PROFILES)
 
 
 def name_relation(tree: Tree[str], profile: ImpedanceProfile) -> str | None:
@@ -56,8 +61,13 @@ def name_relation(tree: Tree[str], profile: ImpedanceProfile) -> str | None:
 
 
 def features(profile: ImpedanceProfile) -> Mapping[str, float]:
-    """Decimal logarithms of the impedances, by direction and sign."""
-    return {name: math.log10(max(value, _LEAST)) for name, value in profile.features().items()}
+    """Decimal logarithms of the impedances by direction; what was tested one way is left out."""
+    found = profile.features()
+    return {
+        direction: math.log10(max(found[f"{direction}+"], found[f"{direction}-"], _LEAST))
+        for direction in DIRECTIONS
+        if {f"{direction}+", f"{direction}-"} <= found.keys()
+    }
 
 
 def tree_as_data(tree: Tree[str]) -> object:

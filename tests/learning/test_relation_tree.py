@@ -75,13 +75,24 @@ def test_a_leaf_has_the_name_that_most_of_its_profiles_have() -> None:
     assert grow_relations(mixed) == Leaf("prismatic")
 
 
-def test_an_impedance_of_nothing_is_as_little_as_can_be_told() -> None:
+def test_impedances_are_the_larger_ones_of_both_ways_and_nothing_is_as_little_as_can_be_told() -> (
+    None
+):
     tests = (
         ImpedanceTest("dPx", 1, 0.01, 0.0, False),
         ImpedanceTest("dPx", -1, -0.01, -1.0, False),
+        ImpedanceTest("dPy", 1, 0.01, 0.0, False),
+        ImpedanceTest("dPy", -1, -0.01, 0.0, False),
         ImpedanceTest("dRz", 1, 0.1, 0.01, False),
     )
-    assert features(ImpedanceProfile(tests)) == pytest.approx({"dPx+": -2, "dPx-": 2, "dRz+": -1})
+    assert features(ImpedanceProfile(tests)) == pytest.approx({"dPx": 2, "dPy": -2})
+
+
+@pytest.mark.parametrize("seed", range(7, 12))
+def test_a_relation_that_more_pairs_show_counts_as_much_as_the_others(seed: int) -> None:
+    alike = known(seed)
+    often = [each for each in alike if each.relation == "spherical"]
+    assert grow_relations(alike + 4 * often) == grow_relations(alike)
 
 
 def test_two_profiles_of_each_name_are_enough_for_a_question_and_one_is_not() -> None:
