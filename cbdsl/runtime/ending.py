@@ -133,13 +133,16 @@ def _lacked(lead: ControllerRun, run: ProgramRun) -> ControllerRun | None:
     for item in run.active():
         if item.run is lead:
             required = item.peers.get(lead.controller.requires or "")
-            return None if required is None or required.engaged else required
+            # What seeks to be defined again lets what requires it act, and be undefined in turn.
+            is_there = required is None or (required.engaged and not math.isnan(required.error))
+            return None if is_there else required
     return None
 
 
 def _absence(required: ControllerRun) -> str:
     """Lack of a required controller, as a clause."""
-    if required.controller.task.name == "force" and not required.exhausted:
+    is_gone = required.engaged or required.exhausted
+    if required.controller.task.name == "force" and not is_gone:
         return f"{required.controller.name} felt nothing"
     return _clause(required)
 

@@ -111,8 +111,16 @@ def test_who_lacks_what_it_requires_is_told_with_it(felt: bool) -> None:
     assert f"{absence}, and left and right require it" in describe(run, 1.0, ())
     run.leads = lambda _: two[:1]
     assert f"{absence}, and left requires it" in describe(run, 1.0, ())
-    touch.engaged = True
+    touch.engaged, touch.error = True, 0.1
     assert "left had no ball.position" in describe(run, 1.0, ())
+
+
+def test_what_was_lost_and_is_sought_again_is_told_with_who_requires_it() -> None:
+    touch = lead(math.nan, name="touch", feedback=BALL, task=Made(name="force"), engaged=True)
+    left = lead(math.nan, name="left", requires="touch")
+    run = ended(left)
+    run.active = lambda: [Made(run=left, peers={"touch": touch})]
+    assert "touch had no ball.position, and left requires it" in describe(run, 1.0, ())
 
 
 def test_a_program_that_was_used_tells_of_itself() -> None:
