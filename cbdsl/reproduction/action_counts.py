@@ -54,4 +54,4 @@ def action_bars(name: str, label: str, catalogs: Sequence[CatalogDocument]) -> B
     nothing = sum(actions_of(each).count(NOOP) for each in catalogs) / trials
     bars.append(Bar(NOOP, 0.0, nothing))
     title = f"{label}: actions of a trial"
-    return BarChart(f"{name}-actions", title, "rewarded", "not rewarded", tuple(bars))
+    return BarChart(f"{name}-actions", title, tuple(bars), "rewarded", "not rewarded")

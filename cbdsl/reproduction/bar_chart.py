@@ -1,4 +1,4 @@
-"""Bars in two parts, and their picture as SVG: how often actions were taken, and rewarded."""
+"""Bars in one part or two, and their picture as SVG: how often actions were taken, and rewarded."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ class Bar(NamedTuple):
 
     name: str
     first: float
-    second: float
+    second: float = 0.0
 
 
 @dataclass(frozen=True)
@@ -31,19 +31,20 @@ class BarChart:
     Attributes:
         name: of its file, without suffix.
         title: what it shows.
-        first, second: what the parts are.
         bars: from top to bottom.
+        first, second: what the parts are; no second one where it is empty.
     """
 
     name: str
     title: str
-    first: str
-    second: str
     bars: tuple[Bar, ...]
+    first: str
+    second: str = ""
 
     def data(self) -> dict[str, object]:
         """The data of the chart, for scripts."""
-        return {bar.name: {self.first: bar.first, self.second: bar.second} for bar in self.bars}
+        kinds = [self.first, self.second] if self.second else [self.first]
+        return {bar.name: dict(zip(kinds, bar[1:], strict=False)) for bar in self.bars}
 
     def svg(self) -> str:
         """The picture, as the text of an SVG file."""
@@ -56,22 +57,26 @@ class BarChart:
             _text(20, 20, self.title, weight="bold"),
             f'<rect x="20" y="32" width="12" height="12" fill="{_FULL}"/>',
             _text(38, 42, self.first),
-            f'<rect x="150" y="32" width="12" height="12" fill="{_REST}"/>',
-            _text(168, 42, self.second),
         ]
+        if self.second:
+            parts += [
+                f'<rect x="150" y="32" width="12" height="12" fill="{_REST}"/>',
+                _text(168, 42, self.second),
+            ]
         for row, bar in enumerate(self.bars):
-            parts += _drawn(bar, _TOP + row * _ROW, scale)
+            label = f"{bar.first:.3g} + {bar.second:.3g}" if self.second else f"{bar.first:.3g}"
+            parts += _drawn(bar, label, _TOP + row * _ROW, scale)
         return "\n".join([*parts, "</svg>", ""])
 
 
-def _drawn(bar: Bar, y: float, scale: float) -> list[str]:
+def _drawn(bar: Bar, label: str, y: float, scale: float) -> list[str]:
     first, second = bar.first * scale, bar.second * scale
     return [
         _text(_LEFT - 8, y + 18, bar.name, "end"),
         f'<rect x="{_LEFT}" y="{y + 4}" width="{first:.1f}" height="20" fill="{_FULL}"/>',
         f'<rect x="{_LEFT + first:.1f}" y="{y + 4}" width="{second:.1f}" height="20" '
         f'fill="{_REST}"/>',
-        _text(_LEFT + first + second + 6, y + 18, f"{bar.first:.3g} + {bar.second:.3g}"),
+        _text(_LEFT + first + second + 6, y + 18, label),
     ]
 
 

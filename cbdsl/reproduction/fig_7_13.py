@@ -81,10 +81,10 @@ def _charts(profiles: Profiles) -> Iterator[BarChart]:
         likely = [sum(each.tracked()[d] for each in own) / count for d in DIRECTIONS]
         stiff = [sum(each.normalized()[d] for each in own) / count for d in DIRECTIONS]
         yield BarChart(
-            f"fig-7.13-{name}", f"Tracked loads, {label}", "share of trials", "rest",
-            tuple(Bar(d, value, 0.0) for d, value in zip(DIRECTIONS, likely, strict=True)),
+            f"fig-7.13-{name}", f"Tracked loads, {label}",
+            tuple(map(Bar, DIRECTIONS, likely)), "share of trials",
         )  # fmt: skip
         yield BarChart(
-            f"fig-7.14-{name}", f"Impedance, {label}", "share of the largest", "rest",
-            tuple(Bar(d, value, 0.0) for d, value in zip(DIRECTIONS, stiff, strict=True)),
+            f"fig-7.14-{name}", f"Impedance, {label}",
+            tuple(map(Bar, DIRECTIONS, stiff)), "share of the largest",
         )  # fmt: skip

@@ -113,6 +113,9 @@ def test_charts_show_what_was_measured() -> None:
     assert [len(line.y) for line in chart.lines] == [10, 10] and chart.lines[0].low
     change = change_chart("fig", "made", [TEN])
     assert change is not None and change.lines[0].y[:3] == (1.0, 0.5, 0.25)
-    bars = BarChart("fig", "made", "rewarded", "not", (Bar("touch <1>", 3, 1), Bar("noop", 0, 2)))
+    bars = BarChart("fig", "made", (Bar("touch <1>", 3, 1), Bar("noop", 0, 2)), "rewarded", "not")
     assert "touch &lt;1&gt;" in bars.svg() and "3 + 1" in bars.svg()
     assert bars.data()["noop"] == {"rewarded": 0, "not": 2}
+    one = BarChart("fig", "made", (Bar("dPz", 0.5),), "share of trials")
+    assert one.data() == {"dPz": {"share of trials": 0.5}}
+    assert ">0.5<" in one.svg() and "+" not in one.svg() and one.svg().count("<rect") == 4
