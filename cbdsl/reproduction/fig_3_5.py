@@ -106,7 +106,7 @@ def _force_errors(in_hands: Sequence[InspectionRun]) -> Quantity:
     kept = sum(error <= _OFF * _SQUEEZE for error in errors)
     largest = max((error for error in errors if math.isfinite(error)), default=math.nan)
     return percentage(
-        f"boxes whose mean error of the forces along the palms' normals is {100 * _OFF:g} % at most",
+        f"boxes whose forces along the palms' normals err by {100 * _OFF:g} % in the mean at most",
         "the hold is kept",
         kept,
         len(errors),
