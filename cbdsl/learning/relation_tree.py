@@ -62,11 +62,11 @@ def name_relation(tree: Tree[str], profile: ImpedanceProfile) -> str | None:
 
 def features(profile: ImpedanceProfile) -> Mapping[str, float]:
     """Decimal logarithms of the impedances by direction; what was tested one way is left out."""
-    found = profile.features()
+    impedances = profile.features()
     return {
-        direction: math.log10(max(found[f"{direction}+"], found[f"{direction}-"], _LEAST))
+        direction: math.log10(max(impedances[f"{direction}+"], impedances[f"{direction}-"], _LEAST))
         for direction in DIRECTIONS
-        if {f"{direction}+", f"{direction}-"} <= found.keys()
+        if {f"{direction}+", f"{direction}-"} <= impedances.keys()
     }
 
 
