@@ -53,8 +53,6 @@ from cbdsl.yaml_text.library import Library
 POSSIBLE, ALONE, OUT_OF_REACH, FALSE_ALARMS = 0.95, 0.9, 0.95, 0.02
 # Of the trials.
 LEAST_SHARE = 0.8
-
-
 #: What is counted in a trial, with an aim each but for the last.
 COUNTS = ("possible", "alone", "out_of_reach", "false_alarms", "touched_in_vain")
 
@@ -75,8 +73,10 @@ class Case(NamedTuple):
     touched: bool
 
 
-class Contact:
-    """Watches by the simulator's truth whether the robot touches what is shown.
+class TouchWatcher:
+    """Watcher of whether the robot touches what is shown, by the simulator's truth.
+
+    Of bodies without physics it knows the touches of fingertips alone.
 
     Attributes:
         touched: whether it did, since this was set to false.
@@ -104,8 +104,8 @@ class Contact:
 
 def prepared(
     options: argparse.Namespace, backend: str, cameras: str | None
-) -> tuple[CheckedProgram, BackendEpisodeRunner, Contact]:
-    """The program with all its allocations, what runs it on a backend, and what watches that."""
+) -> tuple[CheckedProgram, BackendEpisodeRunner, TouchWatcher]:
+    """The program with all its allocations, what runs it on a backend, and the watcher of that."""
     library = Library()
     policy = library.read(library.locate(PolicyDocument, options.policy), PolicyDocument)
     path = library.locate(ProgramDocument, options.program)
@@ -115,15 +115,15 @@ def prepared(
     stage = library.read(library.locate(StageDocument, options.stage), StageDocument).document
     urdf = robot_file.parent / robot.model
     body = embody(backend, robot, urdf, cameras=cameras)
-    contact = Contact(body, stage)
-    runner = BackendEpisodeRunner(robot, Kinematics(robot, urdf), body, stage, contact)
-    return program._replace(transition_time=8.0, idle_time=1.0), runner, contact
+    watcher = TouchWatcher(body, stage)
+    runner = BackendEpisodeRunner(robot, Kinematics(robot, urdf), body, stage, watcher)
+    return program._replace(transition_time=8.0, idle_time=1.0), runner, watcher
 
 
 def cases(
     program: CheckedProgram,
     runner: BackendEpisodeRunner,
-    contact: Contact,
+    watcher: TouchWatcher,
     seeds: Sequence[int],
 ) -> Iterator[Case]:
     """Held-out contexts in which the features were defined, by trying every allocation."""
@@ -132,7 +132,7 @@ def cases(
     policies = {name: SchemaPolicy(program, _always(name), gives_up=False) for name in names}
     for seed in seeds:
         works, context, features = set(), "", dict[str, float]()
-        contact.touched = False
+        watcher.touched = False
         for name, policy in policies.items():
             episode = runner.run(program, policy, seed, lambda transition: None)
             context = episode.context
@@ -142,7 +142,7 @@ def cases(
                 if not features and transition.features.keys() >= set(components):
                     features = dict(transition.features)
         if features:
-            yield Case(context, features, frozenset(works), contact.touched)
+            yield Case(context, features, frozenset(works), watcher.touched)
 
 
 def _always(name: str) -> Any:
@@ -217,9 +217,9 @@ def main() -> int:
     program, runner, _ = prepared(options, options.backend, options.cameras)
     if options.try_on is None:
         options.try_on, options.try_with = options.backend, options.cameras
-    _, judge, contact = prepared(options, options.try_on, options.try_with)
+    _, judge, watcher = prepared(options, options.try_on, options.try_with)
     seeds = range(options.held_out_seed, options.held_out_seed + options.held_out)
-    held_out = list(cases(program, judge, contact, seeds))
+    held_out = list(cases(program, judge, watcher, seeds))
     _show({"held_out": len(held_out), "seconds": round(time.perf_counter() - began)}, options)
     met, total = 0, {name: [0, 0] for name in COUNTS}
     for number in range(options.trials):

@@ -133,16 +133,18 @@ def _lacked(lead: ControllerRun, run: ProgramRun) -> ControllerRun | None:
     for item in run.active():
         if item.run is lead:
             required = item.peers.get(lead.controller.requires or "")
-            # What seeks to be defined again lets what requires it act, and be undefined in turn.
-            is_there = required is None or (required.engaged and not math.isnan(required.error))
-            return None if is_there else required
+            if required is None:
+                return None
+            # What seeks to be defined again is engaged, and what requires it may be undefined.
+            lacks = not required.engaged or math.isnan(required.error)
+            return required if lacks else None
     return None
 
 
 def _absence(required: ControllerRun) -> str:
     """Lack of a required controller, as a clause."""
-    is_gone = required.engaged or required.exhausted
-    if required.controller.task.name == "force" and not is_gone:
+    was_there = required.engaged or required.exhausted
+    if required.controller.task.name == "force" and not was_there:
         return f"{required.controller.name} felt nothing"
     return _clause(required)
 

@@ -10,6 +10,7 @@ from cbdsl.reproduction import fig_3_4
 from cbdsl.reproduction.experiment import RunSettings
 from cbdsl.reproduction.fig_3_4 import _quantities, _Reach
 from cbdsl.reproduction.quantity import Verdict
+from cbdsl.reproduction.simulation_fixture import simulation_fixture
 
 
 def reach(spring: list[float], conditioning: list[float], **ending: float | bool) -> _Reach:
@@ -69,3 +70,17 @@ def test_two_places_on_the_simulator() -> None:
     outcome = fig_3_4.run(RunSettings(quick=True))
     assert Verdict.MISSED not in {quantity.verdict for quantity in outcome.quantities}
     assert [len(chart.lines) for chart in outcome.charts] == [3, 2, 2]
+
+
+@pytest.mark.slow
+def test_the_arm_touches_the_table_where_the_ball_lies_on_it_and_not_where_it_is_held(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    law, place = fig_3_4._LAWS["c1"], (0.32, 0.4)
+    with simulation_fixture("reach") as lab:
+        runner = lab.runner(fig_3_4._policy(lab.program.policy, law))
+        above = fig_3_4._reach(lab, runner, fig_3_4._stage(lab, place), law, 1)
+        monkeypatch.setattr(fig_3_4, "_HEIGHT", -0.42 + fig_3_4._RADIUS)
+        lying = fig_3_4._reach(lab, runner, fig_3_4._stage(lab, place), law, 1)
+    assert above.arrived and not above.touched
+    assert lying.touched and not lying.arrived

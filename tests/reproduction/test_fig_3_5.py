@@ -2,10 +2,26 @@
 
 from __future__ import annotations
 
+import numpy as np
 import pytest
 
 from cbdsl.reproduction.experiment import RunSettings
-from cbdsl.reproduction.fig_3_5 import run
+from cbdsl.reproduction.fig_3_5 import _force_errors, run
+from cbdsl.reproduction.inspection import InspectionRun
+from cbdsl.reproduction.quantity import Verdict
+
+
+def pressed(*forces: float) -> InspectionRun:
+    return InspectionRun(forces=[np.array([force, 10.0]) for force in forces])
+
+
+def test_forces_are_kept_within_a_tenth_and_a_box_without_any_is_not_held() -> None:
+    kept = [pressed(10.0, 11.9)] * 60
+    assert _force_errors(kept).verdict is Verdict.REPRODUCED
+    astray = _force_errors(kept[:30] + [pressed(12.1, 12.1)] * 30)
+    assert astray.verdict is not Verdict.REPRODUCED and astray.note.startswith("30 of 60")
+    dropped = _force_errors(kept[:30] + [pressed()] * 30)
+    assert dropped.verdict is not Verdict.REPRODUCED and dropped.note.startswith("30 of 60")
 
 
 @pytest.mark.slow
