@@ -27,9 +27,22 @@ TARGET = 0.9
 
 
 def read(files: Sequence[Path]) -> list[ImpedanceTrial]:
-    """All trials of some files."""
-    rows = [row for file in files for row in json.loads(file.read_text(encoding="utf-8"))]
-    return [read_record(ImpedanceTrial, row) for row in rows]
+    """All trials of some files.
+
+    Raises:
+        OSError: one of them cannot be read.
+        ValueError: it holds no trials; says which and why.
+    """
+    trials = []
+    for file in files:
+        try:
+            rows = json.loads(file.read_text(encoding="utf-8"))
+            if not isinstance(rows, list):
+                raise ValueError("no list of trials")
+            trials += [read_record(ImpedanceTrial, row) for row in rows]
+        except ValueError as error:
+            raise ValueError(f"{file}: {error}") from None
+    return trials
 
 
 def summarise(known: Sequence[ImpedanceTrial], others: Sequence[ImpedanceTrial]) -> dict[str, Any]:
@@ -62,7 +75,10 @@ def main() -> None:
     parser.add_argument("--others", type=Path, nargs="+", required=True)
     parser.add_argument("--json", action="store_true")
     options = parser.parse_args()
-    row = summarise(read(options.known), read(options.others))
+    try:
+        row = summarise(read(options.known), read(options.others))
+    except (OSError, ValueError) as error:
+        parser.error(str(error))
     print(json.dumps(row) if options.json else "\n".join(f"{k}: {v}" for k, v in row.items()))
     sys.exit(not row["met"])
 
