@@ -30,6 +30,8 @@ class ImpedanceTest(NamedTuple):
         load: change of what the hand exerts, with its sign, N or N m (about the tip).
         tracked: whether the load that was asked for was reached and kept.
         residue: how far the tip is from where it began, once it is back, m or rad.
+        resistance: mean over the way of what the hand exerts more than before anything bore what
+            it holds, with its sign, N or N m.
     """
 
     direction: str
@@ -38,11 +40,24 @@ class ImpedanceTest(NamedTuple):
     load: float
     tracked: bool
     residue: float = math.nan
+    resistance: float = math.nan
 
     @property
     def impedance(self) -> float:
         """Size of the load over that of the displacement, N/m or N m/rad (Eq 7.10)."""
-        return abs(self.load) / max(abs(self.displacement), _LEAST)
+        return abs(self.load) / self._way
+
+    @property
+    def mean_impedance(self) -> float:
+        """Size of the resistance over that of the displacement, N/m or N m/rad.
+
+        Friction is there from the beginning of the way, and at its end a grip may have slipped.
+        """
+        return abs(self.resistance) / self._way
+
+    @property
+    def _way(self) -> float:
+        return max(abs(self.displacement), _LEAST)
 
 
 class ImpedanceProfile(NamedTuple):
@@ -76,9 +91,9 @@ class ImpedanceProfile(NamedTuple):
         return {name: value / (most[name[:2]] or 1.0) for name, value in impedances.items()}
 
     def features(self) -> dict[str, float]:
-        """Impedance of each way, by direction and sign such as ``dPz-``: what relations show."""
+        """Mean impedance of each way, by direction and sign such as ``dPz-``."""
         return {
-            f"{test.direction}{'+' if test.sign > 0 else '-'}": test.impedance
+            f"{test.direction}{'+' if test.sign > 0 else '-'}": test.mean_impedance
             for test in sorted(self.tests, key=lambda each: (each.direction, -each.sign))
         }
 

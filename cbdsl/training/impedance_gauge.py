@@ -16,10 +16,12 @@ from cbdsl.control.rotation import log
 from cbdsl.learning.impedance import AXES, KINDS, ImpedanceProfile, ImpedanceTest
 from cbdsl.program.checked import CheckedProgram
 from cbdsl.program.controller import Controller, Relative
+from cbdsl.runtime.controller_run import ControllerRun
 from cbdsl.runtime.episode import Tick
 from cbdsl.runtime.program_run import ProgramRun
 from cbdsl.sensing.signals import Signals
 from cbdsl.types.resource import NetLoad, Resource, Tip
+from cbdsl.types.state import Predicate
 
 Floats = NDArray[np.float64]
 
@@ -72,14 +74,21 @@ def _probe(program: CheckedProgram) -> _Probe | None:
 
 
 class _Outset(NamedTuple):
-    """Pose of the tip and load of the hand where the way out of a test began."""
+    """Where the way out of a test began.
+
+    Attributes:
+        pose: of the tip.
+        load: of the hand there.
+        free: load of the hand before anything bore what it holds.
+    """
 
     pose: Floats
     load: Floats
+    free: Floats
 
 
 #: A test whose way out has ended.
-_OVER = _Outset(np.zeros(0), np.zeros(0))
+_OVER = _Outset(np.zeros(0), np.zeros(0), np.zeros(0))
 
 
 class ImpedanceGauge:
@@ -102,6 +111,8 @@ class ImpedanceGauge:
         self._start: Floats = np.zeros(0)
         self._begun: _Outset | None = None
         self._loads: deque[Floats] = deque(maxlen=_TICKS)
+        self._free: list[Floats] = []
+        self._way: list[Floats] = []
         self._tests: list[ImpedanceTest] = []
 
     @property
@@ -120,7 +131,7 @@ class ImpedanceGauge:
             return
         if name != self._name:
             self._name = name
-            self._start, self._begun = self._pose(probe, tick.signals), None
+            self._start, self._begun, self._free = self._pose(probe, tick.signals), None, []
             self._loads.clear()
         self._follow(probe, tick.run.children[name], tick.signals)
 
@@ -132,22 +143,37 @@ class ImpedanceGauge:
     def _follow(self, probe: _Probe, run: ProgramRun, signals: Signals) -> None:
         """Note what a test begins with, and the test itself where its way out ends."""
         load = signals.read(probe.load.feedback)
-        tests = any(active.run.controller.name == probe.load.name for active in run.active())
+        active = [each.run for each in run.active()]
+        tests = any(each.controller.name == probe.load.name for each in active)
         if tests and self._begun is None and self._loads:
-            self._begun = _Outset(self._pose(probe, signals), np.mean(self._loads, axis=0))
+            borne = np.mean(self._loads, axis=0)
+            # The first blow is felt a tick before the wait is over.
+            free = np.median(self._free, axis=0) if self._free else borne
+            self._begun = _Outset(self._pose(probe, signals), borne, free)
             self._loads.clear()
+            self._way = []
         elif not tests and self._begun is not None and self._begun is not _OVER:
             self._note_test(probe, self._begun, signals, tracked=run.rewarded)
             self._begun = _OVER
-        if load is not None and self._begun is not _OVER:
-            self._loads.append(load.value.copy())
+        if load is None or self._begun is _OVER:
+            return
+        self._loads.append(load.value.copy())
+        if self._begun is not None:
+            self._way.append(load.value.copy())
+        elif any(_waits(each) for each in active):
+            self._free.append(load.value.copy())
 
     def _note_test(self, probe: _Probe, begun: _Outset, signals: Signals, *, tracked: bool) -> None:
         moved = _moved(probe, begun.pose, self._pose(probe, signals))
-        if not self._loads or math.isnan(moved):
+        if not self._way or math.isnan(moved):
             return
         change = float((np.mean(self._loads, axis=0) - begun.load)[probe.axis])
-        self._tests.append(ImpedanceTest(probe.direction, probe.sign, moved, change, tracked))
+        resistance = float((np.mean(self._way, axis=0) - begun.free)[probe.axis])
+        self._tests.append(
+            ImpedanceTest(
+                probe.direction, probe.sign, moved, change, tracked, resistance=resistance
+            )
+        )
 
     def _leave(self, signals: Signals) -> None:
         """Note how far from its beginning a test left the hand."""
@@ -165,6 +191,11 @@ class ImpedanceGauge:
     def _pose(probe: _Probe, signals: Signals) -> Floats:
         reading = signals.read(probe.motion)
         return np.full(3, math.nan) if reading is None else reading.value.copy()
+
+
+def _waits(run: ControllerRun) -> bool:
+    """Whether it waits for a load to set in: what is held hangs free then."""
+    return run.controller.onset is not None and run.predicate == Predicate.UNDEFINED
 
 
 def _moved(probe: _Probe, before: Floats, after: Floats) -> float:

@@ -17,8 +17,8 @@ def profile(stiff: dict[str, float]) -> ImpedanceProfile:
     for name in DIRECTIONS:
         load = 2.0 if name[1] == "P" else 0.1
         tests += [
-            ImpedanceTest(name, 1, stiff.get(name, 0.2), load, name in stiff, 0.0),
-            ImpedanceTest(name, -1, -0.2, -load / 10, False, 0.0),
+            ImpedanceTest(name, 1, stiff.get(name, 0.2), load, name in stiff, 0.0, load / 2),
+            ImpedanceTest(name, -1, -0.2, -load / 10, False, 0.0, -load / 20),
         ]
     return ImpedanceProfile(tuple(tests))
 
@@ -69,12 +69,12 @@ def test_a_row_that_is_no_test_says_why(change: dict[str, Any], why: str) -> Non
         ImpedanceProfile.from_data(rows)
 
 
-def test_features_are_the_impedances_of_each_way_in_order() -> None:
+def test_features_are_the_mean_impedances_of_each_way_in_order() -> None:
     features = profile({"dPz": 0.002}).features()
     assert list(features)[:4] == ["dPx+", "dPx-", "dPy+", "dPy-"]
-    assert features["dPz+"] == pytest.approx(1000.0)
-    assert features["dPz-"] == pytest.approx(1.0)
-    assert features["dRy-"] == pytest.approx(0.05)
+    assert features["dPz+"] == pytest.approx(500.0)
+    assert features["dPz-"] == pytest.approx(0.5)
+    assert features["dRy-"] == pytest.approx(0.025)
 
 
 def test_shares_of_no_load_at_all_are_none() -> None:

@@ -31,7 +31,7 @@ def felt(relation: str, rng: np.random.Generator, scale: float = 1.0) -> Impedan
             # Planes bear things from below alone.
             is_stiff = name in STIFF[relation] and (name != "dPz" or sign < 0)
             load = scale * (3.0 if is_stiff else 0.1) * rng.uniform(0.5, 1.5)
-            tests.append(ImpedanceTest(name, sign, 0.01 * sign, load, is_stiff, 0.0))
+            tests.append(ImpedanceTest(name, sign, 0.01 * sign, load, is_stiff, 0.0, load))
     return ImpedanceProfile(tuple(tests))
 
 
@@ -79,11 +79,11 @@ def test_impedances_are_the_larger_ones_of_both_ways_and_nothing_is_as_little_as
     None
 ):
     tests = (
-        ImpedanceTest("dPx", 1, 0.01, 0.0, False),
-        ImpedanceTest("dPx", -1, -0.01, -1.0, False),
-        ImpedanceTest("dPy", 1, 0.01, 0.0, False),
-        ImpedanceTest("dPy", -1, -0.01, 0.0, False),
-        ImpedanceTest("dRz", 1, 0.1, 0.01, False),
+        ImpedanceTest("dPx", 1, 0.01, 2.0, False, 0.0, 0.0),
+        ImpedanceTest("dPx", -1, -0.01, -2.0, False, 0.0, -1.0),
+        ImpedanceTest("dPy", 1, 0.01, 2.0, False, 0.0, 0.0),
+        ImpedanceTest("dPy", -1, -0.01, 0.0, False, 0.0, 0.0),
+        ImpedanceTest("dRz", 1, 0.1, 0.01, False, 0.0, 0.01),
     )
     assert features(ImpedanceProfile(tests)) == pytest.approx({"dPx": 2, "dPy": -2})
 

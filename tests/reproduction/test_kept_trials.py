@@ -11,7 +11,7 @@ from cbdsl.learning.impedance import ImpedanceProfile, ImpedanceTest
 from cbdsl.reproduction.impedance_trials import ImpedanceTrial
 from cbdsl.reproduction.kept_trials import KeptTrials, kept_trials
 
-TEST = ImpedanceTest("dPz", -1, -0.002, -2.0, True, 0.0)
+TEST = ImpedanceTest("dPz", -1, -0.002, -2.0, True, 0.0, -1.0)
 
 
 def trial(seed: int) -> ImpedanceTrial:

@@ -41,3 +41,13 @@ def test_displacements_are_bounded_and_the_pose_is_restored() -> None:
             assert test.displacement * test.sign > 0.0
     loads = [abs(test.load) for test in tests if test.tracked and test.direction[1] == "P"]
     assert loads and all(1.5 < load < 2.5 for load in loads)
+
+
+def test_resistance_counts_from_before_the_thing_was_borne() -> None:
+    """A hand that was pressed on a ball before it goes down bears more than what it adds."""
+    tests = {(each.direction, each.sign): each for each in trial("football_on_ball").profile.tests}
+    down = tests["dPz", -1]
+    assert down.tracked and 1.5 < -down.load < 3.5
+    assert -down.load < -down.resistance < 8.0
+    # Nothing bears a ball on its way up; its weight is not counted.
+    assert abs(tests["dPz", 1].resistance) < 0.5
