@@ -1,6 +1,6 @@
 """Names of relations between two things, told from their impedance (Section 7.2.3).
 
-The tree asks for the impedance of one direction each, of both ways the larger one, by the evidence
+The tree asks for the mean impedance of one direction each, of both ways the larger one, by evidence
 of profiles whose relations are known. All relations count alike, however many pairs show them.
 Impedances are compared by their logarithms: a hand that is twice as stiff, or a thing that is twice
 as heavy, shifts all of them alike.
