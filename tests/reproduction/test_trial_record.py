@@ -28,8 +28,8 @@ ROWS: dict[type[Any], str] = {
     GrowingStack: '{"things": "a_b_c", "seed": 3, "tracked": false, "stands": true, '
     '"views": [{"a": [0.1, 0.2]}, {}], "ending": "At rest."}',
     ImpedanceTrial: '{"things": "box_on_box", "seed": 1, "profile": [{"direction": "dPz", '
-    '"sign": -1, "displacement": -0.002, "load": -2.0, "tracked": true, "residue": 0.0}], '
-    '"ending": "Succeeded", "sim_seconds": 60.0}',
+    '"sign": -1, "displacement": -0.002, "load": -2.0, "tracked": true, "residue": 0.0, '
+    '"resistance": -1.0}], "ending": "Succeeded", "sim_seconds": 60.0}',
     MotionEpisode: '{"things": "nothing", "seed": 1, "posture": [], "off": NaN, "ending": ""}',
     StackTrial: '{"things": "a_on_b", "seed": 2, "released": false, "stands": false, '
     '"offset": NaN, "pace": NaN, "seconds": 0.0, "ending": ""}',
