@@ -4,6 +4,9 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
+import numpy as np
+from numpy.typing import NDArray
+
 from cbdsl.control.signal import Floats
 from cbdsl.sensing.kinematics import Frame
 
@@ -18,6 +21,7 @@ class Setting(NamedTuple):
         rows: of its Jacobian.
         cameras: the cameras' frames (x forward, y left, z up), left before right, all in one
             frame that moves with them; empty where they move relative to each other.
+        circular: True for joints whose whole turns do not count, shape (n,); may be empty.
     """
 
     lower: Floats
@@ -25,3 +29,4 @@ class Setting(NamedTuple):
     components: int
     rows: int
     cameras: tuple[Frame, ...] = ()
+    circular: NDArray[np.bool_] = np.zeros(0, dtype=bool)

@@ -1,9 +1,10 @@
 """The quadratic potential (Section 3.1.1, Eq 3.1).
 
 phi = e . e / 2 with e the difference between reference and feedback in the feedback's type.
-Configurations, positions, headings, forces, torques and wrenches subtract. Orientations differ by a
-rotation vector in the world frame; poses by translation above rotation; constellations by two
-ratios and an angle modulo half a turn. Where the tip may turn
+Configurations, positions, headings, forces, torques and wrenches subtract. Positions of joints
+without limits differ by half a turn at most, unless the robot's document counts their turns.
+Orientations differ by a rotation vector in the world frame; poses by translation above rotation;
+constellations by two ratios and an angle modulo half a turn. Where the tip may turn
 about one of its axes, the residual is in the tip's two other axes. Positions, forces and torques
 may be compared along some axes of the world frame alone, which leaves the others to other
 controllers.
@@ -11,9 +12,11 @@ controllers.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 
 import numpy as np
+from numpy.typing import NDArray
 
 from cbdsl.control.potential import Potential, potential
 from cbdsl.control.rotation import align, log_between
@@ -27,7 +30,19 @@ def build(controller: Controller, setting: Setting) -> Potential:
     """The spring of a controller."""
     if controller.axes is not None:
         return along_axes(controller.axes, controller.feedback.type.factors)
+    if controller.feedback.type.name == "configuration" and setting.circular.any():
+        return circular(setting.circular)
     return spring(controller.feedback.type.name, _size(controller))
+
+
+def circular(joints: NDArray[np.bool_]) -> Potential:
+    """Return the spring of joint positions that takes the short way round.
+
+    Args:
+        joints: True for joints without limits, whose whole turns do not count, shape (n,).
+    """
+    periods = np.where(joints, 2.0 * np.pi, np.inf)
+    return Potential(circular_difference, len(joints), parameters=periods, identity=True)
 
 
 def along_axes(axes: Sequence[int], factors: int = 1) -> Potential:
@@ -72,6 +87,18 @@ def difference(
         residual[i] = reference[i] - value[i]
         phi += 0.5 * residual[i] * residual[i]
     return phi
+
+
+@potential
+def circular_difference(
+    value: Floats, reference: Floats, parameters: Floats, residual: Floats, slope: Floats
+) -> float:
+    """Half the square of the difference modulo a period; parameters: the periods, rad."""
+    for i in range(len(residual)):
+        residual[i] = reference[i] - value[i]
+        if math.isfinite(parameters[i]):
+            residual[i] -= parameters[i] * round(residual[i] / parameters[i])
+    return _half_square(residual)
 
 
 @potential

@@ -57,6 +57,9 @@ class Effector(Section):
     """Named joint postures: an angle per joint, or a length where it slides."""
     start: Name | None = None
     """Posture at the start of an episode; without it, zero within the limits."""
+    count_turns: bool = False
+    """Whether whole turns of its joints without limits count, as where cables wind up; without it
+    these joints take the short way to a reference."""
     resolution: Distance = 1e-4
     """Step of its joints' encoders: an angle, or a length where they slide; ``0`` without steps."""
 

@@ -34,8 +34,10 @@ class Landscape:
             centers, spread = list(density.samples), density.bandwidth
         self.centers: Floats = np.array(centers)
         self.spread: Floats = np.array(spread)
-        self.lower = np.array([joint.lower for joint in model.joints])
-        self.upper = np.array([joint.upper for joint in model.joints])
+        # A joint that turns without limits is shown, and drawn uniformly, over one turn.
+        turn = math.pi
+        self.lower = np.array([-turn if math.isinf(j.lower) else j.lower for j in model.joints])
+        self.upper = np.array([turn if math.isinf(j.upper) else j.upper for j in model.joints])
         self.uniform = density.uniform
         # The part of each kernel within the limits of each joint, shape (kernels, joints).
         self._inside = self._below(self.upper) - self._below(self.lower)

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from cbdsl.documents.robot import RobotDocument
 
 Floats = NDArray[np.float64]
+Booleans = NDArray[np.bool_]
 
 
 class Joints:
@@ -19,11 +20,15 @@ class Joints:
         names: the actuated joints, n of them.
         passive: the coupled joints, m of them.
         all: actuated, then passive joints.
+        counted: True for actuated joints of effectors whose whole turns count, shape (n,).
     """
 
     def __init__(self, robot: RobotDocument) -> None:
         self.names: tuple[str, ...] = tuple(
             joint for effector in robot.effectors.values() for joint in effector.joints
+        )
+        self.counted: Booleans = np.array(
+            [e.count_turns for e in robot.effectors.values() for _ in e.joints], dtype=bool
         )
         self.passive: tuple[str, ...] = tuple(robot.couplings)
         self.all: tuple[str, ...] = self.names + self.passive

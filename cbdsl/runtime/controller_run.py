@@ -76,6 +76,7 @@ class ControllerRun:
             len(signals.table.values(rows.feedback)),
             len(signals.table.rows(rows.feedback)),
             signals.sight.cameras() if is_seen_twice else (),
+            limits.circular[own],
         )
         plain = SlotForm(
             build(controller, setting),

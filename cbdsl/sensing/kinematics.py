@@ -31,6 +31,7 @@ from cbdsl.sensing.forward import (
 
 Floats = NDArray[np.float64]
 Integers = NDArray[np.int64]
+Booleans = NDArray[np.bool_]
 Vector = tuple[float, float, float]
 Answer = TypeVar("Answer")
 
@@ -88,6 +89,8 @@ class Kinematics:
         positions: of the actuated joints, rad or m, shape (n,); ``update`` writes over them.
         lower: lower joint limits, rad or m, shape (n,); minus infinity where there is none.
         upper: upper joint limits, rad or m, shape (n,); infinity where there is none.
+        endless: True for joints that turn without limits, shape (n,).
+        circular: True for those of them whose whole turns do not count, shape (n,).
         tree: the model's joints, as ``place_joints`` takes them, shape (j,).
         frames, axes: of the joints in the newest posture, as ``place_joints`` leaves them.
 
@@ -104,7 +107,9 @@ class Kinematics:
         numbers = [model.getJointId(name) for name in self.joints.names]
         own = [model.joints[number].idx_q for number in numbers]
         # A joint without end has two coordinates, of a point on the unit circle.
-        endless = [model.joints[number].nq > 1 for number in numbers]
+        endless = np.array([model.joints[number].nq > 1 for number in numbers], dtype=bool)
+        self.endless: Booleans = endless
+        self.circular: Booleans = endless & ~self.joints.counted
         self.lower: Floats = np.where(endless, -np.inf, model.lowerPositionLimit[own])
         self.upper: Floats = np.where(endless, np.inf, model.upperPositionLimit[own])
         self._model, self.positions = model, np.zeros(len(self.joints))

@@ -16,11 +16,15 @@ class UniformSampler:
     box evenly while every single draw stays uniformly distributed (Roberts 2018).
 
     Args:
-        lower, upper: corners of the box, shape (n,).
+        lower, upper: corners of the box, shape (n,); infinite for a joint that turns without
+            limits, which is drawn over one turn.
         rng: gives the random start.
     """
 
     def __init__(self, lower: Floats, upper: Floats, rng: np.random.Generator) -> None:
+        lower, upper = (
+            np.where(np.isinf(end), turn, end) for end, turn in ((lower, -np.pi), (upper, np.pi))
+        )
         self._lower, self._span = lower, upper - lower
         # The generalised golden ratio: the root above 1 of x^(n + 1) = x + 1.
         ratio = 2.0

@@ -4,19 +4,37 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
 from cbdsl.control.rotation import exp
-from cbdsl.control.spring import along_axes, spring
+from cbdsl.control.spring import along_axes, circular, spring
 from tests.control.evaluation import Signal, evaluate
 
 EYE = np.eye(3)
 
 
-def test_configurations_do_not_wrap() -> None:
+def test_spring_of_joints_with_limits_keeps_whole_turns() -> None:
     signal = Signal(np.array([-3.0]), np.eye(1))
     evaluation = evaluate(spring("configuration", 1), signal, np.array([3.0]))
     np.testing.assert_allclose(evaluation.residual, [6.0])
     assert evaluation.phi == pytest.approx(18.0)
+
+
+@given(st.floats(-100, 100), st.floats(-100, 100), st.integers(-9, 9))
+def test_circular_spring_of_any_positions_takes_the_short_way(
+    value: float, reference: float, turns: int
+) -> None:
+    law = circular(np.array([True, False]))
+    signal = Signal(np.array([value, value]), np.eye(2))
+    short, long = evaluate(law, signal, np.array([reference, reference])).residual
+    assert abs(short) <= np.pi + 1e-12
+    assert np.cos(value + short) == pytest.approx(np.cos(reference), abs=1e-9)
+    assert np.sin(value + short) == pytest.approx(np.sin(reference), abs=1e-9)
+    assert long == reference - value
+    turned = np.array([reference + 2 * np.pi * turns, reference])
+    again = evaluate(law, signal, turned).residual[0]
+    assert np.cos(again) == pytest.approx(np.cos(short), abs=1e-9)
 
 
 def test_orientation_error_is_in_the_world_frame() -> None:

@@ -18,6 +18,7 @@ from cbdsl.sensing.density import DensitySampler
 ANGLES = st.floats(-0.7, 1.2)
 WIDTHS = st.floats(0.1, 1.0)
 SHARES = st.floats(0, 1)
+ENDLESS = (Joint("pan", -np.inf, np.inf), Joint("tilt", -0.5, 1.0))
 JOINTS = (Joint("pan", -1.0, 1.5), Joint("tilt", -0.5, 1.0))
 
 
@@ -96,6 +97,17 @@ def test_nothing_is_likelier_than_the_peak(density: Gaussian | Kernel) -> None:
     (first, second), most = found.peak()
     assert found.over(np.array([first]), np.array([second]))[0, 0] == pytest.approx(most)
     assert found.over(found.angles(0), found.angles(1)).max() <= most + 1e-12
+
+
+def test_density_of_a_joint_without_limits_is_shown_over_one_turn() -> None:
+    density = Gaussian(form="gaussian", mean=(0.5, 0.2), deviation=(0.3, 0.3), uniform=0.2)
+    document = ModelDocument(
+        cbdsl=1, kind="model", name="m", robot="r", effector="e", density=density
+    )
+    found = Landscape(InternalModel("head.likely", document, ENDLESS))
+    whole = found.over(found.angles(0), found.angles(1))
+    assert mean_over(mean_over(whole)) == pytest.approx(1, abs=5e-3)
+    assert found.angles(0)[[0, -1]] == pytest.approx([-np.pi, np.pi])
 
 
 def test_a_density_beyond_the_limits_is_drawn_as_nothing() -> None:

@@ -18,6 +18,15 @@ def test_every_draw_is_uniform_over_the_box() -> None:
             assert counts == pytest.approx(200, abs=65)
 
 
+def test_uniform_sampler_without_limits_draws_over_one_turn() -> None:
+    lower, upper = np.array([-np.inf, -1.0]), np.array([np.inf, 1.5])
+    sampler = UniformSampler(lower, upper, np.random.default_rng(1))
+    draws = np.array([sampler.draw() for _ in range(400)])
+    assert (np.abs(draws[:, 0]) <= np.pi).all()
+    counts = np.histogram(draws[:, 0], bins=4, range=(-np.pi, np.pi))[0]
+    assert counts == pytest.approx(100, abs=20)
+
+
 @pytest.mark.parametrize("seed", range(20))
 def test_sixty_draws_leave_no_gap_that_a_camera_could_miss(seed: int) -> None:
     sampler = UniformSampler(LOWER, UPPER, np.random.default_rng(seed))
