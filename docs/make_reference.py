@@ -249,7 +249,7 @@ def _preset(parameter: Any) -> str:
     value = getattr(parameter.default, "value", parameter.default)
     if parameter.required:
         return "required"
-    if value is None or value is False or value == []:
+    if value is None or value is False or value == [] or callable(value):
         return ""
     return _code(parameter.opts[0] if value is True else value)
 

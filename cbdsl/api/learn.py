@@ -39,7 +39,7 @@ def learn(
     *,
     episodes: int = 50,
     seed: int = 0,
-    backend: str = "bullet",
+    backend: str | None = None,
     cameras: str | None = None,
     learner: str = "accommodate",
     constants: Mapping[str, str | float] | None = None,
@@ -70,7 +70,9 @@ def learn(
     from cbdsl.api.load import load
     from cbdsl.api.open_robot import open_robot
     from cbdsl.api.run_request import RunRequest
+    from cbdsl.backends.engines import default_engine
 
+    backend = default_engine() if backend is None else backend
     request = program if isinstance(program, RunRequest) else load(program)
     task = _task(request, Path(out), episodes, seed, backend, cameras, learner, constants or {})
     task.require_ready(resume=resume)

@@ -133,7 +133,7 @@ class OpenRobot:
 def open_robot(
     program: str | Path | RunRequest,
     *,
-    backend: str = "bullet",
+    backend: str | None = None,
     cameras: str | None = None,
     gui: bool = False,
     persistent: bool = False,
@@ -142,7 +142,8 @@ def open_robot(
 
     Args:
         program: what ``load`` gave, or a file or name for it.
-        backend: ``bullet`` or ``mujoco`` (physics), ``kinematic``, or one of another package.
+        backend: ``bullet`` or ``mujoco`` (physics), ``kinematic``, or one of another package; the
+            first that is installed when ``None``.
         cameras: ``rendered`` or ``ideal``; the backend's own choice when ``None``.
         gui: whether to open the simulator's window.
         persistent: whether the world goes on from one episode to the next, whatever the stage says.
@@ -154,12 +155,14 @@ def open_robot(
     from cbdsl.api.load import load
     from cbdsl.api.run_request import RunRequest
     from cbdsl.backends.backend import embody
+    from cbdsl.backends.engines import default_engine
     from cbdsl.sensing.kinematics import Kinematics
 
     request = program if isinstance(program, RunRequest) else load(program)
     if persistent:
         request = _persistent(request)
-    simulated = embody(backend, request.robot, request.urdf, gui=gui, cameras=cameras)
+    chosen = default_engine() if backend is None else backend
+    simulated = embody(chosen, request.robot, request.urdf, gui=gui, cameras=cameras)
     try:
         yield OpenRobot(request, simulated, Kinematics(request.robot, request.urdf))
     finally:

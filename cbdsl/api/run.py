@@ -18,7 +18,7 @@ def run(
     seed: int = 0,
     episodes: int = 1,
     context: str | None = None,
-    backend: str = "bullet",
+    backend: str | None = None,
     cameras: str | None = None,
     on_transition: Callable[[Transition], None] | None = None,
     on_tick: TickListener | None = None,

@@ -10,9 +10,11 @@ from typing import Any, Protocol, runtime_checkable
 import numpy as np
 from numpy.typing import NDArray
 
+from cbdsl.backends.engines import MODULES, remedy
 from cbdsl.backends.quiet import quiet_stderr
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.documents.stage import StageDocument
+from cbdsl.errors.distributions import require_unmixed
 from cbdsl.errors.errors import UsageError
 from cbdsl.sensing.observation import Observation
 from cbdsl.types.registry import PluginError, Registry
@@ -168,25 +170,21 @@ BACKENDS: Registry[BackendFactory] = Registry(
     },
     _factory,
 )
-# Extras of this package that backends of its own need; the others need ``sim``.
-_EXTRAS = {"mujoco": "mujoco"}
 
 
 def find_backend(name: str) -> BackendFactory:
     """Backend class of a name.
 
     Raises:
-        BackendError: there is none of this name, what it needs is not installed, or it is no
-            backend.
+        BackendError: there is none of this name, what it needs is not installed or mixed with
+            another version, or it is no backend.
     """
     try:
+        require_unmixed(MODULES.get(name, ""))
         with quiet_stderr():  # engines say when they were built, in each process that has one
             return BACKENDS.get(name)
     except ImportError as error:
-        raise BackendError(
-            f"backend '{name}' cannot be loaded: {error}; "
-            f"try: pip install 'cbdsl[{_EXTRAS.get(name, 'sim')}]'"
-        ) from error
+        raise BackendError(f"backend '{name}' cannot be loaded: {error}; {remedy(name)}") from error
     except UsageError as error:
         raise BackendError(str(error)) from error
 

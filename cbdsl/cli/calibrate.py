@@ -47,7 +47,7 @@ def calibrate(
     program: Program = "show_ball",
     stage: Stage = None,
     seed: Seed = 0,
-    backend: BackendName = "bullet",
+    backend: BackendName,
     cameras: Cameras = None,
     body: BodyNumber = None,
     with_: With = [],  # noqa: B006 (typer)

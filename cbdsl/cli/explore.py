@@ -80,7 +80,7 @@ def explore(
     actions: Actions = 100,
     until_habituated: UntilHabituated = False,
     seed: Seed = 0,
-    backend: BackendName = "bullet",
+    backend: BackendName,
     cameras: Cameras = None,
     between: Between = "let_go",
     algorithm: Algorithm = "explore_catalog",

@@ -146,7 +146,7 @@ def learn(
     stage: Stage = None,
     episodes: Episodes = 50,
     seed: Seed = 0,
-    backend: BackendName = "bullet",
+    backend: BackendName,
     cameras: Cameras = None,
     with_: With = [],  # noqa: B006 (typer)
     trials: Trials = 1,

@@ -116,14 +116,16 @@ class ModelReader:
         return self._written(urdf, how, name, folder, {}, ())
 
     def _read_mjcf(self, name: str, folder: Path) -> ModelSource:
+        from cbdsl.errors.distributions import require_unmixed
         from cbdsl.errors.errors import UsageError
 
+        require_unmixed("mujoco")
         try:
             from cbdsl.robot.mjcf.conversion import convert_mjcf
         except ModuleNotFoundError as error:
             raise UsageError(
                 f"--urdf {self._file}: MJCF needs {error.name}, which is not installed: "
-                "pip install 'cbdsl[formats]'"
+                "pip install 'cbdsl[mujoco]'"
             ) from None
         converted = convert_mjcf(self._file, name)
         how = "converted from MJCF as MuJoCo compiles it"

@@ -101,7 +101,7 @@ def run(
     context: Context = None,
     seed: Seed = 0,
     episodes: Episodes = 1,
-    backend: BackendName = "bullet",
+    backend: BackendName,
     cameras: Cameras = None,
     policy: Policy = None,
     schema: Schema = None,
@@ -164,7 +164,7 @@ def run(
         page = live_page(shown, request, embodied, composes=schema is None, tells=not as_json)
         telling = Telling(recorder, explain, as_json, within.enter_context(page))
         if not as_json:
-            print(_introduction(request, embodied))
+            print(_introduction(request, backend, embodied))
             print(*(f"note: {note}\n" for note in notes(request)), sep="", end="")
         results = _run_all(runner, request, seeds, context, telling)
     _conclude(request, results)
@@ -199,10 +199,16 @@ def _conclude(request: RunRequest, results: list[EpisodeResult]) -> None:
         raise typer.Exit(_UNDECIDED)
 
 
-def _introduction(request: RunRequest, backend: Backend) -> str:
-    """The program, its stage, and the renderer if there are images."""
+def _introduction(request: RunRequest, name: str, backend: Backend) -> str:
+    """Return program, stage and engine, and the renderer if there are images.
+
+    Args:
+        request: Program and stage.
+        name: Name of the backend.
+        backend: Robot on this backend.
+    """
     images = f"; images by {backend.renderer}" if request.robot.cameras else ""
-    return f"{request.program.name} on {request.stage.name}{images}"
+    return f"{request.program.name} on {request.stage.name}; engine {name}{images}"
 
 
 def _require_context(stage: StageDocument, context: str | None) -> None:

@@ -35,7 +35,7 @@ def show_catalog(
     expect: Expect = None,
     scenes: Scenes = 20,
     seed: Seed = 1_000_000,
-    backend: BackendName = "bullet",
+    backend: BackendName,
     cameras: Cameras = None,
     format_: FormatOption = "text",
     svg: Icon = False,

@@ -8,6 +8,8 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from cbdsl.backends.engines import default_engine
+
 if TYPE_CHECKING:
     from cbdsl.api.run_request import RunRequest
     from cbdsl.backends.backend import Backend
@@ -17,8 +19,10 @@ BackendName = Annotated[
     str,
     typer.Option(
         "--backend",
-        help="What embodies the robot: bullet or mujoco (physics), kinematic (without), or one "
-        "of another package; cb show backends lists all.",
+        default_factory=default_engine,
+        show_default=False,
+        help="Engine: bullet or mujoco (physics), kinematic (no physics), or one of another "
+        "package; cb show backends lists all [the first that is installed].",
     ),
 ]
 

@@ -42,10 +42,10 @@ def parse_urdf(text: bytes | str, path: Path) -> UrdfModel:
     root = xml_root(text, path, "URDF")
     is_xacro = any("xacro" in element.tag for element in root.iter())
     if is_xacro or root.tag == "mujoco":
-        kind = "xacro" if is_xacro else "MJCF"
+        kind, extra = ("xacro", "formats") if is_xacro else ("MJCF", "mujoco")
         raise UrdfError(
             f"{path}: it is {kind}; cb new robot NAME --urdf {path.name} makes URDF of it, with "
-            "the extra formats: pip install 'cbdsl[formats]'"
+            f"the extra {extra}: pip install 'cbdsl[{extra}]'"
         )
     require_robot(root, path)
     links = frozenset(link.get("name", "") for link in root.findall("link"))

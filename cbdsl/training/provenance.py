@@ -18,7 +18,10 @@ from cbdsl.training.trial import Trial
 from cbdsl.types.registry import Registry
 
 # What episodes and documents are computed with; those that are not installed had no part in it.
-_PACKAGES = ("cbdsl", "moderngl", "numba", "numpy", "opencv-python-headless", "pin", "pybullet")
+_PACKAGES = (
+    "cbdsl", "moderngl", "numba", "numpy", "opencv-python-headless", "pin", "pybullet",
+    "pybullet-arm64",
+)  # fmt: skip
 # What a backend of ours needs beside these.
 _ENGINES = {"mujoco": "mujoco-core"}
 

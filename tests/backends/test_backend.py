@@ -42,7 +42,7 @@ def test_an_unknown_name_lists_the_known_ones(folder: Path) -> None:
 def test_a_missing_package_says_what_to_install(monkeypatch: pytest.MonkeyPatch) -> None:
     BACKENDS.refresh()
     monkeypatch.setitem(BACKENDS._builtins, "bullet", "cbdsl.no_such_module:Backend")
-    with pytest.raises(BackendError, match=r"no_such_module.*cbdsl\[sim\]"):
+    with pytest.raises(BackendError, match=r"no_such_module.*cbdsl\[bullet\]"):
         find_backend("bullet")
 
 

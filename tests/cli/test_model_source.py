@@ -199,7 +199,8 @@ def test_without_the_extra_its_name_is_told(
     (folder / "arm.xml").write_text("<mujoco/>")
     file = "arm.xml" if library == "mujoco" else "desk.urdf.xacro"
     assert cb(monkeypatch, "new", "robot", "arm", "--urdf", file) == 2
-    assert "pip install 'cbdsl[formats]'" in capsys.readouterr().err
+    extra = "mujoco" if library == "mujoco" else "formats"
+    assert f"pip install 'cbdsl[{extra}]'" in capsys.readouterr().err
 
 
 def test_a_model_is_never_written_over(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -1,0 +1,37 @@
+"""Engines that are installed, and the one that runs where none is chosen."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Mapping
+from importlib.util import find_spec
+
+#: Module that each engine of cbdsl's own needs, in the order in which one is chosen.
+MODULES: Mapping[str, str] = {"bullet": "pybullet", "mujoco": "mujoco", "kinematic": "pinocchio"}
+
+# First version of Python for which the engine has no wheels.
+_NO_WHEELS = {"bullet": (3, 14)}
+
+
+def installed_engines() -> tuple[str, ...]:
+    """Return the names of the installed engines; none of them is imported."""
+    return tuple(name for name, module in MODULES.items() if find_spec(module) is not None)
+
+
+def default_engine() -> str:
+    """Return the engine of a command without ``--backend``: the first that is installed."""
+    return next(iter(installed_engines()), "kinematic")
+
+
+def remedy(name: str) -> str:
+    """Return the advice for an engine that is not installed.
+
+    Args:
+        name: Engine of cbdsl's own.
+    """
+    installed = ", ".join(installed_engines()) or "none"
+    limit = _NO_WHEELS.get(name)
+    if limit is not None and sys.version_info >= limit:
+        version = ".".join(map(str, sys.version_info[:2]))
+        return f"it has no wheels for Python {version}; installed: {installed}"
+    return f"try: pip install 'cbdsl[{name}]'; installed: {installed}"
