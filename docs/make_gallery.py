@@ -1,7 +1,7 @@
-"""Makes the replays of the gallery: runs programs, records them, and writes their pages.
+"""Make the replays of the gallery.
 
-Run ``python docs/make_gallery.py`` before the site is built for readers; the pages go to
-docs/gallery/ and are not kept under version control. A page that is there is not made again.
+Run ``python docs/make_gallery.py`` before the site is built for readers: it records each run and
+writes its replay to docs/gallery/, which is not under version control. An existing replay is kept.
 """
 
 from __future__ import annotations
@@ -17,11 +17,11 @@ FOLDER = ROOT / "docs" / "gallery"
 
 
 class Exhibit(NamedTuple):
-    """A replay of the gallery.
+    """Replay of the gallery.
 
     Attributes:
-        name: of its page.
-        arguments: of ``cb run``.
+        name: File name of the replay, without suffix.
+        arguments: Arguments of ``cb run``.
     """
 
     name: str
@@ -38,20 +38,28 @@ EXHIBITS = (
     Exhibit("find_the_other", ("find_the_other",)),
     Exhibit("panda_pick", ("panda_pick",)),
 )
+#: Options of every run.
+OPTIONS = ("--backend", "mujoco", "--seed", "1")
 
 
 def main() -> None:
-    """Make the pages that are not there yet."""
+    """Make the replays that do not exist."""
     FOLDER.mkdir(exist_ok=True)
     for exhibit in EXHIBITS:
         page = FOLDER / f"{exhibit.name}.html"
         if not page.exists():
-            _make(exhibit, page)
+            make_replay(exhibit, page)
 
 
-def _make(exhibit: Exhibit, page: Path) -> None:
+def make_replay(exhibit: Exhibit, page: Path) -> None:
+    """Record a run and write its replay.
+
+    Args:
+        exhibit: Run to record.
+        page: File of the replay.
+    """
     with tempfile.TemporaryDirectory() as folder:
-        _cb("run", *exhibit.arguments, "--backend", "mujoco", "--seed", "1", "--record", folder)
+        _cb("run", *exhibit.arguments, *OPTIONS, "--record", folder)
         (recording,) = Path(folder).glob("episode_*.json")
         _cb("replay", str(recording), "--out", str(page), "--no-open")
 

@@ -365,6 +365,20 @@ def test_the_reference_is_up_to_date() -> None:
     assert page() == (DOCS / "reference.md").read_text("utf-8")
 
 
+def test_llms_index_names_every_page_of_the_navigation() -> None:
+    """``python docs/make_llms.py`` writes it again."""
+    link = re.compile(r"\]\(([\w/]+\.md)\)")
+    page = runpy.run_path(str(DOCS / "make_llms.py"))["page"]
+    assert link.findall((DOCS / "llms.txt").read_text("utf-8")) == link.findall(page())
+
+
+@pytest.mark.parametrize("diagram", ["loop", "layers"])
+def test_diagram_equals_the_generated_one(diagram: str) -> None:
+    """``python docs/make_diagrams.py`` writes both again."""
+    drawn = runpy.run_path(str(DOCS / "make_diagrams.py"))[diagram]
+    assert drawn() == (DOCS / "assets" / f"{diagram}.svg").read_text("utf-8")
+
+
 def test_links_within_pages_lead_to_headings() -> None:
     anchor = runpy.run_path(str(DOCS / "make_reference.py"))["anchor"]
     for page in PAGES:

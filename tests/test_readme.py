@@ -14,6 +14,7 @@ from typer.testing import CliRunner
 
 from cbdsl.checking.document import check_document
 from cbdsl.cli.main import build_app
+from tests.cli.test_main import cb
 from tests.conftest import ROOT
 
 PAGES = [ROOT / "README.md", ROOT / "CONTRIBUTING.md", *sorted((ROOT / "docs").glob("*.md"))]
@@ -68,15 +69,6 @@ def options(command: Any) -> set[str]:
     return {option for each in spellings for option in each}
 
 
-def test_the_options_that_the_readme_lists_for_run_exist() -> None:
-    text = (ROOT / "README.md").read_text("utf-8")
-    row = next(line for line in text.splitlines() if line.startswith("| `cb run"))
-    (run,) = leaves(typer.main.get_command(build_app()), ["run"])
-    listed = {text.split()[0] for text in QUOTED.findall(row) if text.startswith("--")}
-    assert len(listed) > 5
-    assert listed <= options(run)
-
-
 def test_the_test_command_is_one_line_that_runs_pytest() -> None:
     text = (ROOT / "README.md").read_text("utf-8")
     _, _, after = text.partition("<!-- tests -->")
@@ -108,6 +100,19 @@ def program(tmp_path: Path) -> Path:
 
 def test_the_program_is_valid(program: Path) -> None:
     assert check_document(program) == []
+
+
+def test_readme_with_a_type_clash_shows_the_checker_s_error(
+    program: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    text = program.read_text("utf-8")
+    clash = text.replace("reference: [0 deg, 0 deg]", "reference: stereo.sat_10")
+    assert clash != text
+    program.write_text(clash, encoding="utf-8")
+    monkeypatch.chdir(program.parent)
+    assert cb(monkeypatch, "validate", program.name) == 1
+    (shown,) = blocks(ROOT / "README.md", "text")
+    assert capsys.readouterr().out.startswith(shown)
 
 
 @pytest.mark.slow
