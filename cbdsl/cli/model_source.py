@@ -6,14 +6,11 @@ import os
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
-from xml.etree import ElementTree
 
 if TYPE_CHECKING:
     from cbdsl.robot.package_folders import PackageFolders
     from cbdsl.robot.srdf import SrdfModel
     from cbdsl.robot.urdf import UrdfModel
-
-_MOST_BYTES = 16_000_000
 
 
 class ModelSource(NamedTuple):
@@ -37,13 +34,20 @@ class ModelReader:
         file: of the model.
         arguments: of xacro, each as ``name:=value``.
         packages: folders of packages, each as ``name=folder``.
+        is_xacro: Whether the files are xacro without a name that ends in ``.xacro``.
 
     Raises:
         UsageError: one of the arguments or packages is not of that form.
     """
 
-    def __init__(self, file: Path, arguments: Sequence[str], packages: Sequence[str]) -> None:
-        self._file, self._given = file, list(packages)
+    def __init__(
+        self,
+        file: Path,
+        arguments: Sequence[str],
+        packages: Sequence[str],
+        is_xacro: bool = False,
+    ) -> None:
+        self._file, self._given, self._is_xacro = file, list(packages), is_xacro
         self._arguments = _pairs("--xacro-arg", arguments, ":=")
         self._packages = _package_folders(file, _pairs("--package", packages, "="))
 
@@ -72,7 +76,7 @@ class ModelReader:
         from cbdsl.robot.urdf import UrdfError
 
         try:
-            if _format(file) == "xacro":
+            if self._format(file) == "xacro":
                 return parse_srdf(_expand(file, {}, self._packages), file)
             return read_srdf(file)
         except UrdfError as error:
@@ -82,7 +86,7 @@ class ModelReader:
         from cbdsl.errors.errors import UsageError
         from cbdsl.robot.urdf_reader import read_urdf
 
-        kind = _format(self._file)
+        kind = self._format(self._file)
         if self._arguments and kind != "xacro":
             raise UsageError(f"--xacro-arg is for xacro, and {self._file} is none")
         if kind == "mujoco":
@@ -95,14 +99,30 @@ class ModelReader:
             return self._local(self._contents(), "copied, with its meshes found", name, folder)
         return ModelSource(read_urdf(self._file), {}, ())
 
-    def _contents(self) -> bytes:
+    def _format(self, file: Path) -> str:
+        """Return ``xacro``, ``mujoco``, ``robot`` or, where that lacks its name, ``nameless``.
+
+        Only a file's name or the user makes it xacro: a model's contents never do.
+        What readers will refuse is ``robot``, too.
+        """
         from cbdsl.documents.contents import contents
+        from cbdsl.robot.robot_xml import MOST_BYTES, xml_root
         from cbdsl.robot.urdf import UrdfError
 
+        if (file.suffix == ".xacro" or self._is_xacro) and file.is_file():
+            return "xacro"
         try:
-            return contents(self._file, _MOST_BYTES)
-        except OSError as error:
-            raise UrdfError(f"{self._file}: {error.strerror}") from None
+            root = xml_root(contents(file, MOST_BYTES), file, "URDF")
+        except (OSError, UrdfError):
+            return "robot"
+        if root.tag == "robot" and not root.get("name"):
+            return "nameless"  # as some public models are, which no engine reads
+        return "mujoco" if root.tag == "mujoco" else "robot"
+
+    def _contents(self) -> bytes:
+        from cbdsl.robot.robot_xml import robot_text
+
+        return robot_text(self._file)
 
     def _read_xacro(self, name: str, folder: Path) -> ModelSource:
         text = _expand(self._file, self._arguments, self._packages)
@@ -162,33 +182,13 @@ def _expand(file: Path, arguments: Mapping[str, str], packages: PackageFolders) 
     from cbdsl.errors.errors import UsageError
 
     try:
-        from cbdsl.robot.xacro_model import expand_xacro
+        from cbdsl.robot.xacro.expansion import expand_xacro
     except ModuleNotFoundError as error:
         raise UsageError(
             f"{file}: xacro needs {error.name}, which is not installed: "
             "pip install 'cbdsl[formats]'"
         ) from None
     return expand_xacro(file, arguments, packages)
-
-
-def _format(file: Path) -> str:
-    """``xacro``, ``mujoco``, ``robot`` or, where that lacks its name, ``nameless``.
-
-    What readers will refuse is ``robot``, too.
-    """
-    from cbdsl.documents.contents import contents
-
-    if file.suffix == ".xacro" and file.is_file():
-        return "xacro"
-    try:
-        root = ElementTree.fromstring(contents(file, _MOST_BYTES))
-    except (OSError, ElementTree.ParseError, ValueError, LookupError):
-        return "robot"
-    if any("xacro" in element.tag for element in root.iter()):
-        return "xacro"
-    if root.tag == "robot" and not root.get("name"):
-        return "nameless"  # as some public models are, which no engine reads
-    return "mujoco" if root.tag == "mujoco" else "robot"
 
 
 def _package_folders(file: Path, named: Mapping[str, str]) -> PackageFolders:

@@ -41,6 +41,10 @@ XacroArg = Annotated[
     list[str] | None,
     typer.Option("--xacro-arg", metavar="NAME:=VALUE", help="An argument of a model in xacro."),
 ]
+IsXacro = Annotated[
+    bool,
+    typer.Option("--xacro", help="The model is xacro, though its name does not end in .xacro."),
+]
 Package = Annotated[
     list[str] | None,
     typer.Option("--package", metavar="NAME=FOLDER", help="Where a package is that models name."),
@@ -64,6 +68,7 @@ def new_robot(
     urdf: Urdf,
     srdf: Srdf = None,
     xacro_arg: XacroArg = None,
+    xacro: IsXacro = False,
     package: Package = None,
     to: To = None,
     force: Force = False,
@@ -79,7 +84,7 @@ def new_robot(
 
     _require_name(name)
     folder = _folder(RobotDocument, to)
-    reader = ModelReader(urdf, xacro_arg or (), package or ())
+    reader = ModelReader(urdf, xacro_arg or (), package or (), xacro)
     source = reader.read(name, folder)
     semantics = None if srdf is None else _semantics(reader, srdf, source.model)
     proposal = propose(source.model, folder, semantics)

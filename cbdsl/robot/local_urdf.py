@@ -7,6 +7,7 @@ from pathlib import Path
 from xml.etree import ElementTree
 
 from cbdsl.robot.package_folders import PackageFolders
+from cbdsl.robot.robot_xml import xml_root
 from cbdsl.robot.urdf import UrdfError
 
 
@@ -25,10 +26,7 @@ def localized(
     Raises:
         UrdfError: it is no XML, or one of its meshes is not there.
     """
-    try:
-        root = ElementTree.fromstring(text)
-    except (ElementTree.ParseError, ValueError, LookupError) as error:
-        raise UrdfError(f"{source}: it is no XML, of which URDF is made: {error}") from None
+    root = xml_root(text, source, "URDF")
     if not root.get("name"):
         root.set("name", name)
     for link in root.findall("link"):

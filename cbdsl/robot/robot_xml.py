@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
+from contextlib import suppress
 from pathlib import Path
 from xml.etree import ElementTree
+from xml.parsers import expat
 
 from cbdsl.documents.contents import contents
 from cbdsl.robot.urdf import UrdfError
 
 # The largest public models, of humanoids, have a tenth of it; meshes have files of their own.
-_MOST_BYTES = 16_000_000
+MOST_BYTES = 16_000_000
 
 
 def robot_text(path: Path) -> bytes:
@@ -19,7 +21,7 @@ def robot_text(path: Path) -> bytes:
         UrdfError: there is no such file, or it is too large for one.
     """
     try:
-        return contents(path, _MOST_BYTES)
+        return contents(path, MOST_BYTES)
     except OSError as error:
         raise UrdfError(f"{path}: {error.strerror}") from None
 
@@ -35,6 +37,7 @@ def xml_root(text: bytes | str, path: Path, kind: str) -> ElementTree.Element:
     Raises:
         UrdfError: it is no XML.
     """
+    refuse_entities(text, path)
     try:
         return ElementTree.fromstring(text)
     except (ElementTree.ParseError, ValueError, LookupError) as error:
@@ -49,3 +52,43 @@ def require_robot(root: ElementTree.Element, path: Path) -> None:
     """
     if root.tag != "robot":
         raise UrdfError(f"{path}: its root is <{root.tag}>, not <robot>")
+
+
+def refuse_macros(root: ElementTree.Element, path: Path) -> None:
+    """Refuse a model with elements of xacro, which only a file's name or the user makes xacro.
+
+    Raises:
+        UrdfError: It has one.
+    """
+    if any("xacro" in element.tag for element in root.iter()):
+        raise UrdfError(
+            f"{path}: it is xacro, and its name does not end in .xacro; cb new robot NAME --xacro "
+            "--urdf MODEL expands it, with the extra formats: pip install 'cbdsl[formats]'"
+        )
+
+
+def refuse_entities(text: bytes | str, path: Path) -> None:
+    """Refuse a text that declares entities, of which a few bytes can stand for gigabytes.
+
+    They are declared before the root element, where this stops reading.
+
+    Raises:
+        UrdfError: It declares one.
+    """
+
+    declared = []
+
+    def stop(*_: object) -> None:
+        raise StopIteration
+
+    def refuse(*_: object) -> None:
+        declared.append(True)
+        raise StopIteration
+
+    parser = expat.ParserCreate()
+    parser.EntityDeclHandler, parser.StartElementHandler = refuse, stop
+    # Mistakes of the text are reported by its reader.
+    with suppress(StopIteration, expat.ExpatError, ValueError, LookupError):
+        parser.Parse(text, True)
+    if declared:
+        raise UrdfError(f"{path}: it declares XML entities, which models may not; write them out")

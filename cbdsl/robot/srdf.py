@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import NamedTuple
 from xml.etree import ElementTree
 
-from cbdsl.robot.robot_xml import require_robot, robot_text, xml_root
+from cbdsl.robot.robot_xml import refuse_macros, require_robot, robot_text, xml_root
 from cbdsl.robot.urdf import UrdfError
 
 
@@ -91,6 +91,7 @@ def parse_srdf(text: bytes | str, path: Path) -> SrdfModel:
         UrdfError: it is no SRDF.
     """
     root = xml_root(text, path, "SRDF")
+    refuse_macros(root, path)
     require_robot(root, path)
     groups = [_group(element) for element in root.findall("group")]
     twice = next((g.name for g in groups if [h.name for h in groups].count(g.name) > 1), None)

@@ -5,7 +5,7 @@ from collections.abc import Iterable, Iterator, Mapping
 from pathlib import Path
 from xml.etree import ElementTree
 
-from cbdsl.robot.robot_xml import require_robot, robot_text, xml_root
+from cbdsl.robot.robot_xml import refuse_macros, require_robot, robot_text, xml_root
 from cbdsl.robot.urdf import (
     Mimic,
     Numbers,
@@ -40,12 +40,11 @@ def parse_urdf(text: bytes | str, path: Path) -> UrdfModel:
         UrdfError: it is no URDF.
     """
     root = xml_root(text, path, "URDF")
-    is_xacro = any("xacro" in element.tag for element in root.iter())
-    if is_xacro or root.tag == "mujoco":
-        kind, extra = ("xacro", "formats") if is_xacro else ("MJCF", "mujoco")
+    refuse_macros(root, path)
+    if root.tag == "mujoco":
         raise UrdfError(
-            f"{path}: it is {kind}; cb new robot NAME --urdf {path.name} makes URDF of it, with "
-            f"the extra {extra}: pip install 'cbdsl[{extra}]'"
+            f"{path}: it is MJCF; cb new robot NAME --urdf {path.name} makes URDF of it, with "
+            "the extra mujoco: pip install 'cbdsl[mujoco]'"
         )
     require_robot(root, path)
     links = frozenset(link.get("name", "") for link in root.findall("link"))

@@ -186,6 +186,31 @@ def test_mistakes_are_named_and_nothing_is_written(
     assert not (folder / "robots").exists()
 
 
+@pytest.mark.parametrize("suffix", [".urdf", ".srdf", ".xml", ""])
+def test_new_robot_from_xacro_by_another_name_needs_the_option(
+    suffix: str,
+    folder: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    (folder / f"desk{suffix}").write_text(MODEL)
+    made = ("new", "robot", "arm", "--urdf", f"desk{suffix}", *PACKAGE)
+    assert cb(monkeypatch, *made) == 2
+    assert "it is xacro, and its name does not end in .xacro" in capsys.readouterr().err
+    assert cb(monkeypatch, *made, "--xacro") == 0
+
+
+def test_new_robot_from_groups_in_xacro_by_another_name_expands_nothing(
+    folder: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (folder / "bad.srdf").write_text(f'{HEAD}<xacro:include filename="none"/></robot>')
+    made = (*MADE, *PACKAGE, "--srdf", "bad.srdf")
+    assert cb(monkeypatch, *made) == 2
+    assert "--srdf bad.srdf: it is xacro" in capsys.readouterr().err
+    assert cb(monkeypatch, *made, "--force", "--xacro") == 2
+    assert "xacro cannot expand it" in capsys.readouterr().err
+
+
 @pytest.mark.parametrize("library", ["xacro", "mujoco"])
 def test_without_the_extra_its_name_is_told(
     library: str,
@@ -193,7 +218,7 @@ def test_without_the_extra_its_name_is_told(
     monkeypatch: pytest.MonkeyPatch,
     capsys: pytest.CaptureFixture[str],
 ) -> None:
-    for module in ("cbdsl.robot.xacro_model", "cbdsl.robot.mjcf.conversion"):
+    for module in ("cbdsl.robot.xacro.expansion", "cbdsl.robot.mjcf.conversion"):
         monkeypatch.delitem(sys.modules, module, raising=False)
     monkeypatch.setitem(sys.modules, library, None)
     (folder / "arm.xml").write_text("<mujoco/>")
@@ -207,6 +232,6 @@ def test_a_model_is_never_written_over(folder: Path, monkeypatch: pytest.MonkeyP
     (folder / "robots").mkdir()
     source = folder / "robots" / "arm.urdf"
     source.write_text(MODEL)
-    made = ("new", "robot", "arm", "--urdf", "robots/arm.urdf", "--force", *PACKAGE)
+    made = ("new", "robot", "arm", "--urdf", "robots/arm.urdf", "--xacro", "--force", *PACKAGE)
     assert cb(monkeypatch, *made) == 2
     assert source.read_text() == MODEL

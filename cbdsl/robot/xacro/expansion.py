@@ -1,42 +1,49 @@
-"""Expansion of xacro, the macros in which many models are written."""
+"""Expansion of xacro, the macros in which many models are written.
+
+The library's macros are used with bounded parts of this project in place of those that run code,
+read the environment or open any file: see :mod:`cbdsl.robot.xacro.library_parts`.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
-from contextlib import contextmanager, redirect_stderr
+from collections.abc import Mapping
+from contextlib import redirect_stderr
 from io import StringIO
 from pathlib import Path
 from typing import Any
 
 import xacro
-import xacro.substitution_args
 
 from cbdsl.errors.nearest import suggestion
 from cbdsl.robot.package_folders import PackageFolders
 from cbdsl.robot.urdf import UrdfError
+from cbdsl.robot.xacro.library_parts import LibraryParts
 
 
 def expand_xacro(path: Path, arguments: Mapping[str, str], packages: PackageFolders) -> str:
-    """Text of the URDF that a xacro file stands for.
+    """Return the text of the URDF that a xacro file stands for.
 
     Args:
-        path: of the xacro file.
-        arguments: of the file, as ``name:=value`` gives them to xacro.
-        packages: where ``$(find NAME)`` looks.
+        path: Xacro file.
+        arguments: Values by name, as ``name:=value`` gives them to xacro.
+        packages: Folders of packages, for ``$(find NAME)``.
 
     Raises:
-        UrdfError: it is no xacro, a package is nowhere, or it has no such argument.
+        UrdfError: The file is not xacro, asks for what is refused, or names an absent package or
+            an unknown argument.
     """
     known = _AskedArguments(arguments)
-    absent: list[UrdfError] = []
+    parts = LibraryParts(known, packages)
     try:
         # Its warnings carry the colours and the frames of a stack, and a mistake is told below.
-        with _finding(packages.folder, absent), redirect_stderr(StringIO()):
+        with parts.installed(), redirect_stderr(StringIO()):
             document = xacro.process_file(str(path), mappings=known)
+    except RecursionError:
+        raise UrdfError(f"{path}: xacro cannot expand it: one of its macros uses itself") from None
     except Exception as error:
-        if absent:  # which xacro has wrapped, and says twice
-            raise UrdfError(f"{path}: {absent[0]}") from None
-        # Expressions of the file are evaluated, and raise whatever such code raises.
+        if parts.refusals:  # which xacro has wrapped, and says twice
+            raise UrdfError(f"{path}: {parts.refusals[0]}") from None
+        # Expressions and macros of the file raise whatever they raise.
         raise UrdfError(f"{path}: xacro cannot expand it: {_reason(error)}") from None
     unknown = next((name for name in arguments if name not in known.asked), None)
     if unknown is not None:
@@ -64,7 +71,7 @@ class _AskedArguments(dict[str, str]):
     """Arguments of a xacro file, and the names that it has declared or read.
 
     Attributes:
-        asked: these names.
+        asked: These names.
     """
 
     def __init__(self, arguments: Mapping[str, str]) -> None:
@@ -81,29 +88,6 @@ class _AskedArguments(dict[str, str]):
         return value
 
 
-@contextmanager
-def _finding(find: Callable[[str], Path], absent: list[UrdfError]) -> Iterator[None]:
-    """Look packages up here while xacro expands, and not in an installed ROS.
-
-    Errors of packages that are nowhere are added to ``absent``.
-    """
-    substitution: Any = xacro.substitution_args
-    own, table = substitution._eval_find, substitution._eval_dict
-
-    def find_text(name: str) -> str:
-        try:
-            return str(find(name))
-        except UrdfError as error:
-            absent.append(error)
-            raise
-
-    substitution._eval_find = table["find"] = find_text
-    try:
-        yield
-    finally:
-        substitution._eval_find = table["find"] = own
-
-
 def _reason(error: Exception) -> str:
-    """The error's own sentence, in one line."""
+    """Return the error's own sentence, in one line."""
     return " ".join(str(error).split()) or type(error).__name__

@@ -1,0 +1,1 @@
+"""Expansion of xacro, the macros in which many robot models are written."""

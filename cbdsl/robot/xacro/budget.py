@@ -1,0 +1,74 @@
+"""Bounds on the work that a model's macros and expressions may ask for."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+#: Characters of a text, parts of a list or dictionary with all that is in it, and bits of a number.
+MOST_PARTS = 10_000
+
+# A public humanoid's model takes some 100,000; these take a few seconds.
+_MOST_STEPS = 5_000_000
+
+
+class BudgetError(ValueError):
+    """A model asks for more work or larger values than any real model needs."""
+
+
+class Budget:
+    """Remaining steps of an expansion."""
+
+    def __init__(self) -> None:
+        self._steps = _MOST_STEPS
+
+    def spend(self, steps: int) -> None:
+        """Take steps.
+
+        Raises:
+            BudgetError: Fewer are left.
+        """
+        self._steps -= steps
+        if self._steps < 0:
+            raise BudgetError(
+                f"its macros take more than {_MOST_STEPS} steps; does one of them use itself?"
+            )
+
+    def require_small(self, value: Any) -> None:
+        """Check the size of a value, with all that is in it, and take a step for each part.
+
+        Raises:
+            BudgetError: It is too large, or fewer steps are left.
+        """
+        if isinstance(value, list | tuple | Mapping | set | frozenset):
+            self.spend(_parts(value))
+        elif isinstance(value, str):
+            require_small(len(value))
+        elif isinstance(value, int):
+            require_small(value.bit_length())
+
+
+def require_small(size: int) -> None:
+    """Check the size of a value that is about to be made.
+
+    Raises:
+        BudgetError: It is too large.
+    """
+    if size > MOST_PARTS:
+        raise BudgetError(f"a value has more than {MOST_PARTS} characters, parts or bits")
+
+
+def _parts(value: Any) -> int:
+    """Return the number of parts of a nested value: a part that is shared counts each time."""
+    count, left = 0, [value]
+    while left:
+        part = left.pop()
+        count += len(part) if isinstance(part, str) else 1
+        require_small(count + len(left))
+        if isinstance(part, Mapping):
+            require_small(len(part))
+            left += [*part.keys(), *part.values()]
+        elif isinstance(part, list | tuple | set | frozenset):
+            require_small(len(part))
+            left += part
+    return count

@@ -1,0 +1,236 @@
+"""Bounded parts that take the place of the library's own while xacro expands a model.
+
+The library evaluates expressions with ``eval``, takes time that grows with the square of a text's
+length, reads the environment, opens whatever a model names, and expands macros without a bound.
+"""
+
+from __future__ import annotations
+
+import re
+from collections import ChainMap
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
+from fnmatch import fnmatchcase
+from pathlib import Path
+from typing import Any
+from xml.dom import minidom
+
+import xacro
+
+from cbdsl.documents.contents import contents
+from cbdsl.robot.package_folders import PackageFolders
+from cbdsl.robot.robot_xml import MOST_BYTES, refuse_entities
+from cbdsl.robot.urdf import UrdfError
+from cbdsl.robot.xacro.budget import Budget, BudgetError
+from cbdsl.robot.xacro.expression import ExpressionError, evaluate
+from cbdsl.robot.xacro.functions import functions
+
+_MOST_YAML_BYTES = 200_000
+_ELEMENT_STEPS = 100  # of an element beside its texts
+# Longest texts: a property of a property of … grows by a power with each.
+_MOST_TEXT = 1_000_000
+_PIECES = re.compile(
+    r"\$(?P<escaped>\$+[{(])|\$\{(?P<expression>[^}]*)\}|\$\((?P<extension>[^)]*)\)"
+    r"|(?P<text>[^$]+|\$[^{($]+|\$$)"
+)
+
+
+class LibraryParts:
+    """Parts for the expansion of one model.
+
+    Args:
+        arguments: Values by name; the model's own defaults are added.
+        packages: Folders of packages, for ``$(find NAME)``.
+
+    Attributes:
+        refusals: Errors to report, which the library wraps in its own.
+    """
+
+    def __init__(self, arguments: Mapping[str, str], packages: PackageFolders) -> None:
+        self._arguments, self._packages = arguments, packages
+        self._budget = Budget()
+        self.refusals: list[Exception] = []
+        self._library_eval_all: Callable[..., None] = xacro.eval_all
+        self._library_load_yaml: Callable[[str], Any] = xacro.load_yaml
+        self._functions = functions(
+            {
+                "arg": self._argument,
+                "load_yaml": self._load_yaml,
+                "abs_filename": xacro.abs_filename_spec,
+            }
+        )
+
+    @contextmanager
+    def installed(self) -> Iterator[None]:
+        """Put the parts in the place of the library's while a model is expanded."""
+        parts = {
+            "_global_symbols": self._functions,
+            "safe_eval": lambda text, names, _=None: self._evaluate(text, names),
+            "eval_text": self._eval_text,
+            "eval_all": self._eval_all,
+            "eval_extension": lambda text: self._substitute(text[2:-1]),
+            "parse": self._parse,
+            "get_include_files": self._included,
+        }
+        library = {name: getattr(xacro, name) for name in parts}
+        vars(xacro).update(parts)
+        try:
+            yield
+        finally:
+            vars(xacro).update(library)
+
+    @contextmanager
+    def _reported(self) -> Iterator[None]:
+        try:
+            yield
+        except (UrdfError, BudgetError, ExpressionError) as error:
+            self.refusals.append(error)
+            raise
+
+    def _evaluate(self, text: str, names: Mapping[str, Any]) -> Any:
+        try:
+            return evaluate(text, names, self._budget)
+        except ExpressionError as error:
+            refusal = ExpressionError(f"expression '{text.strip()}': {error}")
+            self.refusals.append(refusal)
+            raise refusal from None
+        except BudgetError as error:
+            self.refusals.append(error)
+            raise
+
+    def _eval_text(self, text: str, names: Mapping[str, Any]) -> Any:
+        """Return the text with expressions and substitutions replaced, or a lone one's value."""
+        results: list[Any] = []
+        size, at = 0, 0
+        while at < len(text):
+            piece = _PIECES.match(text, at)
+            if piece is None:
+                raise ExpressionError(f"invalid expression: {text[at : at + 60]}")
+            at = piece.end()
+            result = self._piece(piece, names)
+            size += len(result) if isinstance(result, str) else 1
+            with self._reported():
+                self._budget.spend(1 + len(piece[0]) // 100)
+                if size > _MOST_TEXT:
+                    raise BudgetError(f"a text has more than {_MOST_TEXT} characters")
+            results.append(result)
+        return results[0] if len(results) == 1 else "".join(map(str, results))
+
+    def _piece(self, piece: re.Match[str], names: Mapping[str, Any]) -> Any:
+        kind, text = piece.lastgroup, piece[piece.lastgroup or 0]
+        if kind == "expression":
+            return self._evaluate(str(self._eval_text(text, names)), names)
+        if kind == "extension":
+            return self._substitute(str(self._eval_text(text, names)))
+        return text
+
+    def _eval_all(self, node: Any, macros: Any, symbols: Any) -> None:
+        with self._reported():
+            self._budget.spend(_ELEMENT_STEPS * (1 + len(node.childNodes)))
+        self._library_eval_all(node, macros, symbols)
+
+    def _substitute(self, text: str) -> str:
+        """Return the value of ``$(text)``."""
+        command, *words = text.split() or [""]
+        if command == "eval":
+            return str(self._evaluate(text.strip()[len("eval") :], self._substitution_names()))
+        commands: Mapping[str, tuple[int, Callable[..., str]]] = {
+            "arg": (1, self._argument),
+            "cwd": (0, lambda: str(Path.cwd())),
+            "dirname": (0, lambda: str(Path(xacro.filestack[-1]).resolve().parent)),
+            "env": (1, self._environment),
+            "find": (1, self._find),
+        }
+        with self._reported():
+            if command == "optenv":
+                return " ".join(words[1:])
+            if command not in commands or len(words) != commands[command][0]:
+                known = ", ".join(sorted([*commands, "eval", "optenv"]))
+                raise UrdfError(f"$({text}) is unknown (known: {known})")
+            return commands[command][1](*words)
+
+    def _substitution_names(self) -> Mapping[str, Any]:
+        given = {name: _converted(value) for name, value in self._arguments.items()}
+        own = functions({"arg": lambda name: _converted(self._argument(name))})
+        return ChainMap({"true": True, "false": False, "arg": own["xacro"]["arg"]}, given, own)
+
+    def _argument(self, name: str) -> str:
+        with self._reported():
+            try:
+                return self._arguments[name]
+            except KeyError:
+                raise UrdfError(
+                    f"argument '{name}' has no value; --xacro-arg {name}:=VALUE gives it one"
+                ) from None
+
+    def _environment(self, name: str) -> str:
+        raise UrdfError(
+            f"it reads the environment, $(env {name}), which models may not; write $(arg {name}) "
+            f"and give --xacro-arg {name}:=VALUE"
+        )
+
+    def _find(self, name: str) -> str:
+        return str(self._packages.folder(name))
+
+    def _load_yaml(self, name: str) -> Any:
+        """Return the contents of a YAML file, which has no aliases: they can multiply its size."""
+        path = Path(xacro.abs_filename_spec(name))
+        with self._reported():
+            if path.suffix not in (".yaml", ".yml"):
+                raise UrdfError(f"load_yaml reads .yaml and .yml files, not {path}")
+            data = _read(path, _MOST_YAML_BYTES)
+            if re.search(rb"(?:^|[\s,\[{:-])[*]\w|<<", data):
+                raise UrdfError(f"{path}: aliases and merge keys (*, <<) are not read from a model")
+        self._budget.spend(5 * len(data))
+        return _plain(self._library_load_yaml(name))
+
+    def _parse(self, source: Any, filename: str | None = None) -> Any:
+        """Return the document of a file."""
+        path = Path(xacro.root_dir, filename or "")
+        try:
+            data = _read(path, MOST_BYTES)
+        except UrdfError as error:
+            xacro.filestack.pop()
+            raise xacro.XacroException(str(error), exc=FileNotFoundError()) from None
+        with self._reported():
+            refuse_entities(data, path)
+            self._budget.spend(len(data) // 20)
+        return minidom.parseString(data)
+
+    def _included(self, spec: str, names: Mapping[str, Any]) -> Iterator[str]:
+        """Yield the files that an include names, by a pattern in the last part if there is one."""
+        path = Path(xacro.abs_filename_spec(str(self._eval_text(spec, names))))
+        if not any(sign in path.name for sign in "*?["):
+            yield str(path)
+        elif path.parent.is_dir():
+            yield from sorted(
+                str(file) for file in path.parent.iterdir() if fnmatchcase(file.name, path.name)
+            )
+
+
+def _read(path: Path, most: int) -> bytes:
+    try:
+        return contents(path, most)
+    except (OSError, ValueError) as error:
+        raise UrdfError(f"{path}: {getattr(error, 'strerror', None) or error}") from None
+
+
+def _converted(value: str) -> Any:
+    """Return an argument as a number or truth value, if it reads like one."""
+    if value.lower() in ("true", "false"):
+        return value.lower() == "true"
+    for kind in (int, float):
+        try:
+            return kind(value)
+        except ValueError:
+            continue
+    return value
+
+
+def _plain(value: Any) -> Any:
+    """Return YAML's values as dictionaries and lists without the library's dotted access."""
+    if isinstance(value, dict):
+        return {key: _plain(part) for key, part in dict.items(value)}
+    if isinstance(value, list):
+        return [_plain(part) for part in list.__iter__(value)]
+    return value
