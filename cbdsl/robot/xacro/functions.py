@@ -76,10 +76,10 @@ def _joined(text: str, parts: Iterable[str]) -> str:
 
 def tokenize(text: str, sep: str = ",; ", skip_empty: bool = True) -> list[str]:
     """Split a text at each of some characters."""
-    first, *others = sep or " "
-    for other in others:
-        text = text.replace(other, first)
-    return [part for part in text.split(first) if part or not skip_empty]
+    signs = sep or " "
+    for sign in signs:
+        text = text.replace(sign, signs[0])
+    return [part for part in text.split(signs[0]) if part or not skip_empty]
 
 
 def _rounded(value: float, digits: int | None = None) -> Any:
