@@ -53,13 +53,25 @@ def _xacro(data: bytes) -> None:
 def _xacro_expression(data: bytes) -> None:
     from cbdsl.robot.xacro.budget import Budget
     from cbdsl.robot.xacro.expression import evaluate
-    from cbdsl.robot.xacro.functions import Function, Namespace, functions
+    from cbdsl.robot.xacro.functions import ModelFunction, Namespace, functions
 
     try:
         value = evaluate(data.decode("utf-8", "ignore"), functions({}), Budget())
     except (ArithmeticError, AttributeError, LookupError, TypeError, ValueError, RecursionError):
         return
-    allowed = (type(None), bool, int, float, complex, str, list, tuple, dict, Function, Namespace)
+    allowed = (
+        type(None),
+        bool,
+        int,
+        float,
+        complex,
+        str,
+        list,
+        tuple,
+        dict,
+        ModelFunction,
+        Namespace,
+    )
     assert type(value) in allowed
 
 

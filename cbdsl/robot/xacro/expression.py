@@ -14,7 +14,7 @@ from collections.abc import Callable, Mapping
 from typing import Any
 
 from cbdsl.robot.xacro.budget import Budget, require_small
-from cbdsl.robot.xacro.functions import Function, Namespace, method
+from cbdsl.robot.xacro.functions import ModelFunction, Namespace, method
 
 _Operation = Callable[[Any, Any], Any]
 
@@ -141,7 +141,7 @@ class _Interpreter:
 
     def _call(self, node: ast.Call) -> Any:
         function = self.value(node.func)
-        if not isinstance(function, Function):
+        if not isinstance(function, ModelFunction):
             raise ExpressionError(f"{_kind(function)} is not a function that xacro documents")
         arguments = [self.value(argument) for argument in node.args]
         keywords = {}

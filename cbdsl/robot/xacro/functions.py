@@ -11,11 +11,11 @@ from typing import Any
 from cbdsl.robot.xacro.budget import MOST_PARTS, require_small
 
 
-class Function:
-    """Function that expressions may call; nothing else is called.
+class ModelFunction:
+    """ModelFunction that expressions may call; nothing else is called.
 
     Args:
-        call: Function of the arguments.
+        call: ModelFunction of the arguments.
     """
 
     def __init__(self, call: Callable[..., Any]) -> None:
@@ -30,11 +30,11 @@ class Namespace(dict[str, Any]):
     """Functions and constants that are reached by a dot, as in ``math.pi``."""
 
 
-def method(owner: Any, name: str) -> Function | None:
+def method(owner: Any, name: str) -> ModelFunction | None:
     """Return a method of a text, list or dictionary, if expressions may call it."""
     for kind, methods in _METHODS.items():
         if isinstance(owner, kind) and name in methods:
-            return Function(partial(methods[name], owner))
+            return ModelFunction(partial(methods[name], owner))
     return None
 
 
@@ -45,16 +45,16 @@ def _listed(values: Iterable[Any]) -> list[Any]:
     return listed
 
 
-def _mapped(function: Function, *values: Iterable[Any]) -> list[Any]:
+def _mapped(function: ModelFunction, *values: Iterable[Any]) -> list[Any]:
     return [_called(function, *arguments) for arguments in zip(*map(_listed, values), strict=False)]
 
 
-def _filtered(function: Function | None, values: Iterable[Any]) -> list[Any]:
+def _filtered(function: ModelFunction | None, values: Iterable[Any]) -> list[Any]:
     return [value for value in _listed(values) if (_called(function, value) if function else value)]
 
 
 def _called(function: Any, *arguments: Any) -> Any:
-    if not isinstance(function, Function):
+    if not isinstance(function, ModelFunction):
         raise TypeError(f"{function!r} is not a function")
     return function(*arguments)
 
@@ -166,12 +166,18 @@ def functions(of_model: Mapping[str, Callable[..., Any]]) -> dict[str, Any]:
     Args:
         of_model: Functions in the namespace ``xacro`` that depend on the model, by name.
     """
-    python = Namespace({name: Function(call) for name, call in _PYTHON.items()})
-    numbers = Namespace({name: Function(getattr(math, name)) for name in _MATH})
+    python = Namespace({name: ModelFunction(call) for name, call in _PYTHON.items()})
+    numbers = Namespace({name: ModelFunction(getattr(math, name)) for name in _MATH})
     numbers |= {name: getattr(math, name) for name in _CONSTANTS}
-    own = {name: Function(call) for name, call in of_model.items()}
-    messages = dict.fromkeys(("message", "warning", "error", "print_location"), Function(_silent))
-    others = {"fatal": Function(_failed), "tokenize": Function(tokenize), "dotify": Function(dict)}
+    own = {name: ModelFunction(call) for name, call in of_model.items()}
+    messages = dict.fromkeys(
+        ("message", "warning", "error", "print_location"), ModelFunction(_silent)
+    )
+    others = {
+        "fatal": ModelFunction(_failed),
+        "tokenize": ModelFunction(tokenize),
+        "dotify": ModelFunction(dict),
+    }
     return {
         **numbers,
         **{name: python[name] for name in _GLOBAL},
