@@ -51,12 +51,12 @@ def _xacro(data: bytes) -> None:
 
 
 def _xacro_expression(data: bytes) -> None:
-    from cbdsl.robot.xacro.budget import Budget
+    from cbdsl.robot.xacro.budget import StepBudget
     from cbdsl.robot.xacro.expression import evaluate
     from cbdsl.robot.xacro.functions import ModelFunction, Namespace, functions
 
     try:
-        value = evaluate(data.decode("utf-8", "ignore"), functions({}), Budget())
+        value = evaluate(data.decode("utf-8", "ignore"), functions({}), StepBudget())
     except (ArithmeticError, AttributeError, LookupError, TypeError, ValueError, RecursionError):
         return
     allowed = (

@@ -16,7 +16,7 @@ class BudgetError(ValueError):
     """A model asks for more work or larger values than any real model needs."""
 
 
-class Budget:
+class StepBudget:
     """Remaining steps of an expansion."""
 
     def __init__(self) -> None:

@@ -13,7 +13,7 @@ import operator
 from collections.abc import Callable, Mapping
 from typing import Any
 
-from cbdsl.robot.xacro.budget import Budget, require_small
+from cbdsl.robot.xacro.budget import StepBudget, require_small
 from cbdsl.robot.xacro.functions import ModelFunction, Namespace, method
 
 _Operation = Callable[[Any, Any], Any]
@@ -25,7 +25,7 @@ class ExpressionError(ValueError):
     """An expression is refused, or has no value."""
 
 
-def evaluate(text: str, names: Mapping[str, Any], budget: Budget) -> Any:
+def evaluate(text: str, names: Mapping[str, Any], budget: StepBudget) -> Any:
     """Return the value of an expression.
 
     Args:
@@ -99,7 +99,7 @@ class _Interpreter:
         budget: Remaining steps.
     """
 
-    def __init__(self, names: Mapping[str, Any], budget: Budget) -> None:
+    def __init__(self, names: Mapping[str, Any], budget: StepBudget) -> None:
         self._names, self._budget = names, budget
 
     def value(self, node: ast.expr) -> Any:

@@ -12,10 +12,10 @@ from cbdsl.robot.xacro.budget import MOST_PARTS, require_small
 
 
 class ModelFunction:
-    """ModelFunction that expressions may call; nothing else is called.
+    """Function that expressions may call; nothing else is called.
 
     Args:
-        call: ModelFunction of the arguments.
+        call: Function of the arguments.
     """
 
     def __init__(self, call: Callable[..., Any]) -> None:

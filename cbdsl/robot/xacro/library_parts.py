@@ -21,7 +21,7 @@ from cbdsl.documents.contents import contents
 from cbdsl.robot.package_folders import PackageFolders
 from cbdsl.robot.robot_xml import MOST_BYTES, refuse_entities
 from cbdsl.robot.urdf import UrdfError
-from cbdsl.robot.xacro.budget import Budget, BudgetError
+from cbdsl.robot.xacro.budget import BudgetError, StepBudget
 from cbdsl.robot.xacro.expression import ExpressionError, evaluate
 from cbdsl.robot.xacro.functions import functions
 
@@ -48,7 +48,7 @@ class LibraryParts:
 
     def __init__(self, arguments: Mapping[str, str], packages: PackageFolders) -> None:
         self._arguments, self._packages = arguments, packages
-        self._budget = Budget()
+        self._budget = StepBudget()
         self.refusals: list[Exception] = []
         self._library_eval_all: Callable[..., None] = xacro.eval_all
         self._library_load_yaml: Callable[[str], Any] = xacro.load_yaml

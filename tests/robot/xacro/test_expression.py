@@ -7,7 +7,7 @@ import xacro
 from hypothesis import given
 from hypothesis import strategies as st
 
-from cbdsl.robot.xacro.budget import Budget, BudgetError
+from cbdsl.robot.xacro.budget import BudgetError, StepBudget
 from cbdsl.robot.xacro.expression import ExpressionError, evaluate
 from cbdsl.robot.xacro.functions import functions
 
@@ -15,7 +15,7 @@ NAMES = {"length": 0.4, "side": "left", "flag": True, "limits": {"elbow": {"lowe
 
 
 def value(text: str) -> object:
-    return evaluate(text, {**functions({}), **NAMES}, Budget())
+    return evaluate(text, {**functions({}), **NAMES}, StepBudget())
 
 
 @pytest.mark.parametrize(
