@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import sys
 from collections import Counter
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from functools import cache
 from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING
+
+from cbdsl.cli.chosen_files import STANDARD_INPUT, choose_files
 
 if TYPE_CHECKING:
     from cbdsl.cli.validation_report import ValidationReport
@@ -22,8 +24,8 @@ FORMATS = {
     "github": ("github_format", "github"),
     "sarif": ("sarif_format", "sarif"),
 }
-#: The path that stands for the standard input, and what that is called unless a name is given.
-STANDARD_INPUT, STANDARD_INPUT_NAME = "-", "stdin.yaml"
+#: Name of the standard input unless another one is given.
+STANDARD_INPUT_NAME = "stdin.yaml"
 
 # More findings in one document have few causes, which the first ones show.
 _MOST_PER_FILE = 100
@@ -89,7 +91,8 @@ def _examine(paths: Iterable[str], values: Mapping[str, str], stdin: Path) -> Va
     words = list(paths)
     given = {stdin: sys.stdin.buffer.read(MOST_BYTES + 1)} if STANDARD_INPUT in words else {}
     library = Library(given=given)
-    files = [file for word in words for file in documents(word, stdin, library)]
+    chosen = choose_files(words, stdin, library)
+    files = chosen.files
     session = Session(library, values)
     # A robot's findings come with every program on it: each is told once.
     diagnostics: dict[Diagnostic, None] = {}
@@ -99,25 +102,14 @@ def _examine(paths: Iterable[str], values: Mapping[str, str], stdin: Path) -> Va
     for fault in KINDS.met_faults:
         print_problem(f"warning: {fault}")
     shown = _first_of_each_file(findings)
-    return ValidationReport(shown, len(files), len(findings) - len(shown), _texts(session.library))
-
-
-def documents(word: str, stdin: Path, library: Library) -> Iterator[Path]:
-    """The file itself, all documents below a folder, or those of a name."""
-    from cbdsl.errors.errors import UsageError
-
-    path = Path(word)
-    if word == STANDARD_INPUT:
-        yield stdin
-        return
-    if not path.is_dir():
-        yield from library.locate_any(word)
-        return
-    named = (file for file in path.rglob("*") if file.suffix in (".yaml", ".yml"))
-    files = sorted(file for file in named if not file.is_dir())
-    if not files:
-        raise UsageError(f"{path} holds no documents (*.yaml)")
-    yield from files
+    return ValidationReport(
+        shown,
+        len(files),
+        len(findings) - len(shown),
+        _texts(session.library),
+        chosen.others,
+        chosen.unreadable,
+    )
 
 
 def _first_of_each_file(findings: Iterable[Diagnostic]) -> tuple[Diagnostic, ...]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from pathlib import Path
 
-from cbdsl.cli.findings import STANDARD_INPUT, documents
+from cbdsl.cli.chosen_files import STANDARD_INPUT, choose_files
 from cbdsl.editor.fixes import fixed
 from cbdsl.errors.errors import DiagnosticsError
 
@@ -50,7 +50,7 @@ def _fix_once(words: Iterable[str], values: Mapping[str, str]) -> list[Path]:
 
     library, changed = Library(), []
     session = Session(library, values)
-    for file in [file for word in words for file in documents(word, Path(STANDARD_INPUT), library)]:
+    for file in choose_files(words, Path(STANDARD_INPUT), library).files:
         own = [each for each in check_document(file, session) if each.place.file == str(file)]
         try:
             before = library.text(file)

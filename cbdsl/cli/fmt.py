@@ -19,12 +19,13 @@ def fmt(paths: Paths, *, check: Check = False, diff: Diff = False) -> None:
     """Lay documents out in one way: even indentation and spacing, no superfluous empty lines.
 
     Values, their order, quotes and comments stay as they are. Files are replaced as a whole; those
-    that change are named. The standard input is printed.
+    that change are named. The standard input is printed. YAML of other tools stays as it is: a
+    document has the key 'cbdsl', or a 'kind' of this project.
 
     Exit 0 when all is well, 1 when --check found something to change or a document is no YAML, 2
     for a wrong call.
     """
-    from cbdsl.cli.findings import STANDARD_INPUT, documents
+    from cbdsl.cli.chosen_files import STANDARD_INPUT, choose_files
     from cbdsl.cli.terminal import print_diagnostics
     from cbdsl.errors.errors import DiagnosticsError, UsageError
     from cbdsl.yaml_text.library import Library
@@ -33,11 +34,10 @@ def fmt(paths: Paths, *, check: Check = False, diff: Diff = False) -> None:
         raise typer.Exit(_print_formatted())
     if STANDARD_INPUT in paths:
         raise UsageError("the standard input stands alone, without --check and --diff")
-    library, stdin = Library(), Path(STANDARD_INPUT)
     changed, failed = 0, False
-    for file in dict.fromkeys(f for word in paths for f in documents(word, stdin, library)):
+    for file in choose_files(paths, Path(STANDARD_INPUT), Library()).files:
         try:
-            changed += _format(file, check=check, diff=diff)
+            changed += _format(file, check=check, diff=diff, is_named=str(file) in paths)
         except DiagnosticsError as error:
             print_diagnostics(error.diagnostics)
             failed = True
@@ -49,21 +49,21 @@ def _print_formatted() -> int:
     import sys
 
     from cbdsl.yaml_text.composer import MOST_BYTES
-    from cbdsl.yaml_text.reader import decode, formatted_text
+    from cbdsl.yaml_text.reader import decode
 
-    file = "stdin.yaml"
-    text = decode(sys.stdin.buffer.read(MOST_BYTES + 1), file)
-    print(formatted_text(text, file), end="")
+    file = Path("stdin.yaml")
+    text = decode(sys.stdin.buffer.read(MOST_BYTES + 1), str(file))
+    print(_formatted(text, file, is_named=True), end="")
     return 0
 
 
-def _format(file: Path, *, check: bool, diff: bool) -> bool:
+def _format(file: Path, *, check: bool, diff: bool, is_named: bool) -> bool:
     """Format a file; whether it was, or would be, changed."""
-    from cbdsl.yaml_text.reader import formatted_text, read_text
+    from cbdsl.yaml_text.reader import read_text
     from cbdsl.yaml_text.writer import write_text
 
     before = read_text(file)
-    after = formatted_text(before, str(file))
+    after = _formatted(before, file, is_named)
     if after == before:
         return False
     if diff:
@@ -72,6 +72,25 @@ def _format(file: Path, *, check: bool, diff: bool) -> bool:
         write_text(after, file)
     print(f"{'would format' if check or diff else 'formatted'} {file}")
     return True
+
+
+def _formatted(text: str, file: Path, is_named: bool) -> str:
+    """The text of a document in its layout; that of other YAML as it is.
+
+    Args:
+        text: Text of the file.
+        file: The file.
+        is_named: True if the user named it, who is then warned if it is no document.
+    """
+    from cbdsl.cli.terminal import print_problem
+    from cbdsl.documents.ownership import is_declared
+    from cbdsl.yaml_text.reader import formatted_text
+
+    if is_declared(text):
+        return formatted_text(text, str(file))
+    if is_named:
+        print_problem(f"{file}: not formatted, since it lacks a document's keys 'cbdsl' and 'kind'")
+    return text
 
 
 def _print_difference(file: Path, before: str, after: str) -> None:

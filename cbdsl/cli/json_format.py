@@ -21,6 +21,8 @@ def json_report(report: ValidationReport) -> str:
         "warnings": report.warnings,
         "notes": report.notes,
         "left_out": report.left_out,
+        "others": report.others,
+        "unreadable": report.unreadable,
         "findings": [_finding(diagnostic) for diagnostic in report.findings],
     }
     return json.dumps(data, indent=2, ensure_ascii=False)

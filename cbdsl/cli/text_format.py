@@ -12,7 +12,7 @@ from cbdsl.errors.counting import count
 def text(report: ValidationReport) -> str:
     """Findings, and how many there are; in colour where a terminal shows them."""
     if not report.findings:
-        return f"{count(report.documents, 'document')}, no findings"
+        return f"{count(report.documents, 'document')}, no findings{_skipped(report)}"
     from cbdsl.errors.rendering import render  # only a finding needs it
 
     color = _is_colorful()
@@ -23,7 +23,17 @@ def text(report: ValidationReport) -> str:
 def _tally(report: ValidationReport) -> str:
     numbers = {"error": report.errors, "warning": report.warnings, "note": report.notes}
     tally = ", ".join(count(number, noun) for noun, number in numbers.items() if number)
-    return tally + (f"; {report.left_out} more are left out" if report.left_out else "")
+    left_out = f"; {report.left_out} more are left out" if report.left_out else ""
+    return tally + left_out + _skipped(report)
+
+
+def _skipped(report: ValidationReport) -> str:
+    """The number of files that were not checked, after a semicolon; empty if there are none."""
+    others = count(report.others, "YAML file")
+    skipped = f"; {others} of other tools skipped" if report.others else ""
+    folders = count(report.unreadable, "folder")
+    unreadable = f"; {folders} cannot be read" if report.unreadable else ""
+    return skipped + unreadable
 
 
 def _is_colorful() -> bool:

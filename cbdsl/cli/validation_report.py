@@ -16,12 +16,16 @@ class ValidationReport(NamedTuple):
         documents: how many were checked.
         left_out: how many more findings there are than any person could mend at once.
         text_of: the text of a file, or ``None`` where it has none.
+        others: Number of YAML files of other tools that were skipped.
+        unreadable: Number of folders that cannot be read.
     """
 
     findings: tuple[Diagnostic, ...]
     documents: int
     left_out: int
     text_of: Callable[[str], str | None]
+    others: int = 0
+    unreadable: int = 0
 
     @property
     def errors(self) -> int:

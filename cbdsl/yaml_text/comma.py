@@ -42,7 +42,7 @@ def is_stray(text: str, rest: str) -> bool:
 
 def explain(key: str, value: Node, strays: Sequence[Stray]) -> Cut:
     """The value that a key's value and the quantities behind it probably are."""
-    parts = [str(value.value), *(stray.text for stray in strays)]
+    parts = [_shown(value), *(stray.text for stray in strays)]
     row = f"[{', '.join(parts)}]"
     if len(parts) != 2 or not _are_halves(value.value, parts[1]):
         return Cut(f"a list is written in brackets; write '{key}: {row}'")
@@ -59,6 +59,13 @@ def decimal_comma(node: Node) -> str | None:
         if _is_tight(one.place, other.place) and _are_halves(one.value, str(other.value)):
             return _decimal(str(one.value), str(other.value))
     return None
+
+
+def _shown(value: Node) -> str:
+    """The text of a value, with the contents of collections left out."""
+    if isinstance(value.value, list):
+        return "[...]"
+    return "{...}" if isinstance(value.value, dict) else str(value.value)
 
 
 def _are_halves(whole: object, rest: str) -> bool:

@@ -11,7 +11,7 @@ from pydantic import ValidationError
 from cbdsl.documents.contents import contents
 from cbdsl.documents.document import Document
 from cbdsl.documents.kinds import KINDS
-from cbdsl.errors.diagnostic import Place
+from cbdsl.errors.diagnostic import Diagnostic, Place
 from cbdsl.errors.errors import DiagnosticsError, UsageError
 from cbdsl.errors.lines import lines_of
 from cbdsl.errors.nearest import nearest_name
@@ -82,11 +82,14 @@ def read_sound_parts(path: Path, kind: type[D], text: str | None = None) -> Load
 
 
 def formatted_text(text: str, file: str) -> str:
-    """A document's text in the layout of all documents; see ``formatted``.
+    """Lay a document out; see ``formatted``.
+
+    The result reads as the text does: with the same values and the same findings. A text whose
+    findings depend on its spaces, such as one with a decimal comma, stays as it is.
 
     Args:
-        text: as it is.
-        file: names it in findings.
+        text: Text of the document.
+        file: Name of its file, for findings.
 
     Raises:
         DiagnosticsError: it is too large, or no YAML.
@@ -95,11 +98,25 @@ def formatted_text(text: str, file: str) -> str:
 
     require_readable(text, file)
     try:
-        return formatted(text)
+        result = formatted(text)
     except SyntaxFaultError:
         from cbdsl.yaml_text.repair.repair import repair
 
         raise DiagnosticsError(repair(Path(file), Document, text).faults) from None
+    path = Path(file)
+    return result if result == text or _reading(path, result) == _reading(path, text) else text
+
+
+def _reading(path: Path, text: str) -> tuple[Document | None, list[tuple[str, str, str | None]]]:
+    """The document that a text is read as, and its findings without their places."""
+    document: Document | None = None
+    faults: tuple[Diagnostic, ...]
+    try:
+        loaded = read_sound_parts(path, Document, text)
+        document, faults = loaded.document, loaded.faults
+    except DiagnosticsError as error:
+        faults = error.diagnostics
+    return document, [(each.code, each.message, each.nearest) for each in faults]
 
 
 def _composed(path: Path, text: str) -> Composed | None:

@@ -51,11 +51,12 @@ def test_check_and_diff_write_nothing(
 def test_what_is_no_yaml_is_told_and_the_rest_goes_on(
     here: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    (here / "bad.yaml").write_text("a: [1\nb: 2\n", encoding="utf-8")
+    bad = "kind: program\na: [1\nb: 2\n"
+    (here / "bad.yaml").write_text(bad, encoding="utf-8")
     assert cb(monkeypatch, "fmt", ".") == 1
     shown = capsys.readouterr().out
-    assert "bad.yaml:1:4: CB104" in shown and "formatted uneven.yaml" in shown
-    assert (here / "bad.yaml").read_text("utf-8") == "a: [1\nb: 2\n"
+    assert "bad.yaml:2:4: CB104" in shown and "formatted uneven.yaml" in shown
+    assert (here / "bad.yaml").read_text("utf-8") == bad
 
 
 def test_the_standard_input_is_printed(
@@ -65,6 +66,54 @@ def test_the_standard_input_is_printed(
     assert cb(monkeypatch, "fmt", "-") == 0
     assert capsys.readouterr().out == EVEN
     assert cb(monkeypatch, "fmt", "-", "--check") == 2
+
+
+FOREIGN = {
+    "docker-compose.yml": "services:\n    web:\n        image:   nginx\n\n\nvolumes: {}\n",
+    ".github/workflows/ci.yml": "on:   push\n",
+    ".venv/lib/own.yaml": UNEVEN,
+    "node_modules/x/own.yaml": UNEVEN,
+    "ignored/own.yaml": UNEVEN,
+    "charts/pod.yaml": "apiVersion:   v1\nkind:   Pod\n",
+    "charts/helm.yaml": "x:   {{ .Values.x }}\n",
+    "programs/values.yaml": "a:   1\n",
+    "empty.yaml": "",
+}
+
+
+def test_fmt_of_a_folder_leaves_yaml_of_other_tools_alone(
+    here: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (here / ".gitignore").write_text("ignored/\n", encoding="utf-8")
+    for name, text in FOREIGN.items():
+        (here / name).parent.mkdir(parents=True, exist_ok=True)
+        (here / name).write_text(text, encoding="utf-8")
+    assert cb(monkeypatch, "fmt", ".") == 0
+    assert capsys.readouterr().out == "formatted uneven.yaml\n"
+    assert {name: (here / name).read_text("utf-8") for name in FOREIGN} == FOREIGN
+
+
+def test_fmt_of_a_named_file_of_another_tool_says_why_it_stays(
+    here: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    text = FOREIGN["docker-compose.yml"]
+    (here / "compose.yml").write_text(text, encoding="utf-8")
+    assert cb(monkeypatch, "fmt", "compose.yml") == 0
+    shown = capsys.readouterr()
+    assert shown.out == "" and "compose.yml: not formatted" in shown.err
+    assert (here / "compose.yml").read_text("utf-8") == text
+    monkeypatch.setattr(sys, "stdin", SimpleNamespace(buffer=io.BytesIO(text.encode())))
+    assert cb(monkeypatch, "fmt", "-") == 0
+    assert capsys.readouterr().out == text
+
+
+def test_fmt_of_a_decimal_comma_keeps_its_finding(
+    here: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    text = "cbdsl: 1\nkind: program\ncontrollers:\n  a: {speed: 1,5 rad/s, gain:  2}\n"
+    (here / "comma.yaml").write_text(text, encoding="utf-8")
+    assert cb(monkeypatch, "fmt", "comma.yaml") == 0
+    assert (here / "comma.yaml").read_text("utf-8") == text
 
 
 def test_shipped_documents_are_found_by_name(

@@ -65,7 +65,7 @@ def test_json_is_versioned_and_complete(printed: Any) -> None:
     code, text = printed("--json", str(CLASH))
     data = json.loads(text)
     assert code == 1
-    counts = ["errors", "warnings", "notes", "left_out"]
+    counts = ["errors", "warnings", "notes", "left_out", "others", "unreadable"]
     assert list(data) == ["version", "documents", *counts, "findings"]
     assert (data["version"], data["documents"], data["errors"]) == (VERSION, 1, 1)
     (finding,) = data["findings"]
@@ -287,6 +287,7 @@ def test_special_files_are_one_finding_each_and_the_rest_is_checked(tmp_path: Pa
     for name, target in {"zero": "/dev/zero", "loop": "loop.yaml", "lost": "gone.yaml"}.items():
         (tmp_path / f"{name}.yaml").symlink_to(target)
     with (tmp_path / "large.yaml").open("wb") as file:
+        file.write(b"cbdsl: 1\n")
         file.truncate(1 << 40)  # without a byte on the disk
     (tmp_path / "folder.yaml").mkdir()
     (tmp_path / "folder.yaml" / "up.yaml").symlink_to("..")

@@ -11,8 +11,11 @@ import yaml
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from cbdsl.documents.document import Document
+from cbdsl.errors.errors import DiagnosticsError
 from cbdsl.yaml_text.composer import LOADER, SyntaxFaultError
 from cbdsl.yaml_text.formatter import comments, formatted
+from cbdsl.yaml_text.reader import formatted_text, read_sound_parts
 from tests.conftest import ROOT
 
 SHIPPED = sorted(
@@ -197,3 +200,30 @@ def test_any_edit_that_is_yaml_keeps_its_values_and_comments(file: Path, seed: i
     assert values(result) == before
     assert comments(result) == comments(edited)
     assert formatted(result) == result
+
+
+def findings(text: str) -> list[tuple[str, str]]:
+    """What the reader finds in a text, without places."""
+    try:
+        faults = read_sound_parts(Path("a.yaml"), Document, text).faults
+    except DiagnosticsError as error:
+        faults = error.diagnostics
+    return [(each.code, each.message) for each in faults]
+
+
+@settings(max_examples=200)
+@given(st.sampled_from(SHORT), st.integers(0, 10**9))
+def test_formatted_text_has_the_values_and_findings_of_the_text(file: Path, seed: int) -> None:
+    text, rng = list(file.read_text("utf-8")), random.Random(seed)
+    for _ in range(rng.randrange(1, 4)):
+        place = rng.randrange(len(text))
+        text[place : place + rng.randrange(2)] = rng.choice(
+            ["1,5", "1,5 rad/s", ",", ", ", "{a: 1,2}", "[1,2]", ":", "1 ,5", "{1,5}", "  ", "- "]
+        )
+    edited = "".join(text)
+    try:
+        result = formatted_text(edited, "a.yaml")
+    except DiagnosticsError:
+        return
+    assert values(result) == values(edited)
+    assert findings(result) == findings(edited)
