@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Annotated
 
@@ -16,8 +18,26 @@ export = typer.Typer(
     pretty_exceptions_enable=False,
 )
 
+#: Message schemas of MCAP files.
+SCHEMAS = ("foxglove", "ros2")
+
 Out = Annotated[
     Path | None, typer.Option("--out", help="The file to write [beside the recording, .mcap].")
+]
+Schemas = Annotated[
+    str, typer.Option("--schemas", help="Message schemas: foxglove (JSON) or ros2 (CDR).")
+]
+Folder = Annotated[
+    Path | None, typer.Option("--out", help="The folder to write [beside the recordings, lerobot].")
+]
+Fps = Annotated[
+    int | None, typer.Option("--fps", min=1, help="Frames per second [those of the images].")
+]
+Task = Annotated[
+    str | None, typer.Option("--task", help="A sentence that names the task [the program's name].")
+]
+Overwrite = Annotated[
+    bool, typer.Option("--overwrite", help="Replace the dataset that is there already.")
 ]
 
 
@@ -35,27 +55,88 @@ def export_tree(program: Program, policy: Policy = None) -> None:
 
 
 @export.command("mcap")
-def export_mcap(what: Recording, out: Out = None) -> None:
-    """Write recorded episodes as MCAP, which Foxglove and other viewers open.
+def export_mcap(what: Recording, out: Out = None, schemas: Schemas = "foxglove") -> None:
+    """Write recorded episodes as MCAP, which Foxglove, ROS 2 and other tools read.
 
-    Joint states, transforms, things, images, potentials, predicates and transitions, by simulated
-    time. Needs the extra mcap.
+    Joint states, transforms, objects, images, potentials, predicates and transitions, by simulated
+    time. With --schemas ros2 the messages are those of ROS 2 (sensor_msgs, geometry_msgs, tf2_msgs
+    and others), with wrenches and camera intrinsics. Needs the extra mcap.
     """
     from cbdsl.errors.errors import UsageError
 
-    try:
+    if schemas not in SCHEMAS:
+        raise UsageError.unknown("kind of schemas", schemas, SCHEMAS)
+    with needed("MCAP", "mcap"):
         from cbdsl.reporting.mcap_file import write_mcap
         from cbdsl.reporting.recorded import find_recordings, read_recording
-    except ModuleNotFoundError as error:
-        raise UsageError(
-            f"MCAP needs {error.name}, which is not installed: pip install 'cbdsl[mcap]'"
-        ) from error
+        from cbdsl.reporting.ros2.file import write_ros2_mcap
     recordings = find_recordings(what)
     if out is not None and len(recordings) > 1:
         raise UsageError(
             f"--out {out}: {what} holds {len(recordings)} recordings; name one of them"
         )
+    write = write_ros2_mcap if schemas == "ros2" else write_mcap
     for file in recordings:
         target = out or file.with_suffix(".mcap")
-        messages = write_mcap(read_recording(file), target)
+        recorded = read_recording(file)
+        with named_problems(target):
+            messages = write(recorded, target)
         print(f"{target}: {messages} messages, {target.stat().st_size / 1e6:.1f} MB")
+
+
+@export.command("lerobot")
+def export_lerobot(
+    what: Recording,
+    out: Folder = None,
+    fps: Fps = None,
+    task: Task = None,
+    overwrite: Overwrite = False,
+) -> None:
+    """Write recorded episodes as one dataset of LeRobot, format v3.0, to train policies on.
+
+    Each frame has joint positions, velocities, load cells and images, the joint references as the
+    action, rewards, and the state and action of the program. Needs the extra lerobot.
+    """
+    with needed("A LeRobot dataset", "lerobot"):
+        from cbdsl.reporting.lerobot.dataset import write_dataset
+        from cbdsl.reporting.recorded import find_recordings, read_recording
+    recordings = find_recordings(what)
+    target = out or recordings[0].parent / "lerobot"
+    with named_problems(target):
+        episodes, frames = write_dataset(
+            map(read_recording, recordings), target, rate=fps, task=task, overwrite=overwrite
+        )
+    print(f"{target}: {frames} frames of {episodes} episode{'s' if episodes > 1 else ''}")
+
+
+@contextmanager
+def needed(product: str, extra: str) -> Iterator[None]:
+    """Name the extra to install if a module is missing.
+
+    Raises:
+        UsageError: A module is not installed.
+    """
+    from cbdsl.errors.errors import UsageError
+
+    try:
+        yield
+    except ModuleNotFoundError as error:
+        raise UsageError(
+            f"{product} needs {error.name}, which is not installed: pip install 'cbdsl[{extra}]'"
+        ) from error
+
+
+@contextmanager
+def named_problems(target: Path) -> Iterator[None]:
+    """Name the file that cannot be written.
+
+    Raises:
+        UsageError: The file cannot be written.
+    """
+    from cbdsl.errors.errors import UsageError
+    from cbdsl.errors.reason import reason
+
+    try:
+        yield
+    except OSError as error:
+        raise UsageError(f"{target}: {reason(error)}") from error

@@ -23,6 +23,7 @@ import numpy as np
 from mcap.writer import Writer
 from numpy.typing import NDArray
 
+from cbdsl.reporting.link_pose import placed
 from cbdsl.reporting.mcap_schemas import SCHEMAS
 from cbdsl.reporting.model import DrawnLink, read_links
 from cbdsl.reporting.recorded import Recorded
@@ -101,8 +102,7 @@ class _Messages:
         transforms = []
         for link in links:
             parent = WORLD if link.parent < 0 else links[link.parent].name
-            angle = link.offset + (link.ratio * positions[link.column] if link.column >= 0 else 0)
-            place, turn = _moved(link, angle)
+            place, turn = placed(link, positions)
             transforms.append(_transform(time, parent, link.name, place, turn))
         for name, pose in zip(self._summary["scene"], self._scene(tick), strict=True):
             if not math.isnan(pose[0]):
@@ -130,10 +130,8 @@ class _Messages:
 
     def _put_images(self) -> None:
         times = self._arrays["image_time"].tolist()
-        cameras = [key for key in self._arrays if key.startswith("image_") and key != "image_time"]
-        for key in cameras:
-            name = key.removeprefix("image_")
-            for time, image in zip(times, self._arrays[key], strict=True):
+        for name, images in self._recorded.images.items():
+            for time, image in zip(times, images, strict=True):
                 _, data = cv2.imencode(".png", cv2.cvtColor(image, cv2.COLOR_RGB2BGR))
                 text = base64.b64encode(data.tobytes()).decode()
                 message = {"timestamp": _stamp(time), "frame_id": name, "data": text}
@@ -165,32 +163,6 @@ def _stamp(time: float) -> Json:
 def _numbers(values: _DOUBLES) -> list[float | None]:
     """Values, with nothing where they are undefined: JSON has no NaN."""
     return [None if math.isnan(value) else float(value) for value in values]
-
-
-def _moved(link: DrawnLink, angle: float) -> tuple[_DOUBLES, _DOUBLES]:
-    """Place and quaternion of a link in the frame of the one above, at a joint position."""
-    place, turn = np.array(link.position, dtype=float), np.array(link.quaternion, dtype=float)
-    axis = np.array(link.axis, dtype=float)
-    axis /= np.linalg.norm(axis) or 1.0
-    if link.motion == "slide":
-        return place + _turned(turn, axis * angle), turn
-    if link.motion == "turn":
-        own = np.array([*(math.sin(angle / 2) * axis), math.cos(angle / 2)])
-        return place, _product(turn, own)
-    return place, turn
-
-
-def _product(one: _DOUBLES, other: _DOUBLES) -> _DOUBLES:
-    """Product of two quaternions (x, y, z, w): first the other turn, then the one."""
-    vector = one[3] * other[:3] + other[3] * one[:3] + np.cross(one[:3], other[:3])
-    return np.array([*vector, one[3] * other[3] - one[:3] @ other[:3]])
-
-
-def _turned(turn: _DOUBLES, vector: _DOUBLES) -> _DOUBLES:
-    """A vector turned by a quaternion."""
-    twice = 2.0 * np.cross(turn[:3], vector)
-    result: _DOUBLES = vector + turn[3] * twice + np.cross(turn[:3], twice)
-    return result
 
 
 def _transform(

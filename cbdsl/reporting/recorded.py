@@ -61,6 +61,15 @@ class Recorded:
         """Values by name of the resource, NaN while undefined, shape (T, ...)."""
         return {name: self.arrays[f"signal_{name}"] for name in self.summary["signals"]}
 
+    @property
+    def images(self) -> Mapping[str, NDArray[Any]]:
+        """RGB images by camera, shape (images, height, width, 3), at ``image_time``."""
+        return {
+            key.removeprefix("image_"): array
+            for key, array in self.arrays.items()
+            if key.startswith("image_") and key != "image_time"
+        }
+
 
 def find_recordings(path: Path) -> list[Path]:
     """The JSON files of a recording, or of all in a folder, by seed.

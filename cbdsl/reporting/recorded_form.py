@@ -4,13 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from pathlib import Path
-from typing import Any
+from typing import Annotated, Any
 
 from numpy.typing import NDArray
-from pydantic import BaseModel, ValidationError
+from pydantic import BaseModel, Field, ValidationError
 
 from cbdsl.robot.urdf import UrdfError
 from cbdsl.robot.urdf_reader import parse_urdf
+
+_Triple = Annotated[list[float], Field(min_length=3, max_length=3)]
 
 
 class _Result(BaseModel, strict=True):
@@ -32,11 +34,26 @@ class _Signal(BaseModel, strict=True):
     place: bool
 
 
+class _Turned(BaseModel, strict=True):
+    position: _Triple
+    rotation: _Triple
+
+
+class _Camera(BaseModel, strict=True):
+    link: str
+    width: int
+    height: int
+    focal_length: float
+    correction: _Turned | None = None
+
+
 class _Robot(BaseModel, strict=True):
     urdf: str
     folder: str
     singular_value: float
     couplings: dict[str, list[str | float]]
+    cameras: dict[str, _Camera] = {}
+    cells: dict[str, str] = {}
 
 
 class _Mesh(BaseModel, strict=True):
@@ -142,6 +159,7 @@ def _shape(
     return {
         "time": (-1,),
         "positions": (-1, joints),
+        "velocities": (-1, joints),
         "at_limits": (-1, joints),
         "scene": (-1, len(summary["scene"]), 7),
         "loads": (-1, cells, 6) if cells else (-1, 0),

@@ -53,8 +53,9 @@ class Recording:
     """Keeps one episode and writes it to two files: numbers as NPZ, the rest as JSON.
 
     The NPZ holds, per control tick: ``time`` s, ``positions`` and ``references`` of the actuated
-    joints in rad (T, n), ``potentials`` (T, c) and ``errors`` (T, c) with NaN where undefined,
-    ``loads`` in N and N m (T, cells, 6), ``level_...`` (T, c) and ``at_limits`` (T, n) as in
+    joints in rad (T, n), their ``velocities`` in rad/s (T, n), ``potentials`` (T, c) and ``errors``
+    (T, c) with NaN where undefined, ``loads`` in N and N m (T, cells, 6), ``level_...`` (T, c) and
+    ``at_limits`` (T, n) as in
     ``LevelExplanation``, as ``signal_<resource>`` the value of each resource in SI (T, ...), NaN
     while undefined, and ``scene`` (T, bodies, 7), where each body truly is: its position, m, and
     its quaternion (x, y, z, w), NaN while it is not in the world. Per image: ``image_time`` and
@@ -78,8 +79,11 @@ class Recording:
         self._joints = Joints(robot).names
         self._resources = [each for each in resources_of(program) if not each.is_drawn]
         self._rows: dict[str, list[Any]] = {
-            key: [] for key in ("time", "positions", "references", "potentials", "errors", "loads")
-        }
+            key: []
+            for key in (
+                "time", "positions", "velocities", "references", "potentials", "errors", "loads",
+            )
+        }  # fmt: skip
         self._rows |= {f"signal_{each.name}": [] for each in self._resources}
         self._rows["guard_held"] = []
         self._guards: list[str] = []
@@ -118,6 +122,7 @@ class Recording:
         row = {
             "time": observation.time,
             "positions": observation.positions,
+            "velocities": observation.velocities,
             "references": tick.actuation.reference.copy(),
             "potentials": [run.phi for _, run in runs],
             "errors": [run.error for _, run in runs],
@@ -222,6 +227,15 @@ class Recording:
                 "couplings": {
                     name: [coupling.follows, coupling.ratio]
                     for name, coupling in self._robot.couplings.items()
+                },
+                "cameras": {
+                    name: camera.model_dump(mode="json")
+                    for name, camera in self._robot.cameras.items()
+                },
+                "cells": {
+                    f"{hand}.{finger}": cell.link
+                    for hand, fingers in self._robot.load_cells.items()
+                    for finger, cell in fingers.items()
                 },
             },
         }

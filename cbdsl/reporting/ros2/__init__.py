@@ -1,0 +1,1 @@
+"""Recorded episodes as files of ROS 2 messages."""
