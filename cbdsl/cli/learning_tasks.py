@@ -64,16 +64,17 @@ def side_by_side(tasks: Sequence[LearningTask], workers: int, scheduler: str | N
         from cbdsl.backends.backend import find_backend
 
         find_backend(tasks[0].backend)
-    try:
-        from cbdsl.training.cluster import run_all
-    except ModuleNotFoundError as error:
-        option = "--scheduler" if scheduler else "--workers"
-        raise UsageError(
-            f"{option} needs {error.name}, which is not installed: pip install 'cbdsl[learn]'"
-        ) from error
+    from cbdsl.training.side_by_side import run_all
+
     with _progress(tasks, at_once=workers) as progress, _explained(*tasks):
         supervision = Supervision(tasks, progress)
-        run_all(tasks, workers, scheduler, supervision)
+        try:
+            run_all(tasks, workers, scheduler, supervision)
+        except ModuleNotFoundError as error:
+            raise UsageError(
+                f"--scheduler needs {error.name}, which is not installed: "
+                "pip install 'cbdsl[learn]'"
+            ) from error
     supervision.conclude()
 
 

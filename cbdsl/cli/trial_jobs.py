@@ -23,20 +23,14 @@ def run_jobs(experiment: Experiment, settings: RunSettings, workers: int) -> Non
         UsageError: a job could not be carried out; what is over is kept.
     """
     from cbdsl.backends.backend import find_backend
-    from cbdsl.errors.errors import UsageError
     from cbdsl.reproduction.trial_job import trial_jobs
+    from cbdsl.training.local_workers import run_on_workers
 
     find_backend(settings.backend)
-    try:
-        from cbdsl.training.cluster import run_all
-    except ModuleNotFoundError as error:
-        raise UsageError(
-            f"--workers needs {error.name}, which is not installed: pip install 'cbdsl[learn]'"
-        ) from error
     with trial_jobs(experiment, settings) as jobs:
         supervision = _Supervision(jobs, settings)
         if len(jobs) > 1:  # with a single one nothing can be done side by side
-            run_all(jobs, min(workers, len(jobs)), None, supervision)
+            run_on_workers(jobs, min(workers, len(jobs)), supervision)
     supervision.conclude()
 
 

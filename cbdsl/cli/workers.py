@@ -8,7 +8,7 @@ import os
 # wait for each other.
 _PER_PROCESSOR = 4
 _ALWAYS = 8
-_HERE = ("localhost", "::1", "")
+_HERE = ("localhost", "")
 
 
 def require_workers(workers: int) -> None:
@@ -43,8 +43,18 @@ def warn_of_open_scheduler(address: str) -> None:
         host = urlsplit(f"//{rest}").hostname or ""
     except ValueError:
         return  # no address, as is told when nothing answers there
-    if scheme in ("", "tcp", "ws") and host not in _HERE and not host.startswith("127."):
+    if scheme in ("", "tcp", "ws") and not _is_here(host):
         print_problem(
             f"warning: {address} is neither encrypted nor asks who connects: whoever reaches it "
             "runs code on it and here. Dask's TLS is a tls:// address and certificates"
         )
+
+
+def _is_here(host: str) -> bool:
+    """Return whether a host is this machine: localhost, or a loopback address."""
+    from ipaddress import ip_address
+
+    try:
+        return ip_address(host).is_loopback
+    except ValueError:
+        return host in _HERE

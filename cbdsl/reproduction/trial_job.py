@@ -101,7 +101,7 @@ def trial_jobs(experiment: Experiment, settings: RunSettings) -> Iterator[list[T
     count = max(
         trials(settings, series) for series in experiment.imported().series_of(experiment.name)
     )
-    with TemporaryDirectory(dir=folder, prefix=".cb_reproduce_") as place:
+    with TemporaryDirectory(prefix="cb_reproduce_") as place:
         yield [
             TrialJob(
                 experiment,

@@ -3,85 +3,51 @@
 from __future__ import annotations
 
 import logging
-import signal
-import threading
+import os
+import secrets
+import socket
 import time
 from collections.abc import Iterator, Sequence
 from concurrent.futures import CancelledError
-from contextlib import ExitStack, contextmanager, suppress
-from multiprocessing import resource_tracker
+from contextlib import contextmanager, suppress
 from pathlib import Path
-from tempfile import NamedTemporaryFile
-from typing import Protocol, TypeVar
+from typing import TypeVar
 
 import dask.config
-from distributed import Client, Future, KilledWorker, LocalCluster, wait
+from distributed import Client, Future, KilledWorker, wait
 
 from cbdsl.errors.errors import UsageError
+from cbdsl.training.job import Job
 from cbdsl.training.provenance import versions
-from cbdsl.training.worker import Job, work
+from cbdsl.training.supervisor import Supervisor
+from cbdsl.training.worker import work
 
 J = TypeVar("J", bound=Job)
-J_contra = TypeVar("J_contra", contravariant=True)
 
 # How often a supervisor hears that time passes, s.
 _PERIOD = 1.0
 # How long a cluster may be without workers: those of a busy machine room may have to queue, s.
 _PATIENCE = 900.0
-# Libraries with threads of their own: there are as many workers as there is to be work at once.
-_ONE_THREAD = dict.fromkeys(("OPENCV_FOR_THREADS_NUM", "NUMBA_NUM_THREADS"), "1")
-# Dask watches its processes closely, up to a hundred times a second in each, which took a tenth of
-# a worker's processor and more. Nobody looks at what it sees, nor at its pages.
-_UNWATCHED = {
-    "distributed.worker.profile.enabled": False,
-    "distributed.worker.memory.monitor-interval": "5s",
-    "distributed.worker.http.routes": [],
-    "distributed.scheduler.http.routes": [],
-    "distributed.scheduler.active-memory-manager.start": False,
-    "distributed.admin.tick.interval": "1s",
-    "distributed.admin.system-monitor.interval": "5s",
-    "distributed.admin.system-monitor.gil.enabled": False,
-}
 # No lines about workers that come and go: the supervisor hears of them.
 _LOGGERS = ("distributed", "distributed.client", "distributed.core", "tornado.application")
 # Names the authority whose signature lets one in.
 _CA_FILE = "DASK_DISTRIBUTED__COMM__TLS__CA_FILE"
+_MARKER = ".cb_learn_"
 _GONE = "the cluster's scheduler is gone, or gave the trials up"
 
 
-class Supervisor(Protocol[J_contra]):
-    """Observer of jobs that run on a cluster."""
-
-    def done(self, job: J_contra, files: Sequence[Path], /) -> None:
-        """A job ended and wrote these files."""
-        ...
-
-    def failed(self, job: J_contra, error: Exception, /) -> None:
-        """A job failed; the others go on."""
-        ...
-
-    def look(self, workers: int) -> None:
-        """Called every second with the number of workers."""
-        ...
-
-
-def run_all(
-    jobs: Sequence[J],
-    workers: int,
-    scheduler: str | None,
-    supervisor: Supervisor[J],
-    patience: float = _PATIENCE,
+def run_on_cluster(
+    jobs: Sequence[J], scheduler: str, supervisor: Supervisor[J], patience: float = _PATIENCE
 ) -> None:
-    """Run jobs side by side; outcomes do not depend on the workers.
+    """Run jobs on a cluster; outcomes do not depend on its workers.
 
     A trial whose worker is killed goes on from its journal at another.
 
     Args:
-        jobs: such as trials.
-        workers: processes of one thread each, here.
-        scheduler: address of a cluster instead, whose workers see the same files.
-        supervisor: observer of their outcomes.
-        patience: for how long there may be no worker at all, s.
+        jobs: Jobs, such as trials.
+        scheduler: Address of a cluster whose workers see the same files.
+        supervisor: Observer of their outcomes.
+        patience: Longest time without any worker, s.
 
     Raises:
         UsageError: the cluster is not there, goes away, or has no workers for too long.
@@ -89,14 +55,34 @@ def run_all(
     folder = jobs[0].path.parent
     with (
         _silence(),
-        _connected(workers, scheduler) as client,
-        NamedTemporaryFile(dir=folder, prefix=".cb_learn_") as there,
+        _client(scheduler) as client,
+        _marker(folder) as there,
     ):
         given = versions()
-        futures = {
-            client.submit(work, each, Path(there.name), given, pure=False): each for each in jobs
-        }
+        futures = {client.submit(work, each, there, given, pure=False): each for each in jobs}
         _supervise(futures, client, supervisor, patience)
+
+
+@contextmanager
+def _marker(folder: Path) -> Iterator[Path]:
+    """File by which workers see that a folder is this one; those of killed commands are removed."""
+    for left in folder.glob(f"{_MARKER}*"):
+        if not _is_running(left.name.removeprefix(_MARKER)):
+            left.unlink(missing_ok=True)
+    marker = folder / f"{_MARKER}{socket.gethostname()}_{os.getpid()}_{secrets.token_hex(4)}"
+    marker.touch(exist_ok=False)
+    try:
+        yield marker
+    finally:
+        marker.unlink(missing_ok=True)
+
+
+def _is_running(owner: str) -> bool:
+    """Return whether the command that made a marker may still run: those elsewhere always may."""
+    host, _, rest = owner.rpartition("_")[0].rpartition("_")
+    if host != socket.gethostname() or not rest.isdigit():
+        return True
+    return Path("/proc", rest).exists()
 
 
 @contextmanager
@@ -147,54 +133,6 @@ def _absent_certificates() -> list[str]:
     return [
         name for name in named if name and "-----BEGIN" not in name and not Path(name).is_file()
     ]
-
-
-@contextmanager
-def _connected(workers: int, scheduler: str | None) -> Iterator[Client]:
-    if scheduler is not None:
-        with _client(scheduler) as client:
-            yield client
-        return
-    with dask.config.set(_UNWATCHED), ExitStack() as begun:
-        with _interrupts_put_off():
-            cluster = LocalCluster(
-                n_workers=workers,
-                threads_per_worker=1,
-                processes=True,
-                dashboard_address=None,
-                # Any free port: the usual one may be another cluster's, which Dask would warn of.
-                scheduler_kwargs={"dashboard_address": "127.0.0.1:0"},
-                silence_logs=logging.CRITICAL,
-                env=_ONE_THREAD,
-                preload="cbdsl.training.worker",
-            )
-            begun.enter_context(cluster)
-        yield begun.enter_context(Client(cluster))
-
-
-@contextmanager
-def _interrupts_put_off() -> Iterator[None]:
-    """Have Ctrl-C and SIGTERM wait until a cluster has begun: Dask cannot end half of one.
-
-    Ctrl-C goes to all processes of a terminal, and workers that are still importing would each
-    print where that was. They inherit that the signal is blocked, and never hear of it.
-    """
-    if threading.current_thread() is not threading.main_thread():
-        yield  # where no signal comes
-        return
-    came: list[int] = []
-    resource_tracker.ensure_running()  # which would unblock the signal at its first use
-    handler = signal.signal(signal.SIGTERM, lambda number, _: came.append(number))
-    mask = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
-    try:
-        yield
-    finally:
-        signal.signal(signal.SIGTERM, handler)
-        try:
-            for number in came:
-                signal.raise_signal(number)
-        finally:
-            signal.pthread_sigmask(signal.SIG_SETMASK, mask)
 
 
 def _supervise(

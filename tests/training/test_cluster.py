@@ -1,8 +1,7 @@
-"""Trials side by side: the same outcome as one after the other, whoever dies on the way."""
+"""Trials on a Dask cluster: its outcome, its ends, and who is let in."""
 
 from __future__ import annotations
 
-import itertools
 import json
 import os
 import shutil
@@ -11,8 +10,7 @@ import socket
 import subprocess
 import sys
 import threading
-import time
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator
 from contextlib import suppress
 from dataclasses import replace
 from pathlib import Path
@@ -21,129 +19,19 @@ from typing import Any
 import pytest
 
 from cbdsl.errors.errors import UsageError
-from cbdsl.training.learning_task import LearningTask
 from cbdsl.training.provenance import versions
 from tests.conftest import ROOT
 from tests.test_docs import blocks
+from tests.training.notes import Notes, episodes, until
 from tests.training.tasks import made_tasks, outcome, run_here
 
 distributed = pytest.importorskip("distributed", reason="trials side by side: extra 'learn'")
-psutil = pytest.importorskip("psutil")
 
-from cbdsl.training.cluster import run_all  # noqa: E402
+from cbdsl.training.cluster import run_on_cluster  # noqa: E402
 from cbdsl.training.worker import work  # noqa: E402
 
 TRIALS, EPISODES = 3, 12
 ENDLESS = 1_000_000
-
-
-class Notes:
-    """What a supervisor is told."""
-
-    def __init__(self) -> None:
-        self.files: list[Path] = []
-        self.failures: list[str] = []
-        self.workers: list[int] = []
-
-    def done(self, task: LearningTask, files: Sequence[Path]) -> None:
-        self.files += files
-
-    def failed(self, task: LearningTask, error: Exception) -> None:
-        self.failures.append(f"trial {task.number}: {error}")
-
-    def look(self, workers: int) -> None:
-        self.workers.append(workers)
-
-
-class Inspection(Notes):
-    """Asks the workers what they do by the clock, how often, by name: ms."""
-
-    def __init__(self) -> None:
-        super().__init__()
-        self.periods: dict[str, float] = {}
-
-    def look(self, workers: int) -> None:
-        super().look(workers)
-        for found in distributed.get_client().run(periods).values():
-            self.periods |= found
-
-
-def periods(dask_worker: Any) -> dict[str, float]:
-    """What a worker does by the clock; called there."""
-    return {name: each.callback_time for name, each in dask_worker.periodic_callbacks.items()}
-
-
-@pytest.fixture(scope="module")
-def expected(tmp_path_factory: pytest.TempPathFactory) -> dict[str, bytes]:
-    """What the trials of this file learn in one process."""
-    folder = tmp_path_factory.mktemp("alone")
-    run_here(made_tasks(folder, TRIALS, EPISODES))
-    return outcome(folder)
-
-
-def until(so: Callable[[], Any]) -> None:
-    """Wait for something to be so."""
-    while not so():
-        time.sleep(0.02)
-
-
-def episodes(task: LearningTask) -> int:
-    return task.journal.read_bytes().count(b"\n") - 1 if task.journal.exists() else 0
-
-
-def at_work() -> list[psutil.Process]:
-    """The child processes that write a journal."""
-    found = []
-    for child in psutil.Process().children(recursive=True):
-        try:
-            files = [Path(file.path).name for file in child.open_files()]
-        except psutil.Error:  # it ended meanwhile
-            continue
-        if any(name.endswith(".episodes.jsonl") for name in files):
-            found.append(child)
-    return found
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("threads", [0])
-@pytest.mark.filterwarnings("error:Port")
-def test_one_worker_learns_what_one_process_learns_and_little_else(
-    tmp_path: Path, expected: dict[str, bytes], cluster: Any
-) -> None:
-    assert cluster.scheduler.http_server.port, "another cluster has the usual port for pages"
-    notes = Inspection()
-    run_all(made_tasks(tmp_path, TRIALS, EPISODES), 1, None, notes)
-    assert "heartbeat" in notes.periods and "profile" not in notes.periods
-    assert sum(1000 / each for each in notes.periods.values()) < 10, "times a second"
-    assert outcome(tmp_path) == expected
-    assert sorted(file.name for file in notes.files) == sorted(expected)
-    assert notes.failures == []
-
-
-@pytest.mark.slow
-def test_a_killed_worker_loses_no_trial_and_changes_nothing(
-    tmp_path: Path, expected: dict[str, bytes]
-) -> None:
-    folders = (tmp_path / str(attempt) for attempt in itertools.count())
-    while not (killed := worker_killed(folder := next(folders))):
-        pass  # all trials were over before
-    assert killed.failures == []
-    assert outcome(folder) == expected
-
-
-def worker_killed(folder: Path) -> Notes | None:
-    """What is told of trials of which one loses its worker; ``None`` if they ended too soon."""
-    folder.mkdir()
-    tasks, notes = made_tasks(folder, TRIALS, EPISODES), Notes()
-    thread = threading.Thread(target=run_all, args=(tasks, 2, None, notes), daemon=True)
-    thread.start()
-    while thread.is_alive() and not (any(map(episodes, tasks)) and at_work()):
-        time.sleep(0.02)
-    victims = at_work()
-    if victims:
-        victims[0].kill()
-    thread.join()
-    return notes if victims else None
 
 
 @pytest.mark.slow
@@ -163,7 +51,7 @@ def test_a_scheduler_that_goes_away_is_told_and_what_was_run_is_kept(
 
         threading.Thread(target=kill, daemon=True).start()
         with pytest.raises(UsageError, match="scheduler is gone"):
-            run_all(longer, 1, address, Notes())
+            run_on_cluster(longer, address, Notes())
         assert any(map(episodes, longer))
         # The worker gives the trial up by itself.
         run_here(tasks)
@@ -215,9 +103,23 @@ def test_a_cluster_without_workers_is_waited_for_and_then_told(
     notes = Notes()
     with pytest.raises(UsageError, match="without workers for 1 s"):
         address = cluster.scheduler_address
-        run_all(made_tasks(tmp_path, 1, 1), 1, address, notes, patience=1.0)
+        run_on_cluster(made_tasks(tmp_path, 1, 1), address, notes, patience=1.0)
     assert set(notes.workers) == {0}
     assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize("threads", [0])
+def test_run_on_cluster_removes_markers_of_killed_commands(tmp_path: Path, cluster: Any) -> None:
+    host, dead = socket.gethostname(), subprocess.Popen(["true"])
+    dead.wait()
+    left = tmp_path / f".cb_learn_{host}_{dead.pid}_00"
+    kept = [tmp_path / f".cb_learn_{host}_{os.getpid()}_00", tmp_path / ".cb_learn_other_1_00"]
+    for marker in (left, *kept):
+        marker.touch()
+    with pytest.raises(UsageError, match="without workers"):
+        address = cluster.scheduler_address
+        run_on_cluster(made_tasks(tmp_path, 1, 1), address, Notes(), patience=0.5)
+    assert set(tmp_path.iterdir()) == set(kept)
 
 
 @pytest.mark.parametrize("threads", [2])
@@ -225,7 +127,7 @@ def test_a_worker_of_several_threads_is_refused_trial_by_trial(
     tmp_path: Path, cluster: Any
 ) -> None:
     notes = Notes()
-    run_all(made_tasks(tmp_path, 2, 1), 1, cluster.scheduler_address, notes)
+    run_on_cluster(made_tasks(tmp_path, 2, 1), cluster.scheduler_address, notes)
     assert sorted(told.partition(" inproc")[0] for told in notes.failures) == [
         "trial 0: worker",
         "trial 1: worker",
@@ -262,7 +164,7 @@ def test_a_trial_that_nobody_waits_for_is_given_up_after_its_episode(
 @pytest.mark.parametrize("address", ["nonsense", "tcp://127.0.0.1:nine"])
 def test_no_address_of_a_scheduler_is_told(tmp_path: Path, address: str) -> None:
     with pytest.raises(UsageError, match=rf"--scheduler {address}: nothing answers"):
-        run_all(made_tasks(tmp_path, 1, 1), 1, address, Notes())
+        run_on_cluster(made_tasks(tmp_path, 1, 1), address, Notes())
     assert list(tmp_path.iterdir()) == []
 
 
@@ -282,7 +184,7 @@ def test_a_server_that_is_no_scheduler_is_told(tmp_path: Path) -> None:
         threading.Thread(target=_answer, args=(listening,), daemon=True).start()
         address = f"tcp://127.0.0.1:{listening.getsockname()[1]}"
         with pytest.raises(UsageError, match=f"--scheduler {address}: what answers there is no"):
-            run_all(made_tasks(tmp_path, 1, 1), 1, address, Notes())
+            run_on_cluster(made_tasks(tmp_path, 1, 1), address, Notes())
 
 
 def certificates(folder: Path) -> dict[str, str]:
@@ -302,13 +204,13 @@ LEARN = """
 import sys
 from pathlib import Path
 from cbdsl.errors.errors import UsageError
-from cbdsl.training.cluster import run_all
+from cbdsl.training.cluster import run_on_cluster
 from tests.training.tasks import made_tasks
-from tests.training.test_cluster import Notes
+from tests.training.notes import Notes
 if __name__ == "__main__":
     notes = Notes()
     try:
-        run_all(made_tasks(Path(sys.argv[1]), 1, 1), 1, sys.argv[2], notes)
+        run_on_cluster(made_tasks(Path(sys.argv[1]), 1, 1), sys.argv[2], notes)
     except UsageError as error:
         print(error)
     print(notes.failures, len(notes.files))
@@ -409,42 +311,3 @@ def test_daskes_own_settings_let_in_who_has_a_certificate_and_nobody_else(tmp_pa
             worker.kill()
     finally:
         scheduler.kill()
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("sent", [signal.SIGINT, signal.SIGTERM])
-def test_an_interrupt_while_workers_begin_is_one_line(sent: signal.Signals, tmp_path: Path) -> None:
-    script = tmp_path / "main.py"
-    script.write_text(
-        "import signal\nsignal.signal(signal.SIGINT, signal.default_int_handler)\n"
-        "from cbdsl.cli.main import main\nif __name__ == '__main__':\n    main()\n"
-    )
-    command = ["learn", "searchtrack", "--stage", "searchtrack_training", "--episodes", "100000"]
-    command += ["--backend", "kinematic", "--out", "p.yaml", "--trials", "3", "--workers", "2"]
-    process = subprocess.Popen(
-        [sys.executable, str(script), *command],
-        cwd=tmp_path,
-        env={**os.environ, "PYTHONPATH": str(ROOT)},
-        stdout=subprocess.PIPE,
-        stderr=subprocess.STDOUT,
-        text=True,
-        start_new_session=True,
-    )
-
-    def workers() -> int:
-        children = psutil.Process(process.pid).children()
-        return sum("spawn_main" in " ".join(each.cmdline()) for each in children)
-
-    try:
-        until(lambda: process.poll() is not None or workers() >= 2)
-        if sent == signal.SIGINT:  # as a terminal does
-            os.killpg(process.pid, sent)
-        else:
-            process.send_signal(sent)
-        told = process.communicate(timeout=120)[0]
-    finally:
-        with suppress(ProcessLookupError):
-            os.killpg(process.pid, signal.SIGKILL)
-    assert process.returncode == 130
-    assert told.splitlines()[-1].startswith("cb: interrupted")
-    assert all(line.startswith("workers: ") for line in told.splitlines()[:-1])

@@ -121,7 +121,6 @@ def is_free(journal: Path) -> bool:
 
 @pytest.mark.slow
 def test_killed_with_its_workers_it_goes_on_alone(tmp_path: Path) -> None:
-    pytest.importorskip("distributed", reason="trials side by side: extra 'learn'")
     trials = [f"policy_{number}.episodes.jsonl" for number in range(2)]
     unbroken, broken = tmp_path / "unbroken", tmp_path / "broken"
     unbroken.mkdir()

@@ -1,0 +1,187 @@
+"""Workers on this machine: processes that are reached over their own pipes alone.
+
+No port is opened, so that no other user of the machine can reach them.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+from collections import deque
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager, suppress
+from multiprocessing import Pipe
+from multiprocessing.connection import Connection, wait
+from pathlib import Path
+from typing import Generic, TypeVar
+
+from cbdsl.errors.errors import UsageError
+from cbdsl.training.job import Job
+from cbdsl.training.supervisor import Supervisor
+
+J = TypeVar("J", bound=Job)
+
+# How often a supervisor is notified that time passes, s.
+_PERIOD = 1.0
+# Workers that may die of one job, before it is given up.
+_MOST_DEATHS = 4
+# How long workers may take to end, s.
+_PATIENCE = 5.0
+# Libraries with threads of their own: there are as many workers as there is to be work at once.
+_ONE_THREAD = dict.fromkeys(("OPENCV_FOR_THREADS_NUM", "NUMBA_NUM_THREADS"), "1")
+
+_BEGIN = (
+    "import json, sys; sys.path[:] = json.loads(sys.argv[2]); "
+    "from cbdsl.training.worker_process import main; main()"
+)
+
+
+def run_on_workers(jobs: Sequence[J], workers: int, supervisor: Supervisor[J]) -> None:
+    """Run jobs in processes of this machine; outcomes do not depend on how many there are.
+
+    A job whose worker is killed goes on from its journal at another.
+
+    Args:
+        jobs: Jobs, such as trials.
+        workers: Number of processes of one thread each.
+        supervisor: Observer of their outcomes.
+    """
+    with _Pool[J](jobs, supervisor).running(workers) as pool:
+        while pool.goes_on():
+            supervisor.look(pool.size)
+            pool.advance()
+
+
+class _Worker(Generic[J]):
+    """A process and the pipe to it.
+
+    Attributes:
+        pipe: This end of the pipe.
+        job: Its job, if it has one.
+    """
+
+    def __init__(self) -> None:
+        self.pipe, other_end = Pipe()
+        self.job: J | None = None
+        with other_end, _interrupts_blocked():
+            paths = json.dumps([path for path in sys.path if path])
+            # -P: no module of the current folder takes the place of one that is imported.
+            self._process = subprocess.Popen(
+                [sys.executable, "-P", "-c", _BEGIN, str(other_end.fileno()), paths],
+                pass_fds=(other_end.fileno(),),
+                stdin=subprocess.DEVNULL,
+                env={**os.environ, **_ONE_THREAD},
+            )
+
+    def end(self) -> None:
+        """Begin to end the process: it sees that the pipe is closed."""
+        self.pipe.close()
+        self._process.terminate()
+
+    def join(self, until: float) -> None:
+        """Wait for the process to end, until a time of the monotonic clock, then kill it."""
+        try:
+            self._process.wait(max(0.0, until - time.monotonic()))
+        except subprocess.TimeoutExpired:
+            self._process.kill()
+            self._process.wait()
+
+
+class _Pool(Generic[J]):
+    """Workers with jobs, and jobs without workers.
+
+    Args:
+        jobs: Jobs to run.
+        supervisor: Observer of their outcomes.
+    """
+
+    def __init__(self, jobs: Sequence[J], supervisor: Supervisor[J]) -> None:
+        self._waiting = deque(jobs)
+        self._deaths = dict.fromkeys(map(id, jobs), 0)
+        self._supervisor = supervisor
+        self._workers: list[_Worker[J]] = []
+
+    @property
+    def size(self) -> int:
+        """Number of workers."""
+        return len(self._workers)
+
+    @contextmanager
+    def running(self, workers: int) -> Iterator[_Pool[J]]:
+        """Start workers, and end them at the end."""
+        try:
+            for _ in range(min(workers, len(self._waiting))):
+                self._workers.append(_Worker())
+                self._assign(self._workers[-1])
+            yield self
+        finally:
+            for worker in self._workers:
+                worker.end()
+            until = time.monotonic() + _PATIENCE
+            for worker in self._workers:
+                worker.join(until)
+
+    def goes_on(self) -> bool:
+        """Return whether a job is not over."""
+        return bool(self._waiting) or any(worker.job is not None for worker in self._workers)
+
+    def advance(self) -> None:
+        """Report the outcomes of the next period, and hand out the jobs that wait."""
+        pipes = {worker.pipe: worker for worker in self._workers}
+        for pipe in wait(list(pipes), _PERIOD):
+            assert isinstance(pipe, Connection)
+            worker = pipes[pipe]
+            try:
+                outcome = worker.pipe.recv()
+            except (EOFError, OSError):
+                self._replace(worker)
+                continue
+            job, worker.job = worker.job, None
+            self._assign(worker)
+            if job is not None:
+                self._report(job, outcome)
+
+    def _assign(self, worker: _Worker[J]) -> None:
+        if self._waiting:
+            worker.job = self._waiting.popleft()
+            with suppress(OSError):  # it died, as its pipe says at the next look
+                worker.pipe.send(worker.job)
+
+    def _replace(self, worker: _Worker[J]) -> None:
+        """Start another worker in the place of one that died, with the same job."""
+        worker.end()
+        worker.join(time.monotonic() + _PATIENCE)
+        self._workers.remove(worker)
+        job = worker.job
+        if job is not None:
+            self._deaths[id(job)] += 1
+            if self._deaths[id(job)] < _MOST_DEATHS:
+                self._waiting.appendleft(job)
+            else:
+                died = UsageError("the workers that it was given to died, one after the other")
+                self._supervisor.failed(job, died)
+        if self._waiting:
+            self._workers.append(_Worker())
+            self._assign(self._workers[-1])
+
+    def _report(self, job: J, outcome: list[Path] | Exception) -> None:
+        if not isinstance(outcome, Exception):
+            self._supervisor.done(job, outcome)
+        elif isinstance(outcome, UsageError | OSError | ImportError):
+            self._supervisor.failed(job, outcome)
+        else:
+            raise outcome
+
+
+@contextmanager
+def _interrupts_blocked() -> Iterator[None]:
+    """Block Ctrl-C, which goes to all processes of a terminal: those begun here inherit that."""
+    mask = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+    try:
+        yield
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, mask)

@@ -1,0 +1,65 @@
+"""Process of a worker on this machine: runs the jobs that come over its pipe, all on one body."""
+
+from __future__ import annotations
+
+import pickle
+import sys
+from collections.abc import Sequence
+from multiprocessing.connection import Connection
+
+from cbdsl.errors.errors import UsageError
+from cbdsl.learning.experience import Experience
+from cbdsl.training.job import AbandonedError, run_job
+
+
+class PipeCheck:
+    """Observer that ends a trial when the command that waits for it is gone.
+
+    Args:
+        pipe: Pipe to that command.
+    """
+
+    def __init__(self, pipe: Connection) -> None:
+        self._pipe = pipe
+
+    def begin(self, number: int, renderer: str, finished: Sequence[Experience]) -> None:
+        """See ``TrialObserver.begin``."""
+
+    def note(self, number: int, experience: Experience, seconds: float) -> None:
+        """See ``TrialObserver.note``."""
+        if self._pipe.poll():  # nothing is sent meanwhile: it was closed
+            raise AbandonedError(f"trial {number} was given up")
+
+
+def serve(pipe: Connection) -> None:
+    """Run jobs until the pipe is closed."""
+    while True:
+        try:
+            job = pipe.recv()
+        except (EOFError, OSError):
+            return
+        outcome: object
+        try:
+            outcome = run_job(job, PipeCheck(pipe))
+        except AbandonedError:
+            return
+        except Exception as error:
+            outcome = _sendable(error)
+        pipe.send(outcome)
+
+
+def _sendable(error: Exception) -> Exception:
+    """Return the error, or one of its text if it cannot be sent to another process."""
+    try:
+        pickle.loads(pickle.dumps(error))
+    except Exception:
+        if isinstance(error, UsageError):
+            return UsageError(str(error))
+        return RuntimeError(f"{type(error).__name__}: {error}")
+    return error
+
+
+def main() -> None:
+    """Serve the pipe whose descriptor is the first word of the command line."""
+    with Connection(int(sys.argv[1])) as connection:
+        serve(connection)
