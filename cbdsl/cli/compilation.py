@@ -1,37 +1,62 @@
-"""Tells that something is compiled, which would else look like a program that hangs."""
+"""Progress of the compiler, without which a first run would look like a program that hangs."""
 
 from __future__ import annotations
 
 import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
+from types import FunctionType
 
 from numba.core import event
 
-NOTICE = "compiling, once after each installation: up to a minute of processor time"
+from cbdsl.cli.progress import Progress
+from cbdsl.numeric.compiled import uncompiled
+from cbdsl.numeric.kernel_cache import problem
+
+NOTICE = "compiling, once for each user and version; cb warm does this in advance"
 
 
 @contextmanager
 def told_of_compilation() -> Iterator[None]:
-    """Say so, once and on the standard error, as soon as a function is compiled.
+    """Report compilation on the standard error: a notice, then how many functions are left.
 
     Functions that an earlier process compiled are only loaded, which takes no time.
     """
-    with event.install_listener("numba:compile", _Teller()):
+    teller = _Teller()
+    with event.install_listener("numba:compile", teller):
         yield
+    teller.conclude()
 
 
 class _Teller(event.Listener):
-    """Hears when the compiler begins and ends."""
+    """Listener that counts compiled functions; those of one kernel are nested in its event."""
 
     def __init__(self) -> None:
-        self._announced = False
+        self._pending: frozenset[FunctionType] = frozenset()
+        self._compiled: set[FunctionType] = set()
+        self._depth = 0
+        self._progress: Progress | None = None
 
     def on_start(self, event: event.Event) -> None:
-        """Tell of the first function."""
-        if not self._announced:
-            self._announced = True
+        """Print the notice before the first function."""
+        if self._progress is None:
             print(NOTICE, file=sys.stderr, flush=True)
+            self._progress = Progress("compiling functions")
+            self._pending = uncompiled()
+        self._depth += 1
 
     def on_end(self, event: event.Event) -> None:
-        """The others follow at once."""
+        """Count a function, and clear the line where the program goes on."""
+        self._compiled.add(event.data["dispatcher"].py_func)
+        self._depth -= 1
+        if self._progress is None:
+            return
+        self._progress.note(len(self._compiled), len(self._pending | self._compiled))
+        if self._depth == 0:
+            self._progress.clear()
+
+    def conclude(self) -> None:
+        """Report machine code that could not be kept."""
+        if self._progress is not None and (reason := problem()):
+            message = f"compiled code cannot be kept ({reason}), so every run compiles again"
+            print(message, file=sys.stderr, flush=True)

@@ -1,21 +1,23 @@
-"""How far something is that takes a while, on the standard error."""
+"""Progress of a command that takes a while, on the standard error."""
 
 from __future__ import annotations
 
 import sys
 import time
 
-#: What is over sooner needs no telling, s.
+#: Commands that are shorter report no progress, s.
 _PATIENCE = 2.0
 # A terminal's line is replaced; elsewhere every line stays.
 _PAUSE_ON_TERMINAL, _PAUSE_ELSEWHERE = 0.2, 20.0
+# Characters of a terminal's bar.
+_WIDTH = 24
 
 
 class Progress:
-    """Tells how many of how many parts are done and how long the rest will take.
+    """Reports how many parts are done and how long the rest will take, on a terminal with a bar.
 
     Args:
-        what: a few words at the beginning of the line.
+        what: A few words at the beginning of the line.
     """
 
     def __init__(self, what: str) -> None:
@@ -30,16 +32,21 @@ class Progress:
         return self
 
     def __exit__(self, *_: object) -> None:
+        self.clear()
+
+    def clear(self) -> None:
+        """Clear the line of a terminal; ``note`` shows it again."""
         if self._shown and self._terminal:
             print("\r\x1b[K", end="", file=sys.stderr, flush=True)
+            self._shown = False
 
     def note(self, done: int, total: int) -> None:
-        """``done`` of ``total`` parts of about the same length are over."""
+        """Report ``done`` of ``total`` parts of about the same length."""
         now = time.monotonic()
         if now < self._last + self._pause:
             return
         self._last, self._shown = now, True
-        text = f"{self._what}: {done} of {total}"
+        text = f"{self._what}: {self._bar(done, total)}{done} of {total}"
         if done:
             left = (now - self._began) / done * (total - done)
             text += f", about {left // 60:.0f} min {left % 60:02.0f} s left"
@@ -47,3 +54,9 @@ class Progress:
             print(f"\r\x1b[K{text}", end="", file=sys.stderr, flush=True)
         else:
             print(text, file=sys.stderr, flush=True)
+
+    def _bar(self, done: int, total: int) -> str:
+        if not self._terminal:
+            return ""
+        full = _WIDTH * done // max(total, 1)
+        return f"[{'#' * full}{'.' * (_WIDTH - full)}] "

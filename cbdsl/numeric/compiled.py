@@ -2,15 +2,14 @@
 
 from __future__ import annotations
 
-import hashlib
-import inspect
 from collections.abc import Callable
-from contextlib import suppress
-from functools import cache
-from pathlib import Path
+from types import FunctionType
 from typing import Any, TypeVar, cast
 
 from numba import njit
+
+from cbdsl.numeric.kernel_cache import KernelCache
+from cbdsl.numeric.kernel_digest import reachable
 
 Function = TypeVar("Function", bound=Callable[..., Any])
 
@@ -21,53 +20,32 @@ _INNER: dict[str, Any] = {**_OUTER, "no_cpython_wrapper": True}
 #: Files with one of these in them define compiled functions.
 MARKS = (b"numeric.compiled import", b"control.potential import")
 
+# Functions of imported modules that Python calls.
+_kernels: list[Any] = []
+
 
 def compiled(function: Function) -> Function:
-    """A function that compiled ones call."""
-    return cast(
-        Function,
-        njit(**_INNER)(function),
-    )
+    """Return a function that compiled ones call."""
+    return cast(Function, njit(**_INNER)(function))
 
 
 def compiled_sum(function: Function) -> Function:
-    """A function that compiled ones call, whose sums may be added up in any order."""
-    return cast(
-        Function,
-        njit(fastmath={"reassoc"}, **_INNER)(function),
-    )
+    """Return a function that compiled ones call, whose sums may be added up in any order."""
+    return cast(Function, njit(fastmath={"reassoc"}, **_INNER)(function))
 
 
 def compiled_once(function: Function) -> Function:
-    """A function that Python calls, kept on disk with all it calls for the next process.
-
-    Numba stamps what it keeps with the function's own file alone, so that after an edit of a callee
-    the old code would run on. Here the stamp covers every file of the package, and of cbdsl, that
-    defines compiled functions. The code is kept beside the package or, where that is read-only,
-    among the user's caches. Where neither can be written, every process compiles anew.
-    """
+    """Return a function that Python calls, whose machine code is kept; see ``KernelCache``."""
     dispatcher: Any = njit(**_OUTER)(function)
-    with suppress(RuntimeError):  # there is no place to keep it
-        dispatcher.enable_caching()
-        dispatcher._cache._cache_file._source_stamp = stamp_of(function)
+    dispatcher._cache = KernelCache(dispatcher.py_func, str(sorted(_OUTER.items())))
+    _kernels.append(dispatcher)
     return cast(Function, dispatcher)
 
 
-def stamp_of(function: Callable[..., Any]) -> str:
-    """A hash of all source files that a function's machine code may come from."""
-    own = Path(inspect.getfile(function)).resolve()
-    depth = function.__module__.count(".") if "." in function.__module__ else 0
-    package = own.parents[depth - 1] if depth else own
-    return _hash(package) + _hash(Path(__file__).resolve().parents[1])
-
-
-@cache
-def _hash(package: Path) -> str:
-    """A hash of the files below a folder that define compiled functions, or of one file."""
-    digest = hashlib.sha1(usedforsecurity=False)
-    files = sorted(package.rglob("*.py")) if package.is_dir() else [package]
-    for file in files:
-        content = file.read_bytes()
-        if package.is_file() or any(mark in content for mark in MARKS):
-            digest.update(content)
-    return digest.hexdigest()
+def uncompiled() -> frozenset[FunctionType]:
+    """Return the functions of imported modules whose machine code is neither loaded nor kept."""
+    functions: set[FunctionType] = set()
+    for kernel in _kernels:
+        if not kernel.overloads and not kernel._cache.is_kept(kernel.targetctx.codegen()):
+            functions |= reachable(kernel.py_func)
+    return frozenset(functions)

@@ -1,0 +1,184 @@
+"""Machine code of compiled functions, kept for all environments of one user."""
+
+from __future__ import annotations
+
+import hashlib
+import os
+import pickle
+import sys
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
+from functools import cache
+from pathlib import Path
+from types import FunctionType
+from typing import Any
+from uuid import uuid4
+
+import llvmlite
+import numba
+import numpy as np
+from numba.core.caching import _Cache
+from numba.core.compiler import CompileResult
+from numba.core.serialize import dumps
+
+from cbdsl.numeric.kernel_digest import NoDigestError, describe_type, digest_of
+
+# A file that no process has read for this long is deleted, s.
+_UNUSED = 60 * 24 * 3600.0
+# A file's time of use is noted at most this often, s.
+_NOTED = 24 * 3600.0
+
+
+class KernelCache(_Cache):
+    """Machine code of one function, one file for each of its signatures.
+
+    A file is named after all that its content depends on: the function and its callees, versions
+    of the libraries, processor and signature. Hence environments and versions of cbdsl share one
+    folder, an edit of any callee takes effect, and no file is ever changed.
+
+    Args:
+        function: Python function that is compiled.
+        options: Options of its compilation.
+    """
+
+    def __init__(self, function: FunctionType, options: str) -> None:
+        self._function, self._options = function, options
+
+    @property
+    def cache_path(self) -> str:
+        """Folder of the files."""
+        return str(folder() or "")
+
+    def load_overload(self, sig: Any, target_context: Any) -> Any:
+        """Return the kept machine code of a signature, or ``None``."""
+        target_context.refresh()
+        file = self._file(sig, target_context.codegen())
+        if file is None:
+            return None
+        try:
+            parts = pickle.loads(file.read_bytes())
+            _note_use(file)
+            return CompileResult._rebuild(target_context, *parts)  # type: ignore[no-untyped-call]
+        # Whatever is wrong with a file, its content can be compiled again.
+        except Exception:
+            return None
+
+    def save_overload(self, sig: Any, data: Any) -> None:
+        """Keep the machine code of a signature, unless it depends on this process."""
+        if data.library.has_dynamic_globals or any(not loop.can_cache for loop in data.lifted):
+            return
+        file = self._file(sig, data.codegen)
+        if file is not None and problem() is None:
+            _write(file, dumps(data._reduce()))  # type: ignore[no-untyped-call]
+
+    def enable(self) -> None:
+        """Do nothing: it is always enabled."""
+
+    def disable(self) -> None:
+        """Do nothing: it is always enabled."""
+
+    def flush(self) -> None:
+        """Do nothing: files are named after their content."""
+
+    def is_kept(self, codegen: Any) -> bool:
+        """Return whether the machine code of any signature is kept."""
+        place, digest = folder(), self._digest(codegen)
+        return place is not None and any(place.glob(f"*-{digest}-*.nbc"))
+
+    def _file(self, sig: Any, codegen: Any) -> Path | None:
+        place, digest = folder(), self._digest(codegen)
+        if place is None or digest is None:
+            return None
+        kinds = getattr(sig, "args", sig)
+        signature = _hash("\n".join(map(describe_type, kinds)))
+        return place / f"{self._function.__qualname__}-{digest}-{signature}.nbc"
+
+    def _digest(self, codegen: Any) -> str | None:
+        try:
+            own = digest_of(self._function, self._options)
+        except NoDigestError:
+            return None
+        return _hash(f"{own} {codegen.magic_tuple()} {_surroundings()}")
+
+
+def folder() -> Path | None:
+    """Return the folder of the user's machine code, or ``None`` if the user has no home.
+
+    It is NUMBA_CACHE_DIR where that is set, else below the user's folder of caches.
+    """
+    given = os.environ.get("NUMBA_CACHE_DIR")
+    if given:
+        return Path(given).absolute()
+    caches, home = os.environ.get("XDG_CACHE_HOME", ""), os.path.expanduser("~")
+    if os.path.isabs(caches):
+        return Path(caches, "cbdsl", "kernels")
+    has_home = os.path.isabs(home) and home != "/"
+    return Path(home, ".cache", "cbdsl", "kernels") if has_home else None
+
+
+_problems: list[str] = []
+
+
+def problem() -> str | None:
+    """Return the reason why machine code could not be kept, if there is one."""
+    if folder() is None:
+        return "the user has no home folder"
+    return _problems[0] if _problems else None
+
+
+def _write(file: Path, content: bytes) -> None:
+    """Write a file in one step, and delete files that are no longer used."""
+    unfinished = file.with_suffix(f".{uuid4().hex[:16]}")
+    try:
+        with _removed_on_failure(unfinished):
+            file.parent.mkdir(mode=0o700, parents=True, exist_ok=True)
+            unfinished.write_bytes(content)
+            unfinished.replace(file)
+        _delete_unused(file.parent)
+    except OSError as error:
+        _problems.append(f"{file.parent}: {error.strerror or error}")
+
+
+@contextmanager
+def _removed_on_failure(file: Path) -> Iterator[None]:
+    try:
+        yield
+    except BaseException:
+        with suppress(OSError):
+            file.unlink()
+        raise
+
+
+@cache
+def _delete_unused(place: Path) -> None:
+    """Delete files that were not used for long, once in a process."""
+    oldest = time.time() - _UNUSED
+    for file in place.iterdir():
+        with suppress(OSError):
+            if file.stat().st_mtime < oldest:
+                file.unlink()
+
+
+def _note_use(file: Path) -> None:
+    """Set a file's time, by which unused files are deleted."""
+    with suppress(OSError):
+        if file.stat().st_mtime < time.time() - _NOTED:
+            os.utime(file)
+
+
+@cache
+def _surroundings() -> str:
+    """Describe versions and settings that machine code depends on."""
+    versions = (sys.version_info[:2], sys.implementation.cache_tag, getattr(sys, "abiflags", ""))
+    libraries = (numba.__version__, llvmlite.__version__, np.__version__)
+    settings = sorted(
+        f"{name}={value}"
+        for name, value in os.environ.items()
+        if name.startswith("NUMBA_") and name != "NUMBA_CACHE_DIR"
+    )
+    return f"{versions} {libraries} {settings}"
+
+
+def _hash(text: str) -> str:
+    return hashlib.sha256(text.encode()).hexdigest()[:24]
