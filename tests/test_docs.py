@@ -349,6 +349,7 @@ def test_the_new_potential_gets_its_tests(tmp_path: Path, monkeypatch: pytest.Mo
         ("new_modifier", "orbit"),
         ("new_learner", "monte_carlo"),
         ("new_backend", "ideal"),
+        ("lerobot_robot", "follower"),
     ],
 )
 def test_a_page_shows_the_plugin_that_tests_run(page: str, module: str) -> None:

@@ -26,7 +26,7 @@ def test_it_is_listed(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFix
     shown = json.loads(capsys.readouterr().out)
     summary = "Joints without errors; see ``cbdsl.backends.backend.Backend``."
     assert shown[-1] == {"backend": "ideal", "package": "demo 1.0", "summary": summary}
-    assert [each["backend"] for each in shown[:-1]] == list(BACKENDS.builtins)
+    assert [each["backend"] for each in shown[:-1]] == [*BACKENDS.builtins, "follower"]
 
 
 @pytest.mark.parametrize("tests", ["backends/test_contract.py", "backends/test_limits.py"])
@@ -43,3 +43,32 @@ def test_a_broken_one_is_named_with_its_package_and_takes_nothing_down(
     out, err = capsys.readouterr()
     assert "ideal" in out and "odd" not in out
     assert "backend 'odd' (package odd 1.0, group cbdsl.backends): lacks the methods reset" in err
+
+
+def test_unplugged_robot_ends_the_run_with_its_cause(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    from demo.follower import Follower
+
+    calls: list[str] = []
+    read, leave = Follower.get_observation, Follower.disconnect
+
+    def unplugged(robot: Follower) -> dict[str, float]:
+        calls.append("get_observation")
+        if len(calls) > 30:
+            raise ConnectionError("no status packet from motor 3")
+        values: dict[str, float] = read(robot)
+        return values
+
+    def noted(robot: Follower) -> None:
+        calls.append("disconnect")
+        leave(robot)
+
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(Follower, "get_observation", unplugged)
+    monkeypatch.setattr(Follower, "disconnect", noted)
+    assert cb(monkeypatch, "run", "sixaxis_reach", "--backend", "follower") == 2
+    fault = "Follower.get_observation failed: ConnectionError: no status packet from motor 3"
+    error = capsys.readouterr().err
+    assert fault in error and "Traceback" not in error
+    assert calls[-1] == "disconnect" and calls.count("disconnect") == 1

@@ -1,0 +1,1 @@
+"""Robots with the interface of LeRobot as backends."""
