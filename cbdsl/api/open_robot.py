@@ -155,6 +155,7 @@ def open_robot(
     from cbdsl.api.load import load
     from cbdsl.api.run_request import RunRequest
     from cbdsl.backends.backend import embody
+    from cbdsl.backends.backend_calls import closing_backend
     from cbdsl.backends.engines import default_engine
     from cbdsl.sensing.kinematics import Kinematics
 
@@ -163,10 +164,8 @@ def open_robot(
         request = _persistent(request)
     chosen = default_engine() if backend is None else backend
     simulated = embody(chosen, request.robot, request.urdf, gui=gui, cameras=cameras)
-    try:
+    with closing_backend(simulated):
         yield OpenRobot(request, simulated, Kinematics(request.robot, request.urdf))
-    finally:
-        simulated.close()
 
 
 def _persistent(request: RunRequest) -> RunRequest:

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection
+from collections.abc import Collection, Iterator
+from contextlib import contextmanager
 from inspect import signature
 from pathlib import Path
 from typing import Any, Protocol, runtime_checkable
@@ -16,6 +17,7 @@ from cbdsl.documents.robot import RobotDocument
 from cbdsl.documents.stage import StageDocument
 from cbdsl.errors.distributions import require_unmixed
 from cbdsl.errors.errors import UsageError
+from cbdsl.robot.urdf import UrdfError
 from cbdsl.sensing.observation import Observation
 from cbdsl.types.registry import PluginError, Registry
 
@@ -89,7 +91,8 @@ class Backend(Protocol):
     def halt(self) -> None:
         """Freeze the references at the measured positions: nobody controls the robot any more.
 
-        Called in an episode when it cannot go on, and at Ctrl-C; ``reset`` or ``close`` follows.
+        Called when an episode cannot go on or cannot begin, and at Ctrl-C, in ``reset`` and before
+        the first one, too; ``reset`` or ``close`` follows. It works in each of these states.
         """
         ...
 
@@ -172,6 +175,11 @@ BACKENDS: Registry[BackendFactory] = Registry(
 )
 
 
+def name_of(backend: Backend) -> str:
+    """Return the name of a backend in messages: its own, or that of its class."""
+    return BACKENDS.name_of(type(backend)) or type(backend).__name__
+
+
 def find_backend(name: str) -> BackendFactory:
     """Backend class of a name.
 
@@ -199,9 +207,24 @@ def embody(
     """
     factory = find_backend(name)
     if cameras is None:
-        return factory(robot, urdf, gui=gui)
+        with _embodiment_named(name):
+            return factory(robot, urdf, gui=gui)
     if cameras not in CAMERAS:
         raise BackendError.unknown("kind of cameras", cameras, CAMERAS)
     if "cameras" not in signature(factory).parameters:
         raise BackendError(f"backend '{name}' offers no choice of cameras; leave --cameras out")
-    return factory(robot, urdf, gui=gui, cameras=cameras)
+    with _embodiment_named(name):
+        return factory(robot, urdf, gui=gui, cameras=cameras)
+
+
+@contextmanager
+def _embodiment_named(name: str) -> Iterator[None]:
+    """Name a backend in exceptions of its own; models that cannot be read name themselves."""
+    try:
+        yield
+    except (UsageError, UrdfError, ImportError):
+        raise
+    except Exception as error:
+        raise BackendError(
+            f"backend '{name}' cannot embody the robot: {type(error).__name__}: {error}"
+        ) from error

@@ -98,6 +98,7 @@ class SimulatedBackend(Generic[SomeEngine]):
         channels: Collection[str] | None = None,
     ) -> str:
         """Begin an episode; see ``Backend.reset``."""
+        self._world = None  # until there is all of it
         name = choose_context(stage, context, rng)
         chosen = stage.contexts[name]
         # The sensors' noise has a stream of its own: who else draws from rng cannot change it.
@@ -113,8 +114,8 @@ class SimulatedBackend(Generic[SomeEngine]):
         sampler = ScenarioSampler(stage, self._robot, self.truth.link_pose, rng)
         self._experimenter = Experimenter(sampler, chosen, self.truth)
         self._cameras.begin(self.truth, stage.disturbance, channels, Chance(rng, noise))
-        self._world = stage, name
         self._observation = self._begin()
+        self._world = stage, name
         return name
 
     def resume(
@@ -224,7 +225,9 @@ class SimulatedBackend(Generic[SomeEngine]):
         return self._reached + (self._reference - self._reached) * share
 
     def halt(self) -> None:
-        """Freeze the references at the measured positions."""
+        """Freeze the references at the measured positions; without a world nothing moves."""
+        if self._world is None:
+            return
         self._reference = self._reached = self._observation.positions
 
     def close(self) -> None:

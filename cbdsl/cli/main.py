@@ -61,13 +61,16 @@ def main() -> None:
             sys.exit(check_paths(words[1:], {}))
         # To put only the command together that is asked for saves a twentieth of its time, too.
         build_app(words[:1] if words[:1] and words[0] in COMMANDS else COMMANDS)(words)
-    except KeyboardInterrupt:
+    except KeyboardInterrupt as interrupt:
+        _report_notes(interrupt)
         sys.exit(130)
     except BrokenPipeError:
         # Whoever read the output has seen enough; nothing may be flushed at exit.
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
     except Exception as error:
-        sys.exit(_report(error))
+        code = _report(error)
+        _report_notes(error)
+        sys.exit(code)
     finally:
         gc.freeze()  # a last search for garbage would only delay the exit
 
@@ -115,6 +118,16 @@ def _deliver_lost_interrupts() -> None:
         again.start()
 
     sys.unraisablehook = deliver
+
+
+def _report_notes(error: BaseException | None) -> None:
+    """Print what failed besides an error, such as the halt of a robot."""
+    from cbdsl.cli.terminal import print_problem
+
+    while error is not None:
+        for note in getattr(error, "__notes__", ()):
+            print_problem(f"warning: {note}")
+        error = error.__cause__
 
 
 def _report(error: Exception) -> int:

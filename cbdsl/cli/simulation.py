@@ -62,6 +62,7 @@ def simulation(
 
     with needing_simulation():
         from cbdsl.backends.backend import embody, find_backend
+        from cbdsl.backends.backend_calls import closing_backend
         from cbdsl.cli.compilation import told_of_compilation
         from cbdsl.sensing.kinematics import Kinematics
 
@@ -70,9 +71,7 @@ def simulation(
         try:
             with needing_simulation():
                 simulated = embody(backend, request.robot, request.urdf, gui=gui, cameras=cameras)
-            try:
+            with closing_backend(simulated):
                 yield simulated, Kinematics(request.robot, request.urdf)
-            finally:
-                simulated.close()
         except UrdfError as error:
             raise UsageError(str(error)) from error

@@ -11,7 +11,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from cbdsl.backends.backend import Backend, BackendError, ResumableBackend
+from cbdsl.backends.backend import Backend
+from cbdsl.backends.backend_calls import BackendCalls
 from cbdsl.control.multigrid import ConvergenceError
 from cbdsl.control.plan import ControllerPlan
 from cbdsl.control.signal import SignalError
@@ -133,7 +134,7 @@ class Runner:
     ) -> None:
         self._program = program
         self._clock, self.observed = clock, tuple(observed)
-        self._backend = backend
+        self._backend, self._calls = backend, BackendCalls(backend, robot)
         self._policy = policy
         self.signals = Signals(robot, kinematics, (*resources_of(program), *observed))
         plan, period = ControllerPlan(), backend.control_period
@@ -208,30 +209,47 @@ class Runner:
             The outcome.
         """
         began = time.perf_counter()
-        world_rng, own_rng = (np.random.default_rng([seed, stream]) for stream in (0, 1))
-        drawn = self._resume(stage, context, undisturbed=undisturbed)
-        drawn = drawn or self._reset(stage, context, world_rng)
-        passed: list[Transition] = []
-
-        def note(transition: Transition) -> None:
-            if transition.depth == 0:
-                passed.append(transition)
-            on_transition(transition)
-
-        self._run.begin(own_rng, note, self._policy)
-        self._ticks = 0
-        begun = _Begun(stage.name, drawn, seed, began, passed)
+        begun: _Begun | None = None
         try:
+            world_rng, own_rng = (np.random.default_rng([seed, stream]) for stream in (0, 1))
+            drawn = self._resume(stage, context, undisturbed=undisturbed)
+            drawn = drawn or self._reset(stage, context, world_rng)
+            passed: list[Transition] = []
+
+            def note(transition: Transition) -> None:
+                if transition.depth == 0:
+                    passed.append(transition)
+                on_transition(transition)
+
+            self._run.begin(own_rng, note, self._policy)
+            self._ticks = 0
+            begun = _Begun(stage.name, drawn, seed, began, passed)
             late = yield from self._control(seed, on_tick)
         except BaseException as error:
-            self._backend.halt()
-            on_end(self._result(begun, describe_stop(self._run, self._seconds, error)))
+            self._stop(error, begun, on_end)
             raise
         result = self._result(begun, late)
+        if not late:
+            on_end(result)
+            return result
+        lateness = DeadlineError(result)
+        self._calls.halt(lateness)
         on_end(result)
-        if late:
-            raise DeadlineError(result)
-        return result
+        raise lateness
+
+    def _stop(self, cause: BaseException, begun: _Begun | None, on_end: EndListener) -> None:
+        """Halt the robot, and report an episode that was begun; what fails then is a note."""
+        try:
+            self._calls.halt(cause)
+        finally:
+            if begun is not None:
+                self._end_early(cause, begun, on_end)
+
+    def _end_early(self, cause: BaseException, begun: _Begun, on_end: EndListener) -> None:
+        try:
+            on_end(self._result(begun, describe_stop(self._run, self._seconds, cause)))
+        except Exception as failure:
+            cause.add_note(f"the episode so far is not recorded: {failure}")
 
     @property
     def program(self) -> CheckedProgram:
@@ -260,18 +278,11 @@ class Runner:
         Raises:
             BackendError: the backend's world cannot go on.
         """
-        before, backend = self._before, self._backend
+        before = self._before
         if not stage.world.persistent or before is None:
             return None
-        if not isinstance(backend, ResumableBackend):
-            raise BackendError(
-                f"stage '{stage.name}' has a persistent world, and this backend offers none"
-            )
         channels = self.signals.vision.channels
-        if undisturbed:
-            drawn = backend.resume(stage, context, channels, undisturbed=True)
-        else:
-            drawn = backend.resume(stage, context, channels)
+        drawn = self._calls.resume(stage, context, channels, undisturbed=undisturbed)
         if drawn is not None:
             self.signals.resume(before.signals)
             self._actuation.resume(before._actuation.reference)
@@ -280,7 +291,7 @@ class Runner:
 
     def _reset(self, stage: StageDocument, context: str | None, rng: np.random.Generator) -> str:
         """Begin an episode in a new world; returns the name of its context."""
-        drawn = self._backend.reset(stage, context, rng, self.signals.vision.channels)
+        drawn = self._calls.reset(stage, context, rng, self.signals.vision.channels)
         self.signals.reset()
         self._before, self._goes_on = self, False
         return drawn
@@ -318,11 +329,11 @@ class Runner:
         Returns:
             Why the episode ends, if the last tick was late.
         """
-        run, backend = self._run, self._backend
+        run, backend, calls = self._run, self._backend, self._calls
         for ticks in count():
             self._ticks = ticks
             began = self._clock()
-            observation = backend.observe()
+            observation = calls.observe()
             self._advance(observation, seed, first=ticks == 0)
             taken = self._clock() - began
             tick = Tick(observation, self.signals, run, self._actuation)
@@ -331,13 +342,12 @@ class Runner:
             if run.predicate != "0":
                 break
             if backend.deadline is not None and taken > backend.deadline:
-                backend.halt()
                 return describe_lateness(run, observation.time, taken, backend.deadline)
             yield tick
             if run.predicate != "0":
                 break  # whoever runs it has ended it
-            backend.apply(self._actuation.reference)
-            backend.step()
+            calls.apply(self._actuation.reference)
+            calls.step()
         return ""
 
     def _advance(self, observation: Observation, seed: int, *, first: bool) -> None:

@@ -114,6 +114,10 @@ class Registry(Generic[Entry]):
         """Whether an entry is cbdsl's own."""
         return name in self._builtins
 
+    def name_of(self, entry: object) -> str | None:
+        """Return the name under which an entry was asked for, if it was."""
+        return next((name for name, loaded in self._loaded.items() if loaded is entry), None)
+
     @property
     def builtins(self) -> tuple[str, ...]:
         """Names of the entries of cbdsl's own."""

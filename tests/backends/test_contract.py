@@ -117,6 +117,19 @@ def test_a_halted_robot_stays_where_it_is(name: str, dexter: RobotDocument, urdf
     backend.close()
 
 
+def test_halt_before_the_first_episode_and_in_a_broken_reset_does_nothing(
+    name: str, dexter: RobotDocument, urdf: Path
+) -> None:
+    backend = embody(name, sightless(dexter), urdf)
+    backend.halt()
+    begin(backend, "absent")
+    rng = np.random.default_rng(0)
+    with pytest.raises(BaseException):  # noqa: B017
+        backend.reset(None, None, rng)  # type: ignore[arg-type]
+    backend.halt()
+    backend.close()
+
+
 def test_a_late_tick_freezes_its_references(
     name: str,
     dexter: RobotDocument,

@@ -29,6 +29,7 @@ class IdealBackend:
         self._joints = Kinematics(robot, urdf).joints
         self.control_period = 1 / robot.control.rate
         model = read_urdf(urdf)
+        self._positions = self._reference = np.zeros(len(self._joints.names))
         speeds = [model.joints[name].velocity for name in self._joints.names]
         self._farthest = self.control_period * np.array(speeds)
         # A load cell that touches nothing bears the weight of its tip, N.
