@@ -8,6 +8,7 @@ def lsp() -> None:
 
     Editors start it; see docs/how_to/set_up_an_editor.md. It ends with the editor.
     """
+    import sys
     from importlib.metadata import version
     from pathlib import Path
 
@@ -19,4 +20,4 @@ def lsp() -> None:
         raise UsageError(
             f"cb lsp needs {error.name}, which is not installed: pip install 'cbdsl[editor]'"
         ) from error
-    build(version("cbdsl"), Path.cwd()).start_io()
+    build(version("cbdsl"), Path.cwd()).serve(sys.stdin.buffer, sys.stdout.buffer)

@@ -7,12 +7,13 @@ from pathlib import Path
 
 from cbdsl.documents.kinds import KINDS, kind_of, models
 
-# A key at the top level: in the first column, or first in the text, which may be in braces.
-_TOP = r"(?:^|\A(?:\s|#[^\n]*\n|---[^\n]*\n)*\{?\s*)[\"']?"
-_VERSION = re.compile(_TOP + r"cbdsl[\"']?\s*:(?!\S)", re.MULTILINE)
-_KIND = re.compile(_TOP + r"kind[\"']?\s*:\s+[\"']?(\w+)", re.MULTILINE)
-# Every manifest of Kubernetes, which has kinds too, says which interface it is of.
-_MANIFEST = re.compile(_TOP + r"apiVersion[\"']?\s*:(?!\S)", re.MULTILINE)
+# Blank lines, comments and a document's mark before the root, which may be in braces.
+_BEFORE = re.compile(r"(?:\s|#[^\n]*(?:\n|\Z)|---[ \t]*\n)*(\{)?")
+
+
+def declared_kind(text: str) -> str | None:
+    """Return the value of a text's key ``kind``, known or not, or ``None`` without one."""
+    return _top(text, "kind")
 
 
 def is_declared(text: str) -> bool:
@@ -21,10 +22,10 @@ def is_declared(text: str) -> bool:
     It does by the key ``cbdsl``, or by a known ``kind`` outside of a Kubernetes manifest. Neither
     the rest of the text nor its syntax has to be sound.
     """
-    if _VERSION.search(text):
+    if _top(text, "cbdsl") is not None:
         return True
-    kind = _KIND.search(text)
-    return kind is not None and kind[1] in KINDS and not _MANIFEST.search(text)
+    kind = declared_kind(text)
+    return kind is not None and kind in KINDS and not _is_manifest(text)
 
 
 def is_own(path: Path, text: str) -> bool:
@@ -38,7 +39,28 @@ def is_own(path: Path, text: str) -> bool:
         True if the text declares it, or if the file is in a folder of documents, such as
         ``programs/stages``. Kubernetes manifests are no documents, wherever they are.
     """
-    return is_declared(text) or (_is_filed(path) and not _MANIFEST.search(text))
+    return is_declared(text) or (_is_filed(path) and not _is_manifest(text))
+
+
+def _is_manifest(text: str) -> bool:
+    """Return whether a text is a manifest of Kubernetes, which has kinds too."""
+    return _top(text, "apiVersion") is not None
+
+
+def _top(text: str, key: str) -> str | None:
+    """Return the first word of the value of a key at the top level, or ``None`` without it.
+
+    Lines and braces tell which keys are at the top, since the text may be no YAML yet.
+    """
+    root = _BEFORE.match(text)
+    assert root is not None, "it matches nothing, too"
+    value = rf"[\"']?{key}[\"']?\s*:(?=\s|\Z|[\"'])[ \t]*[\"']?([\w.-]*)"
+    if root[1] is not None:
+        match = re.compile(rf"[{{,]\s*{value}").search(text, root.start(1))
+    else:
+        at_start = re.compile(value).match(text, root.end())
+        match = at_start or re.compile(rf"^{value}", re.MULTILINE).search(text)
+    return None if match is None else match[1]
 
 
 def _is_filed(path: Path) -> bool:

@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
-import os
 from pathlib import Path
 
 from cbdsl.checking.document import check_document
 from cbdsl.checking.session import Session
 from cbdsl.documents.document import Document
+from cbdsl.documents.ownership import is_own
 from cbdsl.errors.diagnostic import Diagnostic
 from cbdsl.errors.errors import DiagnosticsError
+from cbdsl.yaml_text.document_folder import documents_below
 from cbdsl.yaml_text.library import Library
 from cbdsl.yaml_text.loaded import Loaded
 
@@ -56,13 +57,9 @@ class Buffers:
             return ""
 
     def documents(self) -> list[Path]:
-        """The documents in the folder of the editor, and those that are open."""
-        files = set(self._texts)
-        for folder, folders, names in os.walk(self.here):
-            folders[:] = [name for name in folders if not name.startswith(".")]
-            paths = (Path(folder, name) for name in names if name.endswith((".yaml", ".yml")))
-            files.update(path for path in paths if path.is_file())
-        return sorted(files)
+        """Return the documents in the folder of the editor, and those that are open."""
+        files = {path for path, text in self._texts.items() if is_own(path, text)}
+        return sorted(files.union(documents_below(self.here).documents))
 
     @property
     def library(self) -> Library:
@@ -75,8 +72,9 @@ class Buffers:
         Raises:
             PluginError: the checker of a kind of another package fails.
         """
-        every = check_document(path, self._session)
-        return [each for each in every if Path(each.place.file) == path]
+        # A document that was found by its name has a shorter path than the editor's.
+        real, every = self.library.real, check_document(path, self._session)
+        return [each for each in every if real(Path(each.place.file)) == real(path)]
 
     def document(self, path: Path) -> Loaded[Document] | None:
         """The sound parts of a file, or ``None`` where there is nothing."""

@@ -10,6 +10,7 @@ from typing import NamedTuple
 from cbdsl.editor.buffers import Buffers
 from cbdsl.editor.cursor import EnclosingKeys
 from cbdsl.editor.names import is_composed, robot_resources, section
+from cbdsl.errors.lines import lines_of
 from cbdsl.types.potential import POTENTIALS
 
 #: Kinds of words, in the protocol's terms: operators are "subject to", functions controllers,
@@ -37,7 +38,7 @@ class ColoredWord(NamedTuple):
 
 def colored_words(buffers: Buffers, path: Path) -> Iterator[ColoredWord]:
     """The words of a document that have a kind, from top to bottom."""
-    lines = buffers.text(path).splitlines()
+    lines = lines_of(buffers.text(path))
     members = dict.fromkeys(section(lines, "controllers"), "function")
     members |= dict.fromkeys(section(lines, "use"), "namespace")
     resources, enclosing = robot_resources(buffers, path), EnclosingKeys(lines)

@@ -8,6 +8,7 @@ from typing import NamedTuple
 from cbdsl.editor.buffers import Buffers
 from cbdsl.editor.cursor import Cursor
 from cbdsl.editor.names import document_named, section
+from cbdsl.errors.lines import lines_of
 
 _SECTIONS = ("controllers", "use")
 
@@ -26,7 +27,7 @@ class Definition(NamedTuple):
 
 def definition(buffers: Buffers, path: Path, cursor: Cursor) -> Definition | None:
     """Where a controller, a used program, a parameter or a document is defined."""
-    lines = buffers.text(path).splitlines()
+    lines = lines_of(buffers.text(path))
     if cursor.word.startswith("$"):
         line = section(lines, "parameters").get(cursor.word[1:])
         return None if line is None else Definition(path, line)

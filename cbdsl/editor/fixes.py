@@ -6,6 +6,7 @@ from collections.abc import Iterable, Sequence
 from typing import NamedTuple
 
 from cbdsl.errors.diagnostic import Diagnostic
+from cbdsl.errors.lines import line_ends, lines_of
 
 
 class Fix(NamedTuple):
@@ -43,10 +44,10 @@ def fix(finding: Diagnostic, lines: Sequence[str]) -> Fix | None:
 
 
 def fixed(text: str, findings: Iterable[Diagnostic]) -> str:
-    """A text with all corrections of its findings, none of which overlap."""
-    lines = text.splitlines(keepends=True)
-    bare = [line.rstrip("\r\n") for line in lines]
-    fixes = sorted({each for finding in findings if (each := fix(finding, bare))}, reverse=True)
+    """Return a text with all corrections of its findings, none of which overlap."""
+    lines = lines_of(text)
+    ends = line_ends(text)
+    fixes = sorted({each for finding in findings if (each := fix(finding, lines))}, reverse=True)
     last = (len(lines) + 1, 0)
     for each in fixes:
         if (each.line, each.end_column) > last:
@@ -54,4 +55,4 @@ def fixed(text: str, findings: Iterable[Diagnostic]) -> str:
         line = lines[each.line - 1]
         lines[each.line - 1] = line[: each.column - 1] + each.new + line[each.end_column - 1 :]
         last = (each.line, each.column)
-    return "".join(lines)
+    return "".join(line + end for line, end in zip(lines, [*ends, ""], strict=True))

@@ -11,6 +11,7 @@ from cbdsl.editor.buffers import Buffers
 from cbdsl.editor.cursor import Cursor
 from cbdsl.editor.keys import keys
 from cbdsl.editor.names import document_named, is_composed, robot_resources, section
+from cbdsl.errors.lines import lines_of
 from cbdsl.types.casts import CASTS
 from cbdsl.types.potential import POTENTIALS, PotentialType
 from cbdsl.types.resource import Resource
@@ -31,7 +32,7 @@ def hover(buffers: Buffers, path: Path, cursor: Cursor) -> str | None:
         return _resource(resource)
     file = document_named(buffers, path, cursor.key, cursor.word)
     if file is None:
-        return _controller(buffers.text(path).splitlines(), cursor)
+        return _controller(lines_of(buffers.text(path)), cursor)
     loaded = buffers.document(file)
     description = getattr(loaded.document, "description", None) if loaded else None
     return f"**{cursor.word}**: {description or file}"

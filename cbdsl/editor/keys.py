@@ -2,15 +2,13 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Iterator, Mapping, Sequence
 from functools import cache
 from typing import Any
 
 from cbdsl.documents.json_schema import json_schema
 from cbdsl.documents.kinds import KINDS
-
-_KIND = re.compile(r"^kind:\s*(\w+)", re.MULTILINE)
+from cbdsl.documents.ownership import declared_kind
 
 
 def keys(text: str, steps: Sequence[str]) -> dict[str, str]:
@@ -20,10 +18,10 @@ def keys(text: str, steps: Sequence[str]) -> dict[str, str]:
         text: the document; without a known kind it has no keys but those of all kinds.
         steps: the keys, from the outside.
     """
-    match = _KIND.search(text)
-    if match is None or match[1] not in KINDS:
+    kind = declared_kind(text)
+    if kind is None or kind not in KINDS:
         return {"cbdsl": "Version of the language.", "kind": "Kind of document."}
-    whole = _schema(match[1])
+    whole = _schema(kind)
     sections = [whole]
     for step in steps:
         sections = [inner for each in sections for inner in _inside(each, step, whole)]

@@ -12,6 +12,7 @@ from cbdsl.documents.kinds import KINDS
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.editor.buffers import Buffers
 from cbdsl.errors.errors import DiagnosticsError, UsageError
+from cbdsl.errors.lines import lines_of
 from cbdsl.robot.resources import resources
 from cbdsl.types.potential import POTENTIALS
 from cbdsl.types.resource import Resource
@@ -43,7 +44,7 @@ def choices(buffers: Buffers, path: Path, steps: Sequence[str]) -> list[Choice]:
         path: the document.
         steps: keys that enclose the value.
     """
-    key, lines = (steps[-1] if steps else ""), buffers.text(path).splitlines()
+    key, lines = (steps[-1] if steps else ""), lines_of(buffers.text(path))
     if key == "potential":
         return [
             Choice(each.name, f"{each.symbol}, {each.equation}") for each in POTENTIALS.values()

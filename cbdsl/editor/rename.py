@@ -12,6 +12,7 @@ from cbdsl.documents.kinds import KINDS
 from cbdsl.editor.buffers import Buffers
 from cbdsl.editor.cursor import Cursor, cursor
 from cbdsl.editor.names import document_named, is_composed, section
+from cbdsl.errors.lines import lines_of
 
 # Sections of policies that name their program's controllers.
 _LEARNED = ("predicates", "policy", "values", "transitions")
@@ -58,7 +59,7 @@ def renaming(buffers: Buffers, path: Path, at: Cursor) -> Renaming | None:
     Names of parameters are those of one program. Controllers and used programs are named in its
     policies, too. Documents are named in all documents in the folder of the editor.
     """
-    lines = buffers.text(path).splitlines()
+    lines = lines_of(buffers.text(path))
     if at.word.startswith("$") or (at.on_key and at.steps == ("parameters",)):
         return _of_parameter(path, lines, at.word.removeprefix("$"))
     is_own_name = at.steps == ("name",) and not at.on_key
@@ -92,7 +93,7 @@ def _of_member(buffers: Buffers, path: Path, lines: Sequence[str], name: str) ->
     spots = {path: list(_member_spots(lines, name))}
     program = _top(lines, "name")
     for file in buffers.documents():
-        others = buffers.text(file).splitlines()
+        others = lines_of(buffers.text(file))
         if _top(others, "kind") == "policy" and _top(others, "program") == program:
             spots[file] = list(_member_spots(others, name))
     members = frozenset(each for key in _MEMBERS for each in section(lines, key))
@@ -125,11 +126,11 @@ def _of_document(buffers: Buffers, file: Path, kind: str, name: str) -> Renaming
     named = re.compile(rf"(?<![\w.]){kind}:\s*[\"']?(?P<name>{re.escape(name)})(?![\w.])")
     spots: dict[Path, list[Occurrence]] = {}
     for each in {file, *buffers.documents()}:
-        for number, line in enumerate(buffers.text(each).splitlines()):
+        for number, line in enumerate(lines_of(buffers.text(each))):
             patterns = (own, named) if each == file else (named,)
             for match in (m for pattern in patterns for m in pattern.finditer(_code(line))):
                 spots.setdefault(each, []).append(Occurrence(number, *match.span("name")))
-    texts = {each: buffers.text(each).splitlines() for each in buffers.documents()}
+    texts = {each: lines_of(buffers.text(each)) for each in buffers.documents()}
     taken = {_top(lines, "name") for lines in texts.values() if _top(lines, "kind") == kind}
     return Renaming(name, spots, file if file.stem == name else None, frozenset(taken))
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-import re
 from collections.abc import Iterable, Iterator, Mapping
 from pathlib import Path
 from typing import Any, TypeVar
@@ -11,13 +10,12 @@ from typing import Any, TypeVar
 from cbdsl.documents.contents import contents
 from cbdsl.documents.document import Document
 from cbdsl.documents.kinds import KINDS, kind_name, kind_of, models
+from cbdsl.documents.ownership import declared_kind
 from cbdsl.errors.errors import UsageError
 from cbdsl.errors.nearest import suggestion
 from cbdsl.yaml_text.composer import MOST_BYTES
 from cbdsl.yaml_text.loaded import Loaded
 from cbdsl.yaml_text.reader import decode, flawless, read_sound_parts, read_text
-
-_KIND_LINE = re.compile(r"^kind:\s*(\w+)", re.MULTILINE)
 
 D = TypeVar("D", bound=Document)
 
@@ -137,11 +135,10 @@ class Library:
             now on.
         """
         key = self.real(path)
-        before, kind = self._given.get(key), _KIND_LINE.search(data.decode("utf-8", "replace"))
+        before = self._given.get(key)
         self._given[key] = data
         self._read.pop(key, None)
-        was = None if before is None else _KIND_LINE.search(before.decode("utf-8", "replace"))
-        kinds = {match[1] if match else "" for match in (was, kind)}
+        kinds = {declared_kind((each or b"").decode("utf-8", "replace")) for each in (before, data)}
         return before is not None and len(kinds) == 1 and kinds.isdisjoint(("robot", "calibration"))
 
     def locate(self, kind: type[Document], name: str | Path) -> Path:
@@ -200,10 +197,10 @@ class Library:
 def is_of(kind: type[Document], path: Path) -> bool:
     """Whether a file says that it is of a kind; its other faults are for its reader to tell."""
     try:
-        declared = _KIND_LINE.search(contents(path, MOST_BYTES).decode("utf-8"))
+        declared = declared_kind(contents(path, MOST_BYTES).decode("utf-8-sig"))
     except (OSError, UnicodeDecodeError):
         return False
-    return declared is not None and declared[1] == kind_name(kind)
+    return declared == kind_name(kind)
 
 
 def _shortened(path: Path) -> Path:

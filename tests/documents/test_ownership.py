@@ -31,6 +31,8 @@ OWN = {
     "later": "name: a\nkind: stage  # of what\ncbdsl: 1\n",
     "braces": "{cbdsl: 1, kind: robot}",
     "json": '\n{\n  "cbdsl": 1,\n  "kind": "robot"\n}\n',
+    "braces_with_kind_behind": "{name: a, kind: robot}",
+    "tight_json": '{"name":"a","kind":"robot"}',
     "quoted": "'cbdsl': 1\n",
     "second": "---\ncbdsl: 1\n",
     "after_a_comment_and_a_mark": "# x\n---\n\n  cbdsl: 1\n  kind: robot\n",

@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import subprocess
 import sys
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -19,14 +19,15 @@ class Client:
         published: the findings that were sent last, by URI.
     """
 
-    def __init__(self, folder: Path) -> None:
+    def __init__(self, folder: Path, encodings: Sequence[str] | None = None) -> None:
         self._process = subprocess.Popen(
             COMMAND, cwd=folder, stdin=subprocess.PIPE, stdout=subprocess.PIPE
         )
         self._number = 0
         self._version = 0
         self.published: dict[str, list[dict[str, Any]]] = {}
-        options = {"processId": None, "rootUri": folder.as_uri(), "capabilities": {}}
+        general = {} if encodings is None else {"general": {"positionEncodings": encodings}}
+        options = {"processId": None, "rootUri": folder.as_uri(), "capabilities": general}
         self.capabilities = self.ask("initialize", options)["capabilities"]
         self.tell("initialized", {})
 
@@ -56,7 +57,11 @@ class Client:
                 return message
 
     def open(self, path: Path, text: str) -> None:
-        document = {"uri": path.as_uri(), "languageId": "yaml", "version": 0, "text": text}
+        self.open_uri(path.as_uri(), text)
+
+    def open_uri(self, uri: str, text: str) -> None:
+        """Open a document that may be in no file."""
+        document = {"uri": uri, "languageId": "yaml", "version": 0, "text": text}
         self.tell("textDocument/didOpen", {"textDocument": document})
 
     def change(self, path: Path, text: str) -> None:
@@ -76,6 +81,16 @@ class Client:
         self.at("hover", path, 0, 0)
         return self.published[path.as_uri()]
 
+    def send_bytes(self, data: bytes) -> None:
+        """Write bytes that may be no message."""
+        assert self._process.stdin is not None
+        self._process.stdin.write(data)
+        self._process.stdin.flush()
+
+    def receive(self) -> dict[str, Any]:
+        """The next message of the server."""
+        return self._receive()
+
     def close(self) -> int:
         """End the server as editors do; its exit code."""
         self.ask("shutdown", {})
@@ -86,9 +101,7 @@ class Client:
 
     def _send(self, message: Mapping[str, Any]) -> None:
         body = json.dumps({"jsonrpc": "2.0", **message}).encode()
-        assert self._process.stdin is not None
-        self._process.stdin.write(b"Content-Length: %d\r\n\r\n" % len(body) + body)
-        self._process.stdin.flush()
+        self.send_bytes(b"Content-Length: %d\r\n\r\n" % len(body) + body)
 
     def _receive(self) -> dict[str, Any]:
         assert self._process.stdout is not None

@@ -1,0 +1,45 @@
+"""Addresses of an editor's documents, saved or not, as files."""
+
+from __future__ import annotations
+
+import re
+from itertools import count
+from pathlib import Path
+
+from pygls.uris import from_fs_path, to_fs_path, urlparse
+
+
+class Addresses:
+    """Files that stand for the documents of an editor.
+
+    A document that was never saved, or is of a version control, has no file: one that does not
+    exist stands for it, in the folder of the editor, where the documents that it names are found.
+
+    Args:
+        here: Folder of the editor.
+    """
+
+    def __init__(self, here: Path) -> None:
+        self._here = here
+        self._paths: dict[str, Path] = {}
+        self._uris: dict[Path, str] = {}
+
+    def path(self, uri: str) -> Path:
+        """Return the file of a document; equal addresses have equal ones."""
+        if uri not in self._paths:
+            file = to_fs_path(uri)
+            path = Path(file) if file else self._stand_in(uri)
+            self._paths[uri] = path
+            self._uris.setdefault(path, uri)
+        return self._paths[uri]
+
+    def uri(self, path: Path) -> str:
+        """Return the address of a file, as the editor wrote it, or an absolute one."""
+        absolute = path.absolute()
+        return self._uris.get(absolute) or from_fs_path(str(absolute)) or absolute.as_uri()
+
+    def _stand_in(self, uri: str) -> Path:
+        name = re.sub(r"[^\w.-]", "_", Path(urlparse(uri)[2]).name).strip(".") or "unsaved"
+        names = (name if number == 0 else f"{number}_{name}" for number in count())
+        paths = (self._here / each for each in names)
+        return next(path for path in paths if path not in self._uris and not path.exists())

@@ -1,0 +1,74 @@
+"""Messages of an editor: their headers, read leniently, and what has none refused."""
+
+from __future__ import annotations
+
+import json
+import re
+from typing import BinaryIO
+
+# Field names of headers have no case, and spaces around their values mean nothing.
+_LENGTH = re.compile(rb"content-length[ \t]*:[ \t]*(\d+)\s*$", re.IGNORECASE)
+_FIELD = re.compile(rb"[!#$%&'*+.^_`|~0-9A-Za-z-]+[ \t]*:")
+_LONGEST_LINE = 1 << 20
+#: Bytes of the largest message that is read; a document is far smaller.
+MOST_BYTES = 1 << 28
+_PARSE_ERROR = -32700
+
+
+class MessageStream:
+    """Input of a language server, of which every message has a proper header.
+
+    Bytes without one are answered with an error, once, and skipped up to the next header.
+
+    Args:
+        source: Bytes of the editor.
+        answers: Stream on which the editor reads answers.
+    """
+
+    def __init__(self, source: BinaryIO, answers: BinaryIO) -> None:
+        self._source, self._answers = source, answers
+        self._rest: list[bytes] = []
+        self._is_skipping = False
+
+    def readline(self) -> bytes:
+        """Return the next line of a header; empty at the end of the input."""
+        if not self._rest:
+            length = self._next_length()
+            if length is None:
+                return b""
+            self._rest = [b"Content-Length: %d\r\n" % length, b"\r\n"]
+        return self._rest.pop(0)
+
+    def read(self, size: int) -> bytes:
+        """Return the body of a message."""
+        return self._source.read(size)
+
+    def _next_length(self) -> int | None:
+        """Return the length of the next message; ``None`` at the end of the input."""
+        length: int | None = None
+        while line := self._source.readline(_LONGEST_LINE):
+            match = _LENGTH.search(line)
+            if match:
+                length = int(match[1])
+                if match.start() > 0:  # behind a body without a header
+                    self._refuse("it has no header 'Content-Length: BYTES'")
+            elif not line.strip():
+                if length is not None and 0 < length <= MOST_BYTES:
+                    self._is_skipping = False
+                    return length
+                if length is not None:
+                    self._refuse(f"its Content-Length is {length}, not 1 to {MOST_BYTES}")
+                length = None
+            elif not _FIELD.match(line) or line.lower().startswith(b"content-length"):
+                self._refuse("it has no header 'Content-Length: BYTES'")
+        return None
+
+    def _refuse(self, reason: str) -> None:
+        """Answer that a message cannot be read, unless that was said of the bytes before it."""
+        if self._is_skipping:
+            return
+        self._is_skipping = True
+        error = {"code": _PARSE_ERROR, "message": f"a message cannot be read: {reason}"}
+        body = json.dumps({"jsonrpc": "2.0", "id": None, "error": error}).encode()
+        self._answers.write(b"Content-Length: %d\r\n\r\n" % len(body) + body)
+        self._answers.flush()
