@@ -36,6 +36,9 @@ Fps = Annotated[
 Task = Annotated[
     str | None, typer.Option("--task", help="A sentence that names the task [the program's name].")
 ]
+Videos = Annotated[
+    bool, typer.Option("--videos", help="Store images as MP4 videos, smaller and not exact [PNG].")
+]
 Overwrite = Annotated[
     bool, typer.Option("--overwrite", help="Replace the dataset that is there already.")
 ]
@@ -90,6 +93,7 @@ def export_lerobot(
     out: Folder = None,
     fps: Fps = None,
     task: Task = None,
+    videos: Videos = False,
     overwrite: Overwrite = False,
 ) -> None:
     """Write recorded episodes as one dataset of LeRobot, format v3.0, to train policies on.
@@ -104,7 +108,12 @@ def export_lerobot(
     target = out or recordings[0].parent / "lerobot"
     with named_problems(target):
         episodes, frames = write_dataset(
-            map(read_recording, recordings), target, rate=fps, task=task, overwrite=overwrite
+            map(read_recording, recordings),
+            target,
+            rate=fps,
+            task=task,
+            videos=videos,
+            overwrite=overwrite,
         )
     print(f"{target}: {frames} frames of {episodes} episode{'s' if episodes > 1 else ''}")
 

@@ -1,7 +1,8 @@
 """Datasets of LeRobot, format v3.0: Parquet files of frames, and metadata as JSON and Parquet.
 
-Images are PNG files inside of the Parquet files. Columns beyond the format are the program's state
-and action of each frame, and the seed, context, ending and reward of each episode.
+Images are PNG files inside of the Parquet files, or videos beside them. Columns beyond the format
+are the program's state and action of each frame, and the seed, context, ending and reward of each
+episode.
 
 Needs the extra ``lerobot``.
 """
@@ -24,12 +25,14 @@ from numpy.typing import NDArray
 from cbdsl.errors.errors import UsageError
 from cbdsl.reporting.lerobot.frames import Frames, frame_rate, frames_of
 from cbdsl.reporting.lerobot.statistics import Statistics
+from cbdsl.reporting.lerobot.video import video_info, write_video
 from cbdsl.reporting.recorded import Recorded
 
 Json = dict[str, Any]
 
 _FILE = "chunk-{chunk_index:03d}/file-{file_index:03d}.parquet"
 _DATA, _EPISODES = f"data/{_FILE}", f"meta/episodes/{_FILE}"
+_VIDEO = "videos/{video_key}/chunk-{chunk_index:03d}/file-{file_index:03d}.mp4"
 _FILES_PER_CHUNK, _LARGEST_FILE = 1000, 100
 _MEGABYTE = 1024 * 1024
 _INDICES = ("frame_index", "episode_index", "index", "task_index")
@@ -43,6 +46,7 @@ def write_dataset(
     *,
     rate: int | None = None,
     task: str | None = None,
+    videos: bool = False,
     overwrite: bool = False,
 ) -> tuple[int, int]:
     """Write recordings as one dataset and return the numbers of episodes and frames.
@@ -52,18 +56,19 @@ def write_dataset(
         target: Folder of the dataset, which appears when it is complete.
         rate: Frames per second; that of the first recording's images without it.
         task: Sentence that names the task; the name of each program without it.
+        videos: True if images become MP4 videos, which are smaller and not exact.
         overwrite: True if a dataset that is there may be replaced.
 
     Raises:
         UsageError: The folder is there, a recording differs from the first one in joints, cameras
-            or load cells, or the rate is above that of control.
+            or load cells, the rate is above that of control, or the images fit no video.
         OSError: The folder cannot be written.
     """
     _require_free(target, overwrite=overwrite)
     target.parent.mkdir(parents=True, exist_ok=True)
     partial = target.with_name(f".{target.name}.{os.getpid()}.partial")
     try:
-        with _Dataset(partial, rate) as dataset:
+        with _Dataset(partial, rate, videos=videos) as dataset:
             for recorded in recordings:
                 dataset.add(recorded, task)
         if target.exists():
@@ -93,8 +98,8 @@ class _Dataset:
         episodes, frames: Numbers of both so far.
     """
 
-    def __init__(self, folder: Path, rate: int | None) -> None:
-        self._folder, self._rate = folder, rate
+    def __init__(self, folder: Path, rate: int | None, *, videos: bool) -> None:
+        self._folder, self._rate, self._videos = folder, rate, videos
         self._features: Json = {}
         self._first: Recorded | None = None
         self._tasks: dict[str, int] = {}
@@ -118,7 +123,7 @@ class _Dataset:
         """Add an episode as a row group of its own."""
         self._rate = self._rate or frame_rate(recorded)
         frames = frames_of(recorded, self._rate, task)
-        self._require_like_first(recorded, _features(frames))
+        self._require_like_first(recorded, _features(frames, self._rate if self._videos else None))
         task_index = self._tasks.setdefault(frames.task, len(self._tasks))
         columns = self._columns(len(frames), task_index)
         table = _table(frames, columns, self._features)
@@ -126,9 +131,20 @@ class _Dataset:
         self._statistics.add(frames, columns)
         own = Statistics()
         own.add(frames, columns)
-        self._rows.append(self._row(recorded, frames, own.table()))
+        row = self._row(recorded, frames, own.table())
+        self._rows.append(row | (self._filmed(frames, self._rate) if self._videos else {}))
         self.episodes += 1
         self.frames += len(frames)
+
+    def _filmed(self, frames: Frames, rate: int) -> Json:
+        """Write a video of each camera and return the columns of their places."""
+        chunk, file = divmod(self.episodes, _FILES_PER_CHUNK)
+        place, columns = {"chunk_index": chunk, "file_index": file}, Json()
+        for name, images in frames.images.items():
+            write_video(self._folder / _VIDEO.format(video_key=name, **place), images, rate)
+            span = {"from_timestamp": 0.0, "to_timestamp": len(images) / rate}
+            columns |= {f"videos/{name}/{key}": value for key, value in {**place, **span}.items()}
+        return columns
 
     def _require_like_first(self, recorded: Recorded, features: Json) -> None:
         first = self._first
@@ -220,13 +236,13 @@ class _Dataset:
             "fps": self._rate,
             "splits": {"train": f"0:{self.episodes}"},
             "data_path": _DATA,
-            "video_path": None,
+            "video_path": _VIDEO if self._videos else None,
             "features": self._features,
         }
 
 
-def _features(frames: Frames) -> Json:
-    """Return the description of all columns."""
+def _features(frames: Frames, video_rate: int | None) -> Json:
+    """Return the description of all columns, and of videos at a rate in Hz."""
     features: Json = {}
     for name, values in frames.numbers.items():
         names = list(frames.names[name]) if name in frames.names else None
@@ -234,6 +250,9 @@ def _features(frames: Frames) -> Json:
     for name, images in frames.images.items():
         axes = ["height", "width", "channels"]
         features[name] = _feature("image", list(images.shape[1:]), axes)
+        if video_rate is not None:
+            info = video_info(images.shape[1], images.shape[2], video_rate)
+            features[name] |= {"dtype": "video", "info": info}
     features |= {name: _feature("string", [1], None) for name in frames.texts}
     features["timestamp"] = _feature("float32", [1], None)
     return features | {name: _feature("int64", [1], None) for name in _INDICES}
@@ -247,6 +266,8 @@ def _table(frames: Frames, columns: Mapping[str, NDArray[Any]], features: Json) 
     """Return the frames as a table, in the order of the features."""
     values: dict[str, Any] = {**frames.numbers, **frames.texts, **columns}
     arrays = []
+    # Videos are files of their own.
+    features = {name: each for name, each in features.items() if each["dtype"] != "video"}
     for name, feature in features.items():
         if feature["dtype"] == "image":
             arrays.append(pa.array(map(_png, frames.images[name]), _IMAGE))

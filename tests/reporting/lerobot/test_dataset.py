@@ -15,6 +15,7 @@ from cbdsl.errors.errors import UsageError
 from cbdsl.reporting.recorded import Recorded
 from tests.cli.test_main import cb
 
+pytest.importorskip("av")
 pytest.importorskip("pyarrow")
 import pyarrow as pa
 import pyarrow.parquet as pq
@@ -187,6 +188,39 @@ def test_statistics_are_those_of_the_frames(folder: Path) -> None:
         assert np.shape(row["q99"]) == shape
     first, _ = episodes_of(folder)
     assert np.shape(first["stats/observation.images.left/mean"]) == (3, 1, 1)
+
+
+def test_videos_show_the_images_of_each_episode(recorded: Recorded, tmp_path: Path) -> None:
+    folder = tmp_path / "dataset"
+    half = shortened(recorded, len(recorded.arrays["time"]) // 2)
+    write_dataset([recorded, half], folder, rate=RATE, videos=True)
+    exact = tmp_path / "exact"
+    write_dataset([recorded, half], exact, rate=RATE)
+    info, episodes, key = info_of(folder), episodes_of(folder), "observation.images.left"
+    assert info["features"][key]["dtype"] == "video"
+    assert info["features"][key]["info"]["video.fps"] == RATE
+    assert key not in table_of(folder).column_names
+    for number, episode in enumerate(episodes):
+        place = {name: episode[f"videos/{key}/{name}"] for name in ("chunk_index", "file_index")}
+        video = cv2.VideoCapture(str(folder / info["video_path"].format(video_key=key, **place)))
+        assert video.get(cv2.CAP_PROP_FPS) == RATE
+        assert episode[f"videos/{key}/from_timestamp"] == 0.0
+        length = episode[f"videos/{key}/to_timestamp"] * RATE
+        assert video.get(cv2.CAP_PROP_FRAME_COUNT) == episode["length"] == pytest.approx(length)
+        for row in rows_of(exact, number):
+            data = np.frombuffer(row[key]["bytes"], dtype=np.uint8)
+            image = cv2.imdecode(data, cv2.IMREAD_COLOR).astype(float)
+            shown, frame = video.read()
+            assert shown and abs(frame - image).mean() < 3.0
+    stats = [json.loads((each / "meta/stats.json").read_text()) for each in (folder, exact)]
+    assert stats[0] == stats[1], "those of the images themselves"
+
+
+def test_images_of_odd_size_become_no_video(recorded: Recorded, tmp_path: Path) -> None:
+    arrays = {**recorded.arrays, "image_left": recorded.arrays["image_left"][:, :, 1:]}
+    with pytest.raises(UsageError, match=r"even height and width, and images are 159 x 120"):
+        write_dataset([replace(recorded, arrays=arrays)], tmp_path / "dataset", videos=True)
+    assert list(tmp_path.iterdir()) == []
 
 
 def test_recordings_of_other_sensors_are_refused(recorded: Recorded, tmp_path: Path) -> None:
