@@ -9,7 +9,8 @@ from typing import Annotated
 
 import typer
 
-from cbdsl.cli.options import Policy, Program, Recording
+from cbdsl.cli.assignments import read_assignments
+from cbdsl.cli.options import Policy, Program, Recording, With
 
 export = typer.Typer(
     help="Write programs and recordings in formats of other tools.",
@@ -45,16 +46,17 @@ Overwrite = Annotated[
 
 
 @export.command("tree")
-def export_tree(program: Program, policy: Policy = None) -> None:
+def export_tree(program: Program, policy: Policy = None, with_: With = []) -> None:  # noqa: B006
     """Print a program's policy as a behavior tree, XML of BehaviorTree.CPP 4.
 
-    Its leaves are named in the model at the end: two conditions and the action that runs a
-    composition. Exit 2 where what is done follows from more than the state.
+    Each use of a program is a tree of its own, with the values of its parameters. Its leaves are
+    named in the model at the end. Exit 2 where the next action follows from more than the state.
     """
     from cbdsl.api.load import load
     from cbdsl.program.behavior_tree import behavior_tree
 
-    print(behavior_tree(load(program, policy=policy).program), end="")
+    request = load(program, policy=policy, values=read_assignments(with_))
+    print(behavior_tree(request.program), end="")
 
 
 @export.command("mcap")

@@ -15,16 +15,19 @@ from cbdsl.types.state import matches
 from tests.conftest import Checked
 
 
-def chosen(choice: Element, state: str) -> list[str]:
+def holds(condition: Element, state: str) -> bool:
+    """Whether a condition on the state, or one of several, holds."""
+    if condition.tag == "ReactiveFallback":
+        return any(holds(each, state) for each in condition)
+    unless = [each for each in condition.get("unless", "").split(";") if each]
+    pattern = condition.get("pattern", "")
+    return matches(pattern, state) and not any(matches(each, state) for each in unless)
+
+
+def chosen(policy: Element, state: str) -> list[str]:
     """The actions of all branches whose condition holds; a fallback takes the first."""
-    actions = []
-    for branch in choice:
-        condition, action = branch
-        unless = [each for each in condition.get("unless", "").split(";") if each]
-        if matches(condition.get("pattern"), state) and not any(matches(p, state) for p in unless):
-            leaf = action[0] if action.tag == "ForceSuccess" else action
-            actions.append(leaf.get("action") or leaf.get("ID"))
-    return actions
+    branches = [each for each in policy if each.tag == "ReactiveSequence"]
+    return [branch.get("name", "") for branch in branches if holds(branch[0], state)]
 
 
 @pytest.mark.parametrize("name", ["searchtrack", "reachtouch", "pick_and_lift", "visualinspect"])
@@ -33,26 +36,52 @@ def test_every_state_has_the_policys_action_and_no_other(checked: Checked, name:
     root = ElementTree.fromstring(behavior_tree(program))
     assert root.get("BTCPP_format") == "4" and root.get("main_tree_to_execute") == name
     (tree,) = root.findall(f"BehaviorTree[@ID='{name}']")
-    goal = tree[0]
-    assert [each.tag for each in goal] == ["Rewarded", "KeepRunningUntilFailure"]
+    place = "actions" if program.episode_time is not None else f"policy of {name}"
+    (choice,) = tree.findall(f".//ReactiveFallback[@name='{place}']")
     policy = WrittenPolicy(program.policy)
     for letters in product("X-01", repeat=len(program.members)):
         state = "".join(letters)
         action = policy.choose(state, changed=True)
-        assert chosen(goal[1][0], state) == ([] if action is None else [action]), state
+        assert chosen(choice, state) == ([] if action is None else [action]), state
 
 
-def test_used_programs_are_trees_and_all_leaves_are_declared(checked: Checked) -> None:
+def test_every_use_of_a_program_is_a_tree_of_its_own(checked: Checked) -> None:
     root = ElementTree.fromstring(behavior_tree(checked("visualinspect")))
-    trees = {tree.get("ID") for tree in root.findall("BehaviorTree")}
-    assert {"visualinspect", "reachtouch", "searchtrack"} <= trees
-    assert {each.get("ID") for each in root.iter("SubTree")} <= trees
+    trees = [tree.get("ID") for tree in root.findall("BehaviorTree")]
+    assert trees[0] == "visualinspect" and len(trees) > 1
+    assert len(set(trees)) == len(trees)
+    used = [each.get("ID") for each in root.iter("SubTree")]
+    assert sorted(str(each) for each in used) == sorted(str(each) for each in trees[1:])
+
+
+def test_all_leaves_are_declared_with_their_ports(checked: Checked) -> None:
+    root = ElementTree.fromstring(behavior_tree(checked("visualinspect")))
     model = root.find("TreeNodesModel")
     assert model is not None and {each.get("ID") for each in model} == set(LEAVES)
-    builtin = {"Fallback", "ReactiveFallback", "Sequence", "KeepRunningUntilFailure"}
-    builtin |= {"ForceSuccess", "SubTree"}
-    used = {each.tag for tree in root.findall("BehaviorTree") for each in tree.iter()}
-    assert used - builtin - {"BehaviorTree"} <= set(LEAVES)
+    ports = {each.get("ID"): {port.get("name") for port in each} for each in model}
+    builtin = {"Fallback", "ReactiveFallback", "Sequence", "ReactiveSequence", "Inverter"}
+    builtin |= {"KeepRunningUntilFailure", "SubTree", "BehaviorTree"}
+    for tree in root.findall("BehaviorTree"):
+        for node in tree.iter():
+            if node.tag not in builtin:
+                assert set(node.attrib) == ports[node.tag]
+        # BehaviorTree.CPP forbids these in an ID.
+        assert not set(str(tree.get("ID"))) & set(" <>&\"'/\\:*?|.")
+
+
+def test_parameters_and_outcomes_are_in_the_tree(checked: Checked) -> None:
+    program = checked("searchtrack", feature="hue_4")._replace(
+        success=("*1",), failure=("-*",), episode_time=3.5, reward_ends=False
+    )
+    root = ElementTree.fromstring(behavior_tree(program))
+    leaves = [each for each in root.iter() if each.tag in LEAVES]
+    assert leaves and {each.get("with") for each in leaves} == {"feature=hue_4"}
+    (tree,) = root.findall("BehaviorTree")
+    assert tree[0][0].get("pattern") == "*1"
+    (inverter,) = tree.findall(".//Inverter")
+    assert inverter[0].get("pattern") == "-*"
+    limits = {(each.get("transitions"), each.get("seconds")) for each in root.iter("WithinLimits")}
+    assert limits == {(str(program.transitions), ""), ("", "3.5")}
 
 
 def test_what_follows_from_more_than_the_state_is_refused(checked: Checked) -> None:
