@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping, Sequence
 from types import FunctionType
 from typing import Any, TypeVar, cast
 
 from numba import njit
+from numba.core.types import unliteral
 
 from cbdsl.numeric.kernel_cache import KernelCache
 from cbdsl.numeric.kernel_digest import reachable
@@ -26,20 +27,36 @@ _kernels: list[Any] = []
 
 def compiled(function: Function) -> Function:
     """Return a function that compiled ones call."""
-    return cast(Function, njit(**_INNER)(function))
+    return cast(Function, _without_literals(njit(**_INNER)(function)))
 
 
 def compiled_sum(function: Function) -> Function:
     """Return a function that compiled ones call, whose sums may be added up in any order."""
-    return cast(Function, njit(fastmath={"reassoc"}, **_INNER)(function))
+    return cast(Function, _without_literals(njit(fastmath={"reassoc"}, **_INNER)(function)))
 
 
 def compiled_once(function: Function) -> Function:
     """Return a function that Python calls, whose machine code is kept; see ``KernelCache``."""
-    dispatcher: Any = njit(**_OUTER)(function)
+    dispatcher = _without_literals(njit(**_OUTER)(function))
     dispatcher._cache = KernelCache(dispatcher.py_func, str(sorted(_OUTER.items())))
     _kernels.append(dispatcher)
     return cast(Function, dispatcher)
+
+
+def _without_literals(dispatcher: Any) -> Any:
+    """Return a function that is compiled for the types of its arguments, not for their values.
+
+    A variable that begins at 0 has the type of this literal until types are unified. Without this,
+    functions that it is passed to would be compiled a second time, in vain.
+    """
+    resolve = dispatcher.get_call_template
+
+    def resolve_types(args: Sequence[Any], kws: Mapping[str, Any]) -> Any:
+        kinds = {name: unliteral(kind) for name, kind in kws.items()}  # type: ignore[no-untyped-call]
+        return resolve(tuple(map(unliteral, args)), kinds)
+
+    dispatcher.get_call_template = resolve_types
+    return dispatcher
 
 
 def uncompiled() -> frozenset[FunctionType]:

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from cbdsl.documents.robot import Contact
 from cbdsl.numeric.compiled import compiled_once
+from cbdsl.numeric.vector import copy
 from cbdsl.sensing.forward import place_link
 from cbdsl.sensing.kinematics import Kinematics
 
@@ -110,7 +111,7 @@ def _remove(
     for cell in range(len(loads)):
         place_link(frames[numbers[cell]], origin, axes[cell], origin, turned)
         load, own = loads[cell], bias[cell]
-        load[:] = wrenches[cell]
+        copy(load, wrenches[cell], 1.0)
         _put_down(weights[cell], levers[cell], turned, load)
         if is_first:
             own[:] = 0.0

@@ -96,3 +96,19 @@ def test_a_function_is_called_by_its_address() -> None:
     assert call(address_of(product), *arguments) == 6.0
     assert residual.tolist() == [-3.0]
     assert slope.tolist() == [[0.0, 5.0]]
+
+
+def test_a_literal_argument_adds_no_second_compilation() -> None:
+    @compiled.compiled
+    def grown(count: int) -> int:
+        return count + 1
+
+    @njit
+    def repeat(times: int) -> int:
+        count = 0
+        for _ in range(times):
+            count = grown(count)
+        return count
+
+    assert repeat(3) == 3
+    assert len(grown.signatures) == 1  # type: ignore[attr-defined]
