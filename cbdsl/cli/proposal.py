@@ -242,9 +242,14 @@ def _remarks(contacts: StartContacts) -> Iterator[str]:
 def _limits(joint: UrdfJoint) -> str:
     if joint.endless:
         return "without end"
-    if joint.slides:
-        return f"{joint.lower:g} to {joint.upper:g} m"
-    return f"{math.degrees(joint.lower):.0f} to {math.degrees(joint.upper):.0f} deg"
+    scale, form, unit = (1.0, "g", "m") if joint.slides else (math.degrees(1.0), ".0f", "deg")
+    if math.isfinite(joint.upper - joint.lower):
+        return f"{scale * joint.lower:{form}} to {scale * joint.upper:{form}} {unit}"
+    below, above = math.isfinite(joint.lower), math.isfinite(joint.upper)
+    if not (below or above):
+        return "without end"
+    word, limit = ("from", joint.lower) if below else ("to", joint.upper)
+    return f"{word} {scale * limit:{form}} {unit}, without end"
 
 
 def _passive(model: UrdfModel, effectors: Mapping[str, SemanticGroup]) -> dict[str, Mimic]:
@@ -259,10 +264,15 @@ def _passive(model: UrdfModel, effectors: Mapping[str, SemanticGroup]) -> dict[s
 
 def _couplings(model: UrdfModel, effectors: Mapping[str, SemanticGroup]) -> str:
     lines = [
-        f"  {_scalar(name)}: {{follows: {_scalar(mimic.joint)}, ratio: {mimic.ratio:g}}}\n"
+        f"  {_scalar(name)}: {{{_coupling(model.joints[name], mimic)}}}\n"
         for name, mimic in _passive(model, effectors).items()
     ]
     return "".join(("\n# Passive joints.\ncouplings:\n", *lines)) if lines else ""
+
+
+def _coupling(joint: UrdfJoint, mimic: Mimic) -> str:
+    offset = f", offset: {_coordinate(joint, mimic.offset)}" if mimic.offset else ""
+    return f"follows: {_scalar(mimic.joint)}, ratio: {mimic.ratio:.7g}{offset}"
 
 
 def _left_out(

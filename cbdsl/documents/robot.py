@@ -78,6 +78,8 @@ class Coupling(Section):
     """The actuated joint."""
     ratio: Number
     """Motion of the passive joint per motion of the actuated one."""
+    offset: Coordinate = 0.0
+    """Position of the passive joint where the actuated one is at 0."""
 
 
 def _require_direction(vector: Vector) -> Vector:

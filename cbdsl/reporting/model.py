@@ -79,7 +79,7 @@ def read_links(robot: Mapping[str, Any], joints: Sequence[str]) -> list[DrawnLin
                 joint.origin.quaternion,
                 _KINDS.get(joint.kind, "fixed"),
                 joint.axis,
-                *_driven(joint, robot["couplings"], joints),
+                *_driven(joint, robot["couplings"], joints, model.rests.get(joint.name, 0.0)),
                 shapes,
             )
         )
@@ -99,17 +99,16 @@ def _outwards(model: UrdfModel, above: Mapping[str, UrdfJoint]) -> Iterator[str]
 
 
 def _driven(
-    joint: UrdfJoint, couplings: Mapping[str, Any], joints: Sequence[str]
+    joint: UrdfJoint, couplings: Mapping[str, Any], joints: Sequence[str], rest: float
 ) -> tuple[int, float, float]:
-    """The recorded joint that moves a joint, its ratio and its offset."""
+    """Return the recorded joint that moves a joint, its ratio and its offset."""
     if joint.name in joints:
         return joints.index(joint.name), 1.0, 0.0
     if joint.name in couplings:
-        follows, ratio = couplings[joint.name]
-        return joints.index(follows), float(ratio), 0.0
-    if joint.mimic is not None and joint.mimic.joint in joints:
-        return joints.index(joint.mimic.joint), joint.mimic.ratio, joint.mimic.offset
-    return -1, 1.0, 0.0
+        # Recordings of version 1 have no offset.
+        follows, ratio, *offset = couplings[joint.name]
+        return joints.index(follows), float(ratio), float(*offset)
+    return -1, 1.0, rest
 
 
 def _shapes(visuals: Sequence[UrdfShape], folder: Path) -> Iterator[LinkShape]:

@@ -105,8 +105,8 @@ def summary_faults(summary: Mapping[str, Any]) -> Iterator[str]:
 def _robot_faults(summary: Mapping[str, Any]) -> Iterator[str]:
     robot = summary["robot"]
     for name, pair in robot["couplings"].items():
-        is_pair = len(pair) == 2 and isinstance(pair[1], int | float)
-        if not is_pair or pair[0] not in summary["joints"]:
+        has_numbers = len(pair) in (2, 3) and all(isinstance(n, int | float) for n in pair[1:])
+        if not has_numbers or pair[0] not in summary["joints"]:
             yield f"robot.couplings.{name}: is no recorded joint with a ratio"
     try:
         len(parse_urdf(robot["urdf"], Path("robot.urdf")).bodies)

@@ -40,6 +40,9 @@ class Joints:
         self.expansion: Floats = np.eye(len(self.all), len(self.names))
         for name, coupling in robot.couplings.items():
             self.expansion[self.index[name], self.index[coupling.follows]] = coupling.ratio
+        #: Positions of all joints where the actuated ones are at 0, rad or m, shape (n + m,).
+        self.offsets: Floats = np.zeros(len(self.all))
+        self.offsets[len(self.names) :] = [each.offset for each in robot.couplings.values()]
 
     def __len__(self) -> int:
         return len(self.names)
@@ -54,4 +57,4 @@ class Joints:
 
     def expand(self, positions: Floats) -> Floats:
         """Angles of all joints, shape (n + m,), from those of the actuated ones, shape (n,)."""
-        return self.expansion @ positions
+        return self.expansion @ positions + self.offsets

@@ -220,9 +220,15 @@ class ReadyPosture:
 
 
 def at_first(joint: UrdfJoint) -> float:
-    """Zero where that is well within a joint's range, else the middle of it; rad or m."""
-    margin = _OUTER * (joint.upper - joint.lower)
-    if joint.endless or joint.lower + margin <= 0.0 <= joint.upper - margin:
+    """Zero where that is well within a joint's range, else the middle of it; rad or m.
+
+    Where there is no such range, it is the position nearest to zero within the limits.
+    """
+    span = joint.upper - joint.lower
+    if not 0.0 < span < math.inf:
+        return joint.rest
+    margin = _OUTER * span
+    if joint.lower + margin <= 0.0 <= joint.upper - margin:
         return 0.0
     middle = (joint.lower + joint.upper) / 2
     whole = math.radians(round(math.degrees(middle)))
@@ -232,9 +238,10 @@ def at_first(joint: UrdfJoint) -> float:
 
 def _choices(joint: UrdfJoint) -> list[float]:
     """Positions to try, the smallest turns first."""
-    if joint.slides:
-        return [round(joint.lower + part * (joint.upper - joint.lower), 4) for part in (0.25, 0.5)]
     bounded = math.isfinite(joint.upper - joint.lower)
+    if joint.slides:
+        parts = (0.25, 0.5) if bounded else ()
+        return [round(joint.lower + part * (joint.upper - joint.lower), 4) for part in parts]
     margin = _OUTER * (joint.upper - joint.lower) if bounded else 0.0
     steps = range(round(-_FARTHEST / _STEP), round(_FARTHEST / _STEP) + 1)
     angles = [round(step * _STEP, 9) for step in sorted(steps, key=lambda step: (abs(step), step))]

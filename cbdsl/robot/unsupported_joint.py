@@ -56,10 +56,11 @@ def unsupported(joint: UrdfJoint) -> UnsupportedJoint | None:
         )
         return UnsupportedJoint(trait)
     if joint.mimic is not None:
-        master, ratio = joint.mimic.joint, joint.mimic.ratio
+        master, ratio, offset = joint.mimic
         trait = f"made to mimic '{master}'"
+        shift = f" and offset {offset:g}" if offset else ""
         return UnsupportedJoint(
-            trait, f"write in couplings that it follows {master}, at ratio {ratio:g}"
+            trait, f"write in couplings that it follows {master}, at ratio {ratio:g}{shift}"
         )
     if joint.endless:
         return None

@@ -12,6 +12,10 @@ Vector = tuple[float, float, float]
 Rotation = tuple[Vector, Vector, Vector]
 
 
+#: Limits at least this far from 0, rad or m, mean none: exporters write them for want of infinity.
+UNLIMITED = 1e6
+
+
 class UrdfError(ValueError):
     """A URDF model cannot be read; the message says why."""
 
@@ -85,7 +89,10 @@ class UrdfLink(NamedTuple):
 
 
 class Mimic(NamedTuple):
-    """Coupling of a passive joint: ``ratio`` times another's position, plus ``offset``."""
+    """Coupling of a passive joint: ``ratio`` times another's position, plus ``offset``.
+
+    The other joint mimics none itself: the reader resolves chains. It may be missing.
+    """
 
     joint: str
     ratio: float
@@ -99,7 +106,8 @@ class UrdfJoint(NamedTuple):
         name: of the joint.
         parent, child: the links that it joins.
         kind: the URDF's type.
-        lower, upper: limits; infinite without them, and where the joint is continuous.
+        lower, upper: limits; infinite without them, where the joint is continuous, and from
+            ``UNLIMITED`` on.
         limited: whether the model states limits of its position.
         mimic: the joint that it follows, if any.
         origin: its frame at zero in the frame of its parent.
@@ -136,7 +144,14 @@ class UrdfJoint(NamedTuple):
     @property
     def endless(self) -> bool:
         """Whether it turns without limits."""
-        return self.kind == "continuous"
+        return self.kind == "continuous" or (
+            self.kind == "revolute" and self.lower == -math.inf and self.upper == math.inf
+        )
+
+    @property
+    def rest(self) -> float:
+        """The position nearest to 0 within the limits, rad or m."""
+        return min(max(0.0, self.lower), self.upper) if self.lower <= self.upper else 0.0
 
     @property
     def fixed(self) -> bool:
@@ -190,6 +205,21 @@ class UrdfModel:
     def movable(self) -> tuple[str, ...]:
         """Names of the joints that turn about or slide along one axis, in the file's order."""
         return tuple(joint.name for joint in self.joints.values() if joint.movable)
+
+    @cached_property
+    def rests(self) -> Mapping[str, float]:
+        """Positions of the movable joints where nothing drives them, by name, rad or m.
+
+        They are as near to 0 as the limits allow; a joint that mimics another follows it there.
+        """
+        return {joint.name: self._rest(joint) for joint in self.joints.values() if joint.movable}
+
+    def _rest(self, joint: UrdfJoint) -> float:
+        mimic = joint.mimic
+        if mimic is None or mimic.joint not in self.joints or joint.lower > joint.upper:
+            return joint.rest
+        followed = mimic.ratio * self.joints[mimic.joint].rest + mimic.offset
+        return min(max(followed, joint.lower), joint.upper)
 
     def above(self, link: str) -> tuple[str, ...]:
         """Names of the movable joints between a link and the root, from the link upwards."""

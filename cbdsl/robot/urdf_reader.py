@@ -1,12 +1,13 @@
 """The one reader of URDF models."""
 
 import math
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
 from xml.etree import ElementTree
 
 from cbdsl.robot.robot_xml import refuse_macros, require_robot, robot_text, xml_root
 from cbdsl.robot.urdf import (
+    UNLIMITED,
     Mimic,
     Numbers,
     UrdfError,
@@ -53,6 +54,7 @@ def parse_urdf(text: bytes | str, path: Path) -> UrdfModel:
         _require_masses(root)
         joints = [_joint(element, links) for element in root.findall("joint")]
         _require_tree(links, joints)
+        joints = _resolved(joints)
     except ValueError as error:
         raise UrdfError(f"{path}: {error}") from None
     parents = {joint.child: joint for joint in joints}
@@ -114,12 +116,20 @@ def _require_distinct(root: ElementTree.Element) -> None:
 
 
 def _require_tree(links: frozenset[str], joints: Iterable[UrdfJoint]) -> None:
-    """A model has one root.
+    """Require one root, from which each link hangs by one joint.
 
     Raises:
-        ValueError: it has none, or several.
+        ValueError: the joints make no such tree.
     """
-    roots = sorted(links - {joint.child for joint in joints})
+    movers: dict[str, UrdfJoint] = {}
+    for joint in joints:
+        other = movers.setdefault(joint.child, joint)
+        if other is not joint:
+            raise ValueError(
+                f"its link '{joint.child}' is moved by two joints, '{other.name}' and "
+                f"'{joint.name}'; a model is a tree, so remove one of them"
+            )
+    roots = sorted(links - movers.keys())
     if not links:
         raise ValueError("it has no <link>")
     if not roots:
@@ -127,6 +137,54 @@ def _require_tree(links: frozenset[str], joints: Iterable[UrdfJoint]) -> None:
     if len(roots) > 1:
         names = " and ".join(f"'{name}'" for name in roots[:3])
         raise ValueError(f"its links {names} are not joined; a model is one tree with one root")
+    _require_no_circle(movers, roots[0])
+
+
+def _require_no_circle(movers: Mapping[str, UrdfJoint], root: str) -> None:
+    """Require that each link's way up ends at the root.
+
+    Raises:
+        ValueError: some links carry one another.
+    """
+    hanging = {root}
+    for link in movers:
+        way: dict[str, None] = {}
+        while link not in hanging:
+            if link in way:
+                circle = [*way][[*way].index(link) :]
+                names = " and ".join(f"'{name}'" for name in circle[:3])
+                raise ValueError(f"its joints go in a circle: links {names} carry one another")
+            way[link] = None
+            link = movers[link].parent
+        hanging.update(way)
+
+
+def _resolved(joints: Sequence[UrdfJoint]) -> list[UrdfJoint]:
+    """Return the joints with mimics of joints that mimic none themselves.
+
+    Raises:
+        ValueError: a joint mimics itself, by way of others or not.
+    """
+    mimics = {joint.name: joint.mimic for joint in joints}
+    for name in mimics:
+        _resolve(name, mimics)
+    return [joint._replace(mimic=mimics[joint.name]) for joint in joints]
+
+
+def _resolve(name: str, mimics: dict[str, Mimic | None]) -> None:
+    """Replace the mimic of a joint, and of those that it leads to, by one of the last of them."""
+    chain: dict[str, Mimic] = {}
+    while (mimic := mimics.get(name)) is not None:
+        if name in chain:
+            others = [*chain][[*chain].index(name) + 1 :]
+            by_way = f", by way of '{others[0]}'" if others else ""
+            raise ValueError(f"joint '{name}' mimics itself{by_way}; remove a <mimic>")
+        chain[name] = mimic
+        name = mimic.joint
+    master = Mimic(name, 1.0, 0.0)
+    for follower, own in reversed(chain.items()):
+        ratio, offset = own.ratio * master.ratio, own.ratio * master.offset + own.offset
+        mimics[follower] = master = Mimic(name, ratio, offset)
 
 
 def _joint(element: ElementTree.Element, links: frozenset[str]) -> UrdfJoint:
@@ -149,8 +207,8 @@ def _joint(element: ElementTree.Element, links: frozenset[str]) -> UrdfJoint:
         parent=parent.get("link", ""),
         child=child.get("link", ""),
         kind=kind,
-        lower=-math.inf if lower is None else lower,
-        upper=math.inf if upper is None else upper,
+        lower=-math.inf if lower is None or lower <= -UNLIMITED else lower,
+        upper=math.inf if upper is None or upper >= UNLIMITED else upper,
         limited=limit is not None and not {"lower", "upper"}.isdisjoint(limit.keys()),
         mimic=_mimic(element.find("mimic")),
         origin=_origin(element),

@@ -225,7 +225,7 @@ class Recording:
                 "folder": str(self._urdf.parent.resolve()),
                 "singular_value": self._singular_value,
                 "couplings": {
-                    name: [coupling.follows, coupling.ratio]
+                    name: [coupling.follows, coupling.ratio, coupling.offset]
                     for name, coupling in self._robot.couplings.items()
                 },
                 "cameras": {

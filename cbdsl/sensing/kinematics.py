@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.robot.joints import Joints
-from cbdsl.robot.urdf import UrdfError, UrdfInertial, UrdfLink
+from cbdsl.robot.urdf import UNLIMITED, UrdfError, UrdfInertial, UrdfLink
 from cbdsl.robot.urdf_reader import read_urdf
 from cbdsl.sensing.forward import (
     JOINT,
@@ -106,14 +106,16 @@ class Kinematics:
         self._urdf, self.joints = urdf, Joints(robot)
         numbers = [model.getJointId(name) for name in self.joints.names]
         own = [model.joints[number].idx_q for number in numbers]
-        # A joint without end has two coordinates, of a point on the unit circle.
-        endless = np.array([model.joints[number].nq > 1 for number in numbers], dtype=bool)
-        self.endless: Booleans = endless
-        self.circular: Booleans = endless & ~self.joints.counted
-        self.lower: Floats = np.where(endless, -np.inf, model.lowerPositionLimit[own])
-        self.upper: Floats = np.where(endless, np.inf, model.upperPositionLimit[own])
+        circle = np.array([model.joints[number].nq > 1 for number in numbers], dtype=bool)
+        lower, upper = model.lowerPositionLimit[own], model.upperPositionLimit[own]
+        self.lower: Floats = np.where(circle | (lower <= -UNLIMITED), -np.inf, lower)
+        self.upper: Floats = np.where(circle | (upper >= UNLIMITED), np.inf, upper)
         self._model, self.positions = model, np.zeros(len(self.joints))
-        self.tree = _tree(model, self.joints)
+        self._still = self._resting()
+        self.tree = _tree(model, self.joints, self._still)
+        slides = self.tree["slides"][np.array(numbers, dtype=np.int64) - 1]
+        self.endless: Booleans = np.isinf(self.lower) & np.isinf(self.upper) & ~slides
+        self.circular: Booleans = self.endless & ~self.joints.counted
         self.frames = np.zeros((len(self.tree) + 1, 12))
         self.frames[0, [0, 4, 8]] = 1.0
         self.axes = np.zeros((len(self.tree), 3))
@@ -131,8 +133,23 @@ class Kinematics:
         self._needed: Integers = np.zeros(0, dtype=np.int64)
         # How many of them are placed in the newest posture, and in the other one; -1 of a new one.
         self._placed = self._other_placed = -1
-        self._weighing: tuple[Any, list[tuple[int, int]]] | None = None
+        self._weighing: tuple[Any, list[Any]] | None = None
         self.update(np.minimum(np.maximum(0.0, self.lower), self.upper))
+
+    def _resting(self) -> Floats:
+        """Return the model's configuration where all actuated joints are at 0.
+
+        Passive joints are at their offsets, and joints that nothing drives rest.
+        """
+        still: Floats = pinocchio.neutral(self._model)
+        joints = self.joints
+        others = set(self._model.names[1:]) - joints.index.keys()
+        rests = read_urdf(self._urdf).rests if others else {}
+        for name in (*joints.passive, *others & rests.keys()):
+            joint = self._model.joints[self._model.getJointId(name)]
+            offset = joints.offsets[joints.index[name]] if name in joints.index else rests[name]
+            _set_position(still, joint, float(offset))
+        return still
 
     def update(self, positions: Floats) -> None:
         """Set the actuated joint positions, rad, shape (n,)."""
@@ -247,16 +264,13 @@ class Kinematics:
         """
         if self._weighing is None:
             numbers = [self._model.getJointId(name) for name in self.joints.all]
-            columns = [self._model.joints[number] for number in numbers]
-            places = [(column.idx_q, column.nq) for column in columns]
-            self._weighing = self._model.createData(), places
-        data, places = self._weighing
-        posture = pinocchio.neutral(self._model)
-        for (place, size), position in zip(
-            places, self.joints.expand(self.positions).tolist(), strict=True
+            self._weighing = self._model.createData(), [self._model.joints[n] for n in numbers]
+        data, moving = self._weighing
+        posture = self._still.copy()
+        for joint, position in zip(
+            moving, self.joints.expand(self.positions).tolist(), strict=True
         ):
-            turn = (position,) if size == 1 else (math.cos(position), math.sin(position))
-            posture[place : place + size] = turn
+            _set_position(posture, joint, position)
         torques = pinocchio.computeGeneralizedGravity(self._model, data, posture)
         own = [self._model.joints[self._model.getJointId(n)].idx_v for n in self.joints.names]
         weight: Floats = torques[own]
@@ -328,18 +342,29 @@ class Kinematics:
         return index
 
 
-def _tree(model: Any, joints: Joints) -> Any:
-    """The moving joints of a Pinocchio model; those that are neither actuated nor coupled rest."""
+def _set_position(configuration: Floats, joint: Any, position: float) -> None:
+    """Set the position, rad or m, of a joint of Pinocchio in a configuration of its model."""
+    place, size = joint.idx_q, joint.nq
+    # A joint without end has two coordinates, of a point on the unit circle.
+    turn = (position,) if size == 1 else (math.cos(position), math.sin(position))
+    configuration[place : place + size] = turn
+
+
+def _tree(model: Any, joints: Joints, still: Floats) -> Any:
+    """Return the moving joints of a Pinocchio model.
+
+    Where a joint is in the configuration ``still`` is a part of its placement: offsets of passive
+    joints, and joints that nothing drives, cost no time.
+    """
     tree = np.zeros(model.njoints - 1, JOINT)
-    still = pinocchio.neutral(model)
+    at_rest = model.createData()
+    pinocchio.forwardKinematics(model, at_rest, still)
+    placements = at_rest.liMi
     for number in range(1, model.njoints):
-        joint, placement, row = (
-            model.joints[number],
-            model.jointPlacements[number],
-            tree[number - 1],
-        )
+        joint, row = model.joints[number], tree[number - 1]
         data = joint.createData()
         joint.calc(data, still[joint.idx_q : joint.idx_q + joint.nq])
+        placement = placements[number]
         subspace = np.asarray(data.S).ravel()
         row["slides"] = subspace[:3].any()
         row["axis"] = subspace[:3] if row["slides"] else subspace[3:]

@@ -121,14 +121,24 @@ def ends_of(rod: LinkShape) -> list[np.ndarray]:
     return [np.array(rod.position) + sign * rod.size[1] / 2 * axis for sign in (-1, 1)]
 
 
-def test_a_mimicking_joint_moves_with_the_one_it_follows() -> None:
+def test_read_links_of_a_coupled_joint_has_ratio_and_offset() -> None:
     text = """<robot name="pair"><link name="a"/><link name="b"/><link name="c"/>
     <joint name="ab" type="revolute"><parent link="a"/><child link="b"/><axis xyz="0 0 1"/>
       <limit lower="-1" upper="1" effort="1" velocity="1"/></joint>
     <joint name="bc" type="prismatic"><parent link="b"/><child link="c"/><axis xyz="1 0 0"/>
       <limit effort="1" velocity="1"/>
       <mimic joint="ab" multiplier="-2" offset="0.5"/></joint></robot>"""
-    links = read_links({"urdf": text, "folder": ".", "couplings": {}}, ["ab"])
-    last = links[-1]
+    coupled = {"urdf": text, "folder": ".", "couplings": {"bc": ["ab", -2, 0.5]}}
+    last = read_links(coupled, ["ab"])[-1]
     assert (last.name, last.motion, last.column) == ("c", "slide", 0)
     assert (last.ratio, last.offset) == (-2.0, 0.5)
+    before = {**coupled, "couplings": {"bc": ["ab", -2]}}
+    assert read_links(before, ["ab"])[-1].offset == 0.0
+
+
+def test_read_links_of_a_joint_that_nothing_drives_shows_it_at_rest() -> None:
+    text = """<robot name="pair"><link name="a"/><link name="b"/>
+    <joint name="ab" type="revolute"><parent link="a"/><child link="b"/><axis xyz="0 0 1"/>
+      <limit lower="0.5" upper="1" effort="1" velocity="1"/></joint></robot>"""
+    last = read_links({"urdf": text, "folder": ".", "couplings": {}}, [])[-1]
+    assert (last.column, last.offset) == (-1, 0.5)

@@ -80,17 +80,3 @@ def test_joints_that_follow_others_are_not_actuated() -> None:
     assert [joint.name for joint in gripper.joints] == ["drive_joint"]
     followers = [joint.mimic.joint for joint in model.joints.values() if joint.mimic]
     assert set(followers) == {"drive_joint"}
-
-
-def test_a_loop_of_joints_is_no_endless_walk(tmp_path: Path) -> None:
-    joint = (
-        '<joint name="{}" type="revolute"><parent link="{}"/><child link="{}"/>'
-        '<limit lower="-1" upper="1" effort="1" velocity="1"/></joint>'
-    )
-    joints = [joint.format("in", "a", "b"), joint.format("to", "b", "c")]
-    path = tmp_path / "loop.urdf"
-    links = "".join(f'<link name="{name}"/>' for name in "abc")
-    path.write_text(
-        f"<robot name='loop'>{links}{''.join(joints)}{joint.format('back', 'c', 'b')}</robot>"
-    )
-    assert all(chain.joints for chain in chains(read_urdf(path)))

@@ -87,16 +87,77 @@ def test_a_color_without_numbers_says_which(rgba: str, tmp_path: Path) -> None:
         assert read_urdf(path).bodies
 
 
-def test_a_loop_of_links_ends(tmp_path: Path) -> None:
+@pytest.mark.parametrize(
+    ("mimics", "mimic"),
+    [
+        ({"b": '"a" multiplier="2" offset="0.5"', "c": '"b" multiplier="3"'}, ("a", 6.0, 1.5)),
+        ({"b": '"c"', "c": '"a" multiplier="-1" offset="0.25"'}, ("a", -1.0, 0.25)),
+        ({"c": '"nowhere" offset="1"'}, ("nowhere", 1.0, 1.0)),
+    ],
+)
+def test_mimics_in_a_chain_follow_the_first(
+    mimics: dict[str, str], mimic: tuple[str, float, float], tmp_path: Path
+) -> None:
+    assert read_urdf(mimicking(mimics, tmp_path)).joints["c"].mimic == mimic
+
+
+@pytest.mark.parametrize(
+    ("mimics", "problem"),
+    [
+        ({"b": '"b"'}, "joint 'b' mimics itself; remove a <mimic>"),
+        ({"b": '"c"', "c": '"b"'}, "joint 'b' mimics itself, by way of 'c'"),
+        ({"a": '"b"', "b": '"c"', "c": '"b"'}, "joint 'b' mimics itself, by way of 'c'"),
+    ],
+)
+def test_mimics_in_a_circle_are_refused(
+    mimics: dict[str, str], problem: str, tmp_path: Path
+) -> None:
+    with pytest.raises(UrdfError, match=problem):
+        read_urdf(mimicking(mimics, tmp_path))
+
+
+def mimicking(mimics: dict[str, str], folder: Path) -> Path:
+    """Write a model of the joints a, b and c in a row, some of which mimic others."""
+    links = "".join(f'<link name="{name}"/>' for name in "xabc")
+    joints = [
+        JOINT.format(
+            name, "revolute", parent, name, LIMIT.format('lower="-9" upper="9"')
+            + (f"<mimic joint={mimics[name]}/>" if name in mimics else ""),
+        )
+        for parent, name in zip("xab", "abc", strict=True)
+    ]  # fmt: skip
+    return write(folder, links, *joints)
+
+
+@pytest.mark.parametrize("limit", ["1e308", "1e16", "1e6"])
+def test_limits_beyond_reason_are_none(limit: str, tmp_path: Path) -> None:
+    both = LIMIT.format(f'lower="-{limit}" upper="{limit}"')
+    one = LIMIT.format(f'lower="-1" upper="{limit}"')
     model = read_urdf(
         write(
             tmp_path,
             '<link name="a"/><link name="b"/><link name="c"/>',
-            JOINT.format("one", "revolute", "b", "c", LIMIT.format("")),
-            JOINT.format("two", "revolute", "c", "b", LIMIT.format("")),
+            JOINT.format("both", "revolute", "a", "b", both),
+            JOINT.format("one", "prismatic", "b", "c", one),
         )
     )
-    assert set(model.above("b")) == {"one", "two"}
+    both_ways, one_way = model.joints["both"], model.joints["one"]
+    assert both_ways.endless and (both_ways.lower, both_ways.upper) == (-math.inf, math.inf)
+    assert not one_way.endless and (one_way.lower, one_way.upper) == (-1.0, math.inf)
+
+
+@pytest.mark.parametrize(
+    ("limits", "rest"), [((-1, 2), 0.0), ((0.6, 2), 0.6), ((-2, -0.5), -0.5), ((2, 1), 0.0)]
+)
+def test_rest_of_a_joint_is_nearest_to_zero(
+    limits: tuple[float, float], rest: float, tmp_path: Path
+) -> None:
+    limit = LIMIT.format(f'lower="{limits[0]}" upper="{limits[1]}"')
+    follower = LIMIT.format('lower="-1" upper="1"') + '<mimic joint="a" multiplier="-3"/>'
+    joints = JOINT.format("a", "revolute", "b", "c", limit)
+    joints += JOINT.format("d", "revolute", "c", "e", follower)
+    model = read_urdf(write(tmp_path, '<link name="b"/><link name="c"/><link name="e"/>', joints))
+    assert model.rests == {"a": rest, "d": min(max(-3 * rest, -1), 1)}
 
 
 def test_the_shipped_model() -> None:
@@ -121,6 +182,24 @@ def test_the_shipped_model() -> None:
             "link 'b' has the mass -2, which is below 0",
         ),
         (LINKS + "<joint name='a' type='fixed'/></robot>", "'a' has no parent"),
+        (
+            LINKS
+            + "<link name='d'/>"
+            + JOINT.format("1", "fixed", "b", "c", "")
+            + JOINT.format("2", "fixed", "b", "d", "")
+            + JOINT.format("3", "fixed", "d", "c", "")
+            + "</robot>",
+            "its link 'c' is moved by two joints, '1' and '3'",
+        ),
+        (LINKS + JOINT.format("1", "fixed", "c", "c", "") + "</robot>", "links 'c' carry one"),
+        (
+            LINKS
+            + "<link name='d'/>"
+            + JOINT.format("1", "fixed", "d", "c", "")
+            + JOINT.format("2", "fixed", "c", "d", "")
+            + "</robot>",
+            "joints go in a circle: links 'c' and 'd' carry one another",
+        ),
         (LINKS + "<joint type='fixed'/></robot>", "joints has no name"),
         (LINKS + JOINT.format("a", "fixed", "b", "d", "") + "</robot>", "link 'd'"),
         (

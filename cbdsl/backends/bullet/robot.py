@@ -70,6 +70,12 @@ class BulletRobot:
         self._actuated = self._indices[: len(joints)]
         self._follows = [joints.index[each.follows] for each in robot.couplings.values()]
         self._ratios = np.array([each.ratio for each in robot.couplings.values()])
+        self._offsets = joints.offsets[len(joints) :]
+        self._resting = {
+            numbers[name]: position
+            for name, position in model.rests.items()
+            if name not in joints.index
+        }
         simulation = robot.simulation
         limits = [model.joints[name] for name in joints.all]
         self._efforts = [
@@ -117,7 +123,22 @@ class BulletRobot:
                 )
 
     def place(self, positions: Floats) -> None:
-        """Put the actuated joints at ``positions``, rad, shape (n,), at rest; couplings follow."""
+        """Put the actuated joints at ``positions``, rad, shape (n,), at rest; couplings follow.
+
+        Joints that the robot file does not name are held where they rest.
+        """
+        for index, position in self._resting.items():
+            p.resetJointState(self.id, index, position, 0.0, physicsClientId=self._client)
+            p.setJointMotorControl2(
+                self.id,
+                index,
+                p.POSITION_CONTROL,
+                targetPosition=position,
+                positionGain=self._gains[0],
+                velocityGain=self._gains[1],
+                force=_STRONGEST,
+                physicsClientId=self._client,
+            )
         for index, angle in zip(self._indices, self._joints.expand(positions), strict=True):
             p.resetJointState(self.id, index, float(angle), 0.0, physicsClientId=self._client)
 
@@ -129,7 +150,7 @@ class BulletRobot:
         """
         states = p.getJointStates(self.id, self._indices, physicsClientId=self._client)
         positions = np.array([state[0] for state in states])
-        wanted = np.concatenate((targets, self._ratios * positions[self._follows]))
+        wanted = np.concatenate((targets, self._ratios * positions[self._follows] + self._offsets))
         least, most = positions - self._largest_error, positions + self._largest_error
         ones = [1.0] * len(wanted)
         p.setJointMotorControlArray(

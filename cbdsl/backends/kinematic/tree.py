@@ -11,6 +11,7 @@ from collections.abc import Iterator, Mapping
 import numpy as np
 from numpy.typing import NDArray
 
+from cbdsl.backends.staging.displacement import displacement
 from cbdsl.backends.staging.pose import Pose
 from cbdsl.numeric.compiled import compiled_once
 from cbdsl.numeric.vector import copy, dot
@@ -46,7 +47,7 @@ class Tree:
         # A passive joint follows one actuated joint, and an actuated one itself.
         columns = np.argmax(np.abs(ratios), axis=1)
         follows = np.column_stack((parents, columns))
-        poses = [Pose.at(joint.origin) for joint in ordered]
+        poses = [Pose.at(joint.origin) @ _still(joint, joints, model) for joint in ordered]
         parts = np.array(
             [
                 [*pose.rotation.ravel(), *pose.position, *_axis(joint), ratio, joint.slides]
@@ -82,9 +83,17 @@ def _ratios(joint: str, joints: Joints) -> Floats:
     return np.zeros(len(joints)) if row is None else joints.expansion[row]
 
 
+def _still(joint: UrdfJoint, joints: Joints, model: UrdfModel) -> Pose:
+    """Return a joint's displacement where all actuated joints are at 0."""
+    row = joints.index.get(joint.name)
+    at = model.rests.get(joint.name, 0.0) if row is None else float(joints.offsets[row])
+    return displacement(joint, at)
+
+
 def _axis(joint: UrdfJoint) -> Floats:
     axis = np.array(joint.axis)
-    unit: Floats = axis / np.linalg.norm(axis)
+    # The axis of a fixed joint means nothing, and is 0 in some models.
+    unit: Floats = axis / (np.linalg.norm(axis) or 1.0)
     return unit
 
 

@@ -13,10 +13,11 @@ from numpy.typing import NDArray
 from cbdsl.backends.backend import BackendError
 from cbdsl.backends.mujoco.contact import ContactSettings
 from cbdsl.backends.mujoco.geometry import add_shape
+from cbdsl.backends.staging.displacement import displacement
 from cbdsl.backends.staging.links import matching_links
 from cbdsl.backends.staging.pose import Pose
 from cbdsl.backends.staging.scenario import GRAVITY
-from cbdsl.documents.robot import MujocoSection, RobotDocument
+from cbdsl.documents.robot import Coupling, MujocoSection, RobotDocument
 from cbdsl.robot.joints import Joints
 from cbdsl.robot.urdf import UrdfInertial, UrdfJoint, UrdfModel
 
@@ -36,8 +37,8 @@ _JOINTS = {
 def make_robot_spec(robot: RobotDocument, model: UrdfModel, timestep: float) -> Any:
     """A robot in an otherwise empty world; servos and sensors are left to others.
 
-    A joint that the robot file does not name stays at 0. Coupled joints follow theirs by an
-    equality constraint.
+    A joint that the robot file does not name rests, as near to 0 as its limits allow. Coupled
+    joints follow theirs by an equality constraint.
 
     Args:
         robot: names joints and surfaces.
@@ -54,7 +55,7 @@ def make_robot_spec(robot: RobotDocument, model: UrdfModel, timestep: float) -> 
     for first, second in sorted(_without_contact(robot, model)):
         spec.add_exclude(bodyname1=body_name(first), bodyname2=body_name(second))
     for passive, coupling in robot.couplings.items():
-        _couple(spec, passive, coupling.follows, coupling.ratio)
+        _couple(spec, passive, coupling)
     return spec
 
 
@@ -110,10 +111,13 @@ class _Links:
 
     def _hang(self, parent: Any, joint: UrdfJoint) -> Any:
         """The body that hangs on a joint."""
+        is_driven = joint.name in self._joints.index
         pose = Pose.at(joint.origin)
+        if joint.movable and not is_driven:
+            pose = pose @ displacement(joint, self._model.rests[joint.name])
         name = body_name(joint.child)
         child = parent.add_body(name=name, pos=pose.position, quat=wxyz(pose))
-        if joint.name in self._joints.index:
+        if is_driven:
             moved = child.add_joint(name=joint.name, type=_JOINTS[joint.kind], axis=joint.axis)
             moved.limited = mj.mjtLimited.mjLIMITED_FALSE
             if math.isfinite(joint.upper - joint.lower):
@@ -167,11 +171,14 @@ def _without_contact(robot: RobotDocument, model: UrdfModel) -> set[tuple[str, s
     return pairs
 
 
-def _couple(spec: Any, passive: str, follows: str, ratio: float) -> None:
+def _couple(spec: Any, passive: str, coupling: Coupling) -> None:
     """Let a joint follow another one, as stiffly as the timestep allows."""
     equality = spec.add_equality(
-        type=mj.mjtEq.mjEQ_JOINT, objtype=mj.mjtObj.mjOBJ_JOINT, name1=passive, name2=follows
+        type=mj.mjtEq.mjEQ_JOINT,
+        objtype=mj.mjtObj.mjOBJ_JOINT,
+        name1=passive,
+        name2=coupling.follows,
     )
-    equality.data[:5] = [0.0, ratio, 0.0, 0.0, 0.0]
+    equality.data[:5] = [coupling.offset, coupling.ratio, 0.0, 0.0, 0.0]
     equality.solref = [2 * spec.option.timestep, 1.0]
     equality.solimp = [0.99, 0.999, 0.001, 0.5, 2.0]

@@ -46,6 +46,7 @@ def _model(robot: RobotDocument, urdf: Path) -> Mapping[str, object]:
         "urdf": urdf.read_text("utf-8", errors="replace"),
         "folder": str(urdf.parent.resolve()),
         "couplings": {
-            name: [coupling.follows, coupling.ratio] for name, coupling in robot.couplings.items()
+            name: [coupling.follows, coupling.ratio, coupling.offset]
+            for name, coupling in robot.couplings.items()
         },
     }
