@@ -217,13 +217,13 @@ class _Template:
             raise UsageError(f"{there} is there; --force replaces it")
         template = Path(__file__).parent / "templates" / f"{self._word}.yaml.template"
         text = Template(template.read_text("utf-8"))
-        schema = _schema(self._word, self._folder)
+        editors = _editor_line(self._word, self._folder)
         try:
             self._folder.mkdir(parents=True, exist_ok=True)
             for path, contents in files.items():
                 path.parent.mkdir(parents=True, exist_ok=True)
                 write_bytes(contents, path)
-            write_text(text.substitute(values, name=self._name, schema=schema), file)
+            write_text(text.substitute(values, name=self._name, editors=editors), file)
         except OSError as error:
             raise UsageError(f"{file}: {reason(error)}") from error
         for path in (*(each for each in files if each.suffix == ".urdf"), file):
@@ -246,16 +246,18 @@ def _require_name(name: str) -> None:
         )
 
 
-def _schema(word: str, folder: Path) -> str:
-    """The path of a kind's schema from a folder: the nearest above it, or the shipped one."""
+def _editor_line(word: str, folder: Path) -> str:
+    """Return the comment that leads editors to a kind's schema, or says how to get one.
+
+    Only a folder ``schemas`` above the document is named: a path into the installed package would
+    be wrong on every other machine.
+    """
     import os
 
     from cbdsl.documents.json_schema import schema_file
-    from cbdsl.yaml_text.library import shipped
 
-    here = folder.resolve()
-    roots = (*here.parents, shipped())
-    files = (root / "schemas" / schema_file(word) for root in roots)
-    nearest = next((file for file in files if file.is_file()), None)
-    target = nearest or shipped() / "schemas" / schema_file(word)
-    return Path(os.path.relpath(target, here)).as_posix()
+    here, file = folder.resolve(), Path("schemas") / schema_file(word)
+    nearest = next((root / file for root in here.parents if (root / file).is_file()), None)
+    if nearest is not None:
+        return f"# yaml-language-server: $schema={Path(os.path.relpath(nearest, here)).as_posix()}"
+    return "# Editors complete this with cb lsp, or with the files of cb schema --write schemas."

@@ -16,7 +16,7 @@ from cbdsl.documents.robot import RobotDocument
 from cbdsl.documents.stage import StageDocument
 from cbdsl.robot.ready_posture import ReadyPosture
 from cbdsl.robot.urdf_reader import read_urdf
-from cbdsl.yaml_text.library import Library
+from cbdsl.yaml_text.library import Library, shipped
 from tests.cli.test_main import cb
 from tests.robot.test_chains import MODELS
 
@@ -44,7 +44,7 @@ def test_robots_of_any_model_and_their_programs_and_stages_are_clean(
         each.code
         for path in folder.rglob("*.yaml")
         for each in check_document(path, session=session)
-    } <= {"CB741", "CB742", "CB743"}
+    } <= {"CB741", "CB742", "CB743", "CB744", "CB746", "CB747"}
     program = check_program(folder / "programs" / "move.yaml", {}, Library(folder))
     assert (program.robot, program.stage) == ("fresh", "desk")
 
@@ -239,3 +239,24 @@ def test_on_a_made_stage_only_what_is_shown_is_seen(
     where = ("--stage", "bench", "--context", context, "--backend", "kinematic")
     assert cb(monkeypatch, "run", "searchtrack", *where) == 0
     assert f" {outcome} after" in capsys.readouterr().out
+
+
+@pytest.mark.parametrize("schemas", [False, True])
+def test_new_documents_name_no_file_outside_of_their_project(
+    schemas: bool, folder: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    if schemas:
+        cb(monkeypatch, "schema", "--write", "schemas")
+    model = folder / "arm.urdf"
+    model.write_bytes((shipped() / "robots" / "sixaxis.urdf").read_bytes())
+    assert cb(monkeypatch, "new", "robot", "fresh", "--urdf", str(model)) == 0
+    assert cb(monkeypatch, "new", "stage", "desk", "--robot", "fresh") == 0
+    assert cb(monkeypatch, "new", "program", "move", "--robot", "fresh") == 0
+    for path in folder.rglob("*.yaml"):
+        text = path.read_text("utf-8")
+        first, *rest = text.splitlines()
+        named = re.findall(r"(?:\.\./|docs/)[\w./-]+", text)
+        assert all((path.parent / file).resolve().is_relative_to(folder) for file in named)
+        assert all((path.parent / file).is_file() for file in named)
+        assert first.startswith("# yaml-language-server: $schema=") == schemas
+        assert rest[0] == "cbdsl: 1" or rest[1] == "cbdsl: 1"

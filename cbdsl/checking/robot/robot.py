@@ -12,6 +12,7 @@ from cbdsl.checking.robot.beyond_reason import check_meshes, check_speeds, note_
 from cbdsl.checking.robot.checked_robot import CheckedRobot
 from cbdsl.checking.robot.constants import check_constants, check_margins
 from cbdsl.checking.robot.limits import is_of_another_kind, limit_details, unit_of
+from cbdsl.checking.robot.model_agreement import check_bodies, check_mimics, note_rests
 from cbdsl.checking.robot.names import check_names
 from cbdsl.checking.robot.settings import check_settings
 from cbdsl.documents.robot import Effector, RobotDocument
@@ -55,8 +56,11 @@ def examine_robot(loaded: Loaded[RobotDocument], findings: Findings) -> CheckedR
         _ModelCheck(body, findings, model).all()
         check_margins(loaded, model, findings)
         check_meshes(loaded, model, findings)
+        check_bodies(loaded, model, findings)
         if not findings.failed:
+            check_mimics(loaded, model, findings)
             note_assumptions(loaded, model, findings)
+            note_rests(loaded, model, findings)
     return body
 
 

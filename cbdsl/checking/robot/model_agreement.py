@@ -1,0 +1,88 @@
+"""Checks of a robot's model: passive joints, joints at rest, and bodies that cannot be."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+
+from cbdsl.checking.findings import Findings
+from cbdsl.documents.robot import Coupling, RobotDocument
+from cbdsl.errors.counting import some
+from cbdsl.robot.plausibility import flat_shapes, odd_inertias
+from cbdsl.robot.urdf import Mimic, UrdfError, UrdfJoint, UrdfModel
+from cbdsl.yaml_text.loaded import Loaded
+
+
+def check_mimics(loaded: Loaded[RobotDocument], model: UrdfModel, findings: Findings) -> None:
+    """Warn of joints that the model has follow another one than the document, or otherwise."""
+    robot, source = loaded.document, loaded.source
+    actuated = {joint for effector in robot.effectors.values() for joint in effector.joints}
+    for joint in model.joints.values():
+        mimic, coupling = joint.mimic, robot.couplings.get(joint.name)
+        if mimic is None or joint.name in actuated or _agree(mimic, coupling):
+            continue
+        if coupling is None and mimic.joint not in actuated:
+            continue
+        here = "has no coupling" if coupling is None else f"its coupling says {_text(coupling)}"
+        place = source.place("model") if coupling is None else source.key("couplings", joint.name)
+        findings.add(
+            "CB745", place, joint=joint.name, model=model.path.name, said=_said(mimic), here=here
+        )
+
+
+def _agree(mimic: Mimic, coupling: Coupling | None) -> bool:
+    return (
+        coupling is not None
+        and coupling.follows == mimic.joint
+        and math.isclose(coupling.ratio, mimic.ratio, rel_tol=1e-3, abs_tol=1e-6)
+        and math.isclose(coupling.offset, mimic.offset, rel_tol=1e-3, abs_tol=1e-4)
+    )
+
+
+def _said(mimic: Mimic) -> str:
+    return f"'{mimic.joint}' at ratio {mimic.ratio:g}{_shift(mimic.offset)}"
+
+
+def _text(coupling: Coupling) -> str:
+    return f"'{coupling.follows}' at ratio {coupling.ratio:g}{_shift(coupling.offset)}"
+
+
+def _shift(offset: float) -> str:
+    return f" and offset {offset:g}" if offset else ""
+
+
+def note_rests(loaded: Loaded[RobotDocument], model: UrdfModel, findings: Findings) -> None:
+    """Tell of joints that nothing drives, and that do not rest at 0."""
+    robot = loaded.document
+    driven = {joint for effector in robot.effectors.values() for joint in effector.joints}
+    driven.update(robot.couplings)
+    resting = [
+        f"{name} at {_position(model.joints[name], position)}"
+        for name, position in model.rests.items()
+        if position and name not in driven
+    ]
+    if resting:
+        place = loaded.source.place("model")
+        findings.add("CB744", place, model=model.path.name, joints=some(resting))
+
+
+def _position(joint: UrdfJoint, position: float) -> str:
+    return f"{position:g} {'m' if joint.slides else 'rad'}"
+
+
+def check_bodies(loaded: Loaded[RobotDocument], model: UrdfModel, findings: Findings) -> None:
+    """Warn of links with moments of inertia, or shapes, that no body has."""
+    place = loaded.source.place("model")
+    try:
+        inertias, flat = [*odd_inertias(model)], [*flat_shapes(model)]
+    except UrdfError as error:
+        findings.add("CB301", place, names=[], given=loaded.document.model, problem=str(error))
+        return
+    for code, links in (("CB746", inertias), ("CB747", flat)):
+        if links:
+            findings.add(code, place, model=model.path.name, links=some([*_lines(links)]))
+
+
+def _lines(links: Sequence[tuple[str, str]]) -> Iterator[str]:
+    for name, reason in links:
+        yield f"'{name}' {reason}"

@@ -1,0 +1,100 @@
+"""Masses, moments of inertia and shapes of a model that no body can have."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+
+from cbdsl.robot.urdf import Numbers, UrdfInertial, UrdfLink, UrdfModel, UrdfShape
+
+# Share of the largest principal moment by which rounding may break the bounds on the others.
+_ROUNDING = 0.02
+# Radius of gyration, m, that no link of a robot has, as moments in kg mm^2 give.
+_LARGEST = 20.0
+# Moments beyond this, kg m^2, are no numbers to compute with.
+_MOST = 1e100
+
+
+def odd_inertias(model: UrdfModel) -> Iterator[tuple[str, str]]:
+    """Yield links whose moments of inertia no rigid body has, each with the reason.
+
+    The principal moments of a body are positive, and none exceeds the sum of the other two: each
+    is the integral of the squared distance from an axis. Links fixed to others, and links without
+    mass, may have none.
+
+    Raises:
+        UrdfError: a link has something else where numbers should be.
+    """
+    moved = {joint.child for joint in model.joints.values() if not joint.fixed}
+    for name, link in model.bodies.items():
+        if link.inertial is not None and link.inertial.mass > 0.0:
+            reason = _oddness(link.inertial, name in moved)
+            if reason:
+                yield name, reason
+
+
+def _oddness(inertial: UrdfInertial, moved: bool) -> str:
+    """Return the reason why moments of inertia are none of a body; empty where they are."""
+    if not any(inertial.inertia):
+        return f"a mass of {inertial.mass:g} kg and no moment of inertia" if moved else ""
+    if max(map(abs, inertial.inertia)) > _MOST:
+        return f"a moment of inertia beyond {_MOST:g} kg m^2"
+    least, middle, most = principal_moments(inertial.inertia)
+    if least < -_ROUNDING * abs(most) or most <= 0.0:
+        return f"a principal moment of inertia of {least:.3g} kg m^2"
+    if most > (1.0 + _ROUNDING) * (least + middle):
+        return (
+            f"a principal moment of inertia of {most:.3g} kg m^2, "
+            f"more than the sum of the others, {least + middle:.3g} kg m^2"
+        )
+    radius = math.sqrt(most / inertial.mass)
+    return f"a radius of gyration of {radius:.3g} m" if radius > _LARGEST else ""
+
+
+def principal_moments(inertia: Numbers) -> tuple[float, float, float]:
+    """Return the eigenvalues of a matrix of inertia, the smallest first.
+
+    In closed form (Smith 1961): shifted by its mean and scaled, a symmetric matrix of three rows
+    has the eigenvalues 2 cos(angle + 2 k pi / 3), with cos(3 angle) half its determinant. So
+    documents are checked without NumPy, which the base installation lacks.
+
+    Args:
+        inertia: xx, yy, zz, xy, xz and yz, kg m^2.
+    """
+    xx, yy, zz, xy, xz, yz = inertia
+    mean = (xx + yy + zz) / 3.0
+    scale = math.sqrt(
+        ((xx - mean) ** 2 + (yy - mean) ** 2 + (zz - mean) ** 2) / 6.0
+        + (xy**2 + xz**2 + yz**2) / 3.0
+    )
+    if scale == 0.0:
+        return mean, mean, mean
+    a, b, c = ((each - mean) / scale for each in (xx, yy, zz))
+    d, e, f = xy / scale, xz / scale, yz / scale
+    determinant = a * (b * c - f * f) - d * (d * c - f * e) + e * (d * f - b * e)
+    angle = math.acos(min(max(determinant / 2.0, -1.0), 1.0)) / 3.0
+    most = mean + 2.0 * scale * math.cos(angle)
+    least = mean + 2.0 * scale * math.cos(angle + 2.0 * math.pi / 3.0)
+    return least, 3.0 * mean - most - least, most
+
+
+def flat_shapes(model: UrdfModel) -> Iterator[tuple[str, str]]:
+    """Yield links with a shape that has no volume, each with the shape.
+
+    Raises:
+        UrdfError: a link has something else where numbers should be.
+    """
+    for name, link in model.bodies.items():
+        shape = next(_flat(link), None)
+        if shape is not None:
+            size = " ".join(f"{extent:g}" for extent in shape.size)
+            kind = "scaled mesh" if shape.kind == "mesh" else shape.kind
+            yield name, f"a {kind} of size {size}"
+
+
+def _flat(link: UrdfLink) -> Iterator[UrdfShape]:
+    for shape in (*link.collisions, *link.visuals):
+        # A negative scale mirrors a mesh.
+        extents = map(abs, shape.size) if shape.kind == "mesh" else shape.size
+        if any(extent <= 0.0 for extent in extents):
+            yield shape
