@@ -81,6 +81,11 @@ class Coupling(Section):
     offset: Coordinate = 0.0
     """Position of the passive joint where the actuated one is at 0."""
 
+    @property
+    def recorded(self) -> list[str | float]:
+        """The coupling as recordings have it: joint, ratio, and the offset unless it is 0."""
+        return [self.follows, self.ratio, *([self.offset] if self.offset else [])]
+
 
 def _require_direction(vector: Vector) -> Vector:
     if not any(vector):

@@ -105,7 +105,6 @@ def _driven(
     if joint.name in joints:
         return joints.index(joint.name), 1.0, 0.0
     if joint.name in couplings:
-        # Recordings of version 1 have no offset.
         follows, ratio, *offset = couplings[joint.name]
         return joints.index(follows), float(ratio), float(*offset)
     return -1, 1.0, rest

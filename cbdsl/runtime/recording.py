@@ -225,8 +225,7 @@ class Recording:
                 "folder": str(self._urdf.parent.resolve()),
                 "singular_value": self._singular_value,
                 "couplings": {
-                    name: [coupling.follows, coupling.ratio, coupling.offset]
-                    for name, coupling in self._robot.couplings.items()
+                    name: coupling.recorded for name, coupling in self._robot.couplings.items()
                 },
                 "cameras": {
                     name: camera.model_dump(mode="json")

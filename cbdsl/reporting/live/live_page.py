@@ -45,8 +45,5 @@ def _model(robot: RobotDocument, urdf: Path) -> Mapping[str, object]:
     return {
         "urdf": urdf.read_text("utf-8", errors="replace"),
         "folder": str(urdf.parent.resolve()),
-        "couplings": {
-            name: [coupling.follows, coupling.ratio, coupling.offset]
-            for name, coupling in robot.couplings.items()
-        },
+        "couplings": {name: coupling.recorded for name, coupling in robot.couplings.items()},
     }
