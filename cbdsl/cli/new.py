@@ -184,6 +184,8 @@ class _Template:
         _require_name(name)
         self._word, self._name = word, name
         self._folder = _folder(kind, to)
+        # Where the project of the document is, as far as it is known.
+        self._root = Path() if to is None else self._folder
 
     def write(
         self,
@@ -203,6 +205,7 @@ class _Template:
         Raises:
             UsageError: something is there already, or cannot be written.
         """
+        import os
         from string import Template
 
         from cbdsl.cli.findings import check_paths
@@ -217,16 +220,17 @@ class _Template:
             raise UsageError(f"{there} is there; --force replaces it")
         template = Path(__file__).parent / "templates" / f"{self._word}.yaml.template"
         text = Template(template.read_text("utf-8"))
-        editors = _editor_line(self._word, self._folder)
+        schema, generated = _schema(self._word, self._folder, self._root)
+        line = Path(os.path.relpath(schema, self._folder)).as_posix()
         try:
             self._folder.mkdir(parents=True, exist_ok=True)
-            for path, contents in files.items():
+            for path, contents in {**files, **generated}.items():
                 path.parent.mkdir(parents=True, exist_ok=True)
                 write_bytes(contents, path)
-            write_text(text.substitute(values, name=self._name, editors=editors), file)
+            write_text(text.substitute(values, name=self._name, schema=line), file)
         except OSError as error:
             raise UsageError(f"{file}: {reason(error)}") from error
-        for path in (*(each for each in files if each.suffix == ".urdf"), file):
+        for path in (*(each for each in files if each.suffix == ".urdf"), *generated, file):
             print(f"wrote {path}", flush=True)
         for remark in remarks:
             print_problem(remark)
@@ -246,18 +250,25 @@ def _require_name(name: str) -> None:
         )
 
 
-def _editor_line(word: str, folder: Path) -> str:
-    """Return the comment that leads editors to a kind's schema, or says how to get one.
+def _schema(word: str, folder: Path, root: Path) -> tuple[Path, dict[Path, bytes]]:
+    """Return the schema of a kind for documents of a folder, and the file to write for it.
 
-    Only a folder ``schemas`` above the document is named: a path into the installed package would
-    be wrong on every other machine.
+    The file is that of the nearest folder ``schemas`` above the documents. Where there is none, it
+    is written to the project, since a path into the installed package would be wrong elsewhere.
+
+    Args:
+        word: Name of the kind.
+        folder: Folder of the document.
+        root: Folder of its project.
     """
-    import os
-
-    from cbdsl.documents.json_schema import schema_file
+    from cbdsl.documents.json_schema import json_schema, json_text, schema_file
+    from cbdsl.documents.kinds import KINDS
 
     here, file = folder.resolve(), Path("schemas") / schema_file(word)
-    nearest = next((root / file for root in here.parents if (root / file).is_file()), None)
+    nearest = next(
+        (above / file for above in (here, *here.parents) if (above / file).is_file()), None
+    )
     if nearest is not None:
-        return f"# yaml-language-server: $schema={Path(os.path.relpath(nearest, here)).as_posix()}"
-    return "# Editors complete this with cb lsp, or with the files of cb schema --write schemas."
+        return nearest, {}
+    text = json_text(json_schema(KINDS.get(word).model))
+    return root / file, {root / file: text.encode()}

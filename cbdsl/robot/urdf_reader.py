@@ -264,6 +264,8 @@ def _not_numbers(element: ElementTree.Element) -> Iterator[str]:
             count = _COUNTS.get(key)
             if key == "value" and inner.tag != "mass":
                 continue  # of an extension, which may be any word
+            if key == "scale" and _are_numbers(text, 4):
+                continue  # a public model has the fourth of homogeneous coordinates, too
             if count is not None and not _are_numbers(text, count):
                 wanted = "a number" if count == 1 else "three numbers with spaces between them"
                 yield f'has {key}="{text}", which should be {wanted}'
@@ -322,7 +324,7 @@ def _shapes(
             if geometry.tag in _SIZES:
                 kind, keys = _SIZES[geometry.tag]
                 size = " ".join(geometry.get(key, unsaid) for key, unsaid in keys.items())
-                yield UrdfShape(kind, _numbers(size), _origin(element), color, file)
+                yield UrdfShape(kind, _numbers(size)[:3], _origin(element), color, file)
 
 
 _SIZES = {
