@@ -46,7 +46,7 @@ def placement(rotation: Floats, position: Floats) -> Floats:
 
 def by_pinocchio(robot: RobotDocument, model: UrdfModel) -> Placing:
     """Return Pinocchio's placements, in which mimicking joints follow others."""
-    import pinocchio
+    import pinocchio  # noqa: TID251 (the judge, not the robot)
 
     from cbdsl.robot.joints import Joints
 
@@ -102,7 +102,7 @@ def by_tree(robot: RobotDocument, model: UrdfModel) -> Placing:
 
 def by_mujoco(robot: RobotDocument, model: UrdfModel) -> Placing:
     """Return placements of the engine ``mujoco``."""
-    import mujoco
+    import mujoco  # noqa: TID251 (the judge, not the robot)
 
     from cbdsl.backends.mujoco.robot_spec import body_name, compile_spec, make_robot_spec
     from cbdsl.robot.joints import Joints
@@ -125,7 +125,7 @@ def by_mujoco(robot: RobotDocument, model: UrdfModel) -> Placing:
 
 def by_bullet(robot: RobotDocument, model: UrdfModel) -> Placing:
     """Return placements of the engine ``bullet``."""
-    import pybullet
+    import pybullet  # noqa: TID251 (the judge, not the robot)
 
     from cbdsl.backends.bullet.robot import BulletRobot
 
