@@ -26,7 +26,7 @@ def check_mimics(loaded: Loaded[RobotDocument], model: UrdfModel, findings: Find
         here = "has no coupling" if coupling is None else f"its coupling says {_text(coupling)}"
         place = source.place("model") if coupling is None else source.key("couplings", joint.name)
         findings.add(
-            "CB745", place, joint=joint.name, model=model.path.name, said=_said(mimic), here=here
+            "CB745", place, joint=joint.name, model=model.path.name, declared=_mimicry(mimic), here=here
         )
 
 
@@ -39,7 +39,7 @@ def _agree(mimic: Mimic, coupling: Coupling | None) -> bool:
     )
 
 
-def _said(mimic: Mimic) -> str:
+def _mimicry(mimic: Mimic) -> str:
     return f"'{mimic.joint}' at ratio {mimic.ratio:g}{_shift(mimic.offset)}"
 
 
@@ -52,7 +52,7 @@ def _shift(offset: float) -> str:
 
 
 def note_rests(loaded: Loaded[RobotDocument], model: UrdfModel, findings: Findings) -> None:
-    """Tell of joints that nothing drives, and that do not rest at 0."""
+    """Note joints that nothing drives, and that do not rest at 0."""
     robot = loaded.document
     driven = {joint for effector in robot.effectors.values() for joint in effector.joints}
     driven.update(robot.couplings)
