@@ -25,9 +25,8 @@ def check_mimics(loaded: Loaded[RobotDocument], model: UrdfModel, findings: Find
             continue
         here = "has no coupling" if coupling is None else f"its coupling says {_text(coupling)}"
         place = source.place("model") if coupling is None else source.key("couplings", joint.name)
-        findings.add(
-            "CB745", place, joint=joint.name, model=model.path.name, declared=_mimicry(mimic), here=here
-        )
+        details = {"joint": joint.name, "declared": _mimicry(mimic), "here": here}
+        findings.add("CB745", place, model=model.path.name, **details)
 
 
 def _agree(mimic: Mimic, coupling: Coupling | None) -> bool:
