@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 #: Command by command, the module that defines a function or an app of the same name.
 COMMANDS = (
     "validate", "list", "run", "explain", "show", "reproduce", "new", "schema", "replay", "learn",
-    "explore", "report", "calibrate", "lsp", "fmt", "export",
+    "explore", "report", "calibrate", "lsp", "fmt", "export", "warm",
 )  # fmt: skip
 
 

@@ -22,7 +22,7 @@ def require_room(target: Path) -> None:
         make_room(target)
 
 
-def write_page(text: str, target: Path) -> None:
+def write_page(text: str, target: Path, *, tells: bool = True) -> None:
     """Write a page, and print where it is.
 
     Raises:
@@ -32,7 +32,8 @@ def write_page(text: str, target: Path) -> None:
 
     with _writing(target):
         write_text(text, target)
-    print(f"{target}: {len(text.encode()) / 1e6:.1f} MB")
+    if tells:
+        print(f"{target}: {len(text.encode()) / 1e6:.1f} MB")
 
 
 @contextmanager

@@ -58,6 +58,10 @@ Record = Annotated[
 Overwrite = Annotated[
     bool, typer.Option("--overwrite", help="Let --record replace recordings of the same seeds.")
 ]
+Page = Annotated[
+    Path | None,
+    typer.Option("--page", help="File for a page of the episode (.html), which opens offline."),
+]
 Explain = Annotated[
     bool,
     typer.Option(
@@ -111,6 +115,7 @@ def run(
     gui: Gui = False,
     record: Record = None,
     overwrite: Overwrite = False,
+    page: Page = None,
     explain: Explain = False,
     as_json: Json = False,
     live: Live = False,
@@ -130,6 +135,7 @@ def run(
     """
     from cbdsl.api.run_request import read_request
     from cbdsl.cli.assignments import read_assignments
+    from cbdsl.cli.episode_page import recorded_for, require_page
     from cbdsl.cli.live import live_options, live_page
     from cbdsl.cli.native_output import shown_on_failure
     from cbdsl.cli.notes import notes
@@ -138,18 +144,17 @@ def run(
     from cbdsl.cli.termination import termination_interrupts
     from cbdsl.errors.errors import UsageError
 
-    if explain and as_json:
-        raise UsageError("--explain tells people and --json tells scripts: choose one")
     if overwrite and record is None:
         raise UsageError("--overwrite is about recordings: give their folder with --record")
-    if policy is not None and schema is not None:
-        raise UsageError("a schema names its policy: give --policy or --schema, not both")
+    _require_exclusive(explain and as_json, policy is not None and schema is not None)
     shown = live_options(live, live_port, fast=fast, waits=live_wait, closes=live_close)
     values = read_assignments(with_)
     request = read_request(
         program, stage, policy, values, schema=schema, calibration=calibration, body=body
     )
     _require_context(request.stage, context)
+    if page is not None:
+        require_page(page, episodes)
     opened = simulation(request, backend, gui=gui, cameras=cameras)
     with ExitStack() as within:
         within.enter_context(shown_on_failure())
@@ -157,17 +162,27 @@ def run(
         embodied, kinematics = within.enter_context(opened)
         runner = _runner(request, kinematics, embodied)
         seeds = range(seed, seed + episodes)
+        folder = within.enter_context(recorded_for(page, record, tells=not as_json))
         recorder = None
-        if record is not None:
-            tells = not as_json
-            recorder = Recorder(record, request, embodied, seeds, overwrite=overwrite, tells=tells)
-        page = live_page(shown, request, embodied, composes=schema is None, tells=not as_json)
-        telling = Telling(recorder, explain, as_json, within.enter_context(page))
+        if folder is not None:
+            tells = not as_json and record is not None
+            recorder = Recorder(folder, request, embodied, seeds, overwrite=overwrite, tells=tells)
+        opening = live_page(shown, request, embodied, composes=schema is None, tells=not as_json)
+        telling = Telling(recorder, explain, as_json, within.enter_context(opening))
         if not as_json:
             print(_introduction(request, backend, embodied))
             print(*(f"note: {note}\n" for note in notes(request)), sep="", end="")
         results = _run_all(runner, request, seeds, context, telling)
     _conclude(request, results)
+
+
+def _require_exclusive(two_audiences: bool, two_policies: bool) -> None:
+    from cbdsl.errors.errors import UsageError
+
+    if two_audiences:
+        raise UsageError("--explain tells people and --json tells scripts: choose one")
+    if two_policies:
+        raise UsageError("a schema names its policy: give --policy or --schema, not both")
 
 
 def _run_all(

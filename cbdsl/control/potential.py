@@ -35,6 +35,9 @@ _VECTOR, _MATRIX = types.float64[::1], types.float64[:, ::1]
 SIGNATURE = types.float64(_VECTOR, _VECTOR, _VECTOR, _VECTOR, _MATRIX)
 
 
+_defined: list[Callable[..., float]] = []
+
+
 class PotentialError(ValueError):
     """A function is not one of a potential; the message says why."""
 
@@ -71,7 +74,14 @@ def potential(function: Function) -> Function:
     Returns:
         phi; NaN where it cannot be computed.
     """
-    return compiled_once(function)
+    kernel = compiled_once(function)
+    _defined.append(kernel)
+    return kernel
+
+
+def defined_potentials() -> Sequence[Callable[..., float]]:
+    """Return the potentials of all modules that were imported."""
+    return tuple(_defined)
 
 
 def address_of(function: Callable[..., float]) -> int:

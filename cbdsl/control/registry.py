@@ -7,7 +7,13 @@ from importlib import import_module
 
 import numpy as np
 
-from cbdsl.control.potential import Potential, PotentialError, address_of, interpreted
+from cbdsl.control.potential import (
+    Potential,
+    PotentialError,
+    address_of,
+    defined_potentials,
+    interpreted,
+)
 from cbdsl.control.setting import Setting
 from cbdsl.program.controller import Controller
 from cbdsl.types.potential import POTENTIALS
@@ -40,6 +46,14 @@ def build(controller: Controller, setting: Setting) -> Potential:
         reason = f"{type(error).__name__}: {error}"
         raise POTENTIALS.registry.fault(name, reason) from error
     return potential
+
+
+def compile_potentials() -> None:
+    """Compile the potentials of cbdsl, also those that no program uses."""
+    for name in POTENTIALS.registry.builtins:
+        import_module(POTENTIALS[name].implementation.split(":")[0])
+    for function in defined_potentials():
+        address_of(function)
 
 
 def _try_out(potential: Potential, setting: Setting) -> None:

@@ -292,3 +292,50 @@ def test_the_help_names_the_backends(
     assert test_main.cb(monkeypatch, command, "--help") == 0
     told = " ".join(capfd.readouterr().out.split())
     assert all(name in told for name in (*BACKENDS.builtins, "cb show backends"))
+
+
+def test_run_page_writes_a_self_contained_page(
+    here: Path, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
+) -> None:
+    words = ("sixaxis_reach", "--backend", "kinematic", "--page", "pages/reach.html")
+    assert cb(monkeypatch, *words) == 0
+    assert "pages/reach.html" in capfd.readouterr().out.splitlines()[-1]
+    text = (here / "pages" / "reach.html").read_text("utf-8")
+    assert "sixaxis_reach, seed 0" in text
+    assert not re.search(r"""(src|href)=["']?(https?:)?//""", text)
+    assert not [*here.rglob("*.npz")]
+    assert cb(monkeypatch, *words, "--json") == 0
+    (line,) = capfd.readouterr().out.splitlines()
+    assert json.loads(line)["program"] == "sixaxis_reach"
+
+
+def test_run_page_shows_the_episode_that_is_recorded_too(
+    here: Path, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
+) -> None:
+    words = ("sixaxis_reach", "--backend", "kinematic", "--record", "kept")
+    assert cb(monkeypatch, *words) == 0
+    assert cb(monkeypatch, *words, "--seed", "7", "--page", "reach.html") == 0
+    assert "seed 7" in (here / "reach.html").read_text("utf-8")
+    assert (here / "kept" / "episode_7.npz").is_file()
+    capfd.readouterr()
+
+
+@pytest.mark.parametrize(
+    ("words", "part"),
+    [
+        (["--page", "reach.txt"], "reach.txt: a page is <name>.html"),
+        (["--page", "reach.html", "--episodes", "2"], "--page shows one episode, not 2"),
+        (["--page", "file/reach.html"], "file/reach.html: cannot be written"),
+    ],
+)
+def test_run_page_refuses_before_the_episode(
+    here: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capfd: pytest.CaptureFixture[str],
+    words: list[str],
+    part: str,
+) -> None:
+    (here / "file").write_text("", encoding="utf-8")
+    assert cb(monkeypatch, "sixaxis_reach", "--backend", "kinematic", *words) == 2
+    out, err = capfd.readouterr()
+    assert out == "" and part in err and err.count("\n") == 1

@@ -1,0 +1,67 @@
+"""``cb warm``: compile in advance."""
+
+from __future__ import annotations
+
+import time
+from itertools import islice
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from cbdsl.api.run_request import RunRequest
+
+# Programs that together call the compiled functions of control and sensing. They run on the engine
+# without physics, which takes the least time.
+_PROGRAMS = (
+    "reachtouch", "reach", "notice", "bimanualgrab", "bimanualinspect", "impedance", "touch_table",
+)  # fmt: skip
+# The engines with physics have few of their own, and call them from the first ticks on.
+_ON_ENGINES = "reachtouch"
+_TICKS = 40
+
+
+def warm() -> None:
+    """Compile in advance for all installed engines, so that first runs start at once.
+
+    The machine code is kept for all environments of the user. Exit 0 when it is kept, 2 when it
+    cannot be.
+    """
+    from cbdsl.api.run_request import read_request
+    from cbdsl.cli.native_output import shown_on_failure
+    from cbdsl.cli.simulation import needing_simulation
+    from cbdsl.cli.termination import termination_interrupts
+    from cbdsl.errors.errors import UsageError
+
+    with needing_simulation():
+        from cbdsl.backends.engines import installed_engines
+        from cbdsl.numeric.kernel_cache import folder, problem
+    began = time.monotonic()
+    with shown_on_failure(), termination_interrupts():
+        _compile_potentials()
+        for program in _PROGRAMS:
+            _run(read_request(program, None, None, {}), "kinematic", None)
+        for engine in installed_engines():
+            _run(read_request(_ON_ENGINES, None, None, {}), engine, _TICKS)
+    if reason := problem():
+        raise UsageError(f"compiled code cannot be kept: {reason}")
+    print(f"compiled in {time.monotonic() - began:.0f} s; kept in {folder()}")
+
+
+def _compile_potentials() -> None:
+    """Compile all potentials, also those that the programs above do not use."""
+    from cbdsl.cli.compilation import told_of_compilation
+    from cbdsl.control.registry import compile_potentials
+
+    with told_of_compilation():
+        compile_potentials()
+
+
+def _run(request: RunRequest, engine: str, ticks: int | None) -> None:
+    """Run one episode, or only its first ticks."""
+    from cbdsl.cli.simulation import simulation
+    from cbdsl.runtime.episode import Runner
+
+    cameras = None if engine == "kinematic" else "ideal"
+    with simulation(request, engine, cameras=cameras) as (backend, kinematics):
+        runner = Runner(request.robot, kinematics, request.program, backend)
+        for _ in islice(runner.ticks(request.stage, seed=0), ticks):
+            continue
