@@ -14,9 +14,10 @@ if TYPE_CHECKING:
 _PROGRAMS = (
     "reachtouch", "reach", "notice", "bimanualgrab", "bimanualinspect", "impedance", "touch_table",
 )  # fmt: skip
-# The engines with physics have few of their own, and call them from the first ticks on.
+# The engines with physics have few of their own.
 _ON_ENGINES = "reachtouch"
-_TICKS = 40
+# Ticks within which all of them are called.
+_TICKS, _TICKS_ON_ENGINES = 200, 40
 
 
 def warm() -> None:
@@ -33,17 +34,19 @@ def warm() -> None:
 
     with needing_simulation():
         from cbdsl.backends.engines import installed_engines
+        from cbdsl.numeric.compiled import compilations
         from cbdsl.numeric.kernel_cache import folder, problem
     began = time.monotonic()
     with shown_on_failure(), termination_interrupts():
         _compile_potentials()
         for program in _PROGRAMS:
-            _run(read_request(program, None, None, {}), "kinematic", None)
+            _run(read_request(program, None, None, {}), "kinematic", _TICKS)
         for engine in installed_engines():
-            _run(read_request(_ON_ENGINES, None, None, {}), engine, _TICKS)
+            _run(read_request(_ON_ENGINES, None, None, {}), engine, _TICKS_ON_ENGINES)
     if reason := problem():
         raise UsageError(f"compiled code cannot be kept: {reason}")
-    print(f"compiled in {time.monotonic() - began:.0f} s; kept in {folder()}")
+    seconds = time.monotonic() - began
+    print(f"{compilations()} functions compiled in {seconds:.0f} s; all are kept in {folder()}")
 
 
 def _compile_potentials() -> None:
@@ -55,8 +58,8 @@ def _compile_potentials() -> None:
         compile_potentials()
 
 
-def _run(request: RunRequest, engine: str, ticks: int | None) -> None:
-    """Run one episode, or only its first ticks."""
+def _run(request: RunRequest, engine: str, ticks: int) -> None:
+    """Run the first ticks of an episode."""
     from cbdsl.cli.simulation import simulation
     from cbdsl.runtime.episode import Runner
 

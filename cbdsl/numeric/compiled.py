@@ -59,6 +59,11 @@ def _without_literals(dispatcher: Any) -> Any:
     return dispatcher
 
 
+def compilations() -> int:
+    """Return how many functions that Python calls this process has compiled."""
+    return sum(sum(kernel.stats.cache_misses.values()) for kernel in _kernels)
+
+
 def uncompiled() -> frozenset[FunctionType]:
     """Return the functions of imported modules whose machine code is neither loaded nor kept."""
     functions: set[FunctionType] = set()
