@@ -31,9 +31,11 @@ def reader(here: Clone, tmp_path: Path) -> Reader:
     return Reader(here, tmp_path)
 
 
-def test_the_readme_leads_to_a_program_that_is_rewarded(reader: Reader) -> None:
+def test_the_readme_leads_to_a_program_that_is_rewarded(reader: Reader, tmp_path: Path) -> None:
     _, run = first_command()
-    assert "Rewarded after" in reader.watch(run)
+    assert "Rewarded after" in reader.type(run.removeprefix(".venv/bin/"))
+    assert (tmp_path / "reachtouch.html").is_file()
+    assert "Rewarded after" in reader.watch(".venv/bin/cb run reachtouch --live --live-wait")
     reader.read("README.md")
     reader.type("cb validate watch.yaml")
     assert "watch on table_right" in reader.type("cb run watch.yaml")
