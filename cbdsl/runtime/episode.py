@@ -143,7 +143,7 @@ class Runner:
         # The runner of the last episode, and whether its world goes on in this one.
         self._before: Runner | None = None
         self._goes_on = False
-        self._ticks = 0
+        self._ticks, self._time = 0, 0.0
 
     def run(
         self,
@@ -222,7 +222,7 @@ class Runner:
                 on_transition(transition)
 
             self._run.begin(own_rng, note, self._policy)
-            self._ticks = 0
+            self._ticks, self._time = 0, 0.0
             begun = _Begun(stage.name, drawn, seed, began, passed)
             late = yield from self._control(seed, on_tick)
         except BaseException as error:
@@ -320,8 +320,8 @@ class Runner:
 
     @property
     def _seconds(self) -> float:
-        """Simulated time of the episode so far, s."""
-        return self._ticks * self._backend.control_period
+        """Time of the newest observation, s; ticks of a real robot may be late."""
+        return self._time
 
     def _control(self, seed: int, on_tick: TickListener | None) -> Generator[Tick, None, str]:
         """Run the control ticks of an episode, and count them.
@@ -334,6 +334,7 @@ class Runner:
             self._ticks = ticks
             began = self._clock()
             observation = calls.observe()
+            self._time = observation.time
             self._advance(observation, seed, first=ticks == 0)
             taken = self._clock() - began
             tick = Tick(observation, self.signals, run, self._actuation)

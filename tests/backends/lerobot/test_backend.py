@@ -18,10 +18,11 @@ from cbdsl.backends.lerobot.rescaled import DEGREES, Rescaled, Scale
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.robot.joints import Joints
 from cbdsl.robot.urdf_reader import read_urdf
+from cbdsl.runtime.episode import Runner
 from cbdsl.sensing.kinematics import Kinematics
 from tests.backends.conftest import robot_named, stage_named
 from tests.backends.lerobot.device import Device, Time, backend_of, cameras
-from tests.conftest import ROOT
+from tests.conftest import ROOT, Checked
 
 SIXAXIS = robot_named("sixaxis")
 URDF = ROOT / "robots" / SIXAXIS.model
@@ -112,6 +113,26 @@ def test_deadline_begins_after_the_first_tick() -> None:
     assert backend.deadline is None
     stepped(backend, np.zeros(len(NAMES)))
     assert backend.deadline == backend.patience
+
+
+def test_episode_on_a_late_robot_lasts_as_long_as_its_clock_says(checked: Checked) -> None:
+    """Each observation takes longer than a control period."""
+    device, time = Device(SIXAXIS), Time()
+    backend = backend_of(device, SIXAXIS, URDF, time)
+
+    def late(method: str) -> None:
+        time.now += 0.012 if method == "get_observation" else 0.0
+
+    device.fail = late
+    runner = Runner(SIXAXIS, Kinematics(SIXAXIS, URDF), checked("sixaxis_reach"), backend)
+    began, observed = time.now, []
+    result = runner.run(
+        stage_named("sixaxis_bin"), 0, on_tick=lambda tick: observed.append(tick.observation.time)
+    )
+    assert result.ending.startswith("Done")
+    assert result.sim_seconds == pytest.approx(observed[-1], abs=1e-6)
+    assert result.sim_seconds == pytest.approx(time.now - began, abs=0.05)
+    assert result.sim_seconds > 1.3 * result.ticks * backend.control_period
 
 
 class Lacking:
