@@ -50,7 +50,10 @@ def by_pinocchio(robot: RobotDocument, model: UrdfModel) -> Placing:
 
     from cbdsl.robot.joints import Joints
 
-    reference = pinocchio.buildModelFromUrdf(str(model.path), mimic=True)
+    try:
+        reference = pinocchio.buildModelFromUrdf(str(model.path), mimic=True)
+    except ValueError:  # a joint comes before the one that it mimics
+        reference = pinocchio.buildModelFromUrdf(str(model.path))
     data, names = reference.createData(), Joints(robot).names
     frames = {link: reference.getFrameId(link, pinocchio.FrameType.BODY) for link in model.links}
 
@@ -59,9 +62,11 @@ def by_pinocchio(robot: RobotDocument, model: UrdfModel) -> Placing:
         given = dict(zip(names, posture.tolist(), strict=True))
         for name, rest in model.rests.items():
             joint = reference.joints[reference.getJointId(name)]
-            value = given.get(name, rest)
-            # A joint that mimics another has no coordinate of its own.
-            if model.joints[name].mimic is None:
+            value, mimic = given.get(name, rest), model.joints[name].mimic
+            if mimic is not None:
+                value = mimic.ratio * given.get(mimic.joint, 0.0) + mimic.offset
+            # A joint that mimics another has no coordinate of its own, where that is known.
+            if joint.nq:
                 turn = [value] if joint.nq == 1 else [np.cos(value), np.sin(value)]
                 q[joint.idx_q : joint.idx_q + joint.nq] = turn
         pinocchio.framesForwardKinematics(reference, data, q)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -27,6 +27,8 @@ _SMALL_SHARE = 0.5
 _LARGE_SHARE = 1.5
 # Whoever responds to less of a level's velocity than this did not take it.
 _TAKEN = 0.1
+# Displacement of a task in a tick, in its unit, that is rounding: of less there is no share.
+_ROUNDING = 1e-9
 
 
 @dataclass(frozen=True)
@@ -36,7 +38,8 @@ class LevelExplanation:
     Attributes:
         name: the controller, qualified by the programs that use it.
         phi: its potential, NaN while undefined.
-        share, rank, singular_value: as in ``LevelReport``.
+        share: as in ``LevelReport``; NaN where the level requests no displacement.
+        rank, singular_value: as in ``LevelReport``.
         predicted: change of phi that the step of the tick before was to make by now, to first
             order; NaN where that is not known.
         measured: change of phi since the tick before; NaN where there was none.
@@ -88,8 +91,10 @@ class Explanation:
         names = [name for name, _ in runs]
         others = [_others(step, place, names) for place in range(len(names))]
         levels = tuple(
-            self._level(name, run, report, *by)
-            for (name, run), report, by in zip(runs, step.reports, others, strict=True)
+            self._level(name, run, _legible(report, level), *by)
+            for (name, run), report, level, by in zip(
+                runs, step.reports, step.levels, others, strict=True
+            )
         )
         self._before = {
             name: (run.phi, _change(run, level, step.displacement))
@@ -139,9 +144,15 @@ def _change(run: ControllerRun, level: Level, displacement: Floats) -> float:
     return -float(evaluation.residual @ change) if kind.residual else float(change[0])
 
 
+def _legible(report: LevelReport, level: Level) -> LevelReport:
+    """Return a report without a share where the level requests no displacement."""
+    requested = float(np.linalg.norm(level.velocity))
+    return replace(report, share=math.nan) if requested <= _ROUNDING else report
+
+
 def _others(step: Step, place: int, names: Sequence[str]) -> tuple[str, str]:
-    """Who holds a level back, and who pushes it on; empty where nobody does."""
-    share = step.reports[place].share
+    """Return the level that holds a level back, and the one that pushes it on; or nothing."""
+    share = _legible(step.reports[place], step.levels[place]).share
     if share < _SMALL_SHARE:
         return _holder(step, place, names), ""
     return "", _pusher(step, place, names) if share > _LARGE_SHARE else ""

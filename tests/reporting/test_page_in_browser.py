@@ -5,6 +5,7 @@ Needs Chromium, which is no dependency: without it these tests are skipped.
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -261,3 +262,39 @@ def test_a_robot_without_cameras_and_hands(tmp_path: Path) -> None:
         assert opened.errors == [] and opened.text("problem") == ""
         assert opened.value("document.querySelectorAll('#cameras canvas').length") == 0
         assert opened.value("document.querySelectorAll('.chart').length") == 2
+
+
+@pytest.mark.parametrize(
+    ("share", "text"),
+    [
+        ("NaN", "\u2013"),
+        ("-262545361338368", "< \u221299"),
+        ("1e9", "> 99"),
+        ("0.5", "0.50"),
+        ("-0.001", "0.00"),
+    ],
+)
+def test_share_text_of_any_share_fits_its_column(shown: Page, share: str, text: str) -> None:
+    assert shown.value(f"shareText({share})") == text
+
+
+@pytest.mark.parametrize("width", [900, 1024, 1280, 1600])
+def test_every_column_of_the_stack_is_in_view_with_long_names(shown: Page, width: int) -> None:
+    shown.size(width, 800)
+    fits = shown.value(
+        "(() => { for (const row of byId('levels').tBodies[0].rows) {"
+        "  row.cells[0].textContent = 'searchtrack_of_both_hands.orientation_of_the_left_palm';"
+        "  row.cells[4].lastChild.textContent = shareText(-262545361338368);"
+        "  row.cells[6].textContent = 'searchtrack_of_both_hands.approach'; }"
+        " const aside = document.querySelector('aside');"
+        " const rows = byId('levels').tBodies[0].rows.length;"
+        " return [rows, aside.scrollWidth - aside.clientWidth]; })()"
+    )
+    shown.size(1280, 800)
+    assert fits[0] > 0 and fits[1] <= 1
+
+
+def test_every_column_has_a_name_of_more_than_a_letter() -> None:
+    for file in (ROOT / "cbdsl" / "reporting" / "assets").glob("*.html"):
+        names = re.findall(r"<th[^>]*>([^<]*)</th>", file.read_text("utf-8"))
+        assert all(len(name) > 1 or name == "φ" for name in names), file.name

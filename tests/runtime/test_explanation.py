@@ -73,6 +73,24 @@ def test_a_blocked_joint_does_not_do_what_is_predicted(
     assert all(level.measured == 0.0 for level in levels[1:])
 
 
+def test_note_of_a_level_that_requests_nothing_has_no_share(
+    explained: Callable[..., list[TickExplanation]], dexter: RobotDocument
+) -> None:
+    """A level that is at its reference, up to rounding, below one that moves the arm."""
+    arm = dexter.effectors["right_arm"]
+    assert arm.start is not None
+    start = np.nextafter(arm.postures[arm.start], 10.0)
+    at = ", ".join(f"{angle!r}" for angle in start.tolist())
+    body = f"""{TIP.partition("actions")[0]}  stay: {{{ARM}, reference: [{at}]}}
+actions: [reach, stay, stay ◁ reach]
+policy: {{"**": stay ◁ reach}}
+limits: {{transition_time: 2 s}}
+"""
+    ticks = [{level.name: level for level in tick.levels} for tick in explained(body)]
+    assert np.isnan(ticks[0]["stay"].share)
+    assert np.isfinite(ticks[5]["stay"].share) and np.isfinite(ticks[0]["reach"].share)
+
+
 def test_the_level_above_that_takes_all_freedom_is_named(
     explained: Callable[..., list[TickExplanation]],
 ) -> None:

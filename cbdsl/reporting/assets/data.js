@@ -49,6 +49,13 @@ function indexAt(times, t) {
   return low;
 }
 
+// A level's achieved share: none where it requests nothing, and no longer than its column.
+function shareText(share) {
+  if (!Number.isFinite(share)) return "–";
+  if (Math.abs(share) >= 99.995) return share > 0 ? "> 99" : "< −99";
+  return share.toFixed(2).replace("-0.00", "0.00");
+}
+
 // Three digits are enough for a glance.
 function numberText(value) {
   if (!Number.isFinite(value)) return "–";

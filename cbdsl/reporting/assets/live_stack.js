@@ -45,7 +45,7 @@ function makeLiveStack(askFor, composes) {
       made.cells[1].replaceChildren(letter(frame.predicates[level.controller]));
       made.cells[2].textContent = numberText(frame.potentials[level.controller] ?? NaN);
       made.cells[3].querySelector("i").style.width = `${100 * Math.max(0, Math.min(1, share ?? 0))}%`;
-      made.cells[3].lastChild.textContent = share === null ? "–" : share.toFixed(2).replace("-0.00", "0.00");
+      made.cells[3].lastChild.textContent = shareText(share ?? NaN);
       made.cells[3].className = share !== null && share < 0.5 ? "little" : "";
       made.cells[4].textContent = `${level.rank}, ${numberText(level.singular_value ?? NaN)}`;
       made.cells[6].textContent = level.held_by;

@@ -48,7 +48,7 @@ function makeLevels(data) {
     part.style.width = `${100 * Math.max(0, Math.min(1, share))}%`;
     bar.append(part);
     const told = document.createDocumentFragment();
-    told.append(bar, Number.isFinite(share) ? share.toFixed(2) : "–");
+    told.append(bar, shareText(share));
     const measured = tick > 0 ? (arrays.potentials[at] - arrays.potentials[at - count]) / period : NaN;
     const held = arrays.level_held_by[at];
     const tr = document.createElement("tr");
