@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import json
 import re
+import textwrap
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from functools import cache
 from pathlib import Path
@@ -40,8 +41,8 @@ _HEAD = """\
 [Types and casts](#types-and-casts), [potentials](#potentials), [resources](#resources-of-dexter),
 [units](#units), [commands](#commands), [learners](#learners), [documents](#documents) and
 [findings](#findings). This page is written from the code by
-`python docs/make_reference.py`: it lists what [documents](documents/index.md) and
-[control.md](control.md) explain.
+`python docs/make_reference.py`. [Documents](documents/index.md) and
+[control](control.md) explain its entries.
 """
 
 Rows = Iterable[Sequence[object]]
@@ -82,7 +83,7 @@ def _types() -> str:
             _section(
                 2,
                 "Types and casts",
-                "The types of signals (Table 3.1), and what leads from one to another.\n",
+                "The types of signals (Table 3.1), and the casts between them.\n",
                 _table(("type", "space", "components", "unit"), types),
             ),
             _table(("from", "cast", "to", "carries", "defined by"), casts),
@@ -211,7 +212,7 @@ def _units() -> str:
 def _commands() -> str:
     app = typer.main.get_command(build_app())
     parts = [_command(name, command) for name, command in _leaves("cb", app)]
-    words = "Each has `--help`. In brackets is what can be left out.\n"
+    words = "Each has `--help`. Brackets hold optional arguments and defaults.\n"
     return _section(2, "Commands", words, *parts)
 
 
@@ -227,11 +228,11 @@ def _leaves(name: str, command: Any) -> Iterator[tuple[str, Any]]:
 def _command(name: str, command: Any) -> str:
     given = [each for each in command.params if each.name != "help"]
     typed = [_typed(each) for each in given if each.param_type_name == "argument"]
-    paragraphs = (" ".join(part.split()) for part in (command.help or "").split("\n\n"))
+    paragraphs = (textwrap.fill(part, 110) for part in (command.help or "").split("\n\n"))
     words = "".join(f"{part}\n\n" for part in paragraphs)
     rows = [(_code(_typed(each)), each.help, _preset(each)) for each in given]
     return _section(
-        3, _code(" ".join([name, *typed])), words + _table(("", "what it is", "default"), rows)
+        3, _code(" ".join([name, *typed])), words + _table(("argument", "meaning", "default"), rows)
     )
 
 
@@ -255,7 +256,7 @@ def _preset(parameter: Any) -> str:
 
 
 def _learners() -> str:
-    words = "What `cb learn --learner` takes, and the constants of each for `--set`.\n"
+    words = "Learners of `cb learn --learner`, with the constants of each for `--set`.\n"
     return _section(2, "Learners", words, *(_learner(*each) for each in LEARNERS.all().items()))
 
 
@@ -269,7 +270,7 @@ def _learner(name: str, learner: LearnerClass) -> str:
 
 
 def _documents() -> str:
-    words = "Every key of every kind; what is a section of its own is linked.\n"
+    words = "Every key of every kind, with links to the keys of its sections.\n"
     return _section(2, "Documents", words, *(_kind(kind) for kind in models()))
 
 
@@ -345,7 +346,7 @@ def _findings() -> str:
     by_code = sorted(entries().values(), key=lambda entry: entry.code)
     rows = ((_finding(entry), entry.title, entry.severity.value) for entry in by_code)
     words = "`cb explain CODE` explains one, with an example.\n"
-    return _section(2, "Findings", words, _table(("code", "what is wrong", "severity"), rows))
+    return _section(2, "Findings", words, _table(("code", "diagnostic", "severity"), rows))
 
 
 def _finding(entry: Entry) -> str:

@@ -55,9 +55,9 @@ def calibrate(
 ) -> None:
     """Estimate where a robot's cameras are: its hand holds a ball, and shows it to them.
 
-    Where the ball is follows from the fingertips that touch it; where the cameras see it instead
-    tells how they are displaced. cb run --calibration takes the file, and so does the robot's key
-    calibration. Where it was interrupted, the same command goes on with what NAME.jsonl holds.
+    The touching fingertips locate the ball; its position in the images yields the errors of the
+    cameras. cb run --calibration and the robot's key calibration use the file. After an
+    interruption the same command continues with the observations in NAME.jsonl.
 
     Exit 0 when the calibration was written, 1 when a document has errors, 2 when it could not be
     made.

@@ -10,11 +10,12 @@ from cbdsl.errors.entry import Entry
 from cbdsl.errors.legible import legible
 
 _HEAD = """\
-# Findings
+# Diagnostics
 
-What `cb validate` can find, by code. `cb explain CODE` prints the same in a terminal. Each example
-is a whole document: without the lines marked `+` it has the finding, without those marked `-` it
-has none. This page is written by `cb explain --all --markdown`.
+Diagnostics of `cb validate`, by code. `cb explain CODE` prints the same in a terminal.
+Each example is a whole document. Without the lines marked `+` it has the diagnostic.
+Without the lines marked `-` it has none.
+This page is written by `cb explain --all --markdown`.
 """
 
 

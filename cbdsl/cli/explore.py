@@ -28,8 +28,8 @@ Programs = Annotated[
     list[str],
     typer.Argument(
         metavar="PROGRAM",
-        help="What can be done: programs, as NAME, NAME:key=value, or LABEL=NAME:key=value; the "
-        "value ? stands for whichever channel is found while it runs.",
+        help="Actions: programs, as NAME, NAME:key=value, or LABEL=NAME:key=value; the value ? "
+        "stands for any channel that is found during a run.",
     ),
 ]
 Stage = Annotated[str, typer.Option("--stage", help="World to act in: a file or a name.")]
@@ -40,7 +40,7 @@ Feature = Annotated[
 Actions = Annotated[int, typer.Option("--actions", min=1, help="How many actions.")]
 UntilHabituated = Annotated[
     bool,
-    typer.Option("--until-habituated", help="End before, when no action tells anything new."),
+    typer.Option("--until-habituated", help="End when all models have habituated."),
 ]
 Between = Annotated[
     str, typer.Option("--between", help="Program that runs after each action, and brings it back.")
@@ -59,7 +59,7 @@ Thing = Annotated[
     ),
 ]
 Relation = Annotated[
-    str, typer.Option("--relation", help="What PROGRAM brings about, with --thing: on or in.")
+    str, typer.Option("--relation", help="Relation that PROGRAM produces, with --thing: on or in.")
 ]
 Join = Annotated[
     bool,
@@ -96,12 +96,12 @@ def explore(
     live_close: LiveClose = False,
     fast: Fast = False,
 ) -> None:
-    """Explore what can be done with an object, until its models change no more (Chapter 6).
+    """Explore the affordances of an object until its models have habituated (Chapter 6).
 
-    Each action that is rewarded teaches with which features it is; what changes its model most is
-    worth most. The catalog in --out says how often each action was rewarded, and with what. Beside
-    it, a file that ends in .actions.jsonl holds each action as soon as it is over: whatever
-    interrupts it, it goes on with --resume, in a world that is set up anew. With --thing, things
+    Rewarded actions teach their features; actions whose models change most have the highest
+    value. The catalog in --out holds the rewards of each action and their features. Beside it,
+    the journal .actions.jsonl holds each finished action; --resume continues an interrupted
+    exploration in a new world. With --thing, things
     are brought to each other, and --out is a meta-catalog.
 
     Exit 0 when all actions were taken, 1 when a document has errors, 2 when it could not act, 130

@@ -50,7 +50,7 @@ def export_tree(program: Program, policy: Policy = None, with_: With = []) -> No
     """Print a program's policy as a behavior tree, XML of BehaviorTree.CPP 4.
 
     Each use of a program is a tree of its own, with the values of its parameters. Its leaves are
-    named in the model at the end. Exit 2 where the next action follows from more than the state.
+    named in the model at the end. Exit 2 if the next action depends on more than the state.
     """
     from cbdsl.api.load import load
     from cbdsl.program.behavior_tree import behavior_tree

@@ -12,14 +12,14 @@ from cbdsl.cli.options import Paths
 Check = Annotated[
     bool, typer.Option("--check", help="Write nothing; exit with 1 if a document would change.")
 ]
-Diff = Annotated[bool, typer.Option("--diff", help="Write nothing; print what would change.")]
+Diff = Annotated[bool, typer.Option("--diff", help="Write nothing; print the changes.")]
 
 
 def fmt(paths: Paths, *, check: Check = False, diff: Diff = False) -> None:
     """Lay documents out in one way: even indentation and spacing, no superfluous empty lines.
 
-    Values, their order, quotes and comments stay as they are. Files are replaced as a whole; those
-    that change are named. The standard input is printed. YAML of other tools stays as it is: a
+    Values, their order, quotes and comments do not change. Files are replaced atomically, and
+    changed ones are named. The standard input is printed. YAML of other tools stays as it is: a
     document has the key 'cbdsl', or a 'kind' of this project.
 
     Exit 0 when all is well, 1 when --check found something to change or a document is no YAML, 2

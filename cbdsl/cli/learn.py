@@ -72,7 +72,7 @@ Sequential = Annotated[
     bool, typer.Option("--sequential", help="Leave out the actions that are compositions.")
 ]
 LearnerName = Annotated[
-    str, typer.Option("--learner", help="Algorithm, of those that cb show learners has.")
+    str, typer.Option("--learner", help="Algorithm; cb show learners lists all.")
 ]
 From = Annotated[
     str | None,
@@ -105,7 +105,7 @@ EpisodeTime = Annotated[
         "--episode-time",
         min=0.1,
         max=86400,
-        help="Longest episode, s, whatever the programs that it uses still try [the program's].",
+        help="Longest episode, s, including the programs that it uses [the program's].",
     ),
 ]
 
@@ -168,11 +168,11 @@ def learn(
     fast: Fast = False,
     **constants: str | None,
 ) -> None:
-    """Learn what a program's actions are good for, from zero, by discovering affordances.
+    """Learn the values of a program's actions from zero, by discovering affordances.
 
-    The policy in --out runs with cb run --policy. Beside it, a file that ends in .episodes.jsonl
-    holds each episode as soon as it is over, one a line: whatever interrupts a trial, it goes on
-    with --resume, and ends as if it had never been interrupted.
+    The policy in --out runs with cb run --policy. Beside it, the journal .episodes.jsonl holds
+    each finished episode, one a line. After an interruption --resume continues the trial, with
+    the same result as without it.
 
     Exit 0 when all episodes were run, 1 when a document has errors, 2 when it could not run, 130
     when it was interrupted, by Ctrl-C or SIGTERM.

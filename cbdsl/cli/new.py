@@ -75,8 +75,8 @@ def new_robot(
 ) -> None:
     """A robot, from its URDF, xacro or MJCF.
 
-    Rows of joints become effectors, with a tip, a posture and the limits as comments; with --srdf,
-    its groups do. What is not URDF is written as URDF beside the robot (extra formats).
+    Chains of joints, or the groups of --srdf, become effectors with a tip, a posture and the
+    limits as comments. Other formats are written as URDF beside the robot (extra formats).
     """
     from cbdsl.cli.model_source import ModelReader
     from cbdsl.cli.proposal import propose

@@ -34,7 +34,9 @@ Policy = Annotated[
 Program = Annotated[str, typer.Argument(help="A program: its file, or its name.")]
 Recording = Annotated[
     Path,
-    typer.Argument(metavar="FILE|FOLDER", help="What cb run --record wrote: a file, or all of it."),
+    typer.Argument(
+        metavar="FILE|FOLDER", help="Recording of cb run --record, or a folder of recordings."
+    ),
 ]
 Resume = Annotated[
     bool, typer.Option("--resume", help="Go on where trials were interrupted, or make them longer.")

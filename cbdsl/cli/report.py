@@ -14,7 +14,7 @@ What = Annotated[
     Path,
     typer.Argument(
         metavar="FILE|FOLDER",
-        help="What cb learn wrote, a policy or many trials', or a meta-catalog of cb explore.",
+        help="Policy of cb learn, a folder of several trials, or a meta-catalog of cb explore.",
     ),
 ]
 Out = Annotated[
@@ -24,7 +24,7 @@ Out = Annotated[
 
 
 def report(what: What, out: Out = None, above: Above = 0.2, open_: Open = True) -> None:
-    """Make one page of what was learned: everything in it, nothing loaded.
+    """Make one self-contained page of learned documents.
 
     Learning curves over all trials, and each trial's policy, internal models and episodes. Of a
     meta-catalog its graph, its pairs, and the stacks that can be planned of the things that are

@@ -31,7 +31,7 @@ BackendName = Annotated[
     str | None,
     typer.Option(
         "--backend",
-        help="What embodies the robot in experiments that learn, fig-5.2, fig-5.6, fig-7.13-7.14, "
+        help="Engine of experiments that learn, fig-5.2, fig-5.6, fig-7.13-7.14, "
         "fig-7.16-7.17 and table-7.1-7.2 [kinematic; mujoco in fig-5.6 and Chapter 7].",
     ),
 ]
@@ -80,14 +80,14 @@ def reproduce(
     out: Out = None,
     as_json: Json = False,
 ) -> None:
-    """Measure what the dissertation reports.
+    """Measure the results that the dissertation reports.
 
     Experiments in which the robot learns run trials, and share those of the same programs. With
     --keep each of their episodes is kept as soon as it is over, and so is each of engines,
     fig-5.2, fig-5.3-5.5, fig-5.6 and fig-5.12, and each trial of fig-5.10-5.11, fig-7.13-7.14,
     fig-7.16-7.17 and table-7.1-7.2.
 
-    Exit 0 when it ran, whatever the verdicts, and 2 when it could not run.
+    Exit 0 after a run with any verdicts, 2 if it could not run.
     """
     from cbdsl.cli.terminal import print_json
     from cbdsl.errors.errors import UsageError

@@ -33,7 +33,7 @@ if TYPE_CHECKING:
 
 Stage = Annotated[
     str | None,
-    typer.Option("--stage", help="Who is shown what, where: a file or a name [the program's own]."),
+    typer.Option("--stage", help="Stage to run on: file or name [default: the program's]."),
 ]
 Context = Annotated[
     str | None, typer.Option("--context", help="One context of the stage [drawn by share].")
@@ -65,7 +65,7 @@ Page = Annotated[
 Explain = Annotated[
     bool,
     typer.Option(
-        "--explain", help="Tell also why each level of the stack moves as it does; not with --json."
+        "--explain", help="Also explain the motion of each level of the stack; not with --json."
     ),
 ]
 Json = Annotated[bool, typer.Option("--json", help="Print one JSON object per episode.")]
@@ -124,14 +124,14 @@ def run(
     live_close: LiveClose = False,
     fast: Fast = False,
 ) -> None:
-    """Run a program on a simulated robot, and tell each change of its state.
+    """Run a program on a robot and print each change of its state.
 
     Programs and stages are files or names; a wrong name lists the known ones.
 
-    Exit 0 when it ran, rewarded or not. Of a program that states success or failure: 0 when all
-    episodes succeeded, 3 when one failed, 4 when none failed and one came to neither. Exit 1 when a
-    document has errors, 2 when it could not run, 130 when it was interrupted, by Ctrl-C or SIGTERM;
-    what was recorded by then is kept.
+    Exit 0 after a run, rewarded or not. For programs that state success or failure: exit 0 if
+    all episodes succeeded, 3 if one failed, 4 if none failed and one reached neither. Exit 1 if
+    a document has errors, 2 if the program could not run, 130 after Ctrl-C or SIGTERM; finished
+    recordings are kept.
     """
     from cbdsl.api.run_request import read_request
     from cbdsl.cli.assignments import read_assignments

@@ -20,7 +20,7 @@ def show_allocations(
 ) -> None:
     """The resources that the parameters of a program may stand for, and why others cannot.
 
-    All combinations of what its section resources asks for, each checked as a program of its own.
+    Lists all combinations for its section resources, each checked as a separate program.
     """
     from cbdsl.checking.allocations import allocations
     from cbdsl.checking.program import check_program

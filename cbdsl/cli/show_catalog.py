@@ -17,11 +17,15 @@ if TYPE_CHECKING:
 Catalog = Annotated[str, typer.Argument(metavar="FILE|NAME", help="A catalog.")]
 Against = Annotated[
     str | None,
-    typer.Option("--against", metavar="FILE|NAME", help="Another catalog: show what differs."),
+    typer.Option("--against", metavar="FILE|NAME", help="Another catalog: show the differences."),
 ]
 Expect = Annotated[
     str | None,
-    typer.Option("--expect", metavar="STAGE", help="Predict what is rewarded there, and try it."),
+    typer.Option(
+        "--expect",
+        metavar="STAGE",
+        help="Stage on which to predict rewards and to test the predictions.",
+    ),
 ]
 Scenes = Annotated[int, typer.Option("--scenes", min=1, help="How many, with --expect.")]
 FormatOption = Annotated[str, typer.Option("--format", help="text or json; svg for its icon.")]
@@ -41,7 +45,7 @@ def show_catalog(
     svg: Icon = False,
     as_json: Json = False,
 ) -> None:
-    """Show what an object affords, how often that was so, and how sure its models are.
+    """Show the affordances of an object with their counts and the certainty of their models.
 
     With --against, the lines by which another catalog differs. With --expect, the robot looks at
     scenes of a stage, says how likely each action is to be rewarded, and tries one action in each.

@@ -27,10 +27,10 @@ def show_program(
     format_: FormatOption = "text",
     as_json: Json = False,
 ) -> None:
-    """A program before it runs: everything resolved.
+    """Show a program with all names, casts and parameters resolved.
 
-    Controllers with their casts, what each action runs and what freedom that leaves, what can be
-    rewarded, and which action follows which state; or a graph of it (dot, mermaid, svg).
+    Shows controllers with their casts, the levels and free directions of each action, possible
+    rewards, and the policy; or a graph of them (dot, mermaid, svg).
     """
     from cbdsl.checking.program import check_program
     from cbdsl.cli.assignments import read_assignments

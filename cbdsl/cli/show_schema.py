@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 Schema = Annotated[str, typer.Argument(metavar="FILE|NAME", help="A schema.")]
 Against = Annotated[
     str | None,
-    typer.Option("--against", metavar="FILE|NAME", help="Another schema: show what differs."),
+    typer.Option("--against", metavar="FILE|NAME", help="Another schema: show the differences."),
 ]
 FormatOption = Annotated[
     str, typer.Option("--format", help="text or json; dot, mermaid or svg for its trees.")
@@ -27,7 +27,7 @@ def show_schema(
     format_: FormatOption = "text",
     as_json: Json = False,
 ) -> None:
-    """Show by what a schema chooses resources, and where it expects no reward.
+    """Show how a schema chooses resources, and in which contexts it predicts no reward.
 
     With --against, the lines by which another schema differs: - for those of that one, + for those
     of this one.

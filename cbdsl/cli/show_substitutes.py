@@ -15,7 +15,7 @@ def show_substitutes(
 ) -> None:
     """The programs that are rewarded for the same as a program, or as one of its members.
 
-    They are found by the types of what is sensed and moved and by what is rewarded, never by name.
+    Types of signals and effectors and the reward determine them, and names do not.
     """
     from cbdsl.checking.program import check_program
     from cbdsl.checking.session import Session

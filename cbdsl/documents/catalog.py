@@ -59,7 +59,7 @@ class Habituation(Section):
     change: NonNegative
     """Change of it when the action was last rewarded, relative to the largest of the catalog."""
     habituated: bool
-    """Whether that is so small that the action tells nothing new."""
+    """True if the change is so small that the action teaches nothing new."""
 
 
 class AffordanceSection(Section):
@@ -85,7 +85,7 @@ class AffordanceSection(Section):
     value: Number = 0.0
     """Reward to expect of taking it again (Eq 6.4)."""
     failed: str = ""
-    """Why it can no longer be run, if it cannot."""
+    """Reason if it cannot run."""
 
     @model_validator(mode="after")
     def _is_rewarded_at_most_always(self) -> Self:
@@ -104,7 +104,7 @@ class StepColumns(Section):
     change: tuple[NonNegative, ...]
     """Change of the variance of its model, in units of the prior's."""
     reward: tuple[Number, ...]
-    """Reward by Eq 6.2, relative to the largest change until then."""
+    """Reward by Eq 6.2, relative to the largest change so far."""
 
     @model_validator(mode="after")
     def _is_even(self) -> Self:
@@ -118,7 +118,7 @@ class JoinedActions(Section):
     """Actions that joined an exploration when it had begun."""
 
     after: Count
-    """How many actions had been taken."""
+    """Number of actions at that time."""
     programs: tuple[Name, ...]
     """Actions that joined, none where the world alone changed."""
     stage: Identity
@@ -149,7 +149,7 @@ class CatalogProvenance(Section):
     actions: Count
     """How many actions were taken."""
     joined: tuple[JoinedActions, ...] = ()
-    """What joined later, in its order."""
+    """Actions that joined later, in their order."""
     backend: str
     """Backend that embodied the robot."""
     renderer: str
@@ -168,7 +168,7 @@ class CatalogDocument(Document):
     feature: str
     """Channel of vision by which the object is known."""
     affordances: Annotated[dict[Name, AffordanceSection], Field(min_length=1)]
-    """What can be done, by name of the action."""
+    """Affordances by name of the action."""
     over: tuple[Name, ...] = ()
     """Catalogs that this one joins."""
     steps: StepColumns | None = None

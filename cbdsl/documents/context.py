@@ -50,7 +50,8 @@ class PlaceSection(Section):
     on: Name | None = None
     """Fixture or placed thing that it stands on, instead of ``z``."""
     beside: BesideSection | None = None
-    """What it is beside, instead of x and y; without ``on`` and ``z`` it stands as low as that."""
+    """Neighbour that replaces x and y; without ``on`` and ``z`` it stands as low as its
+    neighbour."""
     gap: LengthSpan | None = None
     """Distance between its surface and the tip of ``hand`` along +z, instead of ``z``."""
     hand: Name | None = None
@@ -60,7 +61,7 @@ class PlaceSection(Section):
     yaw: AngleSpan = (0.0, 0.0)
     """How it is turned about z."""
     held: bool = False
-    """Held still by the experimenter, whatever presses against it, until it is released."""
+    """Held still by the experimenter against any force until its release."""
 
     @property
     def neighbours(self) -> tuple[str, ...]:
@@ -108,7 +109,7 @@ class Scatter(Section):
     """How far the experimenter moves a thing about in each turn."""
 
     deviation: Size
-    """Standard deviation along x and along y from where it was put at first."""
+    """Standard deviation along x and along y from its first place."""
     x: LengthSpan
     """Bounds of its place along x, in the world frame."""
     y: LengthSpan
@@ -157,8 +158,8 @@ class PlacedSection(Presentation):
     """One of these is presented, drawn evenly."""
     place: PlaceSection
     apart: Annotated[float, quantity("length", ge=0)] = 0.0
-    """Least distance between its surface and those of all other placed things, but for what it
-    stands on and what stands on it."""
+    """Least distance between its surface and those of all other placed things, except for
+    support contacts."""
 
 
 class Context(Presentation):

@@ -85,7 +85,7 @@ class Pattern(Section):
     height: Size
     """Length of the bars."""
     stripes: Annotated[tuple[Size, ...], Field(min_length=1)]
-    """Widths of bar, gap, ..., bar from left to right for whoever looks at the side."""
+    """Widths of bar, gap, ..., bar from left to right for a viewer of the side."""
 
     @model_validator(mode="after")
     def _ends_with_a_bar(self) -> Self:
@@ -233,7 +233,7 @@ class ComposedForm(Section):
     shape: Literal["composed"]
     """Which shape it is."""
     pieces: Annotated[tuple[Piece, ...], Field(min_length=1, max_length=MOST_PIECES)]
-    """What it is made of. `cb show mesh FILE` writes those that fill a mesh."""
+    """Solids of the form. `cb show mesh FILE` writes the pieces that fill a mesh."""
 
     @property
     def box(self) -> tuple[tuple[float, float], ...]:
@@ -263,8 +263,8 @@ class MeshForm(Section):
     scale: Size = 1.0
     """Length of the file's unit: 1 mm where its numbers are millimetres."""
     solid: Literal["hull", "boxes", "ball", "box", "cylinder"] = "hull"
-    """What is touched: its convex hull; up to 16 boxes that fill it, for what is hollow; or the
-    ball, box or upright cylinder around it."""
+    """Touched form: the convex hull; up to 16 boxes that fill a hollow mesh; or the surrounding
+    ball, box or upright cylinder."""
 
     _folder: Path = PrivateAttr(default=Path())
 

@@ -19,7 +19,7 @@ class KnownThing(Section):
     feature: str
     """Channel of vision by which it is known."""
     catalog: Name | None = None
-    """Catalog of what it affords by itself."""
+    """Catalog of its own affordances."""
 
 
 class PairSection(AffordanceSection):
@@ -28,7 +28,7 @@ class PairSection(AffordanceSection):
     upper: Name
     """Thing that is brought."""
     lower: Name
-    """Thing that it is brought to, or what stands on that, if anything does."""
+    """Thing that it is brought to, or the top thing on it."""
     relation: Relation = "on"
     """Whether it is to stay on that, or in it."""
 

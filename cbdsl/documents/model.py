@@ -44,11 +44,11 @@ class ModelDocument(Document):
     effector: Name
     """Effector or group whose joints it has angles for, in their order; or whose tip goes there."""
     space: Literal["configuration", "position"] = "configuration"
-    """Whether it is a density over the effector's joint angles, or over positions of what it may
-    reach for, in the world frame."""
+    """Space of the density: the effector's joint angles, or positions of targets in the world
+    frame."""
     channel: Name | None = None
-    """Channel that was tracked in these configurations of what moves the cameras: its background.
-    A program that names the model has `novel.<channel>`, the heading to what is elsewhere."""
+    """Channel that was tracked in these configurations of the head: its background. A program
+    that names the model has `novel.<channel>`, the heading to regions elsewhere."""
     density: Annotated[Gaussian | Kernel, Field(discriminator="form")]
     """How likely configurations are, or positions; draws keep within the joint limits."""
 

@@ -16,12 +16,12 @@ Sha256 = Annotated[str, Field(pattern=r"^[0-9a-f]{64}$")]
 
 
 class Identity(Section):
-    """Which document it was, and what was in it."""
+    """Name and digest of a document."""
 
     name: Name
     """Name of the document."""
     sha256: Sha256
-    """Of its content; comments, layout and what cannot matter are left out."""
+    """Digest of its content, without comments, layout and irrelevant keys."""
 
 
 class Provenance(Section):

@@ -61,8 +61,8 @@ class SeekSection(Section):
     """When a controller acts although its feedback is undefined, as to find contact."""
 
     once: Text | None = None
-    """Only after this controller, written as in ``actions``, came ``within`` of its reference. What
-    it is a part of is not at rest meanwhile, and judged anew when the search has ended."""
+    """Only after this controller, written as in ``actions``, came ``within`` of its reference.
+    Its composition is not at rest during the search; its rest is judged at the end."""
     within: Length = 0.02
     """How near ``once`` has to be."""
     until: Coordinate | None = None
@@ -70,10 +70,10 @@ class SeekSection(Section):
 
 
 class OnsetSection(Section):
-    """How a load has to change before a controller acts on it, as when what is held touches down.
+    """Change of a load that makes a controller defined, as when a held object touches down.
 
-    The load is compared with its own mean from the activation on, which is the weight of what is
-    held for as long as that touches nothing else.
+    The load is compared with its own mean from the activation on. That mean is the weight of the
+    held object while the object touches nothing else.
     """
 
     change: Tolerance
@@ -96,8 +96,8 @@ class ObstacleSection(Section):
     upper: tuple[Coordinate, ...] | None = None
     """Upper corner of a box."""
     shaft: Extent | None = None
-    """Half of the width, along the first two axes, that stays free around the goal, beside what is
-    kept clear: so that what stands on a table is gone to from above."""
+    """Half of the free width around the goal along the first two axes, in addition to the
+    clearance: objects on a table are then approached from above."""
 
     @model_validator(mode="after")
     def _is_a_ball_or_a_box(self) -> Self:
@@ -112,7 +112,7 @@ class ObstacleSection(Section):
 
 
 class FieldSection(Section):
-    """Where a harmonic function is computed, and what it leads around."""
+    """Workspace and obstacles of a harmonic function."""
 
     lower: tuple[Coordinate, ...] | None = None
     """Lower corner of the workspace; without it the lower limits of the joints."""
@@ -167,8 +167,8 @@ class ControllerSection(Section):
     funnel: FunnelSection | None = None
     seek: SeekSection | None = None
     requires: Text | None = None
-    """Undefined without this controller, written as in ``actions``: acts from when that is defined,
-    until that neither is nor seeks to be. What is done with a thing needs a hand that holds it."""
+    """Undefined without this controller, written as in ``actions``: acts while that controller
+    is defined or seeks. Manipulation needs a hand that holds the object."""
     onset: OnsetSection | None = None
     """Undefined until the load has changed; for a force or torque whose reference is ``here``."""
     field: FieldSection | None = None
@@ -207,7 +207,7 @@ class Use(Section):
     with_: Annotated[dict[Name, str], Field(alias="with")] = {}
     """Values of its parameters; ``$name`` refers to this program's own."""
     policy: Name | None = None
-    """Learned policy that takes the place of the one that is written in it."""
+    """Learned policy that replaces the written one."""
     schema_: Annotated[Name | None, Field(alias="schema")] = None
     """Schema that chooses its resources, with a policy of its own."""
 
@@ -222,13 +222,13 @@ class Limits(Section):
     idle_time: Duration | None = None
     """The same while no predicate of the state is 0 and nothing is sought, if that is less."""
     episode_time: Duration | None = None
-    """Simulated time of an episode, after which it is over whatever it does."""
+    """Simulated time after which an episode ends in any case."""
     reward_ends: bool = True
     """Whether the first reward ends an episode. While it is learned from, it always does."""
 
 
 class GuardsSection(Section):
-    """Bounds on what a program's motion may press with; it gives way to what exceeds them."""
+    """Bounds on contact forces, to which a program's motion gives way."""
 
     finger_force: Annotated[float, quantity("force", gt=0)] | None = None
     """Largest force of a fingertip, in all directions together."""
@@ -239,7 +239,7 @@ class GuardsSection(Section):
 
 
 class ProgramDocument(Document):
-    """A behaviour: what is wanted, and which action follows which state."""
+    """Behaviour: controllers, and a policy over their states."""
 
     kind: Literal["program"]
     """Says that this document is a program."""
@@ -259,7 +259,7 @@ class ProgramDocument(Document):
     controllers: dict[Name, ControllerSection | Text]
     """Triples, or compositions of them that are used as one controller."""
     background: Text | None = None
-    """Composition that runs below every action with what freedom is left."""
+    """Composition that runs below every action, with the remaining freedom."""
     actions: Annotated[tuple[Text, ...], Field(min_length=1)]
     """Controllers, compositions of controllers, or programs."""
     policy: dict[str, Text] = {}

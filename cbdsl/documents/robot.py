@@ -258,14 +258,14 @@ class Control(Section):
 
 
 class Contact(Section):
-    """Threshold of contact on a load cell, and errors of what it measures."""
+    """Threshold of contact on a load cell, and its measurement errors."""
 
     threshold: Force = 0.1
     """Smaller forces are noise."""
     noise: Force = 0.03
     """Standard deviation of each measured component."""
     bias: Force = 0.2
-    """Standard deviation of what each component reads without load, in the cell's own frame."""
+    """Standard deviation of each component's reading without load, in the cell's own frame."""
     drift: Force = 0.003
     """Standard deviation of how far that has wandered after a second; it grows with the square root
     of the time."""
@@ -308,7 +308,7 @@ class MujocoSection(Section):
     servo_frequency: Rate = 90.0
     """Natural frequency of the joint servos, rad/s: their stiffness per inertia, square root."""
     armature: NonNegative = 1.0
-    """Inertia of the joints' drives, as a share of what each joint moves; 1 is matched gearing."""
+    """Inertia of the joints' drives, as a share of the moved inertia; 1 is matched gearing."""
     contact_time: Duration = 0.01
     """Time constant with which contacts push things apart."""
     spinning_friction: Lever = 0.005

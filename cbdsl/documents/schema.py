@@ -31,9 +31,9 @@ class ChoiceQuestion(Section):
     if_: Annotated[str, Field(alias="if")]
     """Comparison of a feature with a quantity, such as ``place.y > 2 cm``."""
     then: ChoiceTree
-    """What follows where it holds."""
+    """Result if the condition holds."""
     else_: Annotated[ChoiceTree, Field(alias="else")]
-    """What follows where it does not."""
+    """Result if the condition does not hold."""
 
 
 class RewardQuestion(Section):
@@ -42,9 +42,9 @@ class RewardQuestion(Section):
     if_: Annotated[str, Field(alias="if")]
     """Comparison of a feature with a quantity, such as ``place.x > 1.02 m``."""
     then: RewardTree
-    """What follows where it holds."""
+    """Result if the condition holds."""
     else_: Annotated[RewardTree, Field(alias="else")]
-    """What follows where it does not."""
+    """Result if the condition does not hold."""
 
 
 ChoiceTree = ChoiceQuestion | tuple[Name, ...] | Name

@@ -94,8 +94,8 @@ class WorldSection(Section):
     persistent: bool = False
     """Whether episodes go on in the world as the one before left it, robot and all."""
     put_back: Literal["nothing", "fallen", "moved"] = "fallen"
-    """Things that the experimenter puts where they were at first before an episode goes on, unless
-    the robot touches them or is in the way: those that fell 20 cm or more below that place, or
+    """Things that the experimenter returns to their first places between episodes, unless the
+    robot touches them or is in the way: things that fell 20 cm or more below that place, or
     moved 2 cm or more from it."""
     where: Literal["same", "anew"] = "same"
     """Whether they are put where they were, or at a place that is drawn anew."""

@@ -47,7 +47,7 @@ class AssimilateConstants(Section):
     epsilon: Annotated[float, quantity(ge=0, le=1)] = 0.2
     """Share of allocations chosen at random where they are not drawn."""
     blames_first: bool = False
-    """Whether what was tried first in an episode without reward counts as failed there."""
+    """True if the first attempt of an episode without reward counts as failed."""
     least_samples: PositiveCount = 2
     """Fewest contexts in a leaf of the tree of reward."""
     least_attempts: PositiveCount = 3

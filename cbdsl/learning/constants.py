@@ -24,8 +24,8 @@ class AccommodateConstants(Section):
     epsilon: Annotated[float, quantity(ge=0, le=1)] = 0.2
     """Share of actions chosen at random."""
     exploring_episodes: Count | None = None
-    """Episodes with epsilon; later ones do what is best, and learn from it; all where it is left
-    out."""
+    """Number of episodes with exploration; later ones act greedily and are also learned from
+    [all]."""
     density: Form = "kernel"
     """Form of the internal models: kernel or gaussian."""
     bandwidth: Annotated[float, quantity("angle", gt=0, le=100)] = 0.1

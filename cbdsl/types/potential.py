@@ -157,7 +157,7 @@ _BUILT_IN = (
         zero_minimum=True,
         residual=False,
         navigation=Navigation(
-            _MET, _NOT_MET, _NOT_MET, _NOT_MET, "lines of sight that meet before the cameras"
+            _MET, _NOT_MET, _NOT_MET, _NOT_MET, "lines of sight that meet in front of the cameras"
         ),
         implementation="cbdsl.control.localizability:build",
         factors=2,
