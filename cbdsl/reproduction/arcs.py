@@ -50,7 +50,7 @@ class DrawnArc:
         return any(_parts(arc.action) == _parts(self.action) and self._joins(arc) for arc in arcs)
 
     def is_joined(self, arcs: Iterable[ActionArc]) -> bool:
-        """Whether a diagram has it with whatever action."""
+        """Whether a diagram has it with any action."""
         return any(self._joins(arc) for arc in arcs)
 
     def _joins(self, arc: ActionArc) -> bool:

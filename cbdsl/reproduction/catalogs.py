@@ -117,7 +117,7 @@ def run(settings: RunSettings, name: str) -> Result:
 _NOTES = (
     "Every action of every trial is carried out, with the robot's own signals; the source carried "
     "one trial out and drew the others from its models. The reward is relative to the largest "
-    "change until then; relative to the largest of the whole trial, as the source has it, it is "
+    "change so far; relative to the largest of the whole trial, as the source has it, it is "
     "known only at the end, and drawn beside it.",
 )
 

@@ -45,12 +45,12 @@ _NOTES = (
     "The first body is the reference. The others agree with it where all of their interval is "
     f"above its share less {_WORSE:g} points; programs that never succeed there, such as one that "
     "follows a ball until its time is over, are not judged. Notes give the number of episodes that "
-    "pass the same states in the same order, the simulated and the wall time of an episode, how "
-    "far what a hand carries slips in it (median of the largest in an episode, and the largest of "
-    "all), and the state in which most episodes end that do not succeed.",
+    "pass the same states in the same order, the simulated and the wall time of an episode, the "
+    "slip of a carried object in the hand (median of the largest in an episode, and the largest "
+    "of all), and the most frequent final state of failed episodes.",
     "States differ although both succeed where contacts come some ticks earlier, as without "
     "inertia on the kinematic body, where soft contacts chatter, and where references are drawn at "
-    "random, since what is drawn depends on what was seen.",
+    "random, since the draws depend on the seen objects.",
 )
 
 

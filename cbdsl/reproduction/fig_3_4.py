@@ -64,8 +64,8 @@ _NOTES = (
     "Ours starts beside the places, where the hand hides none of them from the cameras, palm down, "
     "in the posture that is nearest to the middle by the range potential. Postures that are nearer "
     "still turn the back of the hand to the table, and push against the ball. So the range "
-    "potential is not at its minimum at the start, and falls where the source's rises; what is "
-    "compared is the change.",
+    "potential is not at its minimum at the start, and falls where the source's rises; the "
+    "change is compared.",
     "The ball is held 5 cm above the table: on it, an arm that the range potential draws to the "
     "middle of its limits touched the table in 12 of 56 reaches, and came to rest short of the "
     "ball in 7. The ball stays where it is when it is touched, and the hand is closed: a reach "

@@ -32,12 +32,12 @@ _POINT = 6  # ticks between the points of the chart
 _NOTES = (
     "An experimenter holds the box out between the hands, its print towards the cameras, and lets "
     "go after two seconds. The program grabs it with the fingertips of both hands (TOUCH), and "
-    "then runs LOCALIZABILITY subject to that hold until a camera no longer sees all of the box.",
+    "then runs LOCALIZABILITY subject to that hold until a camera stops seeing all of the box.",
     "The source presses with 0.2 N. Here 10 N along each palm's normal hold a box of 150 g.",
-    "Further levels keep what is between the hands in its place: the palms keep facing each "
+    "Further levels keep the object between the hands in place: the palms keep facing each "
     "other, and stay level with each other. Forces along two normals alone let the box turn.",
-    "What ends the approach is the field of view: nearer, the box no longer fits into both images. "
-    "The source does not say what ended it there.",
+    "The field of view ends the approach: nearer, the box does not fit into both images. The "
+    "source does not state the end of its approach.",
 )
 
 

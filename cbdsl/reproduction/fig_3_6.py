@@ -153,10 +153,10 @@ def _notes(ranges: Mapping[str, float]) -> tuple[str, ...]:
         "hands, as in fig-3.5. A box that was dropped counts as not read. A class is known, as in "
         "the source: chance is 1/3.",
         f"Images are 640 x 480 with a focal length of 837 px and noise of {_NOISE:.1f} of 255. "
-        f"In focus the lens blurs by {_SPREAD:g} px; the one that is focused at 50 cm, with a "
+        f"In focus the lens blurs by {_SPREAD:g} px; the lens focused at 50 cm, with a "
         f"pupil of 6 mm, by {', '.join(blurs)}.",
         "By Table 3.2 the medium barcodes have more pixels per period on the table, 5.0, than the "
         "high ones at the optimum, 3.35, so resolution alone cannot make the former unreadable "
         "and leave the latter readable. The source says nothing of its lenses; the second one "
-        "here, chosen after the first had shown this, would explain what it saw.",
+        "here, chosen after the first had shown this, would explain its results.",
     )

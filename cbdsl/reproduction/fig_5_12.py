@@ -62,14 +62,14 @@ def run(settings: RunSettings) -> Result:
 
 _NOTES = (
     f"Program {_PROGRAM} under its learned policy on stage {_STAGE}: a ball that fills the hand in "
-    "half of the episodes, a small one in the other half, the same in all three series. That "
-    f"{_PROBE} may stand in for {_MEMBER} follows from what both are rewarded for, the quiescence "
-    "of a spring on the fingers' forces, by the hand.",
+    "half of the episodes, a small one in the other half, the same in all three series. "
+    f"{_PROBE.capitalize()} may replace {_MEMBER} because both are rewarded for the quiescence of "
+    "a spring on the fingers' forces, by the hand.",
     "The source's TOUCH acts on contact that REACH has brought about. That of the shipped program "
     "closes the fingers once the hand has arrived, in a direction that its author knows; "
     "TACTILEPROBE draws postures of the hand until some bring contact. The claim of the source, "
     "that the probe works in more cases, is judged beside both: the TOUCH it describes, which "
-    "does not close them, and the shipped one, which does much of what the probe would add.",
+    "does not close them, and the shipped one, which already contains most of the probe's effect.",
     "REACH goes on while TACTILEPROBE runs, which begins when REACH has come to rest. Its reward "
     "counts as that of the controller whose place it has.",
 )

@@ -41,8 +41,9 @@ _DRAWS = 200
 _NOTES = (
     "25 episodes a trial, in every second of which a thing is shaken 4 cm to either side, 1.1 to "
     "1.3 m in front of the robot, from any posture of the head with ten looks. The head rests for "
-    "0.8 s where it looks: while it turns, everything moves in its images. What moved is taken to "
-    "be there still until it rests again. Looks are drawn evenly, and not from what is learned.",
+    "0.8 s where it looks: while it turns, everything moves in its images. A moved object is "
+    "assumed to stay there until the camera rests again. Searches are drawn uniformly, and not "
+    "from learned models.",
 )
 
 
@@ -102,7 +103,7 @@ def _tracked(episodes: Mapping[str, Sequence[MotionEpisode]]) -> Iterator[Quanti
     name = "motion tracked where nothing moves"
     yield percentage(name, "no peak", seen, len(nothing), at_most(_FEW), of="episodes")
     off = [math.degrees(each.off) for each in tracked]
-    name = "from the middle of what is shaken, when tracked"
+    name = "from the middle of the shaken object, when tracked"
     yield mean_of(name, "deg", "where it was presented", off, below(_CLOSE))
 
 

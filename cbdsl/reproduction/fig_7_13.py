@@ -26,7 +26,7 @@ _NOTES = (
     "runs twelve tests: along the axes of the world frame until 2 N more are felt or the palm has "
     "moved by 2 cm, and about them, through the palm, until 0.1 N m or 6 deg (25 deg about z). "
     "Before each test it makes contact anew, with 1 N, or 0.5 N where it tests z and 3 N where it "
-    "turns; after it, it returns to the pose before that. Loads are those of the fingertips, "
+    "turns; after it, it returns to its previous pose. Loads are those of the fingertips, "
     "displacements those of the palm.",
     "The source tracks 2 N m. A grip of 6 N at 4 cm slips at about 0.2 N m.",
     "A direction counts as tracked where it was one way or the other. Those in which friction "

@@ -38,7 +38,7 @@ _LOOK, _TOUCH, _BOTH = "searchtrack", "reachtouch", "bimanualtouch"
 _LOWER_PAIR, _UPPER_PAIR = "purple_box_on_blue_box", "football_on_purple_box"
 _STACK = "football_on_purple_box_on_blue_box"
 _COLORS = {"blue_box": "#0072b2", "purple_box": "#cc79a7", "football": "#009e73"}
-_TITLE = "What three things afford alone and together (Figure 7.17)"
+_TITLE = "Affordances of three objects alone and together (Figure 7.17)"
 _PLACING = "pick and place"
 _MOMENTS = ("as they lie", "two are stacked", "all three, after the release")
 
@@ -65,8 +65,8 @@ AFFORDED: Mapping[str, Mapping[str, Afforded]] = {
 _NOTES = (
     "The robot judges by its own signals: an action is rewarded, or a constellation rests for a "
     "second after the hand has gone, with the upper thing above the lower one. Of three, it tracks "
-    "the constellations of both pairs, and the uppermost thing is to be above the lowest: what is "
-    "in between is hidden too much for its place to be known.",
+    "the constellations of both pairs, and the uppermost thing is to be above the lowest: the "
+    "object in between is occluded too much to be located.",
     "Blobs are the ellipses that the left camera's regions are seen as; a round one has no "
     "direction. The source shows one stack of the two that stood.",
 )
@@ -184,7 +184,7 @@ def _together(trials: _Trials) -> Iterator[Quantity]:
     )
     right = [each.stands for each in tracked]
     right += [each.stands for own in trials.pairs.values() for each in own if each.judged]
-    name = "of what is taken to stand, what does"
+    name = "share of truly standing stacks among those reported as standing"
     yield percentage(name, "all", sum(right), len(right), at_least(90))
 
 

@@ -105,7 +105,7 @@ def _gain(sequential: Floats, both: Floats, seed: int) -> Quantity:
         above(_CLEARLY * level),
         ordering=above(0),
         seed=seed,
-        note=f"clearly: by {100 * _CLEARLY:.0f} % of what the sequential ones earn",
+        note=f"clearly: by {100 * _CLEARLY:.0f} % of the earnings of the sequential ones",
     )
 
 
@@ -132,7 +132,7 @@ def _line(series: Series, rewards: Floats, seed: int) -> Line:
 
 _NOTES = (
     "The policies of the trials take turns; none explores. As in the source the first search "
-    "finds what has to be searched for: references are drawn from around the postures in which "
+    "finds the object out of view: references are drawn from around the postures in which "
     "the head was rewarded in the context without an object. Both sets of actions meet the same "
     "episodes.",
 )

@@ -113,11 +113,11 @@ _NOTES = (
     "Allocations are all that the type table and the rewards admit: either arm, and for the left "
     "one, in place of the grasp, BIMANUALTOUCH and the handover, which both end with the thing "
     "touched by the left hand. BIMANUALTOUCH ends with both hands holding, and the transport then "
-    "tears the thing out of one of them: what works as a transfer here is the handover, which lets "
-    "go of it.",
-    "ASSIMILATE counts what was tried first in an episode without reward as failed there: a failed "
+    "tears the thing out of one of them: the transfer that works here is the handover, which "
+    "releases it.",
+    "ASSIMILATE counts the first attempt of an episode without reward as failed: a failed "
     "transfer leaves the ball where the other hand does not reach it.",
-    "The robot looks for the goal and for the thing before it chooses. These looks are no "
+    "The robot looks for the goal and for the object, and then chooses. These looks are no "
     "transitions of the program.",
 )
 

@@ -197,7 +197,7 @@ def run(settings: RunSettings, name: str) -> Result:
         return Result((), notes=(f"No trial found a reward with {model.effector}.",))
     note = (
         f"Densities of {len(learned)} trials; interquartile means with bootstrap intervals, over "
-        "those that were rewarded by then. Each has the uniform part that it starts as."
+        "the trials rewarded by that time. Each has the uniform part that it starts as."
     )
     return Result(tuple(quantities), (_chart(name, model, shown),), (note,))
 

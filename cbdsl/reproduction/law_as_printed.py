@@ -44,8 +44,8 @@ _SETTINGS = LawSettings(joint_step=0.1)
 Move = Callable[[Floats], Floats]
 
 _NOTES = (
-    "The rows about the printed law show what it does when it is taken literally: a miss there "
-    "says that the equations do not do what the source uses them for, and why ours differ.",
+    "The rows about the printed law take it literally: a miss there means that the equations do "
+    "not serve the source's purpose, and explains the difference to ours.",
     f"Manipulability: a planar arm with links of {', '.join(f'{100 * x:g}' for x in _LINKS)} cm at "
     f"random postures; {_PRINTED_STEPS} steps of gain 1 as printed, {_DESCENT_STEPS} of ours, "
     "which follow the gradient since the minimum of this potential is not known. Priority: the "
@@ -241,7 +241,7 @@ def _errors(starts: Sequence[_Curves]) -> Iterator[Quantity]:
         ("ours", [1000 * float(each.ours[-1]) for each in starts]),
     ):
         yield percentage(
-            f"{law}: goals that had been reached, and stay within {1000 * _HELD:g} mm of the hand",
+            f"{law}: reached goals that stay within {1000 * _HELD:g} mm of the hand",
             source,
             sum(error <= 1000 * _HELD for error in errors),
             len(errors),

@@ -174,7 +174,7 @@ def _advantage(sequential: Curves, both: Curves, seed: int) -> Quantity:
         interval_of(interquartile_mean, seed),
         near(0, margin),
         seed=seed,
-        note=f"{ends}; hardly: by {100 * _HARDLY:.0f} % of what the sequential ones earn at most",
+        note=f"{ends}; hardly: by {100 * _HARDLY:.0f} % of the best sequential earnings",
     )
 
 

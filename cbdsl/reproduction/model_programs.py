@@ -52,8 +52,8 @@ def run(settings: RunSettings, name: str) -> Result:
 _NOTES = (
     "A model whose features are seen far from where it has them (4 Mahalanobis distances) counts "
     "as changing, and an action whose model is unknown or changing is worth 0.2 in a state in "
-    "which it was not tried: without either, a program that does nothing in the states that it "
-    "has learned would attend to what is new or was moved by chance alone.",
+    "which it was not tried: without either, a program that does nothing in its learned states "
+    "would attend to new or moved objects only by chance.",
 )
 
 
@@ -113,5 +113,5 @@ def _attention(catalogs: Sequence[CatalogDocument], seed: int) -> Iterator[Quant
         yield percentage(label, "yes", sum(soon), len(soon), at_least(90))
     before = [actions_of(each)[_COMES - 10 : _COMES] for each in catalogs]
     idle, sizes = [own.count(NOOP) for own in before], [len(own) for own in before]
-    name = "noop in the 10 actions before the blue ball comes"
+    name = "noop in the 10 actions ahead of the blue ball"
     yield clustered_percentage(name, "habituated", idle, sizes, above(50))

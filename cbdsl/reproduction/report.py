@@ -8,26 +8,36 @@ from collections.abc import Iterable, Mapping
 
 from cbdsl.reproduction.experiment import Experiment, Picture, Result, RunSettings
 from cbdsl.reproduction.quantity import Quantity, Verdict
-from cbdsl.reproduction.summary import summary
+from cbdsl.reproduction.summary import paragraph, summary
 
 _HEADER = """\
 # Reproduction
 
-What the dissertation reports, and what we measure. `cb reproduce all --out docs/reproduction.md`
-writes this page, and `cb reproduce NAME --out docs/reproduction.md` renews one section of it.
+This page holds the results that the dissertation reports, beside ours.
+`cb reproduce all --out docs/reproduction.md` writes it.
+`cb reproduce NAME --out docs/reproduction.md` renews one section.
 
-The column *expected* is the region in which the source's words put a value, and the verdict is
-that of its 95 % interval: **reproduced** where all of it is in the region, **missed** where none of
-it is, **undecided** where it is neither, **ordering only** where at least the reported order is
-clear, **not judged** where there is no spread to judge by (one trial) or nothing is claimed. The
-column *chance* tells how often as many trials would be called reproduced if the claim were only
-just false; a coin, or a model that is uniform, passes at most as often wherever the claim is false
-of it. Of curves, ratios and trials drawn anew it is the 2.5 % for which intervals are made. Above
-5 % nothing is called reproduced. Regions that were set when the numbers were known say
-so. Intervals are exact (Clopper-Pearson) for proportions, with the effective number of outcomes
-(Korn-Graubard) where several of them come from one trial, and bootstrapped for everything else.
-Where the robot learns, it does so on the kinematic backend, many times from zero; other backends
-have sections of their own.
+The column *expected* is the region in which the source's words put a value.
+The verdict follows from the 95 % interval of our value:
+
+| verdict | meaning |
+| --- | --- |
+| reproduced | all of the interval is in the region |
+| missed | none of it is in the region |
+| undecided | a part of it is in the region |
+| ordering only | at least the reported order is clear |
+| not judged | there is no spread to judge by (one trial), or nothing is claimed |
+
+The column *chance* is the probability that a claim that is just false would be called reproduced.
+A coin, or a uniform model, passes at most as often if the claim is false for it.
+For curves, ratios and newly drawn trials it is the 2.5 % of the intervals.
+Above 5 % nothing is called reproduced.
+Regions that were set with known numbers say so.
+
+Intervals are exact (Clopper-Pearson) for proportions.
+If several outcomes come from one trial, they use the effective number of outcomes (Korn-Graubard).
+All other intervals are bootstrapped.
+Robots learn on the kinematic backend, many times from zero; other backends have separate sections.
 """
 
 _SECTION = re.compile(r"^## ([^:\n]+): ", re.MULTILINE)
@@ -80,9 +90,10 @@ def section(experiment: Experiment, settings: RunSettings, outcome: Result, pict
         "",
     ]
     for note in outcome.notes:
-        lines += [note, ""]
+        lines += [paragraph(note), ""]
     for chart in outcome.charts:
-        lines += [f"![{chart.title}]({pictures}/{picture_file(chart, experiment, settings)})", ""]
+        file = f"{pictures}/{picture_file(chart, experiment, settings)}"
+        lines += [f"[![{chart.title}]({file})]({file})", ""]
     return "\n".join(lines)
 
 

@@ -42,7 +42,7 @@ def run(settings: RunSettings, name: str) -> Result:
 _NOTES = (
     "Interquartile means over the trials, with bootstrap intervals. An episode that comes to its "
     "reward without a detour has five transitions: the grasp begins and ends, the way to the goal "
-    "begins, the place begins to bear what is held, and bears 2 N of it. It earns 0.2 per "
+    "begins, the place begins to bear the held object, and bears 2 N of it. It earns 0.2 per "
     "transition, which no exploring robot keeps up.",
 )
 

@@ -58,7 +58,7 @@ def stable_quantity(
     """
     episodes = np.array(measured, dtype=float)
     return estimate(
-        f"{series.label}: greedy policy no longer changes after, median",
+        f"{series.label}: greedy policy is stable after, median",
         "episodes",
         source,
         episodes,

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+import textwrap
 import tomllib
 from collections import Counter
 from collections.abc import Iterator, Sequence
@@ -16,8 +17,8 @@ _CELLS = re.compile(r"(?<!\\)\|")
 # What is said of rows without a cause of their own. A miss has one, or none is known.
 _DEFAULTS = {
     Verdict.MISSED: "cause not known",
-    Verdict.UNDECIDED: "too few trials to tell",
-    Verdict.ORDERING: "too few trials to tell more than the order",
+    Verdict.UNDECIDED: "too few trials for a verdict",
+    Verdict.ORDERING: "too few trials for more than the order",
 }
 
 
@@ -107,10 +108,23 @@ def _counts(rows: Sequence[PageRow]) -> Iterator[str]:
         yield f"| {section} | {' | '.join(str(count[verdict]) for verdict in verdicts)} |"
 
 
+def paragraph(text: str, indent: str = "") -> str:
+    """Wrap a text of the page.
+
+    Args:
+        text: One paragraph or list item.
+        indent: Indentation of all lines except the first.
+    """
+    return textwrap.fill(
+        text, 115, subsequent_indent=indent, break_long_words=False, break_on_hyphens=False
+    )
+
+
 def _miss(row: PageRow) -> str:
     default = _DEFAULTS[Verdict(row.verdict)]
     cause = next((each.text for each in causes() if each.explains(row)), default)
-    return f"* {row.section}, {row.quantity}: {row.ours}, {row.verdict}; {cause}."
+    text = f"* {row.section}, {row.quantity}: {row.ours}, {row.verdict}; {cause}."
+    return paragraph(text, indent="  ")
 
 
 def causes() -> tuple[Cause, ...]:

@@ -119,7 +119,7 @@ def quantities_of(groups: Sequence[LearnerTrials], seed: int) -> Iterator[Quanti
     for group, source, expected in (
         (flat, "about 140", near(140, 40)),
         (concurrent, "about 50", near(50, 20)),
-        (staged, "before the others", below(50)),
+        (staged, "ahead of the others", below(50)),
     ):
         yield _settles(group, source, expected, seed)
     for group in groups:
@@ -284,25 +284,25 @@ def _notes(earned: Mapping[HandednessSeries, Floats], count: int) -> tuple[str, 
     flat, abstract = earned[FLAT], earned[CONCURRENT]
     return (
         "Features are the robot's own signals on every backend: position, velocity and volume of "
-        "what both cameras see, when an action is chosen. Half of the things are large, the "
+        "the object in both cameras, when an action is chosen. Half of the things are large, the "
         "others to the left or to the right; some of them move across at 5 cm/s.",
-        "Flat: seven actions without compositions, and ten predicates, of which three tell motion, "
-        "side and size. What an action has moved stays. Concurrent: five abstract actions by "
+        "Flat: seven actions without compositions, and ten predicates, of which three encode "
+        "motion, side and size. Moved joints stay in place. Concurrent: five abstract actions by "
         "Q-learning, allocations by ASSIMILATE, epsilon 0.2 for both. Staged: 25 episodes with the "
-        "right arm and small things that keep still on the right, then ASSIMILATE, in which what "
-        "abstract actions are worth is still learned, without exploring.",
-        f"Normalised: relative to what the best policy of a learner's actions earns in {count} "
-        "other episodes, which goes by the tree of Figure 5.10: "
+        "right arm and small things that keep still on the right, then ASSIMILATE, in which the "
+        "values of abstract actions are still learned, without exploration.",
+        f"Normalised: relative to the earnings of the best policy of a learner's actions in "
+        f"{count} other episodes, which follows the tree of Figure 5.10: "
         f"{_with_interval('flat', flat)}, {_with_interval('concurrent and staged', abstract)}. "
-        "A REACH and a TOUCH after each other do not catch what moves.",
+        "A REACH and a TOUCH in sequence do not catch a moving object.",
         "Intervals in words and bands in pictures are means with 1.96 standard errors. A curve "
         "stays at the common level from where its mean over five episodes stays above 80 % of "
-        f"{_LEVEL}; the drop ends where it is back at 80 % of what it was. An episode has 50 "
+        f"{_LEVEL}; the drop ends at 80 % of the former value. An episode has 50 "
         "transitions at most, half of the source's, so that a hundred trials take an hour.",
     )
 
 
 _RETRY_NOTES = (
     "Episodes of the second stage of the staged learner. A retry is a transition out of X1-, the "
-    "reach at rest and nothing felt, under another allocation than that which led there.",
+    "reach at rest without contact, under another allocation than in the failed attempt.",
 )

@@ -227,7 +227,7 @@ def _quantities(drawn: DrawnPolicy, last: Sequence[Check], worth: Worth) -> Iter
         joined = sum(arc.is_joined(arcs) for arcs in met)
         ordered = sum(arc.is_among(arcs) for arcs in met)
         note = f"{ordered} in the order drawn; " if alike else ""
-        note += f"{joined} with whatever action"
+        note += f"{joined} with any action"
         yield _drawn(f"{label}: {arc}", [_has(arc, arcs, alike) for arcs in met], note)
 
 
@@ -322,11 +322,11 @@ def _likeness(one: Mapping[ActionArc, float], other: Mapping[ActionArc, float]) 
 def _notes(plan: Schedule) -> tuple[str, ...]:
     return (
         f"After a trial, its greedy policy runs {plan.held_out} episodes that it did not learn "
-        f"from. An arc is there if more than {100 * ABOVE:.0f} % of what leaves its state takes "
-        "it, and counts as reproduced if most trials have it, of those whose episodes leave its "
-        "state at all; where a context of the stage is named, only episodes in it count. All arcs "
-        "are asked of all trials, but for those whose context did not occur. The picture shows the "
-        "trial whose arcs have the most in common with those of the others.",
+        f"from. An arc exists if more than {100 * ABOVE:.0f} % of the transitions from its state "
+        "take it. It counts as reproduced if most trials have it, among the trials whose episodes "
+        "leave its state; where a context of the stage is named, only episodes in it count. All "
+        "arcs count for all trials, except for arcs whose context did not occur. The picture shows "
+        "the trial whose arcs have the most in common with those of the others.",
         "Where the superior controller has no reference, it moves nothing, and an action that is "
         "left after its first tick, as all are in the state of an episode's beginning, has hardly "
         "moved anything: then both orders of a composition earn the same, and which of them a "
@@ -334,9 +334,9 @@ def _notes(plan: Schedule) -> tuple[str, ...]:
         "or more, by all trials together, either counts, and the note says how many trials have "
         "the drawn one. This rule, and that states have to be met, were set when the numbers were "
         "known.",
-        "What an action is worth: what followed each action in all trials together is a model, of "
-        "which value iteration gives the discounted reward of each action if all later ones are "
-        "the best. Where others are worth as much as the source's, which of them a trial learns "
-        "is chance. The interval is that of trials drawn anew; of fewer than five trials it is not "
-        "told.",
+        "Value of an action: the transitions of all trials together form a model. Value "
+        "iteration on it gives the discounted reward of each action if all later ones are "
+        "optimal. Where others are worth as much as the source's, which of them a trial learns "
+        "is chance. The interval is that of trials drawn anew; fewer than five trials have no "
+        "median.",
     )

@@ -35,7 +35,7 @@ def test_verdicts_are_counted_and_misses_have_causes() -> None:
     assert "1 of 3 judged rows are reproduced (33 %); 1 are not judged." in text
     assert "| law-as-printed | 1 | 0 | 0 | 1 | 0 |" in text
     assert "missed; the printed equations" in text
-    assert "fig-4.5, share: 50 [31.3, 68.7] %, undecided; too few trials to tell." in text
+    assert "fig-4.5, share: 50 [31.3, 68.7] %, undecided; too few trials for a verdict." in text
 
 
 def test_the_page_begins_with_its_summary_once() -> None:

@@ -82,6 +82,6 @@ def test_an_arc_is_asked_of_trials_that_leave_its_state_and_all_arcs_of_all(
     whole, first, arc = _quantities(drawn, last, worth)
     assert arc.note.startswith(counts)
     assert ("1 in the order drawn" in arc.note) == bool(worth)
-    assert "3 with whatever action" in arc.note
+    assert "3 with any action" in arc.note
     assert whole.note == f"{counts[0]} of 4 trials"
     assert first.note.startswith("3 of 4 trials")
