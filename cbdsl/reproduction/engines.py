@@ -48,7 +48,7 @@ _NOTES = (
     "pass the same states in the same order, the simulated and the wall time of an episode, the "
     "slip of a carried object in the hand (median of the largest in an episode, and the largest "
     "of all), and the most frequent final state of failed episodes.",
-    "States differ although both succeed where contacts come some ticks earlier, as without "
+    "States differ although both succeed where contacts come some ticks sooner, as without "
     "inertia on the kinematic body, where soft contacts chatter, and where references are drawn at "
     "random, since the draws depend on the seen objects.",
 )

@@ -45,8 +45,7 @@ _ALL: tuple[Experiment, ...] = (
     Experiment("fig-7.9", "PICKANDPLACE joins the catalog of a red ball with two patches", "Section 7.1.3, Figure 7.9", "grown_catalogs", learns=True, backend="mujoco"),  # noqa: E501
     Experiment("fig-7.10", "Two balls that can be placed on a table", "Section 7.1.3, Figure 7.10", "grown_catalogs", learns=True, backend="mujoco"),  # noqa: E501
     Experiment("fig-7.13-7.14", "Loads on an object that is on or in another one", "Section 7.2, Figures 7.13 and 7.14", "fig_7_13", keeps=True, backend="mujoco"),  # noqa: E501
-    Experiment("fig-7.16-7.17", "Affordances of three objects alone, and of stacks of two and "
-        "three of them", "Section 7.3.2, Figures 7.16 and 7.17", "fig_7_17", keeps=True, backend="mujoco"),  # noqa: E501
+    Experiment("fig-7.16-7.17", "Affordances of three objects, and of stacks of them", "Section 7.3.2, Figures 7.16 and 7.17", "fig_7_17", keeps=True, backend="mujoco"),  # noqa: E501
     Experiment("table-7.1-7.2", "Which things stay on each other, of two and of three", "Section 7.3.2, Tables 7.1 and 7.2", "table_7_1", keeps=True, backend="mujoco"),  # noqa: E501
     Experiment("engines", "Shipped programs and policies on every engine", "Chapters 3 and 4, Sections 4.2 and 4.3", "engines", keeps=True),  # noqa: E501
 )
