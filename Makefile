@@ -5,7 +5,7 @@ BIN = $(dir $(PYTHON))
 MARK ?= slow or not slow
 
 # What a bill of materials is made for.
-USERS = sim,editor,formats,learn,mujoco,gym,trees,mcap,lerobot
+USERS = sim,editor,formats,learn,mujoco,gym,trees,mcap,lerobot,ros2
 
 # How many mutants, which ones, and with which tests: `all` fast ones take minutes for each that is hard to kill. With a
 # file in KEEP it can be interrupted, and goes on.

@@ -131,6 +131,34 @@ class ResumableBackend(Protocol):
         ...
 
 
+class Person(Protocol):
+    """Someone beside a real robot, or at the terminal of its computer."""
+
+    def confirm(self, text: str, question: str, *, released: bool) -> bool:
+        """Return the answer to a question.
+
+        Args:
+            text: Situation, in lines.
+            question: Question that yes or no answers.
+            released: True if a consent in advance, ``--yes``, may answer it.
+        """
+        ...
+
+
+@runtime_checkable
+class AttendedBackend(Protocol):
+    """A backend of a real robot: a person sets up its stage and releases it."""
+
+    def attend(self, person: Person, interface: str | None = None) -> None:
+        """Name the person, and the network interface.
+
+        Args:
+            person: Person who answers.
+            interface: Network interface; loopback only if ``None``.
+        """
+        ...
+
+
 class BackendFactory(Protocol):
     """Target of an entry point of the group ``cbdsl.backends``: a backend's class."""
 
@@ -170,6 +198,7 @@ BACKENDS: Registry[BackendFactory] = Registry(
         "bullet": "cbdsl.backends.bullet.backend:BulletBackend",
         "kinematic": "cbdsl.backends.kinematic.backend:KinematicBackend",
         "mujoco": "cbdsl.backends.mujoco.backend:MujocoBackend",
+        "ros2": "cbdsl.backends.drivers.backend:DrivenBackend",
     },
     _factory,
 )

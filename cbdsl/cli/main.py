@@ -19,6 +19,7 @@ if TYPE_CHECKING:
 COMMANDS = (
     "validate", "list", "run", "explain", "show", "reproduce", "new", "schema", "replay", "learn",
     "explore", "report", "calibrate", "lsp", "fmt", "export", "warm",
+    "drive",
 )  # fmt: skip
 
 

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from cbdsl.cli.attendance import Interface, Yes, attend
 from cbdsl.cli.live import Fast, Live, LiveClose, LivePort, LiveWait
 from cbdsl.cli.options import BodyNumber, Cameras, Policy, Program, With
 from cbdsl.cli.simulation import BackendName
@@ -123,6 +124,8 @@ def run(
     live_wait: LiveWait = False,
     live_close: LiveClose = False,
     fast: Fast = False,
+    yes: Yes = False,
+    interface: Interface = None,
 ) -> None:
     """Run a program on a robot and print each change of its state.
 
@@ -160,6 +163,7 @@ def run(
         within.enter_context(shown_on_failure())
         within.enter_context(termination_interrupts())
         embodied, kinematics = within.enter_context(opened)
+        attend(embodied, yes=yes, interface=interface)
         runner = _runner(request, kinematics, embodied)
         seeds = range(seed, seed + episodes)
         folder = within.enter_context(recorded_for(page, record, tells=not as_json))

@@ -13,6 +13,7 @@ from cbdsl.cli.show_mesh import show_mesh
 from cbdsl.cli.show_meta_catalog import show_meta_catalog
 from cbdsl.cli.show_plugins import (
     show_backends,
+    show_drivers,
     show_kinds,
     show_learners,
     show_modifiers,
@@ -112,6 +113,7 @@ def show_resources(
         print_table(f"Resources of {document.name}", rows)
 
 
+show.command("drivers")(show_drivers)
 show.command("sources")(show_sources)
 show.command("modifiers")(show_modifiers)
 show.command("learners")(show_learners)

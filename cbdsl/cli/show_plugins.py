@@ -60,6 +60,14 @@ def show_sources(format_: PlainFormat = "text", as_json: Json = False) -> None:
     _show("Kinds of sensors", SOURCES, form, lambda n: {"summary": SOURCES.get(n).summary})
 
 
+def show_drivers(format_: PlainFormat = "text", as_json: Json = False) -> None:
+    """Show the kinds of drivers, for robots' documents."""
+    from cbdsl.robot.driver_kind import DRIVERS
+
+    form = read_format(format_, as_json, PLAIN)
+    _show("Kinds of drivers", DRIVERS, form, lambda n: {"summary": DRIVERS.get(n).summary})
+
+
 def show_modifiers(format_: PlainFormat = "text", as_json: Json = False) -> None:
     """The changes of controllers' references that packages add, for programs."""
     from cbdsl.types.modifier import MODIFIERS

@@ -26,7 +26,7 @@ def digest(document: Document, leave_out: Iterable[str] = ()) -> str:
     """SHA-256 of a document's content, in hexadecimal.
 
     Its description, comments and layout do not matter, nor does a default that is written out. Of a
-    mesh its content counts, and not where it lies.
+    mesh its content counts, and not where it lies. A robot's drivers do not change its body.
 
     Args:
         document: the document.
@@ -36,7 +36,7 @@ def digest(document: Document, leave_out: Iterable[str] = ()) -> str:
         mode="json",
         by_alias=True,
         exclude_defaults=True,
-        exclude={"description", *leave_out},
+        exclude={"description", "drivers", *leave_out},
         context={"by_content": True},
     )
     return digest_of_text(json.dumps(data, sort_keys=True, ensure_ascii=True))

@@ -34,6 +34,7 @@ from cbdsl.documents.document import (
     Turn,
     Vector,
 )
+from cbdsl.documents.driver import Driver
 from cbdsl.documents.kind import Kind
 
 
@@ -368,6 +369,8 @@ class RobotDocument(Document):
     joint_torques: JointTorques | None = None
     """Without it no joint's torque is measured."""
     control: Control
+    drivers: dict[Name, Driver] = {}
+    """Connections to the real robot, by name; a simulated one needs none."""
     simulation: Simulation = Simulation.model_construct()
 
     def members(self, effector: str) -> tuple[str, ...]:

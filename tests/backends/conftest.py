@@ -19,6 +19,12 @@ from tests.conftest import ROOT
 URDF = ROOT / "robots" / "dexter.urdf"
 LIBRARY = Library(ROOT)
 
+#: Names of the backends that need no robot beside them.
+SELF_CONTAINED = tuple(
+    name
+    for name in backends.BACKENDS.usable_names()
+    if not hasattr(backends.BACKENDS.get(name), "attend")
+)
 Simulated = SimulatedBackend[Any]
 BACKENDS: dict[str, type[Simulated]] = {
     name: backend

@@ -35,7 +35,7 @@ def test_an_engine_says_nothing_while_it_is_imported() -> None:
 
 def test_an_unknown_name_lists_the_known_ones(folder: Path) -> None:
     write_package(folder, "far", {BACKENDS.group: {"mirror": "far:Mirror"}})
-    with pytest.raises(BackendError, match=r"'bulet'.*bullet, kinematic, mujoco, mirror"):
+    with pytest.raises(BackendError, match=r"'bulet'.*bullet, kinematic, mujoco, ros2, mirror"):
         find_backend("bulet")
 
 

@@ -10,17 +10,17 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from cbdsl.backends.backend import BACKENDS, Backend, embody
+from cbdsl.backends.backend import Backend, embody
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.robot.joints import Joints
 from cbdsl.runtime.episode import DeadlineError, Runner
 from cbdsl.sensing.kinematics import Kinematics
 from cbdsl.sensing.observation import Observation
-from tests.backends.conftest import sightless, stage_named
+from tests.backends.conftest import SELF_CONTAINED, sightless, stage_named
 from tests.conftest import Checked
 
 
-@pytest.fixture(scope="module", params=BACKENDS.usable_names())
+@pytest.fixture(scope="module", params=SELF_CONTAINED)
 def name(request: pytest.FixtureRequest) -> str:
     return str(request.param)
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from cbdsl.backends.backend import BACKENDS, Backend, embody
+from cbdsl.backends.backend import Backend, embody
 from cbdsl.backends.simulated_backend import SimulatedBackend
 from cbdsl.documents.robot import RobotDocument
 from cbdsl.documents.stage import StageDocument
@@ -13,10 +13,10 @@ from cbdsl.robot.joints import Joints
 from cbdsl.robot.urdf import UrdfJoint
 from cbdsl.robot.urdf_reader import read_urdf
 from cbdsl.yaml_text.library import Library
-from tests.backends.conftest import robot_named, sightless
+from tests.backends.conftest import SELF_CONTAINED, robot_named, sightless
 from tests.conftest import ROOT
 
-NAMES = sorted(BACKENDS.usable_names())
+NAMES = sorted(SELF_CONTAINED)
 ROBOTS = Library(ROOT).names(RobotDocument)
 EMPTY = {"cbdsl": 1, "kind": "stage", "name": "empty", "contexts": {"only": {}}}
 # Fingers that push one another are faster than their servos by what the solver leaves over in its

@@ -18,6 +18,7 @@ ASKED = {
     "potentials": [],
     "resources": ["--robot", "sixaxis"],
     "sources": [],
+    "drivers": [],
     "modifiers": [],
     "learners": [],
     "kinds": [],

@@ -11,6 +11,7 @@ from cbdsl.checking.findings import Findings
 from cbdsl.checking.robot.beyond_reason import check_meshes, check_speeds, note_assumptions
 from cbdsl.checking.robot.checked_robot import CheckedRobot
 from cbdsl.checking.robot.constants import check_constants, check_margins
+from cbdsl.checking.robot.drivers import check_drivers
 from cbdsl.checking.robot.limits import is_of_another_kind, limit_details, unit_of
 from cbdsl.checking.robot.model_agreement import check_bodies, check_mimics, note_rests
 from cbdsl.checking.robot.names import check_names
@@ -49,6 +50,7 @@ def examine_robot(loaded: Loaded[RobotDocument], findings: Findings) -> CheckedR
     check_names(loaded, findings)
     check_constants(loaded, findings)
     check_speeds(loaded, findings)
+    check_drivers(loaded, model, findings)
     missed = frozenset(finding.given for finding in findings.sorted() if finding.code == "CB308")
     missed |= frozenset(_lacking(robot, missed))
     body = CheckedRobot(loaded, resources(robot), model, missed).with_idle_tips()

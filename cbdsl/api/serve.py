@@ -1,0 +1,110 @@
+"""Serving: simulated robots behind the topics of their drivers."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from cbdsl.backends.ros2.server import Moment
+    from cbdsl.documents.robot import RobotDocument
+
+
+def serve_robot(
+    robot: str | Path,
+    *,
+    backend: str = "mujoco",
+    stage: str | Path | None = None,
+    context: str | None = None,
+    seed: int = 0,
+    cameras: str | None = None,
+    faults: Sequence[str] = (),
+    trace: Path | None = None,
+    seconds: float | None = None,
+    interface: str | None = None,
+    report: Callable[[str], None] = lambda line: None,
+    stopped: Callable[[], bool] = lambda: False,
+) -> None:
+    """Serve a simulated robot in real time.
+
+    Args:
+        robot: File or name of the robot.
+        backend: Simulated robot's backend.
+        stage: File or name of the stage that is set up; an empty one if ``None``.
+        context: Context of the stage; drawn by share if ``None``.
+        seed: Seed of the episode.
+        cameras: ``rendered`` or ``ideal``; the backend's choice if ``None``.
+        faults: Faults, such as ``nan@2.5``.
+        trace: NPZ file for the robot's motion.
+        seconds: Time after which it ends; never if ``None``.
+        interface: Network interface; loopback only if ``None``.
+        report: Takes lines for people.
+        stopped: Returns whether it should end.
+
+    Raises:
+        DiagnosticsError: A document has errors.
+        UsageError: Something is not there, not installed, or does not fit.
+    """
+    from cbdsl.api.robots import read_robot, read_stage
+    from cbdsl.backends.ros2.faults import Faults, read_fault
+    from cbdsl.backends.ros2.server import RobotServer, simulated_robot
+
+    document, urdf = read_robot(robot)
+    set_up = read_stage(stage, document)
+    injected = Faults([read_fault(text) for text in faults], seed)
+    embodied = simulated_robot(backend, document, urdf, cameras)
+    server = RobotServer(document, urdf, embodied, interface, injected)
+    moments = _Moments(seconds, stopped, keeps=trace is not None)
+    try:
+        drawn = server.reset(set_up, context, seed)
+        report(_introduction(document, backend, set_up.name, drawn, interface))
+        injected.restart()
+        server.serve(moments.note)
+    finally:
+        server.close()
+        if trace is not None:
+            moments.write(trace, injected.begun)
+
+
+def _introduction(
+    robot: RobotDocument, backend: str, stage: str, context: str, interface: str | None
+) -> str:
+    topics = [t for d in robot.drivers.values() for t in (d.states, d.commands) if t]
+    where = interface or "loopback"
+    return (
+        f"serving {robot.name} ({backend}) on stage {stage}, context {context}; {where}, topics "
+        f"{', '.join(topics)}"
+    )
+
+
+class _Moments:
+    """Motion of a served robot, for as long as it lasts."""
+
+    def __init__(self, seconds: float | None, stopped: Callable[[], bool], *, keeps: bool) -> None:
+        self._until = None if seconds is None else time.monotonic() + seconds
+        self._stopped, self._keeps = stopped, keeps
+        self._moments: list[Moment] = []
+
+    def note(self, moment: Moment) -> bool:
+        """Keep a moment; return whether the robot goes on."""
+        if self._keeps:
+            self._moments.append(moment)
+        is_over = self._until is not None and time.monotonic() >= self._until
+        return not (is_over or self._stopped())
+
+    def write(self, path: Path, faults: dict[str, float]) -> None:
+        """Write the motion, and the times at which faults began."""
+        import numpy as np
+
+        moments = self._moments
+        with path.open("wb") as file:
+            np.savez(
+                file,
+                time=np.array([moment.time for moment in moments]),
+                positions=np.array([moment.positions for moment in moments]),
+                velocities=np.array([moment.velocities for moment in moments]),
+                reference=np.array([moment.reference for moment in moments]),
+                faults=np.array(list(faults.values())),
+            )

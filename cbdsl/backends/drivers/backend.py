@@ -1,0 +1,377 @@
+"""Backend of a real robot, by the drivers of its document."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cbdsl.backends.backend import BackendError, Person
+from cbdsl.backends.drivers.clock import Clock
+from cbdsl.backends.drivers.link import DriverLink, Endpoint, open_links
+from cbdsl.backends.drivers.person import RefusingPerson
+from cbdsl.backends.drivers.sample import Command, ImageSample, RegionsSample, Sample
+from cbdsl.backends.drivers.setup import describe_setup
+from cbdsl.backends.drivers.supervisor import SafetySupervisor, State
+from cbdsl.backends.drivers.survey import survey_problems
+from cbdsl.backends.drivers.views import with_views
+from cbdsl.backends.staging.context import choose_context
+from cbdsl.backends.staging.fit import read_fitting
+from cbdsl.documents.robot import RobotDocument
+from cbdsl.documents.stage import StageDocument
+from cbdsl.sensing.channels import Regions
+from cbdsl.sensing.kinematics import Kinematics
+from cbdsl.sensing.observation import Image, Loads, Observation
+
+Floats = NDArray[np.float64]
+Opener = Callable[[RobotDocument, str | None], Sequence[DriverLink]]
+
+# Patience until a robot is ready, s; then every reason against it is reported.
+_PATIENCE = 5.0
+# Between two looks for messages while waiting, s; after longer ones queued messages are old.
+_PAUSE, _STARVED = 5e-4, 0.02
+# Time between two judgements of readiness, s.
+_WINDOW = 0.1
+# Control periods until a reference is reached, where the driver states no horizon.
+_PERIODS = 3.0
+# Cause of a hold that is no fault.
+HALTED = "the program was halted"
+
+
+class DrivenBackend:
+    """A real robot; see ``Backend``.
+
+    Args:
+        robot: Robot with drivers.
+        urdf: URDF of the robot.
+        gui: False, since a real robot has no window.
+        cameras: ``ideal`` if the drivers' ``regions`` replace images.
+        opener: Opens the drivers.
+        clock: Times of this computer.
+
+    Attributes:
+        renderer: Source of the images, for people.
+        control_period: Time of one step, s.
+        supervisor: State machine that decides when references pass.
+
+    Raises:
+        BackendError: The robot has no drivers, or they do not cover it.
+    """
+
+    renderer = "the robot's cameras"
+
+    def __init__(
+        self,
+        robot: RobotDocument,
+        urdf: Path,
+        *,
+        gui: bool = False,
+        cameras: str | None = None,
+        opener: Opener = open_links,
+        clock: Clock = Clock(),  # noqa: B008 (immutable)
+    ) -> None:
+        if gui:
+            raise BackendError("a real robot has no window; leave --gui out")
+        self._require_cover(robot, cameras)
+        robot = with_views(robot, ideal=cameras == "ideal")
+        self._robot, self._opener, self._clock = robot, opener, clock
+        model = read_fitting(robot, urdf)
+        self.control_period = 1.0 / robot.control.rate
+        self.supervisor = SafetySupervisor(
+            robot, model, self.control_period, ideal=cameras == "ideal"
+        )
+        self._kinematics = Kinematics(robot, urdf)
+        self._cells = tuple((h, f) for h, cells in robot.load_cells.items() for f in cells)
+        self._commanded = {
+            name: (tuple(driver.joints.get(j, j) for j in joints), self._columns(joints))
+            for name, driver in robot.drivers.items()
+            for joints in [[j for effector in driver.moves for j in robot.joints(effector)]]
+            if driver.commands is not None
+        }
+        self._person: Person = RefusingPerson()
+        self._interface: str | None = None
+        self._links: list[DriverLink] = []
+        self._observation: Observation | None = None
+
+    @staticmethod
+    def _require_cover(robot: RobotDocument, cameras: str | None) -> None:
+        """Refuse robots of which a part has no driver."""
+        if not robot.drivers:
+            raise BackendError(
+                f"robot '{robot.name}' has no drivers; its document declares them below 'drivers'"
+            )
+        if not any(driver.states for driver in robot.drivers.values()):
+            raise BackendError(f"no driver of robot '{robot.name}' has joint states")
+        driven = {j for d in robot.drivers.values() for e in d.moves for j in robot.joints(e)}
+        for name, effector in robot.effectors.items():
+            if not driven.issuperset(effector.joints):
+                raise BackendError(f"no driver of robot '{robot.name}' moves effector '{name}'")
+        read = {(h, f) for d in robot.drivers.values() for h, fs in d.wrenches.items() for f in fs}
+        for hand, cells in robot.load_cells.items():
+            for finger in cells:
+                if (hand, finger) not in read:
+                    raise BackendError(f"no driver reads load cell '{hand}.{finger}'")
+        if cameras == "ideal" and not any(d.regions for d in robot.drivers.values()):
+            raise BackendError("no driver has regions; leave --cameras ideal out")
+
+    def _columns(self, joints: Sequence[str]) -> NDArray[np.intp]:
+        names = self.supervisor.joints.names
+        return np.array([names.index(joint) for joint in joints], dtype=np.intp)
+
+    @property
+    def deadline(self) -> float | None:
+        """Longest computation of a control tick, s; ``None`` before the robot may move.
+
+        The first tick loads machine code, and the robot stands meanwhile.
+        """
+        if self.supervisor.state in (State.OFF, State.READY):
+            return None
+        return min(driver.deadline for driver in self._robot.drivers.values())
+
+    def attend(self, person: Person, interface: str | None = None) -> None:
+        """Name the person who confirms the stage, and the network interface.
+
+        Args:
+            person: Person who answers.
+            interface: Network interface; loopback only if ``None``.
+        """
+        self._person, self._interface = person, interface
+
+    def reset(
+        self,
+        stage: StageDocument,
+        context: str | None,
+        rng: np.random.Generator,
+        channels: Collection[str] | None = None,
+    ) -> str:
+        """Begin an episode on a stage that a person has set up; see ``Backend.reset``.
+
+        Raises:
+            BackendError: The robot is not ready, or the person refuses; the message has a line for
+                each reason.
+        """
+        name = choose_context(stage, context, rng)
+        self._leave_last()
+        if not self._links:
+            self._links.extend(self._opener(self._robot, self._interface))
+        self._await_ready()
+        setup = describe_setup(stage, name, self._robot)
+        if not self._person.confirm(setup, "is this set up, and may the robot move", released=True):
+            raise BackendError("the stage is not set up: no reference was sent")
+        # Messages queued while the person answered are old.
+        self.supervisor.rest()
+        self._drain()
+        self._await_ready()
+        self.supervisor.make_ready(self._clock.monotonic())
+        self._began = self.supervisor.joints.stamp
+        self._due = self._clock.monotonic()
+        self._observation = self._sense()
+        return name
+
+    def examine(self, seconds: float) -> list[Endpoint]:
+        """Listen to the robot for a while, without moving it.
+
+        Args:
+            seconds: Time to listen.
+
+        Returns:
+            The streams of all drivers; ``obstacles`` has what is wrong with them.
+
+        Raises:
+            BackendError: The drivers cannot be opened.
+        """
+        if not self._links:
+            self._links.extend(self._opener(self._robot, self._interface))
+        self._listen(seconds)
+        return [endpoint for link in self._links for endpoint in link.survey()]
+
+    def _leave_last(self) -> None:
+        """Bring the episode before to rest, and have a person release a held robot."""
+        supervisor = self.supervisor
+        if supervisor.state is State.RUNNING:
+            self.halt()
+        if supervisor.state is State.HELD:
+            orderly = supervisor.cause == HALTED
+            text = f"the robot is held: {supervisor.cause}"
+            if not self._person.confirm(text, "release it", released=orderly):
+                raise BackendError(f"{text}; a person has to release it")
+        supervisor.rest()
+
+    def _drain(self) -> None:
+        """Discard queued samples but for those that come once."""
+        now, wall = self._clock.monotonic(), self._clock.wall()
+        for sample in self._polled():
+            if not hasattr(sample, "stamp"):
+                self.supervisor.note(sample, now, wall)
+
+    def _await_ready(self) -> None:
+        """Wait until nothing is against ``ready``.
+
+        Raises:
+            BackendError: Something still is.
+        """
+        began = self._clock.monotonic()
+        obstacles = ["nothing was heard"]
+        while self._clock.monotonic() - began < _PATIENCE:
+            self.supervisor.forget_mismatches()
+            self._listen(_WINDOW)
+            obstacles = self.obstacles()
+            if not obstacles:
+                return
+        lines = "".join(f"\n- {obstacle}" for obstacle in obstacles)
+        raise BackendError(f"robot '{self._robot.name}' is not ready:{lines}")
+
+    def _listen(self, seconds: float) -> None:
+        """Take in samples for a while, but for those that queued while this process had to wait."""
+        clock = self._clock
+        last, until = -np.inf, clock.monotonic() + seconds
+        while (now := clock.monotonic()) < until:
+            if now - last > _STARVED:
+                self._drain()
+            else:
+                self._gather()
+            last = now
+            clock.sleep(_PAUSE)
+
+    def obstacles(self) -> list[str]:
+        """Return every reason against ``ready``, one sentence each."""
+        surveyed = [p for link in self._links for p in survey_problems(link.survey())]
+        return self.supervisor.obstacles(surveyed)
+
+    def _polled(self) -> Iterator[Sample]:
+        for link in self._links:
+            yield from link.poll()
+
+    def _gather(self) -> None:
+        """Take in all samples that arrived."""
+        for sample in self._polled():
+            self.supervisor.note(sample, self._clock.monotonic(), self._clock.wall())
+
+    def observe(self) -> Observation:
+        """Return the newest observation."""
+        assert self._observation is not None, "reset comes first"
+        return self._observation
+
+    def _sense(self) -> Observation:
+        joints, sensors = self.supervisor.joints, self.supervisor.sensors
+        images: dict[str, Image] = {}
+        regions: dict[str, Mapping[str, Regions]] = {}
+        exposed: float | None = None
+        for camera, view in sensors.take_views().items():
+            if isinstance(view, ImageSample) and view.image is not None:
+                images[camera] = view.image
+            elif isinstance(view, RegionsSample):
+                regions[camera] = view.regions
+            exposed = min(view.stamp, exposed or view.stamp)
+        efforts = joints.efforts.copy() if self._robot.joint_torques else None
+        return Observation(
+            time=joints.stamp - self._began,
+            positions=joints.positions.copy(),
+            velocities=joints.velocities.copy(),
+            loads=self._loads(),
+            images=images,
+            regions=regions,
+            efforts=efforts,
+            exposed=None if exposed is None else exposed - self._began,
+        )
+
+    def _loads(self) -> Loads:
+        """Return the wrenches of all load cells in the world's axes."""
+        wrenches = np.zeros((len(self._cells), 6))
+        if self._cells:
+            self._kinematics.update(self.supervisor.joints.positions)
+        for row, (hand, finger) in enumerate(self._cells):
+            link = self._robot.load_cells[hand][finger].link
+            turn = self._kinematics.frame(link).rotation
+            wrench = np.array(self.supervisor.sensors.wrenches[hand, finger].wrench)
+            wrenches[row, :3], wrenches[row, 3:] = turn @ wrench[:3], turn @ wrench[3:]
+        return Loads(self._cells, wrenches)
+
+    def apply(self, reference: Floats) -> None:
+        """Send references within all limits, rad or m, shape (n,).
+
+        Raises:
+            BackendError: The robot is held.
+        """
+        if self.supervisor.state is State.READY:
+            self._catch_up()
+        now = self._clock.monotonic()
+        admitted = self.supervisor.admit(reference, now)
+        if admitted is None:
+            self._stop()
+        else:
+            self._send(admitted)
+
+    def _catch_up(self) -> None:
+        """Discard the samples that queued while the first tick loaded machine code."""
+        self._drain()
+        before = self.supervisor.joints.stamp
+        until = self._clock.monotonic() + _PATIENCE
+        while self.supervisor.joints.stamp <= before and self._clock.monotonic() < until:
+            self._clock.sleep(_PAUSE)
+            self._gather()
+            if not self.supervisor.passes:
+                self._stop()
+        self._due = self._clock.monotonic()
+        self.supervisor.resume(self._due)
+
+    def _send(self, references: Floats) -> None:
+        for name, (joints, columns) in self._commanded.items():
+            horizon = self._robot.drivers[name].horizon or _PERIODS * self.control_period
+            command = Command(joints, tuple(references[columns].tolist()), horizon)
+            for link in self._links:
+                link.send(name, command)
+
+    def step(self) -> None:
+        """Wait for the next control period, and for joint states that are newer.
+
+        Raises:
+            BackendError: The robot is held; the message has the cause.
+        """
+        clock, before = self._clock, self.supervisor.joints.stamp
+        self._due += self.control_period
+        clock.sleep(max(0.0, self._due - clock.monotonic()))
+        while True:
+            self._gather()
+            now = clock.monotonic()
+            self.supervisor.check(now)
+            if not self.supervisor.passes:
+                self._stop()
+            if self.supervisor.joints.stamp > before:
+                break
+            clock.sleep(_PAUSE)
+        # A step that was late is not made up for.
+        self._due = max(self._due, now - self.control_period)
+        self._observation = self._sense()
+
+    def _stop(self) -> None:
+        """Bring a held robot to rest, and end the episode.
+
+        Raises:
+            BackendError: Always, with the cause.
+        """
+        self._settle()
+        raise BackendError(
+            f"the robot is held: {self.supervisor.cause}; a person has to release it"
+        )
+
+    def halt(self) -> None:
+        """Hold the robot: brake, and return to the measured positions."""
+        self.supervisor.hold(HALTED)
+        self._settle()
+
+    def _settle(self) -> None:
+        """Send the references that bring a held robot to rest."""
+        while (references := self.supervisor.settle(self._clock.monotonic())) is not None:
+            self._send(references)
+            self._clock.sleep(self.control_period)
+
+    def close(self) -> None:
+        """Hold a robot that moves, and close the links."""
+        if self.supervisor.state is State.RUNNING:
+            self.halt()
+        for link in self._links:
+            link.close()
+        self._links.clear()

@@ -1,0 +1,21 @@
+"""Clock: the times that a driven robot is held against."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from typing import NamedTuple
+
+
+class Clock(NamedTuple):
+    """Clocks of this computer; tests have their own.
+
+    Attributes:
+        monotonic: Time that never jumps, s.
+        wall: Time since the epoch, s, as messages are stamped.
+        sleep: Waits for some seconds.
+    """
+
+    monotonic: Callable[[], float] = time.monotonic
+    wall: Callable[[], float] = time.time
+    sleep: Callable[[float], None] = time.sleep

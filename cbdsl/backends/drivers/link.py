@@ -1,0 +1,105 @@
+"""Links: open connections of one kind to the parts of a robot."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from importlib import import_module
+from typing import NamedTuple, Protocol
+
+from cbdsl.backends.backend import BackendError
+from cbdsl.backends.drivers.sample import Command, Sample
+from cbdsl.documents.driver import Driver
+from cbdsl.documents.robot import RobotDocument
+from cbdsl.errors.errors import UsageError
+from cbdsl.robot.driver_kind import DRIVERS
+
+
+class Endpoint(NamedTuple):
+    """A stream of messages that a driver needs, and its state on the network.
+
+    Attributes:
+        driver: Name of the driver.
+        role: Key of the driver that names the address, such as ``states``.
+        address: Address, such as a topic.
+        type: Message type that the driver expects.
+        outgoing: True if the driver writes it.
+        peers: Other writers of what the driver reads; readers of what it writes.
+        rivals: Other writers of what the driver writes.
+        foreign_types: Message types of the others on this address, if they differ.
+        candidates: Addresses of other streams with this message type.
+        rate: Messages per second that arrived since the link was opened.
+        age: Time since the newest message, s; ``None`` without one.
+    """
+
+    driver: str
+    role: str
+    address: str
+    type: str
+    outgoing: bool
+    peers: int
+    rivals: int = 0
+    foreign_types: tuple[str, ...] = ()
+    candidates: tuple[str, ...] = ()
+    rate: float = 0.0
+    age: float | None = None
+
+
+class DriverLink(Protocol):
+    """Open connection to the parts of a robot that drivers of one kind reach."""
+
+    def poll(self) -> Sequence[Sample]:
+        """Return the samples that arrived since the last call, oldest first, without waiting."""
+        ...
+
+    def send(self, driver: str, command: Command) -> None:
+        """Send references to a driver's controller."""
+        ...
+
+    def survey(self) -> Sequence[Endpoint]:
+        """Return the state of each stream that the drivers need."""
+        ...
+
+    def close(self) -> None:
+        """Close the connection."""
+        ...
+
+
+DriverLinkFactory = Callable[[RobotDocument, Mapping[str, Driver], str | None], DriverLink]
+"""Open drivers of one kind: robot, drivers by name, network interface (loopback if ``None``)."""
+
+
+def open_links(robot: RobotDocument, interface: str | None) -> list[DriverLink]:
+    """Open all drivers of a robot, one link for each kind.
+
+    Args:
+        robot: Robot with drivers.
+        interface: Network interface; loopback only if ``None``.
+
+    Raises:
+        BackendError: The robot has no drivers, a kind is unknown or not installed, or a link cannot
+            be opened.
+    """
+    by_kind: dict[str, dict[str, Driver]] = {}
+    for name, driver in robot.drivers.items():
+        by_kind.setdefault(driver.kind, {})[name] = driver
+    links: list[DriverLink] = []
+    try:
+        links.extend(_factory(kind)(robot, own, interface) for kind, own in by_kind.items())
+    except BaseException:
+        for link in links:
+            link.close()
+        raise
+    return links
+
+
+def _factory(kind: str) -> DriverLinkFactory:
+    try:
+        module, _, attribute = DRIVERS.get(kind).link.partition(":")
+        factory: DriverLinkFactory = getattr(import_module(module), attribute)
+    except ImportError as error:
+        raise BackendError(
+            f"driver kind '{kind}' cannot be loaded: {error}; try: pip install 'cbdsl[{kind}]'"
+        ) from error
+    except UsageError as error:
+        raise BackendError(str(error)) from error
+    return factory

@@ -1,0 +1,139 @@
+"""Samples: messages of a robot, independent of the transport that carried them."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cbdsl.sensing.channels import Regions
+
+Floats = NDArray[np.float64]
+
+
+class JointSample(NamedTuple):
+    """Joint states.
+
+    Attributes:
+        driver: Name of the driver.
+        stamp: Time of the measurement by the robot's clock, s since the epoch.
+        names: Joints, by their names in the driver's messages.
+        positions: rad or m, one per joint.
+        velocities: rad/s or m/s, one per joint; empty if the robot measures none.
+        efforts: N m or N, one per joint; empty if the robot measures none.
+    """
+
+    driver: str
+    stamp: float
+    names: tuple[str, ...]
+    positions: tuple[float, ...]
+    velocities: tuple[float, ...] = ()
+    efforts: tuple[float, ...] = ()
+
+
+class WrenchSample(NamedTuple):
+    """Wrench of a load cell.
+
+    Attributes:
+        driver: Name of the driver.
+        cell: Hand and finger.
+        stamp: Time of the measurement by the robot's clock, s since the epoch.
+        frame: Link in whose axes the wrench is given.
+        wrench: Force and torque exerted on the world, N and N m, shape (6,).
+    """
+
+    driver: str
+    cell: tuple[str, str]
+    stamp: float
+    frame: str
+    wrench: tuple[float, ...]
+
+
+class ImageSample(NamedTuple):
+    """Image of a camera.
+
+    Attributes:
+        driver: Name of the driver.
+        camera: Name of the camera.
+        stamp: Time of the exposure by the robot's clock, s since the epoch.
+        image: RGB, shape (height, width, 3), top row first; ``None`` in an unknown encoding.
+        encoding: Encoding of the message.
+    """
+
+    driver: str
+    camera: str
+    stamp: float
+    image: NDArray[np.uint8] | None
+    encoding: str = "rgb8"
+
+
+class RegionsSample(NamedTuple):
+    """Segmented regions of a camera's image, by channel, the largest region first."""
+
+    driver: str
+    camera: str
+    stamp: float
+    regions: dict[str, Regions]
+
+
+class CameraSample(NamedTuple):
+    """Intrinsic parameters of a camera: image size and focal lengths, px."""
+
+    driver: str
+    camera: str
+    width: int
+    height: int
+    focal_lengths: tuple[float, float]
+
+
+class DescriptionSample(NamedTuple):
+    """URDF of the robot as it describes itself."""
+
+    driver: str
+    urdf: str
+
+
+class StopSample(NamedTuple):
+    """State of the emergency stop."""
+
+    driver: str
+    pressed: bool
+
+
+class FaultSample(NamedTuple):
+    """Fault that the transport found: a peer that ended, another commander, a broken message.
+
+    Attributes:
+        driver: Name of the driver.
+        cause: Sentence without a full stop.
+    """
+
+    driver: str
+    cause: str
+
+
+Sample = (
+    JointSample
+    | WrenchSample
+    | ImageSample
+    | RegionsSample
+    | CameraSample
+    | DescriptionSample
+    | StopSample
+    | FaultSample
+)
+
+
+class Command(NamedTuple):
+    """References of a driver's joints.
+
+    Attributes:
+        names: Joints, by their names in the driver's messages.
+        positions: rad or m, one per joint.
+        horizon: Time until the references are reached, s.
+    """
+
+    names: tuple[str, ...]
+    positions: tuple[float, ...]
+    horizon: float

@@ -1,0 +1,289 @@
+"""Supervisor: the safety contract between a program and a real robot, as a state machine.
+
+    off -> ready     all joints and sensors heard, clocks and limits agree, one commander
+    ready -> running the first reference, near the measured positions
+    any -> held      a deadline, a lost peer, the emergency stop, a limit, a tracking error, a halt
+    held -> off      a person, and nothing else
+
+References pass in ``ready`` and ``running`` only, and through the limiter.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+from enum import Enum
+from itertools import chain
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cbdsl.backends.drivers.joint_limits import joint_limits
+from cbdsl.backends.drivers.joint_watch import JointWatch
+from cbdsl.backends.drivers.limiter import Limiter
+from cbdsl.backends.drivers.sample import (
+    CameraSample,
+    DescriptionSample,
+    FaultSample,
+    ImageSample,
+    JointSample,
+    RegionsSample,
+    Sample,
+    StopSample,
+    WrenchSample,
+)
+from cbdsl.backends.drivers.sensor_watch import SensorWatch
+from cbdsl.documents.robot import RobotDocument
+from cbdsl.robot.description import description_problems
+from cbdsl.robot.urdf import UrdfModel
+
+Floats = NDArray[np.float64]
+
+# A reference is at its measured position, rad or m; and the most steps on the way there.
+_SETTLED, _MOST_STEPS = 1e-4, 20
+
+
+class State(Enum):
+    """State of the contract."""
+
+    OFF = "off"
+    READY = "ready"
+    RUNNING = "running"
+    HELD = "held"
+
+
+class SafetySupervisor:
+    """State machine that decides when references pass, whatever the transport.
+
+    Args:
+        robot: Robot with drivers.
+        model: URDF of the robot.
+        period: Control period, s.
+        ideal: True if cameras send regions, and no images.
+
+    Attributes:
+        state: State of the contract.
+        cause: Reason of the last hold, as a sentence without a full stop; empty before.
+        joints, sensors: Newest samples.
+        limiter: References that passed.
+    """
+
+    def __init__(
+        self, robot: RobotDocument, model: UrdfModel, period: float, *, ideal: bool = False
+    ) -> None:
+        limits = joint_limits(robot, model)
+        self._robot, self._model, self._period, self._ideal = robot, model, period, ideal
+        self.joints = JointWatch(robot, limits)
+        self.sensors = SensorWatch(robot, ideal=ideal)
+        self.limiter = Limiter(limits, period)
+        self.state, self.cause = State.OFF, ""
+        self._limits = limits
+        # Findings of the current approach to ``ready``, in order of discovery.
+        self._mismatches: dict[str, None] = {}
+        # Differences between each driver's description of the robot and its document.
+        self._differences: dict[str, list[str]] = {}
+        self._pressed: set[str] = set()
+        # Positions that a held robot returns to; ``None`` if its joint states are not trusted.
+        self._target: Floats | None = None
+        self._settling = 0
+        self._described = {name for name, d in robot.drivers.items() if d.description}
+        # The longest time between two checks, s.
+        self._patience = min((d.deadline for d in robot.drivers.values()), default=np.inf)
+        self._checked: float | None = None
+        # Time of the newest reference, and the time after which controllers hold still, s.
+        self._admitted = -np.inf
+        horizons = (d.horizon for d in robot.drivers.values() if d.horizon)
+        self._pause = min(horizons, default=3.0 * period)
+
+    @property
+    def passes(self) -> bool:
+        """True if references pass."""
+        return self.state in (State.READY, State.RUNNING)
+
+    def note(self, sample: Sample, now: float, wall: float) -> None:
+        """Take in a sample; a faulty one holds the robot.
+
+        Args:
+            sample: Sample.
+            now: Time of arrival by a monotonic clock, s.
+            wall: Time of arrival by this computer's clock, s since the epoch.
+        """
+        if problem := self._problem(sample, now, wall):
+            if self.state is State.OFF:
+                self._mismatches[problem] = None
+            self._hold_if_active(problem, blind=isinstance(sample, JointSample))
+
+    def _problem(self, sample: Sample, now: float, wall: float) -> str:
+        match sample:
+            case JointSample():
+                return self.joints.note(sample, now, wall)
+            case WrenchSample():
+                return self.sensors.note_wrench(sample, now)
+            case ImageSample() | RegionsSample():
+                return self.sensors.note_view(sample, now)
+            case CameraSample():
+                return self.sensors.note_camera(sample)
+            case DescriptionSample():
+                return self._compare(sample)
+            case StopSample():
+                return self._stop(sample)
+            case FaultSample():
+                return sample.cause if self.passes else ""
+
+    def _compare(self, sample: DescriptionSample) -> str:
+        self._described.discard(sample.driver)
+        names = self._robot.drivers[sample.driver].joints
+        problems = description_problems(sample.urdf, self._model, self.joints.names, names)
+        self._differences[sample.driver] = problems
+        return problems[0] if problems and self.passes else ""
+
+    def _stop(self, sample: StopSample) -> str:
+        if not sample.pressed:
+            self._pressed.discard(sample.driver)
+            return ""
+        self._pressed.add(sample.driver)
+        return f"the emergency stop of driver '{sample.driver}' is pressed" if self.passes else ""
+
+    def obstacles(self, surveyed: Iterable[str] = ()) -> list[str]:
+        """Return every reason against ``ready``, one sentence each.
+
+        Args:
+            surveyed: Reasons that the transport found.
+        """
+        return list(dict.fromkeys(self._obstacles(surveyed)))
+
+    def _obstacles(self, surveyed: Iterable[str]) -> Iterator[str]:
+        if self.state is State.HELD:
+            yield f"the robot is held: {self.cause}"
+        yield from surveyed
+        yield from self._mismatches
+        yield from chain.from_iterable(self._differences.values())
+        for driver, names in self.joints.unheard():
+            topic = self._robot.drivers[driver].states
+            yield f"no state of {_joints(names)} from driver '{driver}' at {topic}"
+        yield from self.sensors.unheard()
+        for driver in sorted(self._described):
+            topic = self._robot.drivers[driver].description
+            yield f"no description of the robot from driver '{driver}' at {topic}"
+        for driver in sorted(self._pressed):
+            yield f"the emergency stop of driver '{driver}' is pressed"
+
+    def forget_mismatches(self) -> None:
+        """Forget what was found wrong, so that only what is still wrong is found again."""
+        self._mismatches.clear()
+
+    def make_ready(self, now: float) -> None:
+        """Enter ``ready``; ``obstacles`` has to be empty."""
+        assert self.state is State.OFF, f"ready follows off, and the state is {self.state.value}"
+        self.limiter.reset(self.joints.positions)
+        self.state, self._checked = State.READY, now
+
+    def resume(self, now: float) -> None:
+        """Count all times from now on, after a pause in which the robot stood."""
+        self._checked = now
+        self.sensors.excuse(now)
+
+    def check(self, now: float) -> None:
+        """Hold the robot if a deadline has passed or it does not follow; to be called each tick."""
+        if not self.passes:
+            return
+        late = 0.0 if self._checked is None else now - self._checked
+        self._checked = now
+        if self.state is State.RUNNING and late > self._period + self._patience:
+            self._hold_if_active(f"this process was suspended for {1e3 * late:.0f} ms")
+        if problem := self.joints.overdue(now):
+            self._hold_if_active(problem, blind=True)
+        if problem := self.sensors.overdue(now):
+            self._hold_if_active(problem)
+        if self.state is State.RUNNING:
+            references = self.limiter.positions
+            if problem := self.joints.frozen(references, now):
+                self._hold_if_active(problem, blind=True)
+            if problem := self.joints.lag(references):
+                self._hold_if_active(problem)
+
+    def admit(self, reference: Floats, now: float) -> Floats | None:
+        """Return the references that may be sent; ``None`` if none may.
+
+        Args:
+            reference: Requested positions, rad or m, shape (n,).
+            now: Time by a monotonic clock, s.
+        """
+        if not self.passes:
+            return None
+        broken = np.flatnonzero(~np.isfinite(reference))
+        if len(broken):
+            joint = self.joints.names[broken[0]]
+            self._hold_if_active(f"the program's reference of joint '{joint}' is not finite")
+            return None
+        if self.state is State.READY:
+            # The robot may have been moved since it was ready.
+            self.limiter.reset(self.joints.positions)
+            if problem := self.joints.start_errors(reference):
+                self._hold_if_active(problem)
+                return None
+            self.state, self._checked = State.RUNNING, now
+        self._admitted = now
+        return self.limiter.approach(reference)
+
+    def settle(self, now: float) -> Floats | None:
+        """Return the next references of a held robot; ``None`` once it stands.
+
+        It brakes, and returns to the positions measured when it was held, unless joint states are
+        the cause. After a pause its controllers hold still already, and nothing is sent.
+
+        Args:
+            now: Time by a monotonic clock, s.
+        """
+        if self.state is not State.HELD or now - self._admitted > self._pause:
+            return None
+        self._admitted = now
+        if self._target is None:
+            return None if self.limiter.stands else self.limiter.brake()
+        before = self.limiter.positions
+        self._settling += 1
+        near = np.nanmax(np.abs(before - self._target), initial=0.0) < _SETTLED
+        if self.limiter.stands and (near or self._settling > _MOST_STEPS):
+            return None
+        if self._settling > _MOST_STEPS:
+            return self.limiter.brake()
+        return self.limiter.approach(self._target)
+
+    def hold(self, cause: str, *, blind: bool = False) -> None:
+        """Hold the robot until a person releases it; the first cause is kept.
+
+        Args:
+            cause: Sentence without a full stop.
+            blind: True if joint states are not to be trusted.
+        """
+        if self.state is State.HELD:
+            return
+        active, self.state, self.cause = self.passes, State.HELD, cause
+        self._settling = 0
+        if blind or not active:
+            self._target = None
+            return
+        # A joint far from its reference is not where the robot should go back to: it brakes.
+        measured, references = self.joints.positions, self.limiter.positions
+        self._target = np.where(self.joints.lagging(references), np.nan, measured)
+
+    def _hold_if_active(self, cause: str, *, blind: bool = False) -> None:
+        if self.passes:
+            self.hold(cause, blind=blind)
+
+    def release(self) -> None:
+        """Leave ``held``, by a person's decision; everything has to be heard again."""
+        if self.state is State.HELD:
+            self.rest()
+
+    def rest(self) -> None:
+        """Enter ``off``: everything has to be heard again."""
+        self.joints = JointWatch(self._robot, self._limits)
+        self.sensors = SensorWatch(self._robot, ideal=self._ideal)
+        self._mismatches.clear()
+        self.state = State.OFF
+
+
+def _joints(names: list[str]) -> str:
+    quoted = ", ".join(f"'{name}'" for name in names[:4])
+    more = f" and {len(names) - 4} more" if len(names) > 4 else ""
+    return f"joint{'s' if len(names) > 1 else ''} {quoted}{more}"

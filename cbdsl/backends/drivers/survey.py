@@ -1,0 +1,33 @@
+"""Survey: the reasons against a network's streams of messages."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+
+from cbdsl.backends.drivers.link import Endpoint
+from cbdsl.errors.nearest import suggestion
+
+
+def survey_problems(endpoints: Iterable[Endpoint]) -> Iterator[str]:
+    """Yield a sentence for each stream that cannot carry a driver's messages."""
+    for endpoint in endpoints:
+        where = f"{endpoint.address} (driver '{endpoint.driver}', {endpoint.role})"
+        if endpoint.foreign_types:
+            types = ", ".join(endpoint.foreign_types)
+            yield f"{where} has the type {types}, and {endpoint.type} is needed"
+        elif not endpoint.peers:
+            verb = "listens to" if endpoint.outgoing else "writes to"
+            yield f"nothing {verb} {where}{_alternatives(endpoint)}"
+        if endpoint.rivals:
+            yield f"another commander writes to {where}: {endpoint.rivals} of them"
+
+
+def _alternatives(endpoint: Endpoint) -> str:
+    """Return the streams that may have been meant, as a clause."""
+    watchdog = endpoint.outgoing and endpoint.address.endswith("/guarded")
+    if watchdog:
+        return "; 'cb drive watchdog' has to run"
+    if not endpoint.candidates:
+        return ""
+    near = suggestion(endpoint.address, endpoint.candidates)
+    return f"{near} (with type {endpoint.type}: {', '.join(endpoint.candidates)})"

@@ -1,0 +1,100 @@
+"""Watchdog: repeats references to a controller without a time-out, holds, and stops.
+
+A forward controller keeps its last reference for ever, and its robot goes on to it, whatever became
+of the program. A watchdog is a process of its own between the two:
+
+    repeats   forwards each reference within all limits, and repeats the newest one
+    holds     after the deadline without a new one: brakes, and keeps the reference where it stands
+    stops     after a while of holding: sends nothing more; a person starts it again
+"""
+
+from __future__ import annotations
+
+from enum import Enum
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cbdsl.backends.drivers.limiter import JointLimits, Limiter
+
+Floats = NDArray[np.float64]
+
+# Time for which references are repeated after a hold, s.
+_HOLDING = 1.0
+
+
+class WatchdogPhase(Enum):
+    """Phase of a watchdog."""
+
+    WAITING = "waits for the first reference"
+    REPEATING = "repeats"
+    HOLDING = "holds"
+    STOPPED = "has stopped"
+
+
+class Watchdog:
+    """Guard of one controller, whatever the transport.
+
+    Args:
+        limits: Limits of the joints.
+        period: Time between two ticks, s.
+        deadline: Longest time without a reference from the program, s.
+        start: Largest distance of the first reference from the measured positions, rad or m.
+
+    Attributes:
+        phase: Phase.
+        cause: Reason of the hold, as a sentence without a full stop; empty before.
+    """
+
+    def __init__(self, limits: JointLimits, period: float, deadline: float, start: float) -> None:
+        self._limiter, self._deadline, self._start = Limiter(limits, period), deadline, start
+        self._requested: Floats = np.zeros(0)
+        self._heard = self._held = 0.0
+        self._measured: Floats | None = None
+        self.phase, self.cause = WatchdogPhase.WAITING, ""
+
+    def note_positions(self, positions: Floats) -> None:
+        """Take in measured positions, rad or m, shape (n,)."""
+        self._measured = positions
+
+    def request(self, references: Floats, now: float) -> None:
+        """Take in references of the program.
+
+        Args:
+            references: Positions, rad or m, shape (n,).
+            now: Time by a monotonic clock, s.
+        """
+        if self.phase in (WatchdogPhase.HOLDING, WatchdogPhase.STOPPED):
+            return
+        if not np.isfinite(references).all():
+            self._hold("a reference is not finite", now)
+            return
+        if self.phase is WatchdogPhase.WAITING:
+            if self._measured is None:
+                return
+            if np.abs(references - self._measured).max() > self._start:
+                self._hold(f"the first reference is over {self._start:g} from the robot", now)
+                return
+            self._limiter.reset(self._measured)
+            self.phase = WatchdogPhase.REPEATING
+        self._requested, self._heard = references, now
+
+    def tick(self, now: float) -> Floats | None:
+        """Return the references to send; ``None`` for none.
+
+        Args:
+            now: Time by a monotonic clock, s.
+        """
+        if self.phase is WatchdogPhase.REPEATING:
+            if now - self._heard <= self._deadline:
+                return self._limiter.approach(self._requested)
+            self._hold(f"no reference for {1e3 * (now - self._heard):.0f} ms", now)
+        if self.phase is WatchdogPhase.HOLDING:
+            if now - self._held > _HOLDING and self._limiter.stands:
+                self.phase = WatchdogPhase.STOPPED
+                return None
+            return self._limiter.brake() if self._requested.size else None
+        return None
+
+    def _hold(self, cause: str, now: float) -> None:
+        self.phase, self.cause, self._held = WatchdogPhase.HOLDING, cause, now

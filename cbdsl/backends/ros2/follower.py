@@ -1,0 +1,111 @@
+"""Follower: a joint trajectory controller that holds still where its trajectory ends."""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cbdsl.backends.ros2 import messages as msg
+
+Floats = NDArray[np.float64]
+
+# A writer owns a controller until it has been silent for so long, s.
+_OWNED = 1.0
+# A controller is stalled if it is not asked for so long, s.
+_STALLED = 0.1
+
+
+class _Leg(NamedTuple):
+    """Way between two references, by the wall clock, s since the epoch."""
+
+    begun: float
+    ends: float
+    first: Floats
+    last: Floats
+
+
+class Follower:
+    """Controller of some joints, as ros2_controllers has them.
+
+    A trajectory begins at its stamp, or at its arrival without one. One that is over already is
+    refused. Bare positions are references immediately, and remain so.
+
+    Args:
+        names: Joints, by their names in messages.
+        positions: References at rest, rad or m, shape (n,).
+    """
+
+    def __init__(self, names: tuple[str, ...], positions: Floats) -> None:
+        self.names = names
+        self._legs: list[_Leg] = []
+        self._rest = np.array(positions)
+        self._owner: tuple[int, float] | None = None
+        # Newest references, and their time.
+        self._newest, self._asked = self._rest, -math.inf
+
+    def accept(self, message: object, writer: int, now: float) -> str:
+        """Take a command.
+
+        Args:
+            message: ``JointTrajectory`` or ``Float64MultiArray``.
+            writer: Identifier of its writer.
+            now: Wall time, s since the epoch.
+
+        Returns:
+            The reason of a refusal; empty if the command is followed.
+        """
+        if self._owner is not None and self._owner[0] != writer and now - self._owner[1] < _OWNED:
+            return "another writer commands these joints"
+        problem = self._take(message, now)
+        if not problem:
+            self._owner = writer, now
+        return problem
+
+    def _take(self, message: object, now: float) -> str:
+        if isinstance(message, msg.Float64MultiArray):
+            positions = np.array(message.data)
+            if positions.shape != self._rest.shape or not np.isfinite(positions).all():
+                return f"{len(message.data)} positions, or one that is not finite"
+            self._rest, self._legs = positions, []
+            return ""
+        assert isinstance(message, msg.JointTrajectory)
+        return self._take_trajectory(message, now)
+
+    def _take_trajectory(self, message: msg.JointTrajectory, now: float) -> str:
+        if sorted(message.joint_names) != sorted(self.names):
+            return f"the trajectory is for joints {', '.join(message.joint_names) or 'none'}"
+        stamp = message.header.stamp.seconds
+        begun = stamp or now
+        order = [list(message.joint_names).index(name) for name in self.names]
+        legs, last, time = [], self._sample(now), max(begun, now)
+        for point in message.points:
+            if len(point.positions) != len(order) or not all(map(math.isfinite, point.positions)):
+                return "a point lacks positions, or has some that are not finite"
+            ends = begun + point.time_from_start.seconds
+            positions = np.array(point.positions)[order]
+            legs.append(_Leg(time, ends, last, positions))
+            last, time = positions, ends
+        if not legs or time <= now:
+            return "the trajectory is over already"
+        self._legs, self._rest = legs, last
+        return ""
+
+    def at(self, time: float) -> Floats:
+        """Return the references at a wall time, rad or m, shape (n,).
+
+        A controller that was stalled holds still instead of catching up.
+        """
+        if self._legs and time - self._asked > _STALLED:
+            self._legs, self._rest = [], self._newest
+        self._newest, self._asked = self._sample(time), time
+        return self._newest.copy()
+
+    def _sample(self, time: float) -> Floats:
+        for leg in self._legs:
+            if time < leg.ends:
+                share = (time - leg.begun) / (leg.ends - leg.begun)
+                return leg.first + min(max(share, 0.0), 1.0) * (leg.last - leg.first)
+        return self._rest

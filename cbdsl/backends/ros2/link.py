@@ -1,0 +1,285 @@
+"""Link to the parts of a robot that speak ROS 2."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from cbdsl.backends.drivers.link import Endpoint
+from cbdsl.backends.drivers.sample import (
+    CameraSample,
+    Command,
+    DescriptionSample,
+    FaultSample,
+    ImageSample,
+    JointSample,
+    RegionsSample,
+    Sample,
+    StopSample,
+    WrenchSample,
+)
+from cbdsl.backends.ros2 import messages as msg
+from cbdsl.backends.ros2.node import Remote, RosNode, absolute, guarded
+from cbdsl.backends.ros2.regions_text import read_regions
+from cbdsl.documents.driver import Driver
+from cbdsl.documents.robot import RobotDocument
+
+# Messages that are taken at a time, and seconds between two looks at who is there.
+_MOST, _SURVEYED = 64, 0.05
+_FORMS = {"trajectory": msg.JointTrajectory, "positions": msg.Float64MultiArray}
+
+
+@dataclass
+class _Input:
+    """Stream that a driver reads."""
+
+    driver: str
+    role: str
+    topic: str
+    message: type[Any]
+    convert: Callable[[Any], Sample]
+    reader: Any
+    since: float = field(default_factory=time.monotonic)
+    count: int = 0
+    newest: float | None = None
+    matched: int = 0
+
+
+@dataclass
+class _Output:
+    """Stream that a driver writes."""
+
+    driver: str
+    topic: str
+    message: type[Any]
+    writer: Any
+    matched: int = 0
+    rivals: frozenset[Any] = frozenset()
+
+
+class Ros2Link:
+    """Topics of a robot's drivers of kind ``ros2``; see ``DriverLink``.
+
+    Args:
+        robot: Robot with drivers.
+        drivers: Drivers of this kind, by name.
+        interface: Network interface; loopback only if ``None``.
+
+    Raises:
+        BackendError: The interface cannot be used.
+    """
+
+    def __init__(
+        self, robot: RobotDocument, drivers: Mapping[str, Driver], interface: str | None
+    ) -> None:
+        self._node = RosNode(interface)
+        self._inputs = [
+            _Input(name, role, topic, message, convert, self._node.reader(topic, message, **qos))
+            for name, driver in drivers.items()
+            for role, topic, message, convert, qos in _streams(name, driver)
+        ]
+        self._outputs: dict[str, _Output] = {}
+        for name, driver in drivers.items():
+            if driver.commands is not None:
+                message = _FORMS[driver.form]
+                horizon = driver.horizon or 3.0 / robot.control.rate
+                # Without a watchdog nothing listens, and the robot is never ready.
+                topic = guarded(driver.commands) if driver.form == "positions" else driver.commands
+                writer = self._node.writer(topic, message, deadline=horizon)
+                self._outputs[name] = _Output(name, topic, message, writer)
+        self._looked = 0.0
+
+    def poll(self) -> Sequence[Sample]:
+        """Return the samples that arrived since the last call; see ``DriverLink.poll``."""
+        samples: list[Sample] = []
+        for each in self._inputs:
+            for message in each.reader.take(_MOST):
+                if message.sample_info.valid_data:
+                    each.count, each.newest = each.count + 1, time.monotonic()
+                    samples.append(each.convert(message))
+        if time.monotonic() - self._looked > _SURVEYED:
+            self._looked = time.monotonic()
+            samples.extend(self._losses())
+        return samples
+
+    def _losses(self) -> Iterator[FaultSample]:
+        """Yield the peers that ended, and commanders that began."""
+        remotes = None
+        for each in self._inputs:
+            matched = len(each.reader.get_matched_publications())
+            if matched < each.matched and each.role in ("states", "wrenches"):
+                yield FaultSample(each.driver, f"a publisher of {absolute(each.topic)} has ended")
+            each.matched = matched
+        for output in self._outputs.values():
+            matched = len(output.writer.get_matched_subscriptions())
+            if matched < output.matched:
+                yield FaultSample(
+                    output.driver, f"a subscriber of {absolute(output.topic)} has ended"
+                )
+            output.matched = matched
+            remotes = self._node.remotes() if remotes is None else remotes
+            rivals = frozenset(self._rivals(output, remotes))
+            if rivals - output.rivals:
+                yield FaultSample(
+                    output.driver, f"another commander writes to {absolute(output.topic)}"
+                )
+            output.rivals = rivals
+
+    @staticmethod
+    def _rivals(output: _Output, remotes: Sequence[Remote]) -> Iterator[Any]:
+        own, topic = output.writer.get_guid(), absolute(output.topic)
+        for remote in remotes:
+            if remote.writes and remote.topic == topic and remote.key != own:
+                yield remote.key
+
+    def send(self, driver: str, command: Command) -> None:
+        """Send references to a driver's controller; see ``DriverLink.send``."""
+        output = self._outputs.get(driver)
+        if output is None:
+            return
+        if output.message is msg.Float64MultiArray:
+            output.writer.write(msg.Float64MultiArray(data=list(command.positions)))
+            return
+        point = msg.JointTrajectoryPoint(
+            positions=list(command.positions), time_from_start=msg.Duration.of(command.horizon)
+        )
+        header = msg.Header(stamp=msg.Time.of(time.time()))
+        output.writer.write(msg.JointTrajectory(header, list(command.names), [point]))
+
+    def survey(self) -> Sequence[Endpoint]:
+        """Return the state of each topic; see ``DriverLink.survey``."""
+        remotes = self._node.remotes()
+        return [*self._surveyed_inputs(remotes), *self._surveyed_outputs(remotes)]
+
+    def _surveyed_inputs(self, remotes: Sequence[Remote]) -> Iterator[Endpoint]:
+        for each in self._inputs:
+            peers = [r for r in remotes if r.writes and r.topic == absolute(each.topic)]
+            foreign = _foreign(peers, each.message)
+            now = time.monotonic()
+            yield Endpoint(
+                each.driver, each.role, absolute(each.topic), msg.type_name(each.message),
+                outgoing=False, peers=len(peers), foreign_types=foreign,
+                candidates=_candidates(remotes, each.message, writes=True),
+                rate=each.count / max(now - each.since, 1e-3),
+                age=None if each.newest is None else now - each.newest,
+            )  # fmt: skip
+
+    def _surveyed_outputs(self, remotes: Sequence[Remote]) -> Iterator[Endpoint]:
+        for output in self._outputs.values():
+            topic = absolute(output.topic)
+            peers = [r for r in remotes if not r.writes and r.topic == topic]
+            rivals = len(list(self._rivals(output, remotes)))
+            yield Endpoint(
+                output.driver, "commands", topic, msg.type_name(output.message), outgoing=True,
+                peers=len(peers), rivals=rivals, foreign_types=_foreign(peers, output.message),
+                candidates=_candidates(remotes, output.message, writes=False),
+            )  # fmt: skip
+
+    def close(self) -> None:
+        """Leave the domain."""
+        self._inputs.clear()
+        self._outputs.clear()
+        self._node.close()
+
+
+def _foreign(peers: Sequence[Remote], message: type[Any]) -> tuple[str, ...]:
+    own = msg.type_name(message)
+    types = {msg.ros_type(remote.type) for remote in peers}
+    return tuple(sorted(types - {own}))
+
+
+def _candidates(remotes: Sequence[Remote], message: type[Any], *, writes: bool) -> tuple[str, ...]:
+    """Return the topics that others write, or read, with a message type."""
+    own = msg.type_name(message)
+    topics = {r.topic for r in remotes if r.writes is writes and msg.ros_type(r.type) == own}
+    return tuple(sorted(topics))
+
+
+_Stream = tuple[str, str, type[Any], Callable[[Any], Sample], dict[str, bool]]
+
+
+def _streams(name: str, driver: Driver) -> Iterator[_Stream]:
+    """Yield role, topic, message, conversion and quality of service of each stream."""
+    if driver.states is not None:
+        yield "states", driver.states, msg.JointState, lambda m: _joints(name, m), {}
+    if driver.description is not None:
+        described = lambda m: DescriptionSample(name, m.data)  # noqa: E731
+        yield "description", driver.description, msg.Text, described, {"lasting": True}
+    if driver.stop is not None:
+        pressed = lambda m: StopSample(name, bool(m.data))  # noqa: E731
+        yield "stop", driver.stop, msg.Flag, pressed, {"reliable": True}
+    for hand, fingers in driver.wrenches.items():
+        for finger, topic in fingers.items():
+            yield "wrenches", topic, msg.WrenchStamped, _wrench(name, (hand, finger)), {}
+    for camera, topic in driver.images.items():
+        yield "images", topic, msg.Image, _image(name, camera), {}
+    for camera, topic in driver.regions.items():
+        yield "regions", topic, msg.CameraRegions, _regions(name, camera), {}
+    for camera, topic in driver.camera_info.items():
+        yield "camera_info", topic, msg.CameraInfo, _camera(name, camera), {}
+
+
+def _joints(driver: str, message: msg.JointState) -> JointSample:
+    return JointSample(
+        driver,
+        message.header.stamp.seconds,
+        tuple(message.name),
+        tuple(message.position),
+        tuple(message.velocity),
+        tuple(message.effort),
+    )
+
+
+def _wrench(driver: str, cell: tuple[str, str]) -> Callable[[msg.WrenchStamped], Sample]:
+    def convert(message: msg.WrenchStamped) -> Sample:
+        force, torque = message.wrench.force, message.wrench.torque
+        wrench = (force.x, force.y, force.z, torque.x, torque.y, torque.z)
+        header = message.header
+        return WrenchSample(driver, cell, header.stamp.seconds, header.frame_id, wrench)
+
+    return convert
+
+
+def _image(driver: str, camera: str) -> Callable[[msg.Image], Sample]:
+    def convert(message: msg.Image) -> Sample:
+        stamp = message.header.stamp.seconds
+        return ImageSample(driver, camera, stamp, _pixels(message), message.encoding)
+
+    return convert
+
+
+def _pixels(message: msg.Image) -> np.ndarray[Any, np.dtype[np.uint8]] | None:
+    """Return an RGB image, shape (height, width, 3); ``None`` if it cannot be read."""
+    height, width, step = message.height, message.width, message.step
+    if message.encoding not in ("rgb8", "bgr8") or step < 3 * width:
+        return None
+    if len(message.data) != height * step:
+        return None
+    rows = np.frombuffer(message.data, dtype=np.uint8).reshape(height, step)
+    pixels = rows[:, : 3 * width].reshape(height, width, 3)
+    return np.ascontiguousarray(pixels if message.encoding == "rgb8" else pixels[:, :, ::-1])
+
+
+def _regions(driver: str, camera: str) -> Callable[[msg.CameraRegions], Sample]:
+    def convert(message: msg.CameraRegions) -> Sample:
+        stamp = message.header.stamp.seconds
+        try:
+            return RegionsSample(driver, camera, stamp, read_regions(message.regions))
+        except ValueError as error:
+            return FaultSample(
+                driver, f"camera '{camera}' sends regions that cannot be read: {error}"
+            )
+
+    return convert
+
+
+def _camera(driver: str, camera: str) -> Callable[[msg.CameraInfo], Sample]:
+    def convert(message: msg.CameraInfo) -> Sample:
+        focal = message.k[0], message.k[4]
+        return CameraSample(driver, camera, message.width, message.height, focal)
+
+    return convert

@@ -1,0 +1,219 @@
+"""Node: participant of a ROS 2 domain, its topics, and its view of the others."""
+
+from __future__ import annotations
+
+import os
+from typing import Any, NamedTuple
+from weakref import WeakValueDictionary
+
+from cyclonedds.builtin import (
+    BuiltinDataReader,
+    BuiltinTopicDcpsPublication,
+    BuiltinTopicDcpsSubscription,
+)
+from cyclonedds.core import DDSException, InstanceState, ReadCondition, SampleState, ViewState
+from cyclonedds.domain import Domain, DomainParticipant
+from cyclonedds.pub import DataWriter
+from cyclonedds.qos import Policy, Qos
+from cyclonedds.sub import DataReader
+from cyclonedds.topic import Topic
+from cyclonedds.util import duration
+
+from cbdsl.backends.backend import BackendError
+
+LOOPBACK = "lo"
+# Lease of a participant's liveliness, s: others see its death after it.
+_LEASE = 0.5
+_QUEUED = 10
+_BLOCKING = 0.0
+_MOST_ENDPOINTS = 4096
+
+# Loopback has no multicast: participants of this computer are found by their ports.
+_LOCAL = """
+<CycloneDDS><Domain Id="any">
+  <General>
+    <Interfaces><NetworkInterface name="lo" multicast="false"/></Interfaces>
+    <AllowMulticast>false</AllowMulticast>
+    <MaxMessageSize>65500B</MaxMessageSize>
+  </General>
+  <Discovery>
+    <ParticipantIndex>auto</ParticipantIndex>
+    <MaxAutoParticipantIndex>60</MaxAutoParticipantIndex>
+    <Peers><Peer address="127.0.0.1"/></Peers>
+  </Discovery>
+</Domain></CycloneDDS>"""
+_NAMED = """
+<CycloneDDS><Domain Id="any">
+  <General><Interfaces><NetworkInterface name="{name}"/></Interfaces></General>
+</Domain></CycloneDDS>"""
+
+# Domains that a node of this process uses, by number.
+_DOMAINS: WeakValueDictionary[int, _Domain] = WeakValueDictionary()
+
+
+class Remote(NamedTuple):
+    """Reader or writer of a topic, anywhere in the domain.
+
+    Attributes:
+        key: Identifier.
+        topic: Topic of ROS.
+        type: Message type by its DDS name.
+        writes: True for a writer.
+    """
+
+    key: Any
+    topic: str
+    type: str
+    writes: bool
+
+
+class RosNode:
+    """Participant of a domain.
+
+    Args:
+        interface: Network interface; loopback only if ``None``.
+
+    Raises:
+        BackendError: There is no such interface, or the configuration is faulty.
+    """
+
+    def __init__(self, interface: str | None = None) -> None:
+        self._domain = _domain(domain_id(), interface or LOOPBACK)
+        self._participant = DomainParticipant(self._domain.number)
+        self._lease = Policy.Liveliness.Automatic(duration(seconds=_LEASE))
+        alive = ViewState.Any | SampleState.Any | InstanceState.Alive
+        self._builtin = [
+            (reader, ReadCondition(reader, alive), writes)
+            for topic, writes in (
+                (BuiltinTopicDcpsPublication, True),
+                (BuiltinTopicDcpsSubscription, False),
+            )
+            for reader in [BuiltinDataReader(self._participant, topic)]
+        ]
+
+    def reader(
+        self, topic: str, message: type[Any], *, lasting: bool = False, reliable: bool = False
+    ) -> DataReader[Any]:
+        """Return a reader of a topic.
+
+        Args:
+            topic: Topic of ROS.
+            message: Message type.
+            lasting: True if the newest message before the reader's time is read, too.
+            reliable: True if lost messages are sent again; such a reader does not match writers
+                that do not offer it.
+        """
+        return DataReader(
+            self._participant, self._topic(topic, message), _qos(lasting or reliable, lasting)
+        )
+
+    def writer(
+        self,
+        topic: str,
+        message: type[Any],
+        *,
+        lasting: bool = False,
+        reliable: bool = True,
+        deadline: float | None = None,
+    ) -> DataWriter[Any]:
+        """Return a writer of a topic.
+
+        Args:
+            topic: Topic of ROS.
+            message: Message type.
+            lasting: True if later readers get the newest message, too.
+            reliable: True if lost messages are sent again.
+            deadline: Longest time between two messages that is offered, s; readers may ask for it.
+        """
+        policies = [] if deadline is None else [Policy.Deadline(duration(seconds=deadline))]
+        qos = _qos(reliable, lasting, self._lease, *policies)
+        return DataWriter(self._participant, self._topic(topic, message), qos)
+
+    def _topic(self, topic: str, message: type[Any]) -> Topic[Any]:
+        return Topic(self._participant, f"rt{absolute(topic)}", message)
+
+    def remotes(self) -> list[Remote]:
+        """Return all living readers and writers of ROS topics in the domain."""
+        remotes = []
+        for reader, alive, writes in self._builtin:
+            for endpoint in reader.read(_MOST_ENDPOINTS, alive):
+                if endpoint.topic_name.startswith("rt/"):
+                    topic = endpoint.topic_name.removeprefix("rt")
+                    remotes.append(Remote(endpoint.key, topic, endpoint.type_name, writes))
+        return remotes
+
+    def close(self) -> None:
+        """Leave the domain."""
+        self._builtin.clear()
+        del self._participant, self._domain
+
+
+class _Domain:
+    """Domain with the configuration of an interface; of one, there is one in a process."""
+
+    def __init__(self, number: int, interface: str) -> None:
+        self.number, self.interface = number, interface
+        try:
+            self._domain = Domain(number, configuration(interface))
+        except DDSException:
+            raise BackendError(
+                f"DDS cannot use the network interface '{interface}'; 'ip link' lists the "
+                "interfaces, and CYCLONEDDS_URI may have more settings"
+            ) from None
+
+
+def _domain(number: int, interface: str) -> _Domain:
+    """Return the process's domain of a number.
+
+    Raises:
+        BackendError: It uses another interface, or cannot use this one.
+    """
+    domain = _DOMAINS.get(number)
+    if domain is None:
+        domain = _DOMAINS[number] = _Domain(number, interface)
+    if domain.interface != interface:
+        raise BackendError(
+            f"this process uses the network interface '{domain.interface}' for domain {number}, "
+            f"and cannot use '{interface}' as well"
+        )
+    return domain
+
+
+def absolute(topic: str) -> str:
+    """Return a topic with its leading slash."""
+    return topic if topic.startswith("/") else f"/{topic}"
+
+
+def guarded(topic: str) -> str:
+    """Return the topic at which a watchdog takes the references for a controller's topic."""
+    return f"{absolute(topic)}/guarded"
+
+
+def domain_id() -> int:
+    """Return the number of the domain, from ``ROS_DOMAIN_ID`` as in ROS.
+
+    Raises:
+        BackendError: It is not a number from 0 to 232.
+    """
+    text = os.environ.get("ROS_DOMAIN_ID") or "0"
+    if not (text.isdecimal() and int(text) <= 232):
+        raise BackendError(f"ROS_DOMAIN_ID is '{text}'; it has to be a number from 0 to 232")
+    return int(text)
+
+
+def configuration(interface: str) -> str:
+    """Return Cyclone's configuration: that of ``CYCLONEDDS_URI``, and the network interface."""
+    own = _LOCAL if interface == LOOPBACK else _NAMED.format(name=interface)
+    given = os.environ.get("CYCLONEDDS_URI")
+    return f"{given},{own}" if given else own
+
+
+def _qos(reliable: bool, lasting: bool, *policies: Any) -> Qos:
+    """Return the quality of service as ROS names it: keep last, reliable, transient local."""
+    blocking = duration(seconds=_BLOCKING)
+    return Qos(
+        Policy.Reliability.Reliable(blocking) if reliable else Policy.Reliability.BestEffort,
+        Policy.Durability.TransientLocal if lasting else Policy.Durability.Volatile,
+        Policy.History.KeepLast(1 if lasting else _QUEUED),
+        *policies,
+    )

@@ -1,0 +1,189 @@
+"""Drivers of a robot's document: names, units, rates, and addresses that their kinds can use."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterable, Iterator
+
+from cbdsl.checking.findings import Findings
+from cbdsl.checking.robot.limits import is_of_another_kind, unit_of
+from cbdsl.documents.driver import Driver
+from cbdsl.documents.robot import RobotDocument
+from cbdsl.errors.errors import UsageError
+from cbdsl.robot.driver_addresses import addresses
+from cbdsl.robot.driver_kind import DRIVERS
+from cbdsl.robot.urdf import UrdfModel
+from cbdsl.yaml_text.loaded import Loaded
+from cbdsl.yaml_text.source_map import Step
+
+Steps = tuple[Step, ...]
+# Words for the messages of an acceleration of joints that turn, and that slide.
+_ACCELERATIONS = {"rad": "rad/s^2", "m": "m/s^2"}
+
+
+def check_drivers(
+    loaded: Loaded[RobotDocument], model: UrdfModel | None, findings: Findings
+) -> None:
+    """Check the drivers of a robot.
+
+    Args:
+        loaded: Robot.
+        model: URDF of the robot; ``None`` if it cannot be read.
+        findings: Diagnostics so far.
+    """
+    if loaded.document.drivers:
+        _DriverCheck(loaded, model, findings).all()
+
+
+class _DriverCheck:
+    def __init__(
+        self, loaded: Loaded[RobotDocument], model: UrdfModel | None, findings: Findings
+    ) -> None:
+        self._robot, self._source, self._findings = loaded.document, loaded.source, findings
+        self._model = model
+
+    def all(self) -> None:
+        for name, driver in self._robot.drivers.items():
+            self._kind(name, driver)
+            self._names(name, driver)
+            self._times(name, driver)
+            self._pairs(name, driver)
+            self._units(name, driver)
+        self._cover()
+        self._shared()
+
+    def _kind(self, name: str, driver: Driver) -> None:
+        """Report an unknown kind, and the values that a known kind cannot use."""
+        if driver.kind not in DRIVERS:
+            place = self._source.place("drivers", name, "kind")
+            self._findings.add("CB321", place, names=list(DRIVERS.names()), name=driver.kind)
+            return
+        try:
+            kind = DRIVERS.get(driver.kind)
+        except UsageError as error:
+            self._problem(name, ("kind",), str(error))
+            return
+        for steps, problem in kind.problems(driver):
+            self._problem(name, steps, problem)
+
+    def _names(self, name: str, driver: Driver) -> None:
+        """Report effectors, joints, load cells and cameras that the robot lacks."""
+        robot = self._robot
+        for i, effector in enumerate(driver.moves):
+            names = [*robot.effectors, *robot.groups]
+            self._known(name, ("moves", i), effector, names, "effector")
+        for joint in driver.joints:
+            self._known(name, ("joints", joint), joint, self._reported(driver), "joint of 'moves'")
+        for hand, fingers in driver.wrenches.items():
+            self._known(name, ("wrenches", hand), hand, robot.load_cells, "hand with load cells")
+            cells = robot.load_cells.get(hand)
+            for finger in fingers if cells is not None else ():
+                what = f"finger of '{hand}'"
+                self._known(name, ("wrenches", hand, finger), finger, cells or (), what)
+        for key in ("images", "camera_info", "regions"):
+            for camera in getattr(driver, key):
+                self._known(name, (key, camera), camera, robot.cameras, "camera")
+
+    def _reported(self, driver: Driver) -> list[str]:
+        """Return the joints whose states a driver has."""
+        robot = self._robot
+        moved = [e for e in driver.moves if all(m in robot.effectors for m in robot.members(e))]
+        return [joint for effector in moved or robot.effectors for joint in robot.joints(effector)]
+
+    def _known(
+        self, driver: str, steps: Steps, name: str, names: Collection[str], what: str
+    ) -> None:
+        if name not in names:
+            source, path = self._source, ("drivers", driver, *steps)
+            place = source.place(*path) if isinstance(steps[-1], int) else source.key(*path)
+            self._findings.add("CB308", place, names=list(names), name=name, what=what)
+
+    def _times(self, name: str, driver: Driver) -> None:
+        """Report times that are shorter than a control period."""
+        period = 1.0 / self._robot.control.rate
+        times = {"deadline": driver.deadline, "horizon": driver.horizon}
+        for key, value in times.items():
+            if value is not None and value < 1.5 * period:
+                self._problem(
+                    name,
+                    (key,),
+                    f"{1e3 * value:.4g} ms are less than one and a half control periods, "
+                    f"{1.5e3 * period:.4g} ms",
+                )
+
+    def _pairs(self, name: str, driver: Driver) -> None:
+        """Report keys of which one needs another."""
+        if driver.moves and driver.commands is None:
+            self._problem(name, ("moves",), "it has no 'commands' to move them by")
+        if driver.commands is not None and not driver.moves:
+            self._problem(name, ("commands",), "it has no effectors to move; name them in 'moves'")
+        if driver.moves and driver.states is None:
+            self._problem(name, ("moves",), "it has no 'states' of the joints that it moves")
+        if not list(addresses(driver)):
+            self._problem(name, (), "it has no address, such as 'states'")
+        for other, names in _doubled(driver.joints.items()):
+            self._problem(name, ("joints", names[-1]), f"'{other}' is the name of '{names[0]}' too")
+
+    def _units(self, name: str, driver: Driver) -> None:
+        """Report distances and accelerations of another kind than the joints' positions."""
+        joints = () if self._model is None else self._reported(driver)
+        units = {
+            unit_of(self._model.joints[joint])
+            for joint in joints
+            if self._model is not None and joint in self._model.joints
+        }
+        if len(units) != 1:
+            return
+        (unit,) = units
+        for key in ("tracking", "start", "acceleration"):
+            path = ("drivers", name, key)
+            if self._source.holds(*path):
+                node = self._source.node(path)
+                expected = _ACCELERATIONS[unit] if key == "acceleration" else unit
+                if is_of_another_kind(node.value, expected):
+                    self._problem(name, (key,), f"the joints that it moves have {expected}")
+
+    def _cover(self) -> None:
+        """Report effectors that no driver moves, or that several move."""
+        robot = self._robot
+        if not self._source.is_whole("drivers"):
+            return
+        movers: dict[str, list[str]] = {name: [] for name in robot.effectors}
+        for name, driver in robot.drivers.items():
+            for effector in driver.moves:
+                for member in robot.members(effector):
+                    movers.setdefault(member, []).append(name)
+        for effector, names in movers.items():
+            if not names:
+                place = self._source.key("drivers")
+                self._findings.add("CB323", place, name=effector)
+            elif len(names) > 1:
+                problem = f"driver '{names[0]}' moves effector '{effector}' already"
+                self._problem(names[-1], ("moves",), problem)
+
+    def _shared(self) -> None:
+        """Report addresses that two drivers write, and sensors that two drivers read."""
+        taken: dict[tuple[str, ...], str] = {}
+        for name, driver in self._robot.drivers.items():
+            for steps, address in addresses(driver):
+                if steps[0] in ("states", "stop", "description"):
+                    continue
+                keys = {steps if len(steps) > 1 else (), (steps[0], driver.kind, address)} - {()}
+                for key in keys:
+                    if key in taken:
+                        self._problem(name, steps, f"driver '{taken[key]}' has it already")
+                        break
+                    taken[key] = name
+
+    def _problem(self, name: str, steps: Iterable[Step], problem: str) -> None:
+        path = ("drivers", name, *steps)
+        source = self._source
+        place = source.place(*path) if source.holds(*path) else source.key("drivers", name)
+        self._findings.add("CB322", place, name=name, problem=problem)
+
+
+def _doubled(pairs: Iterable[tuple[str, str]]) -> Iterator[tuple[str, list[str]]]:
+    """Yield each value that several keys have, and these keys."""
+    keys: dict[str, list[str]] = {}
+    for key, value in pairs:
+        keys.setdefault(value, []).append(key)
+    yield from ((value, names) for value, names in keys.items() if len(names) > 1)

@@ -1,0 +1,68 @@
+"""Attendance: the person at the terminal of a real robot."""
+
+from __future__ import annotations
+
+import sys
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+if TYPE_CHECKING:
+    from cbdsl.backends.backend import Backend
+
+Yes = Annotated[
+    bool,
+    typer.Option(
+        "--yes", help="Real robot: the stage is set up and the robot may move; ask nothing."
+    ),
+]
+Interface = Annotated[
+    str | None,
+    typer.Option(
+        "--interface",
+        help="Real robot: network interface [loopback, which no other computer sees].",
+    ),
+]
+
+
+class TerminalPerson:
+    """Person who answers at the terminal.
+
+    Args:
+        yes: True if the person agreed in advance.
+    """
+
+    def __init__(self, *, yes: bool) -> None:
+        self._yes = yes
+
+    def confirm(self, text: str, question: str, *, released: bool) -> bool:
+        """Print a situation, and return the answer; see ``Person.confirm``.
+
+        Raises:
+            UsageError: No terminal is there to ask at.
+        """
+        from cbdsl.errors.errors import UsageError
+
+        if self._yes and released:
+            return True
+        if not sys.stdin.isatty():
+            way = "give --yes if the answer is yes" if released else "run it from a terminal"
+            raise UsageError(f"{question}? There is no terminal to answer at; {way}")
+        print(text, file=sys.stderr)
+        return typer.confirm(question[0].upper() + question[1:], err=True)
+
+
+def attend(backend: Backend, *, yes: bool, interface: str | None) -> None:
+    """Name the person at the terminal to a backend of a real robot.
+
+    Raises:
+        UsageError: The backend is simulated, and --yes or --interface is given.
+    """
+    from cbdsl.backends.backend import AttendedBackend
+    from cbdsl.errors.errors import UsageError
+
+    if isinstance(backend, AttendedBackend):
+        backend.attend(TerminalPerson(yes=yes), interface)
+    elif yes or interface is not None:
+        option = "--yes" if yes else "--interface"
+        raise UsageError(f"{option} is for a real robot, such as with --backend ros2")

@@ -1,0 +1,53 @@
+"""Descriptions: the URDF that a robot publishes of itself, beside the URDF of its document."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+
+from cbdsl.robot.urdf import UrdfError, UrdfJoint, UrdfModel
+from cbdsl.robot.urdf_reader import parse_urdf
+
+# Limits are rounded where they are written, relative to their size.
+_ROUNDING = 1e-3
+
+
+def description_problems(
+    urdf: str, model: UrdfModel, joints: Sequence[str], names: Mapping[str, str]
+) -> list[str]:
+    """Return the differences between a robot's own URDF and its document's, one sentence each.
+
+    Args:
+        urdf: URDF of the robot, as text.
+        model: URDF of the robot's document.
+        joints: Actuated joints, by their names in the document.
+        names: Names of joints in the robot's own URDF, where they differ.
+    """
+    try:
+        described = parse_urdf(urdf, Path("robot_description"))
+    except UrdfError as error:
+        return [f"the robot's description cannot be read: {error}"]
+    problems = []
+    for name in joints:
+        own, other = model.joints[name], described.joints.get(names.get(name, name))
+        if other is None:
+            problems.append(f"the robot's description has no joint '{names.get(name, name)}'")
+            continue
+        problems.extend(_differences(own, other))
+    return problems
+
+
+def _differences(own: UrdfJoint, other: UrdfJoint) -> list[str]:
+    if own.kind != other.kind:
+        return [f"joint '{own.name}' is {other.kind} by the robot, and {own.kind} by its document"]
+    limits = {
+        "lower limit": (own.lower, other.lower),
+        "upper limit": (own.upper, other.upper),
+        "velocity limit": (own.velocity, other.velocity),
+    }
+    return [
+        f"joint '{own.name}' has the {limit} {theirs:g} by the robot, and {ours:g} by its document"
+        for limit, (ours, theirs) in limits.items()
+        if not math.isclose(ours, theirs, rel_tol=_ROUNDING, abs_tol=_ROUNDING)
+    ]

@@ -1,0 +1,28 @@
+"""Drivers that speak ROS 2: rules for their topics."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+
+from cbdsl.documents.driver import Driver
+from cbdsl.robot.driver_addresses import addresses
+from cbdsl.robot.driver_kind import DriverKind, Problem
+
+# Names of ROS 2: tokens of letters, digits and underscores after each slash, not beginning with a
+# digit, without two underscores in a row (design.ros2.org, "Topic and Service name mapping").
+_TOPIC = re.compile(r"/?[A-Za-z_][A-Za-z0-9_]*(/[A-Za-z_][A-Za-z0-9_]*)*")
+_LONGEST = 247
+
+
+def _problems(driver: Driver) -> Iterator[Problem]:
+    for steps, address in addresses(driver):
+        if address.startswith("~"):
+            yield steps, f"'{address}' is private to a node; give the absolute topic"
+        elif not _TOPIC.fullmatch(address) or "__" in address or len(address) > _LONGEST:
+            yield steps, f"'{address}' is not a topic of ROS 2, such as /joint_states"
+    for option in driver.options:
+        yield ("options", option), f"kind ros2 has no option '{option}'"
+
+
+ROS2 = DriverKind("ros2", "topics of ROS 2, by DDS", _problems, "cbdsl.backends.ros2.link:Ros2Link")

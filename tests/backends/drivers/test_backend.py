@@ -1,0 +1,343 @@
+"""Backend of a real robot: states, and what never happens, without a transport."""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+
+from cbdsl.backends.backend import AttendedBackend, BackendError
+from cbdsl.backends.drivers.backend import DrivenBackend
+from cbdsl.backends.drivers.link import Endpoint
+from cbdsl.backends.drivers.person import Consent, RefusingPerson
+from cbdsl.backends.drivers.sample import DescriptionSample, FaultSample, JointSample, StopSample
+from cbdsl.backends.drivers.supervisor import State
+from cbdsl.documents.stage import StageDocument
+from tests.backends.drivers.conftest import (
+    LOWER,
+    PERIOD,
+    UPPER,
+    URDF,
+    VELOCITY,
+    Answers,
+    Peer,
+    backend,
+)
+
+RNG = np.random.default_rng(0)
+
+
+def begin(driven: DrivenBackend, stage: StageDocument) -> None:
+    driven.reset(stage, None, RNG)
+
+
+def run(driven: DrivenBackend, references: Callable[[int], np.ndarray], ticks: int) -> None:
+    for tick in range(ticks):
+        driven.apply(references(tick))
+        driven.step()
+
+
+def sine(tick: int) -> np.ndarray:
+    return 0.3 * np.sin(np.array([0.05, 0.04]) * tick)
+
+
+def test_backend_is_attended(urdf: Path) -> None:
+    assert isinstance(backend(Peer(), urdf), AttendedBackend)
+
+
+def test_backend_follows_references_and_tells_states(urdf: Path, stage: StageDocument) -> None:
+    peer = Peer()
+    driven = backend(peer, urdf)
+    assert driven.supervisor.state is State.OFF
+    begin(driven, stage)
+    assert driven.supervisor.state is State.READY
+    assert not peer.commands, "nothing moves before the first reference"
+    assert driven.deadline is None
+    run(driven, sine, 50)
+    assert driven.supervisor.state is State.RUNNING
+    assert driven.deadline == pytest.approx(0.05)
+    assert driven.observe().time == pytest.approx(50 * PERIOD, abs=2 * PERIOD)
+    assert driven.observe().positions == pytest.approx(sine(49), abs=0.02)
+    driven.close()
+    assert peer.closed
+    assert driven.supervisor.state is State.HELD
+
+
+FAULTS: dict[str, tuple[Callable[[Peer], None], str]] = {
+    "silence": (lambda peer: setattr(peer, "silent", True), "no new state of any joint"),
+    "missing joint": (
+        lambda peer: setattr(peer, "alter", lambda s: [_only(s, [0])]),
+        "no new state of joint 'second'",
+    ),
+    "doubled joint": (
+        lambda peer: setattr(peer, "alter", lambda s: [_only(s, [0, 1, 0])]),
+        "names joint 'first' twice",
+    ),
+    "nan": (
+        lambda peer: setattr(peer, "alter", lambda s: [s._replace(positions=(math.nan, 0.0))]),
+        "sends nan in positions of joint 'first'",
+    ),
+    "clock ahead": (lambda peer: setattr(peer, "skew", 5.0), "5.000 s ahead of"),
+    "clock behind": (lambda peer: setattr(peer, "skew", -5.0), "5.000 s behind"),
+    "stamps stand still": (
+        lambda peer: setattr(peer, "alter", _standing(peer)),
+        "no new state of any joint",
+    ),
+    "frozen states": (lambda peer: setattr(peer, "alter", _frozen()), "are frozen"),
+    "effort": (
+        lambda peer: setattr(peer, "alter", lambda s: [s._replace(efforts=(0.0, 6.0))]),
+        "has the effort 6.00, and its limit is 5.00",
+    ),
+    "position": (
+        lambda peer: setattr(peer, "alter", lambda s: [s._replace(positions=(3.0, 0.0))]),
+        "joint 'first' is at 3.000, outside of its limits",
+    ),
+    "speed": (
+        lambda peer: setattr(peer, "alter", lambda s: [s._replace(velocities=(9.0, 0.0))]),
+        "joint 'first' moves at 9.000/s",
+    ),
+    "stuck": (lambda peer: setattr(peer, "moving", False), "from its reference"),
+    "emergency stop": (
+        lambda peer: setattr(peer, "alter", lambda s: [s, StopSample("arm", True)]),
+        "the emergency stop of driver 'arm' is pressed",
+    ),
+    "another commander": (
+        lambda peer: peer.faults.append(FaultSample("arm", "another commander writes")),
+        "another commander writes",
+    ),
+    "short message": (
+        lambda peer: setattr(peer, "alter", lambda s: [s._replace(positions=(0.0,))]),
+        "sends 1 positions for 2 joints",
+    ),
+    "other robot": (
+        lambda peer: setattr(peer, "alter", lambda s: [s, DescriptionSample("arm", "<robot/>")]),
+        "the robot's description",
+    ),
+}
+
+
+def _only(sample: JointSample, which: list[int]) -> JointSample:
+    parts = (sample.names, sample.positions, sample.velocities)
+    names, positions, velocities = (tuple(part[i] for i in which) for part in parts)
+    return sample._replace(names=names, positions=positions, velocities=velocities)
+
+
+def _standing(peer: Peer) -> Callable[[JointSample], list[JointSample]]:
+    first: list[float] = []
+
+    def alter(sample: JointSample) -> list[JointSample]:
+        first.append(sample.stamp)
+        return [sample._replace(stamp=first[0])]
+
+    return alter
+
+
+def _frozen() -> Callable[[JointSample], list[JointSample]]:
+    first: list[JointSample] = []
+
+    def alter(sample: JointSample) -> list[JointSample]:
+        first.append(sample)
+        return [first[0]._replace(stamp=sample.stamp)]
+
+    return alter
+
+
+@pytest.mark.parametrize("fault", FAULTS)
+def test_backend_holds_after_a_fault_and_names_the_cause(
+    fault: str, urdf: Path, stage: StageDocument
+) -> None:
+    inject, cause = FAULTS[fault]
+    peer = Peer()
+    driven = backend(peer, urdf)
+    begin(driven, stage)
+    run(driven, sine, 30)
+    inject(peer)
+    begun, rate = peer.time, np.array([0.015, 0.012])
+    with pytest.raises(BackendError, match="the robot is held: ") as raised:
+        run(driven, lambda tick: sine(29) + rate * (tick + 1), 60)
+    assert cause in str(raised.value)
+    assert driven.supervisor.state is State.HELD
+    # A robot that does not follow is found by the distance that it lags, the others by time.
+    if fault != "stuck":
+        assert peer.commands[-1][0] - begun < 0.15, "the last reference is sent soon"
+    assert _within_limits(peer.references)
+    steps = np.diff(peer.references, axis=0)
+    assert np.abs(steps[-1:]).max() <= 0.05 * PERIOD * VELOCITY.max() + 2.0 * PERIOD
+
+
+def _within_limits(references: np.ndarray) -> bool:
+    inside = (references >= LOWER) & (references <= UPPER)
+    speeds = np.abs(np.diff(references, axis=0)) / PERIOD
+    return bool(inside.all() and (speeds <= VELOCITY + 1e-6).all())
+
+
+def test_held_robot_is_released_by_a_person_only(urdf: Path, stage: StageDocument) -> None:
+    peer = Peer()
+    driven = backend(peer, urdf)
+    begin(driven, stage)
+    run(driven, sine, 5)
+    peer.faults.append(FaultSample("arm", "a publisher has ended"))
+    with pytest.raises(BackendError):
+        run(driven, sine, 5)
+    with pytest.raises(BackendError, match="is held"):
+        driven.apply(np.zeros(2))
+    driven.attend(Consent())
+    with pytest.raises(BackendError, match="a person has to release it"):
+        begin(driven, stage)
+    refusal = Answers(False)
+    driven.attend(refusal)
+    with pytest.raises(BackendError, match="a person has to release it"):
+        begin(driven, stage)
+    assert refusal.questions == ["release it"]
+    driven.attend(Answers(True, True))
+    begin(driven, stage)
+    assert driven.supervisor.state is State.READY
+
+
+def test_halt_lets_a_consent_begin_the_next_episode(urdf: Path, stage: StageDocument) -> None:
+    driven = backend(Peer(), urdf)
+    driven.attend(Consent())
+    begin(driven, stage)
+    run(driven, sine, 20)
+    driven.halt()
+    assert driven.supervisor.state is State.HELD
+    begin(driven, stage)
+    assert driven.supervisor.state is State.READY
+
+
+def test_halt_returns_to_the_measured_positions(urdf: Path, stage: StageDocument) -> None:
+    peer = Peer()
+    driven = backend(peer, urdf, tracking=0.5)
+    begin(driven, stage)
+    run(driven, sine, 20)
+    peer.moving = False
+    stood = peer.positions.copy()
+    run(driven, lambda tick: stood + 0.02 * (tick + 1) * np.array([1.0, 0.5]), 4)
+    driven.halt()
+    assert peer.references[-1] == pytest.approx(stood, abs=1e-3)
+    assert _within_limits(peer.references)
+
+
+@pytest.mark.parametrize("person", [RefusingPerson(), Answers(False)])
+def test_nothing_moves_without_a_persons_consent(
+    person: RefusingPerson | Answers, urdf: Path, stage: StageDocument
+) -> None:
+    peer = Peer()
+    driven = backend(peer, urdf)
+    driven.attend(person)
+    with pytest.raises(BackendError):
+        begin(driven, stage)
+    assert not peer.commands
+
+
+def test_not_ready_names_every_obstacle(urdf: Path, stage: StageDocument) -> None:
+    described = URDF.replace('upper="1"', 'upper="1.5"')
+    peer = Peer(
+        alter=lambda s: [_only(s, [0]), DescriptionSample("arm", described)],
+        endpoints=[
+            Endpoint("arm", "commands", "/commands", "a/msg/B", outgoing=True, peers=0, rivals=1)
+        ],
+    )
+    driven = backend(peer, urdf, stop="/stop")
+    with pytest.raises(BackendError) as raised:
+        begin(driven, stage)
+    lines = str(raised.value).splitlines()
+    assert lines == [
+        "robot 'rail' is not ready:",
+        "- nothing listens to /commands (driver 'arm', commands)",
+        "- another commander writes to /commands (driver 'arm', commands): 1 of them",
+        "- joint 'first' has the upper limit 1.5 by the robot, and 1 by its document",
+        "- no state of joint 'second' from driver 'arm' at /joint_states",
+    ]
+    assert not peer.commands
+
+
+def test_first_reference_far_from_the_robot_is_refused(urdf: Path, stage: StageDocument) -> None:
+    peer = Peer()
+    driven = backend(peer, urdf)
+    begin(driven, stage)
+    with pytest.raises(BackendError, match=r"the first reference of joint 'second' is 0\.500 from"):
+        driven.apply(np.array([0.0, 0.5]))
+    assert not peer.commands
+
+
+def test_joint_order_of_messages_does_not_matter(urdf: Path, stage: StageDocument) -> None:
+    peer = Peer(positions=np.array([0.2, -0.4]), alter=lambda s: [_only(s, [1, 0])])
+    driven = backend(peer, urdf)
+    begin(driven, stage)
+    assert driven.observe().positions == pytest.approx([0.2, -0.4], abs=1e-5)
+
+
+def test_driver_names_of_joints_are_used_both_ways(urdf: Path, stage: StageDocument) -> None:
+    def rename(sample: JointSample) -> list[JointSample]:
+        return [sample._replace(names=("j1", "j2"))]
+
+    peer = Peer(alter=rename)
+    driven = backend(peer, urdf, joints={"first": "j1", "second": "j2"})
+    begin(driven, stage)
+    driven.apply(np.zeros(2))
+    assert peer.commands[-1][1].names == ("j1", "j2")
+
+
+def test_suspended_process_holds(urdf: Path, stage: StageDocument) -> None:
+    peer = Peer()
+    driven = backend(peer, urdf)
+    begin(driven, stage)
+    run(driven, sine, 5)
+    peer.time += 0.4
+    with pytest.raises(BackendError, match="suspended for 4"):
+        run(driven, sine, 3)
+
+
+events = st.sampled_from([*FAULTS, "none", "halt", "jump", "nan reference", "huge reference"])
+
+
+@settings(max_examples=60, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@given(st.lists(st.tuples(events, st.integers(1, 12)), min_size=1, max_size=8))
+def test_no_sequence_of_faults_moves_a_held_robot_or_breaks_a_limit(
+    urdf: Path, stage: StageDocument, sequence: list[tuple[str, int]]
+) -> None:
+    peer = Peer()
+    driven = backend(peer, urdf)
+    begin(driven, stage)
+    held_at: int | None = None
+    for event, ticks in sequence:
+        reference = _event(event, peer, driven)
+        for _ in range(ticks):
+            try:
+                driven.apply(reference)
+                driven.step()
+            except BackendError:
+                assert driven.supervisor.state is State.HELD
+                assert driven.supervisor.cause
+        if driven.supervisor.state is State.HELD:
+            held_at = len(peer.commands) if held_at is None else held_at
+            assert len(peer.commands) == held_at, "a held robot gets no more references"
+    assert _within_limits(peer.references)
+    assert np.isfinite(peer.references).all()
+
+
+def _event(event: str, peer: Peer, driven: DrivenBackend) -> np.ndarray:
+    """Let an event happen; return the references that follow."""
+    if event in FAULTS:
+        FAULTS[event][0](peer)
+    elif event == "halt":
+        driven.halt()
+    elif event == "jump":
+        peer.time += 0.3
+    at = driven.supervisor.limiter.positions
+    wild = {"nan reference": math.nan, "huge reference": 1e9}
+    return at + wild.get(event, 0.03)
+
+
+def test_observation_has_no_more_than_the_contract(urdf: Path, stage: StageDocument) -> None:
+    driven = backend(Peer(), urdf)
+    begin(driven, stage)
+    fields = {each.name for each in dataclasses.fields(driven.observe())}
+    assert fields >= {"time", "positions", "velocities", "loads", "images"}
