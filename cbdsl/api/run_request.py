@@ -213,5 +213,6 @@ def _is_recording(file: Path) -> bool:
     """Whether a file is one of the two that ``cb run --record`` writes for an episode."""
     if not file.is_file():
         return False
-    is_summary = file.suffix == ".json" and b'"kind": "recording"' in file.read_bytes()
+    with file.open("rb") as stream:
+        is_summary = file.suffix == ".json" and b'"kind": "recording"' in stream.read(4096)
     return is_summary or file.suffix == ".npz"

@@ -136,18 +136,19 @@ class ModelReader:
         return self._written(urdf, how, name, folder, {}, ())
 
     def _read_mjcf(self, name: str, folder: Path) -> ModelSource:
+        from importlib.util import find_spec
+
         from cbdsl.errors.distributions import require_unmixed
         from cbdsl.errors.errors import UsageError
+        from cbdsl.robot.mjcf.bounded_conversion import convert_bounded
 
         require_unmixed("mujoco")
-        try:
-            from cbdsl.robot.mjcf.conversion import convert_mjcf
-        except ModuleNotFoundError as error:
+        if find_spec("mujoco") is None:
             raise UsageError(
-                f"--urdf {self._file}: MJCF needs {error.name}, which is not installed: "
+                f"--urdf {self._file}: MJCF needs mujoco, which is not installed: "
                 "pip install 'cbdsl[mujoco]'"
-            ) from None
-        converted = convert_mjcf(self._file, name)
+            )
+        converted = convert_bounded(self._file, name)
         how = "converted from MJCF as MuJoCo compiles it"
         return self._written(converted.urdf, how, name, folder, converted.meshes, converted.remarks)
 

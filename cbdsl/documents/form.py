@@ -14,6 +14,7 @@ from pydantic import (
     model_validator,
 )
 
+from cbdsl.documents.contents import contents
 from cbdsl.documents.document import (
     Angle,
     Color,
@@ -26,6 +27,8 @@ from cbdsl.documents.document import (
 Side = Literal["-x", "+x", "-y", "+y"]
 """Where a side looks while the thing's yaw is 0."""
 
+
+_MOST_MESH_BYTES = 20_000_000
 
 #: Most solids that something composed, or a mesh, is made of.
 MOST_PIECES = 16
@@ -284,7 +287,10 @@ class MeshForm(Section):
         # What was learned with a mesh holds for this mesh, wherever it lies.
         if info.context is None or not self.path.is_file():
             return file
-        return hashlib.sha256(self.path.read_bytes()).hexdigest()
+        try:
+            return hashlib.sha256(contents(self.path, _MOST_MESH_BYTES)).hexdigest()
+        except OSError:
+            return file  # as readers of the mesh report
 
     # A document is what it says, wherever it lies.
     def __eq__(self, other: object) -> bool:

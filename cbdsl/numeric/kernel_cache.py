@@ -5,6 +5,7 @@ from __future__ import annotations
 import hashlib
 import os
 import pickle
+import stat
 import sys
 import time
 from collections.abc import Iterator
@@ -57,6 +58,8 @@ class KernelCache(_Cache):
         if file is None:
             return None
         try:
+            if not _is_own(file):
+                return None
             parts = pickle.loads(file.read_bytes())
             _note_use(file)
             return CompileResult._rebuild(target_context, *parts)  # type: ignore[no-untyped-call]
@@ -100,6 +103,14 @@ class KernelCache(_Cache):
         except NoDigestError:
             return None
         return _hash(f"{own} {codegen.magic_tuple()} {_surroundings()}")
+
+
+def _is_own(file: Path) -> bool:
+    """Return whether no other user can have written a file: reading it runs what it holds."""
+    for status in (file.stat(), file.parent.stat()):
+        if status.st_uid not in (os.geteuid(), 0) or status.st_mode & stat.S_IWOTH:
+            return False
+    return True
 
 
 def folder() -> Path | None:

@@ -3,16 +3,18 @@
 from __future__ import annotations
 
 import json
+import math
 import zipfile
 import zlib
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import IO, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from cbdsl.documents.contents import contents
 from cbdsl.errors.errors import UsageError
 from cbdsl.errors.reason import reason
 from cbdsl.reporting.recorded_form import array_faults, summary_faults
@@ -33,6 +35,10 @@ _UNREADABLE = (
     OSError, ValueError, EOFError, RuntimeError, MemoryError, OverflowError, zipfile.BadZipFile,
     zlib.error,
 )  # fmt: skip
+
+# An hour's states; five minutes with the images of two cameras.
+_MOST_SUMMARY_BYTES = 50_000_000
+_MOST_ARRAY_BYTES = 1_000_000_000
 
 _MAKING = "cb run PROGRAM --record FOLDER writes one when an episode ends"
 
@@ -132,7 +138,7 @@ def _summary(file: Path) -> Mapping[str, Any]:
     if file.suffix != ".json":
         raise UsageError(f"{file}: no recording, which is a .json and a .npz file; {_MAKING}")
     try:
-        summary = json.loads(file.read_text("utf-8"))
+        summary = json.loads(contents(file, _MOST_SUMMARY_BYTES))
     except OSError as error:
         raise UsageError(f"{file}: {reason(error)}") from error
     except (ValueError, RecursionError) as error:
@@ -155,7 +161,47 @@ def _arrays(file: Path) -> Mapping[str, NDArray[Any]]:
     if not file.exists():
         raise UsageError(f"{file}: missing; a recording is two files, .json and .npz")
     try:
+        _require_bounded(file)
         with np.load(file, allow_pickle=False) as loaded:
             return {key: loaded[key] for key in loaded}
     except _UNREADABLE as error:
         raise UsageError(f"{file}: damaged, or cut short; record the episode again") from error
+
+
+def _require_bounded(file: Path) -> None:
+    """Check the sizes that an archive declares, before any of it is unpacked.
+
+    Raises:
+        UsageError: They are larger than those of any recording.
+        ValueError: An array is declared to be larger than its part of the archive.
+    """
+    if not file.is_file():
+        raise UsageError(f"{file}: not a regular file")
+    with zipfile.ZipFile(file) as archive:
+        parts = archive.infolist()
+        if sum(part.file_size for part in parts) > _MOST_ARRAY_BYTES:
+            raise UsageError(
+                f"{file}: its arrays have more than {_MOST_ARRAY_BYTES} bytes; record a shorter "
+                "episode"
+            )
+        for part in parts:
+            with archive.open(part) as stream:
+                _require_array(stream, part.file_size)
+
+
+def _require_array(stream: IO[bytes], size: int) -> None:
+    """Check that an array is no larger than its part of the archive.
+
+    Raises:
+        ValueError: It is, or it is no array.
+    """
+    version = np.lib.format.read_magic(stream)
+    readers = {
+        (1, 0): np.lib.format.read_array_header_1_0,
+        (2, 0): np.lib.format.read_array_header_2_0,
+    }
+    if version not in readers:
+        raise ValueError(f"format {version} is unknown")
+    shape, _, kind = readers[version](stream)
+    if kind.itemsize * math.prod(shape) > size:
+        raise ValueError("it is larger than its part of the archive")

@@ -12,6 +12,9 @@ from numpy.typing import NDArray
 Floats = NDArray[np.float64]
 Triangles = NDArray[np.intp]
 
+#: Most bytes of a file that is handed to the reader.
+MOST_BYTES = 100_000_000
+
 
 class MeshError(ValueError):
     """A mesh file cannot be read; the message says why."""
@@ -40,6 +43,12 @@ def read_mesh_file(file: Path, scale: Sequence[float]) -> Mesh:
         import coal
     except ImportError as error:
         raise MeshError(f"{file}: the reader of meshes is not installed: {error}") from error
+    try:
+        size = file.stat().st_size
+    except OSError as error:
+        raise MeshError(f"{file}: {error.strerror}") from error
+    if size > MOST_BYTES or not file.is_file():
+        raise MeshError(f"{file}: not a file of at most {MOST_BYTES} bytes")
     try:
         loaded: Any = coal.MeshLoader().load(str(file), np.array(scale, dtype=float))
         corners = np.array(loaded.vertices(), dtype=np.float64).reshape(-1, 3)

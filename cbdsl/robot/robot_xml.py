@@ -10,8 +10,8 @@ from xml.parsers import expat
 from cbdsl.documents.contents import contents
 from cbdsl.robot.urdf import UrdfError
 
-# The largest public models, of humanoids, have a tenth of it; meshes have files of their own.
-MOST_BYTES = 16_000_000
+# The largest public models, of humanoids, have 1.6 MB; meshes have files of their own.
+MOST_BYTES = 4_000_000
 
 
 def robot_text(path: Path) -> bytes:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Mapping
 from pathlib import Path
 from typing import NamedTuple
@@ -94,7 +95,8 @@ def parse_srdf(text: bytes | str, path: Path) -> SrdfModel:
     refuse_macros(root, path)
     require_robot(root, path)
     groups = [_group(element) for element in root.findall("group")]
-    twice = next((g.name for g in groups if [h.name for h in groups].count(g.name) > 1), None)
+    counts = Counter(group.name for group in groups)
+    twice = next((name for name, count in counts.items() if count > 1), None)
     if twice is not None:
         raise UrdfError(f"{path}: it has two groups of the name '{twice}'")
     try:

@@ -7,10 +7,13 @@ from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from cbdsl.errors.errors import UsageError
 from cbdsl.robot.mesh_reader import Mesh
 from cbdsl.robot.triangles import read_triangles
+
+Floats = NDArray[np.float64]
 
 # Volume over the cube of the longest extent, below which nothing is inside.
 _LEAST = 1e-6
@@ -51,8 +54,21 @@ def _read(file: Path, scale: float, _changed: int) -> ThingMesh:
         raise UsageError(f"{file}: it has no inside")
     if volume < 0:  # its triangles are seen from the inside
         triangles = triangles[:, ::-1]
-    corners, places = np.unique(triangles.reshape(-1, 3), axis=0, return_inverse=True)
+    corners, places = _distinct(triangles.reshape(-1, 3))
     low, high = corners.min(axis=0), corners.max(axis=0)
     x, y, z = ((high - low) / 2).tolist()
     mesh = Mesh(corners - (low + high) / 2, places.reshape(-1, 3).astype(np.intp))
     return ThingMesh(mesh, (x, y, z))
+
+
+def _distinct(rows: Floats) -> tuple[Floats, NDArray[np.intp]]:
+    """Return the sorted distinct rows, and the place of each row among them.
+
+    ``np.unique`` of rows does the same in ten times the time.
+    """
+    order = np.lexsort(rows.T[::-1])
+    ordered = rows[order]
+    is_new = np.concatenate([[True], (ordered[1:] != ordered[:-1]).any(axis=1)])
+    places = np.empty(len(rows), np.intp)
+    places[order] = np.cumsum(is_new) - 1
+    return ordered[is_new], places

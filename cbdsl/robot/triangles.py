@@ -2,17 +2,24 @@
 
 from __future__ import annotations
 
+import io
+from array import array
+from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
+from cbdsl.documents.contents import contents
 from cbdsl.errors.errors import UsageError
+from cbdsl.errors.reason import reason
 
 Floats = NDArray[np.float64]
 
 #: Most triangles of a mesh, and its longest and shortest extent, m.
 MOST, LONGEST, SHORTEST = 200_000, 2.0, 0.001
+#: Most bytes of its file: those of an STL of bytes with so many triangles have half of it.
+MOST_BYTES = 20_000_000
 # A triangle in an STL of bytes: normal, three corners, and two bytes that nobody uses.
 _RECORD = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("unused", "<u2")])
 _HEAD = 84
@@ -30,15 +37,17 @@ def read_triangles(file: Path, scale: float = 1.0) -> Floats:
     Raises:
         UsageError: there is no such file, it is no mesh, or none of a thing that a hand could hold.
     """
-    if not file.is_file():
+    if not file.exists():
         raise UsageError(f"{file}: there is no such mesh")
     readers = {".stl": _stl, ".obj": _obj}
     read = readers.get(file.suffix.lower())
     if read is None:
         raise UsageError(f"{file}: not a mesh of a known format; known: {', '.join(readers)}")
     try:
-        triangles = scale * read(file.read_bytes())
-    except (ValueError, IndexError, UnicodeDecodeError) as error:
+        triangles = scale * read(contents(file, MOST_BYTES))
+    except OSError as error:
+        raise UsageError(f"{file}: {reason(error)}") from error
+    except (ValueError, IndexError, OverflowError) as error:
         raise UsageError(f"{file}: not a mesh: {error}") from error
     _require_reasonable(file, triangles)
     return triangles
@@ -61,14 +70,18 @@ def _require_reasonable(file: Path, triangles: Floats) -> None:
 
 def _open_edges(triangles: Floats, extent: float) -> int:
     """Number of edges that are not those of two triangles, one in each direction."""
-    corners = np.round(triangles.reshape(-1, 3) / (_SAME * extent)).astype(np.int64)
-    _, numbers = np.unique(corners, axis=0, return_inverse=True)
+    rows = triangles.reshape(-1, 3)
+    # A cell of at most 20 bits along each axis, in one number: rows are slow to compare.
+    cells = np.round((rows - rows.min(axis=0)) / (_SAME * extent)).astype(np.int64)
+    _, numbers = np.unique(
+        (cells[:, 0] << 42) | (cells[:, 1] << 21) | cells[:, 2], return_inverse=True
+    )
     faces = numbers.reshape(-1, 3)
     faces = faces[(faces != np.roll(faces, 1, axis=1)).all(axis=1)]
     edges = np.concatenate([faces[:, [0, 1]], faces[:, [1, 2]], faces[:, [2, 0]]])
     lower, upper = edges.min(axis=1), edges.max(axis=1)
     directions = np.where(edges[:, 0] == lower, 1, -1)
-    _, places = np.unique(np.stack([lower, upper], axis=1), axis=0, return_inverse=True)
+    _, places = np.unique(lower * len(rows) + upper, return_inverse=True)
     return int(np.count_nonzero(np.bincount(places.ravel(), weights=directions)))
 
 
@@ -78,23 +91,56 @@ def _stl(data: bytes) -> Floats:
         if len(data) == _HEAD + count * _RECORD.itemsize:
             records = np.frombuffer(data, _RECORD, count, _HEAD)
             return records["corners"].astype(np.float64)
-    lines = [line.split() for line in data.decode("utf-8").splitlines()]
-    corners = [list(map(float, words[1:4])) for words in lines if words[:1] == ["vertex"]]
-    return np.array(corners).reshape(-1, 3, 3)
+    numbers = array("d")
+    for line in _lines(data):
+        words = line.split(None, 5)
+        if words[:1] == ["vertex"]:
+            x, y, z = words[1:4]
+            numbers.extend((float(x), float(y), float(z)))
+            _require_few(len(numbers) // 9)
+    return np.array(numbers).reshape(-1, 3, 3)
 
 
 def _obj(data: bytes) -> Floats:
-    points: list[list[float]] = []
-    faces: list[tuple[int, int, int]] = []
-    for line in data.decode("utf-8").splitlines():
-        words = line.split()
-        if words[:1] == ["v"]:
-            points.append(list(map(float, words[1:4])))
-        elif words[:1] == ["f"]:
-            # Numbers count from 1, or back from the newest point.
-            numbers = [int(word.split("/")[0]) for word in words[1:]]
-            own = [number - 1 if number > 0 else len(points) + number for number in numbers]
-            if min(own) < 0 or max(own) >= len(points):
-                raise ValueError(f"'{line}' names a point that is not there")
-            faces += [(own[0], own[k], own[k + 1]) for k in range(1, len(own) - 1)]
-    return np.array(points).reshape(-1, 3)[np.array(faces, dtype=np.int64).reshape(-1, 3)]
+    points, faces, count = array("d"), array("q"), 0
+    for line in _lines(data):
+        key, _, rest = line.partition(" ")
+        if key == "v":
+            x, y, z = rest.split(None, 3)[:3]
+            points.extend((float(x), float(y), float(z)))
+            count += 1
+            _require_few(count // 3)
+        elif key == "f":
+            own = _face(rest, count)
+            for k in range(1, len(own) - 1):
+                faces.extend((own[0], own[k], own[k + 1]))
+            _require_few(len(faces) // 3)
+    corners = np.array(points).reshape(-1, 3)
+    return corners[np.array(faces, dtype=np.int64).reshape(-1, 3)]
+
+
+def _face(text: str, points: int) -> list[int]:
+    """Return the places of a face's points; they count from 1, or back from the newest point."""
+    words = text.split(None, MOST + 2)
+    _require_few(len(words) - 2)
+    numbers = [int(word.partition("/")[0]) for word in words]
+    own = [number - 1 if number > 0 else points + number for number in numbers]
+    if own and (min(own) < 0 or max(own) >= points):
+        raise ValueError(f"a face of {len(own)} points names a point that is not there")
+    return own
+
+
+def _lines(data: bytes) -> Iterator[str]:
+    """Yield the lines of a text, whose words are separated by single spaces, one at a time."""
+    for line in io.TextIOWrapper(io.BytesIO(data), "utf-8"):
+        yield line.strip().replace("\t", " ")
+
+
+def _require_few(triangles: int) -> None:
+    """Refuse a mesh before more of it is read.
+
+    Raises:
+        ValueError: It has too many triangles.
+    """
+    if triangles > MOST:
+        raise ValueError(f"more than {MOST} triangles")

@@ -178,7 +178,6 @@ class UrdfModel:
         path: its file.
         links: names of all links.
         joints: all joints by name.
-        moving: by link, the names of the movable joints above it, from the link upwards.
         meshes: their files as the model names them, each with a link that it is a part of.
         shapeless: names of the links that are visible or weigh something, and have no collision
             geometry.
@@ -187,7 +186,6 @@ class UrdfModel:
     path: Path
     links: frozenset[str]
     joints: Mapping[str, UrdfJoint]
-    moving: Mapping[str, tuple[str, ...]]
     meshes: Mapping[str, str]
     shapeless: tuple[str, ...]
     _read_links: Callable[[], Iterable[UrdfLink]] = field(repr=False)
@@ -223,7 +221,9 @@ class UrdfModel:
 
     def above(self, link: str) -> tuple[str, ...]:
         """Names of the movable joints between a link and the root, from the link upwards."""
-        return self.moving.get(link, ())
+        if link not in self._moving:
+            self._moving[link] = tuple(joint.name for joint in self.way(link) if joint.movable)
+        return self._moving[link]
 
     def reach(self, base: str, link: str) -> float | None:
         """A bound on the distance of a link's frame from another's, m, wherever joints are.
@@ -239,6 +239,11 @@ class UrdfModel:
     def way(self, link: str) -> tuple[UrdfJoint, ...]:
         """All joints between a link and the root, from the link upwards."""
         return way_to_root(link, self._parents)
+
+    @cached_property
+    def _moving(self) -> dict[str, tuple[str, ...]]:
+        """Names of movable joints above links that were asked for."""
+        return {}
 
     @cached_property
     def _parents(self) -> Mapping[str, UrdfJoint]:

@@ -1,6 +1,7 @@
 """The one reader of URDF models."""
 
 import math
+from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
 from xml.etree import ElementTree
@@ -17,7 +18,6 @@ from cbdsl.robot.urdf import (
     UrdfModel,
     UrdfOrigin,
     UrdfShape,
-    way_to_root,
 )
 
 
@@ -50,18 +50,17 @@ def parse_urdf(text: bytes | str, path: Path) -> UrdfModel:
     require_robot(root, path)
     links = frozenset(link.get("name", "") for link in root.findall("link"))
     try:
+        _require_few(root)
         _require_distinct(root)
         _require_masses(root)
         joints = [_joint(element, links) for element in root.findall("joint")]
         _require_tree(links, joints)
+        _require_shallow(joints)
         joints = _resolved(joints)
     except ValueError as error:
         raise UrdfError(f"{path}: {error}") from None
-    parents = {joint.child: joint for joint in joints}
-    ways = {link: way_to_root(link, parents) for link in links}
-    moving = {link: tuple(j.name for j in way if j.movable) for link, way in ways.items()}
     return UrdfModel(
-        path, links, {joint.name: joint for joint in joints}, moving, _meshes(root),
+        path, links, {joint.name: joint for joint in joints}, _meshes(root),
         tuple(_shapeless(root)), lambda: _links(root, path),
     )  # fmt: skip
 
@@ -98,6 +97,18 @@ def _links(root: ElementTree.Element, path: Path) -> list[UrdfLink]:
         raise UrdfError(f"{path}: {error}") from None
 
 
+def _require_few(root: ElementTree.Element) -> None:
+    """Check that a model is no larger than any robot.
+
+    Raises:
+        ValueError: It is.
+    """
+    for kind, most in _MOST.items():
+        count = len(root.findall(kind))
+        if count > most:
+            raise ValueError(f"it has {count} {kind}s; a model has at most {most}")
+
+
 def _require_distinct(root: ElementTree.Element) -> None:
     """Require names, and different ones, as whatever reads models does.
 
@@ -110,7 +121,7 @@ def _require_distinct(root: ElementTree.Element) -> None:
         names = [element.get("name", "") for element in root.findall(kind)]
         if "" in names:
             raise ValueError(f"one of its {kind}s has no name")
-        twice = next((name for name in names if names.count(name) > 1), None)
+        twice = next((name for name, count in Counter(names).items() if count > 1), None)
         if twice is not None:
             raise ValueError(f"it has two {kind}s of the name '{twice}'")
 
@@ -187,6 +198,27 @@ def _resolve(name: str, mimics: dict[str, Mimic | None]) -> None:
         mimics[follower] = master = Mimic(name, ratio, offset)
 
 
+def _require_shallow(joints: Iterable[UrdfJoint]) -> None:
+    """Check that no link of a tree is further from the root than in any robot.
+
+    Raises:
+        ValueError: One is.
+    """
+    parents = {joint.child: joint.parent for joint in joints}
+    depths: dict[str, int] = {}
+    for link in parents:
+        way = []
+        while link in parents and link not in depths:
+            way.append(link)
+            link = parents[link]
+        depth = depths.get(link, 0)
+        for passed in reversed(way):
+            depth += 1
+            depths[passed] = depth
+    if depths and max(depths.values()) > _DEEPEST:
+        raise ValueError(f"it has a chain of more than {_DEEPEST} joints")
+
+
 def _joint(element: ElementTree.Element, links: frozenset[str]) -> UrdfJoint:
     name, kind = element.get("name", ""), element.get("type", "")
     parent, child = element.find("parent"), element.find("child")
@@ -219,6 +251,9 @@ def _joint(element: ElementTree.Element, links: frozenset[str]) -> UrdfJoint:
     )
 
 
+# Models of humanoids with all fingers have 100 links; those of cables a few hundred in a row.
+_MOST = {"link": 10_000, "joint": 10_000, "material": 10_000, "transmission": 10_000}
+_DEEPEST = 1_000
 _KINDS = ("revolute", "continuous", "prismatic", "fixed", "floating", "planar")
 _EXAMPLE = '<limit lower="-1.57" upper="1.57" effort="10" velocity="2"/>'
 

@@ -34,7 +34,8 @@ DEEPEST = 64
 MOST_NODES = 10_000
 MOST_ENTRIES = 2_000
 MOST_CHARACTERS = 256_000
-LONGEST_TEXT = 10_000
+LONGEST_TEXT = LONGEST_LINE = 10_000
+LONGEST_KEY = 1_000
 #: No text of that many characters has more, a byte order mark included.
 MOST_BYTES = 4 * MOST_CHARACTERS + 3
 
@@ -95,6 +96,19 @@ def require_readable(text: str, file: str) -> None:
         raise too_large(file)
     if control := control_in(text):
         raise DiagnosticsError([unseen("CB103", control, file)])
+
+
+def require_short_lines(text: str, file: str) -> None:
+    """Refuse lines of broken YAML in which a search for the slip would take long.
+
+    Raises:
+        DiagnosticsError: there is one.
+    """
+    for number, line in enumerate(lines_of(text), 1):
+        if len(line) > LONGEST_LINE:
+            place = Place(file, number, 1, 2)
+            bound = f"{LONGEST_LINE} characters in one line"
+            raise DiagnosticsError([diagnostic("CB108", place, bound=bound)])
 
 
 def too_large(file: str) -> DiagnosticsError:
@@ -258,6 +272,9 @@ class _Composer:
         if not isinstance(event, yaml.ScalarEvent):
             return None
         text: str = event.value
+        if len(text) > LONGEST_KEY:
+            bound = f"{LONGEST_KEY} characters in one key"
+            raise self._fatal("CB108", place, bound=bound)
         if event.implicit[0] and not text.isascii() and (suggestion := suggested_key(text)):
             self._find("CB123", place, problem=look_alike_message(text, suggestion))
             return suggestion

@@ -7,8 +7,16 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
+from cbdsl.documents.contents import contents
+
 if TYPE_CHECKING:
     from pathspec import GitIgnoreSpec
+
+
+# Larger files, longer patterns and those with many stars are left out: stars take turns.
+_MOST_BYTES = 100_000
+_LONGEST = 200
+_MOST_STARS = 6
 
 
 class _Patterns(NamedTuple):
@@ -75,7 +83,7 @@ def _read(file: Path) -> Iterator[GitIgnoreSpec]:
     if not os.path.isfile(file):
         return
     try:
-        lines = file.read_text("utf-8", "replace").splitlines()
+        lines = contents(file, _MOST_BYTES).decode("utf-8", "replace").splitlines()
     except OSError:
         return
     from pathspec import GitIgnoreSpec  # few folders need it
@@ -84,6 +92,8 @@ def _read(file: Path) -> Iterator[GitIgnoreSpec]:
 
 
 def _is_pattern(line: str) -> bool:
+    if len(line) > _LONGEST or line.count("*") > _MOST_STARS:
+        return False
     from pathspec import GitIgnoreSpec
 
     try:

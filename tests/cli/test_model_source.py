@@ -186,6 +186,32 @@ def test_mistakes_are_named_and_nothing_is_written(
     assert not (folder / "robots").exists()
 
 
+@pytest.mark.parametrize(
+    "body",
+    [
+        '<replicate count="1000000000"><body><geom size="1"/></body></replicate>',
+        '<replicate count="5000"><replicate count="5000"><geom size="1"/></replicate></replicate>',
+    ],
+)
+def test_new_robot_from_mjcf_with_many_copies_is_refused(
+    body: str, folder: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (folder / "arm.xml").write_text(f"<mujoco><worldbody>{body}</worldbody></mujoco>")
+    assert cb(monkeypatch, "new", "robot", "arm", "--urdf", "arm.xml") == 2
+    assert "copies of a part; at most 10000" in capsys.readouterr().err
+
+
+@pytest.mark.slow
+def test_new_robot_from_mjcf_that_takes_long_ends(
+    folder: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    body = '<replicate count="1000000" offset="0 0 1"><body><geom size="1"/></body></replicate>'
+    (folder / "parts.xml").write_text(f"<mujoco><worldbody>{body}</worldbody></mujoco>")
+    (folder / "arm.xml").write_text('<mujoco><include file="parts.xml"/></mujoco>')
+    assert cb(monkeypatch, "new", "robot", "arm", "--urdf", "arm.xml") == 2
+    assert "MuJoCo cannot compile it within 10 s" in capsys.readouterr().err
+
+
 @pytest.mark.parametrize("suffix", [".urdf", ".srdf", ".xml", ""])
 def test_new_robot_from_xacro_by_another_name_needs_the_option(
     suffix: str,

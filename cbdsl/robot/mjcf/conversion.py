@@ -17,8 +17,10 @@ import mujoco as mj
 import numpy as np
 from numpy.typing import NDArray
 
+from cbdsl.documents.contents import contents
 from cbdsl.robot.mjcf.body_frame import BodyFrame, moved, placed, turned
 from cbdsl.robot.mjcf.model import MjcfJoint, MjcfModel
+from cbdsl.robot.robot_xml import MOST_BYTES, xml_root
 from cbdsl.robot.urdf import UrdfError
 
 Floats = NDArray[np.float64]
@@ -28,6 +30,8 @@ Floats = NDArray[np.float64]
 LEAST_MASS, LEAST_INERTIA = 1e-6, 1e-9
 # Geoms of the groups from this one on are not shown by MuJoCo's viewer, unless asked to.
 _HIDDEN_GROUP = 3
+_COUNTS = ("count", "nrow", "ncol", "width", "height")
+_MOST_COPIES, _MOST_PIXELS = 10_000, 100_000_000
 # MuJoCo reads names with these in them, and XML, of which URDF is, knows no way to write them.
 _UNWRITABLE = re.compile(r"[^\t\n\r\x20-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
 
@@ -56,6 +60,7 @@ def convert_mjcf(path: Path, name: str) -> MjcfConversion:
     Raises:
         UrdfError: MuJoCo refuses the model, or a joint is a ball joint.
     """
+    _require_few_copies(path)
     try:
         compiled = mj.MjModel.from_xml_path(str(path))
     except ValueError as error:
@@ -69,6 +74,29 @@ def convert_mjcf(path: Path, name: str) -> MjcfConversion:
     if unwritable is not None:
         raise UrdfError(f"{path}: one of its names has the control character {unwritable[0]!r}")
     return converted
+
+
+def _require_few_copies(path: Path) -> None:
+    """Check how often a model repeats its parts, before MuJoCo does it.
+
+    Raises:
+        UrdfError: It is more often than any robot has parts.
+    """
+    try:
+        root = xml_root(contents(path, MOST_BYTES), path, "MJCF")
+    except (OSError, UrdfError):
+        return  # as MuJoCo says
+    waiting = [(root, 1)]
+    while waiting:
+        element, copies = waiting.pop()
+        for word in " ".join(element.get(key, "") for key in _COUNTS).split():
+            copies *= int(word) if word.isascii() and word.isdigit() and len(word) < 12 else 1
+        most = _MOST_COPIES if element.get("count") else _MOST_PIXELS
+        if copies > most:
+            raise UrdfError(
+                f"{path}: <{element.tag}> makes {copies} copies of a part; at most {most} are read"
+            )
+        waiting += [(child, copies) for child in element]
 
 
 def _converted(model: MjcfModel, name: str) -> MjcfConversion:

@@ -14,6 +14,7 @@ from cbdsl.yaml_text.composer import (
     SyntaxFaultError,
     compose,
     require_readable,
+    require_short_lines,
     unseen,
 )
 from cbdsl.yaml_text.repair.conflict import conflicts, one_side
@@ -42,6 +43,7 @@ def mend(text: str, file: str, known: Composed | None = None) -> Composed:
         try:
             composed = compose(text, file)
         except SyntaxFaultError as fault:
+            require_short_lines(text, file)
             slip = find_slip(fault.error, lines_of(text))
             place = Place(file, slip.line, slip.column, slip.column + 1)
             findings.append(diagnostic(slip.code, place, problem=slip.problem))

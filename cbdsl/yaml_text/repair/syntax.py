@@ -38,8 +38,6 @@ _COMMENT = re.compile(r"\s*(?P<sign>//|--|;|%)\s*(?P<text>.*)")
 _STATE_IN_BRACKETS = re.compile(r"\s*(?P<state>[\[({][X01*,\s-]+[\])}])\s*:(?=\s)")
 _UNQUOTED_KEY = re.compile(r"(?P<text>[^\s:#]+)(?=\s*:(?:\s|$))")
 _UNQUOTED = re.compile(r"(?P<text>[^,\[\]{}#]*[^,\[\]{}#\s])")
-# A text that goes on with a row, as a displaced reference does.
-_SUM = re.compile(r"(?P<text>[^\s,\[\]{}:][^,\[\]{}:]*[+-] *)\Z")
 _ROW = re.compile(r"\[[^\[\]{}]*\]")
 _BEGINS = re.compile(r"\s*(?:- |---|\.\.\.|(?:- +)*['\"]?[\w$*-]+['\"]?:(?:\s|$))")
 _FENCE = re.compile(r"\s*(?:```|~~~)\w*\s*\Z")
@@ -231,15 +229,23 @@ def _after_the_end(trouble: _Trouble) -> Slip | None:
 
 def _row_in_text(trouble: _Trouble) -> Slip | None:
     """A text within braces that holds a row, such as a displaced reference."""
-    start = _SUM.search(trouble.before)
-    row = _ROW.match(trouble.rest)
-    if trouble.problem not in _OPENED or start is None or row is None:
+    if trouble.problem not in _OPENED:
         return None
-    quoted = f'"{start["text"]}{row[0]}"'
-    line = trouble.before[: start.start()] + quoted + trouble.rest[row.end() :]
+    row = _ROW.match(trouble.rest)
+    # A text that goes on with a row, as a displaced reference does.
+    text = trouble.before[_after_signs(trouble.before) :].lstrip()
+    if row is None or len(text.rstrip(" ")) < 2 or text.rstrip(" ")[-1] not in "+-":
+        return None
+    start = len(trouble.before) - len(text)
+    quoted = f'"{text}{row[0]}"'
+    line = trouble.before[:start] + quoted + trouble.rest[row.end() :]
     problem = f"within braces, text that holds brackets has to be quoted; write {quoted}"
-    column = start.start() + 1
-    return Slip(problem, trouble.line, column, "CB124", trouble.instead(line))
+    return Slip(problem, trouble.line, start + 1, "CB124", trouble.instead(line))
+
+
+def _after_signs(text: str) -> int:
+    """Return the place behind the last sign of YAML that ends a text within braces."""
+    return max(text.rfind(sign) for sign in ",[]{}:") + 1
 
 
 def _within_brackets(trouble: _Trouble) -> Slip | None:

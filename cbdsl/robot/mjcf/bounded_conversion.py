@@ -1,0 +1,88 @@
+"""Conversion of MJCF in a process of its own, with bounded time and memory.
+
+MuJoCo is native code, and a line of a model can ask for more memory than a machine has. What the
+process cannot do ends the process, not the command.
+"""
+
+from __future__ import annotations
+
+import base64
+import json
+import os
+import resource
+import subprocess
+import sys
+from pathlib import Path
+from typing import NamedTuple
+
+from cbdsl.robot.urdf import UrdfError
+
+_MOST_SECONDS = 10
+_MOST_BYTES = 3_000_000_000
+_BEGIN = (
+    "import json, sys; sys.path[:] = json.loads(sys.argv[1]); "
+    "from cbdsl.robot.mjcf.bounded_conversion import main; main()"
+)
+_ONE_THREAD = {"OPENBLAS_NUM_THREADS": "1", "OMP_NUM_THREADS": "1"}
+
+
+class ConvertedModel(NamedTuple):
+    """A model in URDF.
+
+    Attributes:
+        urdf: Its text.
+        meshes: STL files by the name that the text has for them.
+        remarks: Sentences about parts of the model that have no counterpart in URDF.
+    """
+
+    urdf: str
+    meshes: dict[str, bytes]
+    remarks: tuple[str, ...]
+
+
+def convert_bounded(path: Path, name: str) -> ConvertedModel:
+    """Return the URDF of an MJCF model; see ``convert_mjcf``.
+
+    Raises:
+        UrdfError: The model is refused, or takes too much time or memory.
+    """
+    paths = json.dumps([folder for folder in sys.path if folder])
+    command = [sys.executable, "-P", "-c", _BEGIN, paths, str(path), name]
+    try:
+        done = subprocess.run(
+            command,
+            stdin=subprocess.DEVNULL,
+            capture_output=True,
+            timeout=6 * _MOST_SECONDS,
+            env={**os.environ, **_ONE_THREAD},
+        )
+        answer = json.loads(done.stdout)
+    except (subprocess.TimeoutExpired, ValueError):
+        raise UrdfError(
+            f"{path}: MuJoCo cannot compile it within {_MOST_SECONDS} s and "
+            f"{_MOST_BYTES // 10**9} GB, or fails; does it replicate a part very often?"
+        ) from None
+    if "error" in answer:
+        raise UrdfError(answer["error"])
+    meshes = {file: base64.b64decode(text) for file, text in answer["meshes"].items()}
+    return ConvertedModel(answer["urdf"], meshes, tuple(answer["remarks"]))
+
+
+def main() -> None:
+    """Convert the model that the command line names, and write it to standard output as JSON."""
+    resource.setrlimit(resource.RLIMIT_AS, (_MOST_BYTES, _MOST_BYTES))
+    resource.setrlimit(resource.RLIMIT_CPU, (_MOST_SECONDS, _MOST_SECONDS))
+    resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
+    answers = os.dup(1)
+    os.dup2(2, 1)  # warnings of native code are no answers
+    answer: dict[str, object]
+    try:
+        from cbdsl.robot.mjcf.conversion import convert_mjcf
+
+        converted = convert_mjcf(Path(sys.argv[2]), sys.argv[3])
+        meshes = {file: base64.b64encode(data).decode() for file, data in converted.meshes.items()}
+        answer = {"urdf": converted.urdf, "meshes": meshes, "remarks": converted.remarks}
+    except UrdfError as error:
+        answer = {"error": str(error)}
+    with os.fdopen(answers, "w", encoding="utf-8") as stream:
+        json.dump(answer, stream)
